@@ -1,0 +1,85 @@
+//! What is wrong with an input: the field, its value, the limit and the unit.
+
+/// The result of everything that checks an input.
+pub type Result<T> = core::result::Result<T, Error>;
+
+/// A bad input. A solve that finds no answer is not one of these: see
+/// the `status` of a solution.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number lies outside what the law allows (NaN always does).
+    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    OutOfRange {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+        /// The unit of all three; `1` for a pure number.
+        unit: &'static str,
+    },
+    /// A number must be greater than its limit and is not.
+    #[error("{field} is {value} {unit}, but must be greater than {limit} {unit}")]
+    NotAbove {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What it must exceed.
+        limit: f64,
+        /// The unit of both.
+        unit: &'static str,
+    },
+    /// A number is NaN or infinite.
+    #[error("{field} is {value}, but must be a finite number of {unit}")]
+    NotFinite {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// The two speeds define no slip: standstill, or a wheel rolling against its rotation.
+    #[error("forward speed {forward_speed} m/s and rim speed {rim_speed} m/s define no slip")]
+    NoSlip {
+        /// Speed of the wheel's centre in its own plane, m/s.
+        forward_speed: f64,
+        /// Circumferential speed r ω, m/s.
+        rim_speed: f64,
+    },
+}
+
+impl Error {
+    pub(crate) fn check_finite(field: &'static str, value: f64, unit: &'static str) -> Result<()> {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::NotFinite { field, value, unit })
+        }
+    }
+
+    pub(crate) fn check_range(
+        field: &'static str,
+        value: f64,
+        low: f64,
+        high: f64,
+        unit: &'static str,
+    ) -> Result<()> {
+        if value >= low && value <= high {
+            Ok(())
+        } else {
+            Err(Self::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+            })
+        }
+    }
+}
