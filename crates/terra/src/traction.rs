@@ -117,6 +117,48 @@ impl WheelOnSoil {
         Ok(SlopeOutcome::Immobilised { most, asked })
     }
 
+    /// The skid of a free wheel: the slip at which the soil turns a wheel under `load` (N) against the
+    /// friction `bearing_torque` (N m, not negative) of its bearing, torque = −bearing_torque. `None` where
+    /// the soil cannot: the wheel locks, or is not carried.
+    ///
+    /// A free wheel does not roll without slip, as a fifth wheel that measures speed is assumed to:
+    /// v = r ω/(1 + s).
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`]; [`Error::OutOfRange`] for a negative or non-finite friction.
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    /// let sand = catalogue::find("dry-sand").expect("it is in the catalogue").soil()?;
+    /// let wheel = WheelOnSoil::new(RigidWheel::new(0.05, 0.03)?, sand, Settings::default())?;
+    /// let skid = wheel.free_slip(5.0, 0.0)?.expect("5 N are carried and turn the wheel");
+    /// assert!((skid.value() + 0.095).abs() < 5e-4); // it lags by nearly a tenth
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn free_slip(&self, load: f64, bearing_torque: f64) -> Result<Option<Slip>> {
+        Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
+        let surplus = |slip: f64| -> Result<Option<f64>> {
+            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+            Ok(solution
+                .point
+                .map(|point| point.forces.torque + bearing_torque))
+        };
+        // Torque rises with slip: from the first sample at which it suffices, look back.
+        let mut before: Option<(f64, f64)> = None;
+        for i in 0..=SAMPLES {
+            let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
+            let Some(now) = surplus(slip)? else { continue };
+            if now >= 0.0 {
+                return match before {
+                    Some(low) => Ok(Some(Slip::new(root(low, (slip, now), surplus)?)?)),
+                    None => Ok(None),
+                };
+            }
+            before = Some((slip, now));
+        }
+        Ok(None)
+    }
+
     /// The steepest slope that a wheel of `weight` (N) holds at any slip in [0, 1]; `None` where it cannot
     /// even be carried on the level, or cannot pull itself.
     ///

@@ -85,9 +85,6 @@ impl Breakpoints {
         }
         for &(from, to) in stretches.as_slice() {
             self.push_inside(from, arc);
-            if shear.law == ShearLaw::SlipVelocity && shear.sideways {
-                self.add_turn(shear, from, arc);
-            }
             let (j_from, j_to) = (shear.along(from.next_up()), shear.along(to));
             let mut add = |j: f64| {
                 if (j_from < j && j < j_to) || (j_to < j && j < j_from) {
@@ -98,30 +95,6 @@ impl Breakpoints {
             for level in detail.levels() {
                 add(level * shear.k_shear);
                 add(-level * shear.k_shear);
-            }
-            if shear.sideways && j_from * j_to < 0.0 {
-                // Near j = 0 the direction of the stress turns within the displacement across: follow it.
-                let zero = level_crossing(shear, (from, to), 0.0);
-                let across = shear.across(zero).abs();
-                if across < shear.k_shear {
-                    for factor in [1.0, 8.0, 64.0] {
-                        add(factor * across);
-                        add(-factor * across);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Where the slip velocity turns from backwards to forwards it does so within q_y/(q |sin θ|) of arc.
-    fn add_turn(&mut self, shear: &ShearState<f64>, turn: f64, arc: f64) {
-        let theta = shear.displacement.theta_1 - turn;
-        let steep = (shear.displacement.q * Real::sin(theta)).abs();
-        if turn > 0.0 && steep > 0.0 {
-            let width = shear.q_y.abs() / steep;
-            for factor in [1.0, 6.0, 36.0] {
-                self.push_inside(turn - factor * width, arc);
-                self.push_inside(turn + factor * width, arc);
             }
         }
     }
@@ -192,27 +165,44 @@ impl<R: Scalar> ShearState<R> {
         some_forwards && some_backwards
     }
 
+    /// Does the stress turn too sharply along the contact for a fixed rule? With |q_y| small against some
+    /// of 1 − q cos θ and not against all of it, the direction swings within a part of the arc that no
+    /// level of displacement tells.
+    pub(crate) fn swings(&self, arc: R) -> bool {
+        if !self.sideways || self.locked || self.law == ShearLaw::Independent {
+            return false;
+        }
+        let (least, most) = self.values().slope_range(arc.value());
+        let steady = least > 0.25 * most || most < 0.25 * least;
+        let across = self.q_y.value().abs() > 2.0 * least.abs().max(most.abs());
+        !(across || steady && least * most > 0.0)
+    }
+
     /// How fast the shear grows along the contact, in multiples of K over its whole arc if it went on
     /// at its fastest: r·arc·max|1 − q cos θ|/K, both directions together. At small slip max|j|/K is far
     /// less and would promise too much, since j then grows near the entry and hardly any more behind.
     pub(crate) fn stiffness(&self, arc: R) -> f64 {
         let state = self.values();
         let arc = arc.value();
-        let theta_2 = state.displacement.theta_1 - arc;
-        let inside = if theta_2 < 0.0 {
-            state.displacement.theta_1
-        } else {
-            arc
-        };
-        let fastest = [0.0, inside, arc].into_iter().fold(0.0_f64, |most, w| {
-            most.max(state.displacement.slope(w).abs())
-        });
+        let (least, most) = state.slope_range(arc);
+        let fastest = least.abs().max(most.abs());
         let along = state.radius * arc * fastest;
         Real::hypot(along, state.across(arc)) / state.k_shear.min(state.k_side)
     }
 }
 
 impl ShearState<f64> {
+    /// The least and the greatest of 1 − q cos θ over the arc: at its ends or at θ = 0.
+    fn slope_range(&self, arc: f64) -> (f64, f64) {
+        let bottom = self.displacement.theta_1.min(arc);
+        let slopes = [0.0, bottom, arc].map(|w| self.displacement.slope(w));
+        slopes
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), slope| {
+                (low.min(slope), high.max(slope))
+            })
+    }
+
     /// The arc cut where d j/dθ = 0, at θ = ±acos(1/q), and where j starts anew.
     pub(crate) fn monotone_stretches(&self, arc: f64) -> Stretches {
         let theta_1 = self.displacement.theta_1;

@@ -2,7 +2,6 @@
 
 use grouser_real::{Real, Scalar};
 
-use super::breakpoints::{Breakpoints, Detail};
 use super::{Contact, ContactAngles};
 use crate::quadrature::{LEGENDRE_12, LEGENDRE_16, LEGENDRE_32, Rule, RuleView, gauss_jacobi};
 
@@ -62,15 +61,6 @@ const SMOOTH_FEW: f64 = 5.0;
 const SMOOTH_MORE: f64 = 16.0;
 const SMOOTH_MANY: f64 = 90.0;
 
-/// Which part of the contact a rule runs over.
-#[derive(Clone, Copy)]
-enum Piece {
-    /// From the greatest stress to the entry.
-    Front,
-    /// From the exit to the greatest stress.
-    Rear,
-}
-
 impl<R: Scalar> Contact<R> {
     /// Integrates with the rule that `order` and the stiffness of the shear ask for; `rules` are those
     /// of this contact's exponent, if it is a constant. Returns the number of nodes too.
@@ -100,13 +90,15 @@ impl<R: Scalar> Contact<R> {
         rules: &'a JacobiRules,
         order: Order,
     ) -> Option<(RuleView<'a>, RuleView<'static>)> {
-        if self.shear.restart.is_some() || !self.shear.is_one_signed(self.arc()) {
+        let arc = self.arc();
+        if self.shear.restart.is_some() || !self.shear.is_one_signed(arc) || self.shear.swings(arc)
+        {
             return None;
         }
         let stiffness = if self.shear.locked {
             0.0
         } else {
-            self.shear.stiffness(self.arc())
+            self.shear.stiffness(arc)
         };
         let ladder = [
             (SMOOTH_FEW, rules.few.view(), LEGENDRE_12.view()),
@@ -140,8 +132,19 @@ impl<R: Real> Integrals<R> {
         }
     }
 
+    /// Adds another part of the contact.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.sigma_cos += other.sigma_cos;
+        self.sigma_sin += other.sigma_sin;
+        self.tau_cos += other.tau_cos;
+        self.tau_sin += other.tau_sin;
+        self.tau += other.tau;
+        self.tau_side += other.tau_side;
+        self.lost += other.lost;
+    }
+
     /// One node: σ and strength (both times their weight) at the arc `w` behind the entry.
-    fn add(&mut self, contact: &Contact<R>, w: R, sigma: R, strength: R) {
+    pub(super) fn add(&mut self, contact: &Contact<R>, w: R, sigma: R, strength: R) {
         let (sin, cos) = (contact.angles.theta_1 - w).sin_cos();
         let (along, across) = contact.shear.mobilised(w);
         let tau = strength * along;
@@ -197,95 +200,6 @@ impl<R: Real> Integrals<R> {
             );
         }
     }
-}
-
-impl<R: Scalar> Integrals<R> {
-    /// Both pieces cut wherever the shear changes sign or its growth, each part by a Gauss-Legendre rule
-    /// in v with t = v⁴, which tames tⁿ wherever the part lies. Returns the number of nodes.
-    fn add_split(&mut self, contact: &Contact<R>, order: Order) -> usize {
-        let (rule, detail) = match order {
-            Order::Standard => (LEGENDRE_16.view(), Detail::Standard),
-            Order::Check => (LEGENDRE_32.view(), Detail::Standard),
-            Order::Reference => (LEGENDRE_32.view(), Detail::Fine),
-            Order::Beyond => (LEGENDRE_32.view(), Detail::Finer),
-        };
-        let breaks = Breakpoints::of(contact, detail);
-        let angles = &contact.angles;
-        let front = (angles.theta_1 - angles.theta_m).value();
-        let rear = (angles.theta_m - angles.theta_2).value();
-        let mut nodes = 0;
-        for (piece, length) in [(Piece::Front, front), (Piece::Rear, rear)] {
-            if !(length > 0.0) {
-                continue;
-            }
-            let mut from = 0.0;
-            // Seen from the entry, t runs from 0 to 1 in the front piece and from 1 to 0 in the rear one.
-            let inside = |w: f64| match piece {
-                Piece::Front => w / length,
-                Piece::Rear => 1.0 - (w - front) / length,
-            };
-            let mut step = |to: f64| {
-                if to > from {
-                    self.add_panel(contact, piece, (from, to), rule);
-                    nodes += rule.nodes.len();
-                    from = to;
-                }
-            };
-            let cuts = breaks.as_slice();
-            match piece {
-                Piece::Front => cuts
-                    .iter()
-                    .map(|w| inside(*w))
-                    .filter(|t| in_unit(*t))
-                    .for_each(&mut step),
-                Piece::Rear => {
-                    cuts.iter()
-                        .rev()
-                        .map(|w| inside(*w))
-                        .filter(|t| in_unit(*t))
-                        .for_each(&mut step);
-                }
-            }
-            step(1.0);
-        }
-        nodes
-    }
-
-    /// One part of a piece, t from `range.0` to `range.1`.
-    fn add_panel(
-        &mut self,
-        contact: &Contact<R>,
-        piece: Piece,
-        range: (f64, f64),
-        rule: RuleView<'_>,
-    ) {
-        let ContactAngles {
-            theta_1,
-            theta_2,
-            theta_m,
-        } = contact.angles;
-        let front = theta_1 - theta_m;
-        let rear = theta_m - theta_2;
-        let fourth_root = |t: f64| Real::sqrt(Real::sqrt(t));
-        let (v_a, v_b) = (fourth_root(range.0), fourth_root(range.1));
-        for (x, weight) in rule.iter() {
-            let v = v_a + (v_b - v_a) * x;
-            let t = R::from_f64(v * v * v * v);
-            let weight = R::from_f64(weight * (v_b - v_a) * 4.0 * v * v * v);
-            let (w, weight) = match piece {
-                Piece::Front => (t * front, weight * front),
-                Piece::Rear => (theta_1 - (theta_2 + t * rear), weight * rear),
-            };
-            let sigma = contact.sigma(t * front);
-            let strength = contact.cohesion + sigma * contact.tan_phi;
-            self.add(contact, w, weight * sigma, weight * strength);
-        }
-    }
-}
-
-/// Does a cut at `t` divide the unit interval?
-fn in_unit(t: f64) -> bool {
-    t > 0.0 && t < 1.0
 }
 
 impl<R: Real> Contact<R> {

@@ -3,6 +3,7 @@
 mod angles;
 mod breakpoints;
 mod integrals;
+mod panels;
 
 use grouser_real::{Real, Scalar};
 
