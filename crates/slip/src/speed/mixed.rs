@@ -18,7 +18,7 @@ use crate::history::seconds_between;
 /// use grouser_slip::MixedSpeed;
 /// let law = MixedSpeed::new(500.0, 1e-6)?; // ticks per turn, clock resolution in s
 /// let omega = law.speed(39, 0, 98_000_000)?; // 39 pulses in 98 ms
-/// assert!((omega.value - 5.000_901).abs() < 1e-6);
+/// assert!((omega.value - 5.000_902_6).abs() < 1e-7);
 /// assert!(omega.sigma() < 1e-4);
 /// # Ok::<(), grouser_slip::Fault>(())
 /// ```
