@@ -99,6 +99,16 @@ impl Log {
             .any(|(_, table)| self.map.tables[*table].columns.iter().any(|c| c.meaning == meaning))
     }
 
+    /// Does any column of the log have that meaning for that wheel?
+    #[must_use]
+    pub fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
+        let mut columns = self
+            .files
+            .iter()
+            .flat_map(|(_, table)| &self.map.tables[*table].columns);
+        columns.any(|c| c.meaning == meaning && c.wheel.as_deref() == Some(wheel))
+    }
+
     /// The sources ([`Record::source`]) whose clock is to be aligned with the others'.
     #[must_use]
     pub fn unaligned_sources(&self) -> Vec<usize> {

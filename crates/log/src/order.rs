@@ -59,6 +59,10 @@ impl Ordered {
             return Err(given.saturating_sub(time_ns) as f64 * 1e-9);
         }
         self.rows.push(Reverse(time_ns));
+        // Rows without a record must not pile up.
+        if self.heap.is_empty() && self.rows.len() > self.look_ahead {
+            self.rows.pop();
+        }
         Ok(())
     }
 

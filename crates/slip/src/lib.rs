@@ -83,4 +83,5 @@ pub use robot::{Drive, Encoder, MAX_WHEELS, Robot, Shaft, Wheel};
 pub use sample::{Measurement, Sample};
 pub use settings::{Reference, Settings};
 pub use speed::{CountWindow, Measured, MixedSpeed, PeriodSpeed};
+pub use grouser_terra::Slip;
 pub use state::{Degraded, Health, Invalid, Motion};
