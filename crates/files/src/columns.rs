@@ -69,7 +69,11 @@ impl Meaning {
             Self::DisplacementForward,
             Quantity::Length,
         ),
-        ("displacement_left", Self::DisplacementLeft, Quantity::Length),
+        (
+            "displacement_left",
+            Self::DisplacementLeft,
+            Quantity::Length,
+        ),
         ("displacement_turn", Self::DisplacementTurn, Quantity::Angle),
         ("pose_x", Self::PoseX, Quantity::Length),
         ("pose_y", Self::PoseY, Quantity::Length),
@@ -215,7 +219,9 @@ fn read_table(section: &Section<'_>) -> Result<Table> {
     if names_line > header_lines {
         return Err(Error::Contradiction {
             at: section.place_of("names_line"),
-            message: format!("`names_line` is {names_line}, but there are {header_lines} header lines"),
+            message: format!(
+                "`names_line` is {names_line}, but there are {header_lines} header lines"
+            ),
         });
     }
     let time = section.section("time", |time| {
@@ -241,7 +247,11 @@ fn read_table(section: &Section<'_>) -> Result<Table> {
         header_lines,
         names_line,
         decimal,
-        missing: section.texts("missing")?.into_iter().map(Into::into).collect(),
+        missing: section
+            .texts("missing")?
+            .into_iter()
+            .map(Into::into)
+            .collect(),
         align_clock: section.flag("align_clock")?,
         time,
         columns,

@@ -156,9 +156,10 @@ impl<'a> Section<'a> {
     /// Where the value of `key` stands; the section's own place when it is absent.
     #[must_use]
     pub fn place_of(&self, key: &str) -> Place {
-        self.table
-            .get(key)
-            .map_or_else(|| self.place(), |value| self.document.place(value.span().start))
+        self.table.get(key).map_or_else(
+            || self.place(),
+            |value| self.document.place(value.span().start),
+        )
     }
 
     fn missing(&self, key: &'static str) -> Error {
@@ -182,12 +183,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn wrong_type(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        expected: &'static str,
-    ) -> Error {
+    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &'static str) -> Error {
         Error::WrongType {
             at: self.document.place(value.span().start),
             key: key.into(),

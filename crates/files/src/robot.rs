@@ -120,10 +120,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
 fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Option<Reference>> {
     for (key, field) in [
         ("window_s", &mut settings.window),
-        (
-            "standstill_speed_m_per_s",
-            &mut settings.standstill_speed,
-        ),
+        ("standstill_speed_m_per_s", &mut settings.standstill_speed),
         ("low_speed_m_per_s", &mut settings.low_speed),
         ("max_speed_m_per_s", &mut settings.max_speed),
         ("max_slip_sigma", &mut settings.max_sigma),

@@ -149,9 +149,9 @@ impl Error {
                 meant: Some(meant), ..
             } => Some(format!("did you mean `{meant}`?")),
             Self::NotANumber { hint, .. } => hint.map(Into::into),
-            Self::TwoFiles { .. } => Some(
-                "name the files of one run, or the beginning that their names share".into(),
-            ),
+            Self::TwoFiles { .. } => {
+                Some("name the files of one run, or the beginning that their names share".into())
+            }
             Self::OutOfOrder { .. } => Some("sort the log by time, or split it".into()),
             _ => None,
         }

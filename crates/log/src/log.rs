@@ -59,7 +59,10 @@ impl Log {
             });
         }
         let mut wheels: Vec<String> = Vec::new();
-        for column in files.iter().flat_map(|(_, table)| &map.tables[*table].columns) {
+        for column in files
+            .iter()
+            .flat_map(|(_, table)| &map.tables[*table].columns)
+        {
             if let Some(wheel) = &column.wheel
                 && !wheels.contains(wheel)
             {
@@ -94,9 +97,12 @@ impl Log {
     /// Does any column of the log have that meaning?
     #[must_use]
     pub fn measures(&self, meaning: Meaning) -> bool {
-        self.files
-            .iter()
-            .any(|(_, table)| self.map.tables[*table].columns.iter().any(|c| c.meaning == meaning))
+        self.files.iter().any(|(_, table)| {
+            self.map.tables[*table]
+                .columns
+                .iter()
+                .any(|c| c.meaning == meaning)
+        })
     }
 
     /// Does any column of the log have that meaning for that wheel?

@@ -127,12 +127,19 @@ fn disagreement(encoders: &[(f64, f64)], gyro: &[(f64, f64)], offset: f64) -> f6
         sum += (rate * WINDOW - (to - from)).abs();
         count += 1.0;
     }
-    if count > 0.0 { sum / count } else { f64::INFINITY }
+    if count > 0.0 {
+        sum / count
+    } else {
+        f64::INFINITY
+    }
 }
 
 fn yaw_at(gyro: &[(f64, f64)], time: f64) -> f64 {
     let next = gyro.partition_point(|reading| reading.0 <= time);
-    match (next.checked_sub(1).map(|before| gyro[before]), gyro.get(next)) {
+    match (
+        next.checked_sub(1).map(|before| gyro[before]),
+        gyro.get(next),
+    ) {
         (Some((t0, y0)), Some(&(t1, y1))) => y0 + (y1 - y0) * (time - t0) / (t1 - t0),
         (Some((_, yaw)), None) => yaw,
         (None, _) => gyro.first().map_or(0.0, |reading| reading.1),

@@ -81,7 +81,11 @@ pub(crate) fn reference(
             Reference::Pose => needs(Meaning::PoseX, "columns of a pose"),
             Reference::Speed => needs(Meaning::SpeedForward, "a column of speed over ground"),
             Reference::FreeWheel => {
-                let mut free = file.robot.wheels().iter().filter(|w| w.drive == Drive::Free);
+                let mut free = file
+                    .robot
+                    .wheels()
+                    .iter()
+                    .filter(|w| w.drive == Drive::Free);
                 let any = free.clone().next().is_some();
                 let all = free.all(|w| log.measures_wheel(meaning(sensor), &w.name));
                 (!(any && all)).then_some("a free wheel that is measured")

@@ -55,8 +55,10 @@ pub enum Error {
         wheel: String,
     },
     /// The log ends before a slip can be told.
-    #[error("the log gives no slip: it lasts {duration_s} s, of which the robot moves too little \
-             for a window of {window_s} s ({rejected} samples rejected)")]
+    #[error(
+        "the log gives no slip: it lasts {duration_s} s, of which the robot moves too little \
+             for a window of {window_s} s ({rejected} samples rejected)"
+    )]
     NoSlip {
         /// Its duration, s.
         duration_s: f64,
@@ -64,6 +66,28 @@ pub enum Error {
         window_s: f64,
         /// Samples refused.
         rejected: u64,
+    },
+    /// The soil cannot be asked without the wheel's size and load.
+    #[error("wheel `{wheel}` has no `{key}` in the robot file, which the soil model needs")]
+    NoWheelSize {
+        /// The wheel.
+        wheel: String,
+        /// The key that is missing.
+        key: &'static str,
+    },
+    /// The soil model refuses the wheel or the soil.
+    #[error(transparent)]
+    Soil(#[from] grouser_terra::Error),
+    /// Two ways that give no radius.
+    #[error(
+        "{travel_reference} m by the reference over {travel_wheels} m by the wheels gives no \
+             effective radius: the ratio must lie in (0.2, 5)"
+    )]
+    NoCalibration {
+        /// Way by the reference, m.
+        travel_reference: f64,
+        /// Way by the wheels, m.
+        travel_wheels: f64,
     },
     /// Whoever takes the rows cannot.
     #[error(transparent)]

@@ -4,16 +4,24 @@
 //!
 //! The primary function is [`run`]. It draws nothing and writes no files.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::result_large_err,
+    reason = "reading files is no hot path: an error may carry its place, its value and its limit"
+)]
 
 mod align;
+mod calibration;
 mod choice;
 mod error;
 mod quantiles;
 mod run;
 mod samples;
+mod soil_reading;
 mod summary;
 
+pub use calibration::{Calibration, calibrate_radius};
 pub use error::{Error, Result};
 pub use quantiles::Quantiles;
 pub use run::{Options, Row, run};
+pub use soil_reading::{SoilReading, soil_readings};
 pub use summary::{AlongSummary, Spread, Summary, WheelSummary, YawSummary};

@@ -218,7 +218,8 @@ impl<'a> Replay<'a> {
             .iter()
             .any(|wheel| wheel.motion.is_some_and(|m| m != Motion::Standstill));
         if let (true, Some(wheels), Some(gyro)) = (moving, body.wheels_yaw_rate, body.yaw_rate) {
-            self.yaw.add((wheels.value - gyro.value).abs() * self.window);
+            self.yaw
+                .add((wheels.value - gyro.value).abs() * self.window);
         }
         Ok(())
     }

@@ -71,10 +71,6 @@ impl<const K: usize> History<K> {
         Some((entry.time_ns, entry.totals))
     }
 
-    pub(crate) fn oldest_time(&self) -> Option<i64> {
-        (self.len > 0).then(|| self.entry(0).time_ns)
-    }
-
     /// Adds totals at a time later than the newest.
     pub(crate) fn push(&mut self, time_ns: i64, totals: [f64; K]) {
         let new = Entry { time_ns, totals };
@@ -158,7 +154,7 @@ mod tests {
                 history.push(time, [time as f64]);
             }
         }
-        let held = history.newest().unwrap().0 - history.oldest_time().unwrap();
+        let held = history.newest().unwrap().0 - history.entry(0).time_ns;
         assert!(held >= 1_000_000, "{held}");
         assert_eq!(history.between(4_000_000, 5_000_000), Some([1e6]));
     }

@@ -104,9 +104,11 @@ impl ReferenceTrack {
                 forward,
                 left,
                 turn,
-            } if reference == Reference::Displacement => {
-                self.take_displacement(time_ns, [forward, left, turn.unwrap_or(0.0)], turn.is_some())
-            }
+            } if reference == Reference::Displacement => self.take_displacement(
+                time_ns,
+                [forward, left, turn.unwrap_or(0.0)],
+                turn.is_some(),
+            ),
             Measurement::Pose { x, y, yaw } if reference == Reference::Pose => {
                 self.take_pose(time_ns, [x, y, yaw])
             }
@@ -239,12 +241,7 @@ impl ReferenceTrack {
 
     /// Adds what the reference itself measures of the robot's motion over the window to `seen`;
     /// `None` when the window is not covered.
-    pub(crate) fn observe(
-        &self,
-        from_ns: i64,
-        to_ns: i64,
-        seen: &mut Observations,
-    ) -> Option<()> {
+    pub(crate) fn observe(&self, from_ns: i64, to_ns: i64, seen: &mut Observations) -> Option<()> {
         if !self.measures_displacement() {
             return Some(());
         }

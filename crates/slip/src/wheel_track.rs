@@ -97,9 +97,7 @@ impl WheelTrack {
     pub(crate) fn take(&mut self, time_ns: i64, measurement: &Measurement) -> Result<(), Fault> {
         match *measurement {
             Measurement::WheelCount { raw, .. } => {
-                let per_tick = self
-                    .per_tick
-                    .ok_or(Fault::NoTicks { wheel: self.index })?;
+                let per_tick = self.per_tick.ok_or(Fault::NoTicks { wheel: self.index })?;
                 self.resolution = per_tick * per_tick / 6.0;
                 self.take_reading(time_ns, Reading::Count(raw))
             }
@@ -208,9 +206,7 @@ impl WheelTrack {
     }
 
     fn take_edge(&mut self, time_ns: i64, forward: bool) -> Result<(), Fault> {
-        let per_tick = self
-            .per_tick
-            .ok_or(Fault::NoTicks { wheel: self.index })?;
+        let per_tick = self.per_tick.ok_or(Fault::NoTicks { wheel: self.index })?;
         let step = self.clock.accept(time_ns, self.gap)?;
         let mut edges = match (self.edges, step) {
             (Some(edges), Step::After(_)) => edges,

@@ -9,7 +9,13 @@ use crate::noise::{Noise, Wander};
 /// Number of wheels.
 pub const WHEELS: usize = 5;
 /// Their names, in the order of every list.
-pub const NAMES: [&str; WHEELS] = ["front_left", "front_right", "rear_left", "rear_right", "fifth"];
+pub const NAMES: [&str; WHEELS] = [
+    "front_left",
+    "front_right",
+    "rear_left",
+    "rear_right",
+    "fifth",
+];
 
 /// A wheel as the generator sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,11 +191,11 @@ impl FiveWheel {
             }
             let now = command(&self.legs, time);
             let place: [f64; WHEELS] = self.wheels.map(|wheel| along + wheel.x);
-            for index in 0..WHEELS {
-                wander[index].step(&mut noise, 2.0 / f64::from(self.rate), self.slip_sigma);
+            for one in &mut wander {
+                one.step(&mut noise, 2.0 / f64::from(self.rate), self.slip_sigma);
             }
             let slips: [f64; WHEELS] =
-                std::array::from_fn(|i| self.slip(i, place[i], now, &wander[i]));
+                std::array::from_fn(|i| self.slip(i, place[i], now, wander[i]));
             self.record(&mut run, row, now, &mut noise, (&way, &rim, &slips));
             for sub in 0..STEPS {
                 let middle = time + (f64::from(sub) + 0.5) * step;
@@ -197,7 +203,7 @@ impl FiveWheel {
                 for (index, wheel) in self.wheels.iter().enumerate() {
                     let speed = now.speed - now.yaw_rate * wheel.y;
                     let place = along + wheel.x;
-                    let slip = self.slip(index, place, now, &wander[index]);
+                    let slip = self.slip(index, place, now, wander[index]);
                     let rim_speed = if slip >= 0.0 {
                         speed / (1.0 - slip)
                     } else {
@@ -212,7 +218,7 @@ impl FiveWheel {
         run
     }
 
-    fn slip(&self, index: usize, place: f64, now: Command, wander: &Wander) -> f64 {
+    fn slip(&self, index: usize, place: f64, now: Command, wander: Wander) -> f64 {
         let soft = ramp((place - self.patch.0) / EDGE) * ramp((self.patch.1 - place) / EDGE);
         let between = |(firm, patch): (f64, f64)| firm + soft * (patch - firm);
         if self.wheels[index].free {

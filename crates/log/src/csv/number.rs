@@ -61,12 +61,11 @@ pub(crate) fn count(text: &str) -> Result<u64, NotANumber> {
 pub(crate) fn nanoseconds(text: &str, decimal: u8, unit: i64) -> Result<i64, NotANumber> {
     let text = text.trim();
     match exact(text, decimal, unit) {
-        Some(Some(time)) => Ok(time),
-        Some(None) => Err(too_far()),
+        Some(time) => i64::try_from(time).map_err(|_| too_far()),
         None => {
             let time = finite(text, decimal)? * unit as f64;
-            // 2^63 is the first that does not fit.
-            if time.abs() < 9_223_372_036_854_775_808.0 {
+            // i64::MAX as a float is 2^63, the first that does not fit.
+            if time.abs() < i64::MAX as f64 {
                 #[allow(clippy::cast_possible_truncation, reason = "checked on the line above")]
                 Ok(time.round() as i64)
             } else {
@@ -83,8 +82,8 @@ const fn too_far() -> NotANumber {
     }
 }
 
-/// `None`: no plain decimal. `Some(None)`: one that does not fit.
-fn exact(text: &str, decimal: u8, unit: i64) -> Option<Option<i64>> {
+/// The time of a plain decimal; `None` for anything else.
+fn exact(text: &str, decimal: u8, unit: i64) -> Option<i128> {
     let (negative, digits) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
         None => (false, text.strip_prefix('+').unwrap_or(text)),
@@ -104,7 +103,7 @@ fn exact(text: &str, decimal: u8, unit: i64) -> Option<Option<i64>> {
         scale /= 10;
         time += i128::from(digit - b'0') * scale;
     }
-    Some(i64::try_from(if negative { -time } else { time }).ok())
+    Some(if negative { -time } else { time })
 }
 
 #[cfg(test)]

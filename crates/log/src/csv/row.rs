@@ -30,6 +30,7 @@ struct Part {
 }
 
 /// What is wrong with one field of a row.
+#[derive(Clone, Copy)]
 pub(crate) struct BadField {
     pub(crate) field: usize,
     pub(crate) problem: NotANumber,
@@ -58,9 +59,8 @@ impl Plan {
             };
             let slot = match column.meaning {
                 Meaning::YawRate => Some(Slot::YawRate(own)),
-                Meaning::DisplacementForward => part(Meaning::DisplacementLeft).map(|left| {
-                    Slot::Displacement(own, left, part(Meaning::DisplacementTurn))
-                }),
+                Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
+                    .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
                 Meaning::PoseX => part(Meaning::PoseY)
                     .zip(part(Meaning::PoseYaw))
                     .map(|(y, yaw)| Slot::Pose(own, y, yaw)),
@@ -145,13 +145,13 @@ impl Plan {
                 Slot::YawRate(part) => number(part)?.map(|rate| Reading::YawRate { rate }),
                 Slot::Displacement(forward, left, turn) => {
                     let turn = optional(turn)?;
-                    number(forward)?
-                        .zip(number(left)?)
-                        .map(|(forward, left)| Reading::Displacement {
+                    number(forward)?.zip(number(left)?).map(|(forward, left)| {
+                        Reading::Displacement {
                             forward,
                             left,
                             turn,
-                        })
+                        }
+                    })
                 }
                 Slot::Pose(x, y, yaw) => number(x)?
                     .zip(number(y)?)
