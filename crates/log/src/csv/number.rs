@@ -60,18 +60,16 @@ pub(crate) fn count(text: &str) -> Result<u64, NotANumber> {
 /// more digits than an f64 holds); others go through f64.
 pub(crate) fn nanoseconds(text: &str, decimal: u8, unit: i64) -> Result<i64, NotANumber> {
     let text = text.trim();
-    match exact(text, decimal, unit) {
-        Some(time) => i64::try_from(time).map_err(|_| too_far()),
-        None => {
-            let time = finite(text, decimal)? * unit as f64;
-            // i64::MAX as a float is 2^63, the first that does not fit.
-            if time.abs() < i64::MAX as f64 {
-                #[allow(clippy::cast_possible_truncation, reason = "checked on the line above")]
-                Ok(time.round() as i64)
-            } else {
-                Err(too_far())
-            }
-        }
+    if let Some(time) = exact(text, decimal, unit) {
+        return i64::try_from(time).map_err(|_| too_far());
+    }
+    let time = finite(text, decimal)? * unit as f64;
+    // i64::MAX as a float is 2^63, the first that does not fit.
+    if time.abs() < i64::MAX as f64 {
+        #[allow(clippy::cast_possible_truncation, reason = "checked on the line above")]
+        Ok(time.round() as i64)
+    } else {
+        Err(too_far())
     }
 }
 
