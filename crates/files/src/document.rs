@@ -60,10 +60,7 @@ impl Document {
     /// [`Error::Syntax`], [`Error::TooDeep`], [`Error::Format`], [`Error::UnknownKey`], and what `read`
     /// finds.
     pub fn parse<T>(&self, read: impl FnOnce(&Section<'_>) -> Result<T>) -> Result<T> {
-        let root = DeTable::parse(&self.text).map_err(|error| Error::Syntax {
-            at: self.place(error.span().map_or(0, |span| span.start)),
-            message: error.message().replace('\n', ", "),
-        })?;
+        let root = DeTable::parse(&self.text).map_err(|error| self.syntax(&error))?;
         // The parser itself stops at a depth of 80, so that this recursion is bounded.
         for value in root.get_ref().values() {
             self.check_depth(value, 2)?;
@@ -90,6 +87,21 @@ impl Document {
         let out = read(&section)?;
         section.finish()?;
         Ok(out)
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> Error {
+        let at = self.place(error.span().map_or(0, |span| span.start));
+        // The parser's own limit of 80 lies above ours.
+        if error.message().contains("recursion") {
+            return Error::TooDeep {
+                at,
+                limit: DEPTH_LIMIT,
+            };
+        }
+        Error::Syntax {
+            at,
+            message: error.message().replace('\n', ", "),
+        }
     }
 
     fn check_depth(&self, value: &Spanned<DeValue<'_>>, depth: usize) -> Result<()> {
