@@ -1,5 +1,11 @@
 //! FAULTS E12: paths that are no files. None may hang, and each has its own error.
 #![cfg(unix)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say what it measured"
+)]
 
 use std::ffi::OsStr;
 use std::fs;

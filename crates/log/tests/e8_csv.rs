@@ -1,5 +1,11 @@
 //! FAULTS E8: tables that are empty, ragged, foreign or broken. Each gives an error that names line and
 //! column, and never a part of the log as if it were the whole.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say what it measured"
+)]
 
 mod scratch;
 

@@ -1,4 +1,10 @@
 //! Compressed logs, several files, and rows out of order.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say what it measured"
+)]
 
 mod scratch;
 

@@ -213,10 +213,12 @@ impl<'a> Replay<'a> {
         if let Some(slip) = body.along {
             self.along.add(slip.value());
         }
-        let moving = estimate
-            .wheels
-            .iter()
-            .any(|wheel| wheel.motion.is_some_and(|m| m != Motion::Standstill));
+        let powered = estimate.wheels.iter().zip(self.file.robot.wheels());
+        let rims = powered
+            .filter(|(_, wheel)| wheel.drive == Drive::Powered)
+            .filter_map(|(estimate, _)| Some(estimate.rim_speed?.value.abs()));
+        let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
+        let moving = sum > count * self.estimator.settings().low_speed;
         if let (true, Some(wheels), Some(gyro)) = (moving, body.wheels_yaw_rate, body.yaw_rate) {
             self.yaw
                 .add((wheels.value - gyro.value).abs() * self.window);

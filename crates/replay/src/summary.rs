@@ -62,7 +62,8 @@ pub struct AlongSummary {
 /// What the log says of the yaw rate: the powered wheels against the gyro.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct YawSummary {
-    /// |turn by the wheels − turn by the gyro| in one window while a wheel moved, rad.
+    /// |turn by the wheels − turn by the gyro| in one window while the powered wheels ran faster
+    /// than the robot's `low_speed_m_per_s` on average, rad.
     pub residual: Spread,
     /// The window, s.
     pub window: f64,

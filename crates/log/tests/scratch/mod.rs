@@ -7,16 +7,16 @@ use std::path::PathBuf;
 use grouser_files::{Document, columns};
 use grouser_log::{Error, Log, Record};
 
-pub struct Folder(pub PathBuf);
+pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
-    pub fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("grouser-log-{name}-{}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Self(path)
     }
 
-    pub fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
+    pub(crate) fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.join(name);
         fs::write(&path, bytes).unwrap();
         path
@@ -30,7 +30,7 @@ impl Drop for Folder {
 }
 
 /// A map of one table with time `t` (s), a count `n` of wheel `w`, and a yaw rate `g`.
-pub fn map(options: &str) -> columns::ColumnMap {
+pub(crate) fn map(options: &str) -> columns::ColumnMap {
     let text = format!(
         "format = 1\n[[table]]\n{options}\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n\
          {{ column = \"n\", meaning = \"wheel_count\", wheel = \"w\", unit = \"tick\" }},\n\
@@ -40,7 +40,7 @@ pub fn map(options: &str) -> columns::ColumnMap {
 }
 
 /// All records of a log of these bytes, or the error: never both.
-pub fn read(name: &str, options: &str, bytes: &[u8]) -> Result<Vec<Record>, Error> {
+pub(crate) fn read(name: &str, options: &str, bytes: &[u8]) -> Result<Vec<Record>, Error> {
     let folder = Folder::new(name);
     let file = folder.file("log.csv", bytes);
     let log = Log::find(&[file], map(options))?;

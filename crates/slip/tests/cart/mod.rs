@@ -8,10 +8,10 @@ use grouser_slip::{
 };
 use grouser_terra::Angle;
 
-pub const TICKS: f64 = 4000.0;
-pub const FREE: usize = 4;
+pub(crate) const TICKS: f64 = 4000.0;
+pub(crate) const FREE: usize = 4;
 
-pub fn encoder(bits: u32) -> Encoder {
+pub(crate) fn encoder(bits: u32) -> Encoder {
     Encoder {
         shaft: Shaft::Wheel,
         gear: 1.0,
@@ -22,7 +22,7 @@ pub fn encoder(bits: u32) -> Encoder {
     }
 }
 
-pub fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> Wheel {
+pub(crate) fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> Wheel {
     Wheel {
         name: name.into(),
         x,
@@ -36,7 +36,7 @@ pub fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> Wheel {
     }
 }
 
-pub fn robot(bits: u32) -> Robot {
+pub(crate) fn robot(bits: u32) -> Robot {
     let wheels = vec![
         wheel("fl", (0.3, 0.25), Drive::Powered, bits),
         wheel("fr", (0.3, -0.25), Drive::Powered, bits),
@@ -47,7 +47,7 @@ pub fn robot(bits: u32) -> Robot {
     Robot::new("cart".into(), wheels).unwrap()
 }
 
-pub fn settings() -> Settings {
+pub(crate) fn settings() -> Settings {
     Settings {
         max_speed: 5.0,
         ..Settings::default()
@@ -56,15 +56,15 @@ pub fn settings() -> Settings {
 
 /// Speed of the body, m/s, its yaw rate, rad/s, and the slip of the powered wheels, constant.
 #[derive(Clone, Copy)]
-pub struct Drivers {
-    pub speed: f64,
-    pub yaw_rate: f64,
-    pub slip: f64,
+pub(crate) struct Drivers {
+    pub(crate) speed: f64,
+    pub(crate) yaw_rate: f64,
+    pub(crate) slip: f64,
 }
 
 impl Drivers {
     /// Ticks (whole, since the start) of a wheel at `time`.
-    pub fn ticks(&self, robot: &Robot, index: usize, time: f64) -> i64 {
+    pub(crate) fn ticks(&self, robot: &Robot, index: usize, time: f64) -> i64 {
         let wheel = &robot.wheels()[index];
         let forward = self.speed - self.yaw_rate * wheel.y;
         let rim = if index == FREE {
@@ -80,7 +80,7 @@ impl Drivers {
     }
 
     /// The samples of one row.
-    pub fn row(&self, robot: &Robot, time_ns: i64, start: u64) -> Vec<Sample> {
+    pub(crate) fn row(&self, robot: &Robot, time_ns: i64, start: u64) -> Vec<Sample> {
         let time = time_ns as f64 * 1e-9;
         let mut out: Vec<Sample> = (0..5)
             .map(|wheel| Sample {
