@@ -127,8 +127,8 @@ impl Document {
     }
 }
 
-/// A table of a document. Every key that is asked for becomes known; [`Section::finish`] refuses the
-/// others.
+/// A table of a document. Every key that is asked for becomes known; whatever
+/// else the table holds is refused at its end.
 #[derive(Debug)]
 pub struct Section<'a> {
     document: &'a Document,

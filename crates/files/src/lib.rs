@@ -30,10 +30,6 @@
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
 //! [`robot`], [`columns`]. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
-#![allow(
-    clippy::result_large_err,
-    reason = "reading files is no hot path: an error may carry its place, its value and its limit"
-)]
 
 pub mod columns;
 mod document;

@@ -24,10 +24,6 @@
 //!
 //! The primary type is [`Log`]. It knows nothing of robots or slip.
 #![forbid(unsafe_code)]
-#![allow(
-    clippy::result_large_err,
-    reason = "reading files is no hot path: an error may carry its place, its value and its limit"
-)]
 
 mod csv;
 mod error;

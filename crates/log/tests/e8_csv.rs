@@ -144,7 +144,7 @@ fn e8_quotes() {
 
 #[test]
 fn e8_nul_bytes_and_other_text() {
-    let error = read("nul", "", b"t,n,g\n0,1,0.5\n0.1,2,0.\0005\n").unwrap_err();
+    let error = read("nul", "", b"t,n,g\n0,1,0.5\n0.1,2,0.\x005\n").unwrap_err();
     assert!(matches!(error, Error::Malformed { .. }));
     assert_eq!(at(&error).0, 3);
     let error = read("latin1", "", b"t,n,g\n0,1,0.5\n0.1,\xe4,0.5\n").unwrap_err();

@@ -4,10 +4,6 @@
 //!
 //! The primary function is [`run`]. It draws nothing and writes no files.
 #![forbid(unsafe_code)]
-#![allow(
-    clippy::result_large_err,
-    reason = "reading files is no hot path: an error may carry its place, its value and its limit"
-)]
 
 mod align;
 mod calibration;
