@@ -54,6 +54,18 @@ impl Document {
         })
     }
 
+    /// What stands for it in messages.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The text as it stands.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Parses it and gives its root to `read`; checks the format before and unknown keys after.
     ///
     /// # Errors
@@ -172,6 +184,12 @@ impl<'a> Section<'a> {
             || self.place(),
             |value| self.document.place(value.span().start),
         )
+    }
+
+    /// The bytes of the document's text that hold the value of `key`.
+    #[must_use]
+    pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        self.table.get(key).map(Spanned::span)
     }
 
     fn missing(&self, key: &'static str) -> Error {

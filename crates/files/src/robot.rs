@@ -117,6 +117,38 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
     })
 }
 
+/// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre;
+/// comments and everything else stay as they are.
+///
+/// # Errors
+/// As [`read`], of the document and of the text that results.
+pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
+    let mut radii = Vec::new();
+    document.parse(|root| {
+        root.text("name")?;
+        // Their keys are checked where the robot is read, below.
+        root.section("estimator", |section| {
+            read_estimator(section, &mut Settings::default())?;
+            section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
+        })?;
+        root.sections("wheel", |section| {
+            let wheel = read_wheel(section)?;
+            if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
+                radii.push((span, wheel.radius * factor));
+            }
+            Ok(())
+        })
+    })?;
+    let mut text = document.text().to_owned();
+    // From the end, so that the places before stay right.
+    for (span, radius) in radii.into_iter().rev() {
+        text.replace_range(span, &format!("{radius:.6}"));
+    }
+    let rewritten = Document::from_text(document.name(), text)?;
+    parse(&rewritten)?;
+    Ok(rewritten.text().to_owned())
+}
+
 fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Option<Reference>> {
     for (key, field) in [
         ("window_s", &mut settings.window),

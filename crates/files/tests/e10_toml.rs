@@ -273,3 +273,20 @@ fn column_maps_that_contradict_themselves() {
         assert!(map(&table).is_err(), "{what}");
     }
 }
+
+#[test]
+fn calibrated_radii_are_written_and_nothing_else() {
+    let free = WHEEL.replace("\"a\"", "\"f\"").replace("powered", "free");
+    let text = format!(
+        "format = 1 # one\nname = \"r\"\n[estimator]\nwheel_sensor = \"rate\"\n{WHEEL}# two\n{free}"
+    );
+    let document = Document::from_text("r.toml", text.clone()).unwrap();
+    let scaled = robot::with_radii_scaled(&document, 0.8822).unwrap();
+    assert_eq!(
+        scaled,
+        text.replacen("radius_m = 0.1", "radius_m = 0.088220", 1)
+    );
+    for bad in [f64::NAN, 0.0, -1.0, 1e9] {
+        assert!(robot::with_radii_scaled(&document, bad).is_err(), "{bad}");
+    }
+}

@@ -54,19 +54,6 @@ pub enum Error {
         /// The wheel.
         wheel: String,
     },
-    /// The log ends before a slip can be told.
-    #[error(
-        "the log gives no slip: it lasts {duration_s} s, of which the robot moves too little \
-             for a window of {window_s} s ({rejected} samples rejected)"
-    )]
-    NoSlip {
-        /// Its duration, s.
-        duration_s: f64,
-        /// The window, s.
-        window_s: f64,
-        /// Samples refused.
-        rejected: u64,
-    },
     /// The soil cannot be asked without the wheel's size and load.
     #[error("wheel `{wheel}` has no `{key}` in the robot file, which the soil model needs")]
     NoWheelSize {

@@ -20,4 +20,4 @@ pub use error::{Error, Result};
 pub use quantiles::Quantiles;
 pub use run::{Options, Row, run};
 pub use soil_reading::{SoilReading, soil_readings};
-pub use summary::{AlongSummary, Spread, Summary, WheelSummary, YawSummary};
+pub use summary::{AlongSummary, Spread, Status, Summary, WheelSummary, YawSummary};

@@ -6,10 +6,12 @@ use grouser_slip::{Drive, Estimator, Health, Motion, Reference};
 
 use crate::align::gyro_offset;
 use crate::choice;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::quantiles::Quantiles;
 use crate::samples::{sample, wheel_of};
-use crate::summary::{AlongSummary, Shares, Spread, Summary, WheelSummary, YawSummary, overall};
+use crate::summary::{
+    AlongSummary, Shares, Spread, Status, Summary, WheelSummary, YawSummary, overall,
+};
 
 /// What may be asked for beyond what the files say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,7 +50,7 @@ pub struct Row<'a> {
 /// Runs a log through the estimator; `take` gets a row for every wheel whenever that wheel was read.
 ///
 /// # Errors
-/// Whatever makes the log useless; an [`Error::Sink`] of `take`'s own.
+/// Whatever makes the log useless; an [`Error::Sink`](crate::Error::Sink) of `take`'s own.
 pub fn run(
     log: &Log,
     file: &RobotFile,
@@ -74,7 +76,7 @@ pub fn run(
         }
     }
     replay.close_group(&mut take)?;
-    replay.summary()
+    Ok(replay.summary())
 }
 
 struct Replay<'a> {
@@ -226,7 +228,7 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    fn summary(self) -> Result<Summary> {
+    fn summary(self) -> Summary {
         let robot = &self.file.robot;
         let reference = self.estimator.settings().reference;
         let duration_s = match (self.start_ns, self.group_ns) {
@@ -234,18 +236,14 @@ impl<'a> Replay<'a> {
             _ => 0.0,
         };
         let rejected = self.estimator.rejected();
-        if self.tallies.iter().all(|tally| tally.slips.count() == 0) {
-            return Err(Error::NoSlip {
-                duration_s,
-                window_s: self.window,
-                rejected: rejected.total(),
-            });
-        }
+        let none = self.tallies.iter().all(|tally| tally.slips.count() == 0);
         let wheels = robot.wheels().iter().zip(&self.tallies);
         let before = self.travel_before.unwrap_or_default();
         let (travel_wheels, travel_reference) =
             (self.travel.0 - before.0, self.travel.1 - before.1);
-        Ok(Summary {
+        Summary {
+            status: if none { Status::NoSlip } else { Status::Done },
+            window_s: self.window,
             reference,
             wheel_sensor: self.sensor.name(),
             duration_s,
@@ -270,6 +268,6 @@ impl<'a> Replay<'a> {
             }),
             clock_offset_s: self.clock_offset_s,
             rejected,
-        })
+        }
     }
 }

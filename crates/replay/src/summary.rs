@@ -69,9 +69,34 @@ pub struct YawSummary {
     pub window: f64,
 }
 
+/// How a replay ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// With slips.
+    Done,
+    /// Without a slip of any wheel: the log is too short for a window, or nothing moved enough.
+    NoSlip,
+}
+
+impl Status {
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::NoSlip => "no slip",
+        }
+    }
+}
+
 /// What a whole log says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
+    /// How the replay ended.
+    pub status: Status,
+    /// The window of the estimates, s.
+    pub window_s: f64,
     /// What told how fast the robot travels.
     pub reference: Reference,
     /// By which sensor the wheels were measured.

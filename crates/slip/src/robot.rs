@@ -164,12 +164,14 @@ impl Robot {
         self.wheels.iter().position(|wheel| wheel.name == name)
     }
 
-    /// The same robot with every radius times `factor` (the outcome of a calibration).
+    /// The same robot with the radius of every powered wheel times `factor` (the outcome of a
+    /// calibration).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a radius leaves its limits.
     pub fn with_radii_scaled(mut self, factor: f64) -> Result<Self> {
-        for wheel in &mut self.wheels {
+        let powered = |wheel: &&mut Wheel| wheel.drive == Drive::Powered;
+        for wheel in self.wheels.iter_mut().filter(powered) {
             wheel.radius *= factor;
         }
         Self::new(self.name, self.wheels)
