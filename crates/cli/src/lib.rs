@@ -11,6 +11,7 @@
 
 mod command;
 mod error;
+pub mod figure;
 mod input;
 mod interrupt;
 mod number;

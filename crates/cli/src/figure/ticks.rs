@@ -1,0 +1,165 @@
+//! Where the ticks of an axis stand and what they say.
+
+/// The ticks of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ticks {
+    /// The axis' range, widened to whole ticks where it was free.
+    pub(super) range: [f64; 2],
+    /// Value and label of each.
+    pub(super) marks: Vec<(f64, String)>,
+    /// The labels are in units of 10 to this power, which the axis title then says.
+    pub(super) power: i32,
+}
+
+/// Ticks of a scale that covers `range` with about `count` intervals of 1, 2 or 5 times a power of ten.
+/// `fixed`: the range stays as it is; otherwise it is widened to whole ticks.
+pub(super) fn ticks(range: [f64; 2], fixed: bool, count: f64) -> Ticks {
+    let [low, high] = sensible(range);
+    let step = round_step((high - low) / count.max(1.0));
+    // A hair of tolerance, so that 0.6000000000000001 counts as 0.6.
+    let slack = 1e-6;
+    let (first, last) = if fixed {
+        ((low / step - slack).ceil(), (high / step + slack).floor())
+    } else {
+        ((low / step + slack).floor(), (high / step - slack).ceil())
+    };
+    let range = if fixed {
+        [low, high]
+    } else {
+        [first * step, last * step]
+    };
+    let largest = range[0].abs().max(range[1].abs());
+    let magnitude = decade(largest);
+    let power = if (-3..5).contains(&magnitude) {
+        0
+    } else {
+        magnitude
+    };
+    let scaled_step = step / 10_f64.powi(power);
+    let decimals = usize::try_from(-decade(scaled_step * (1.0 + slack))).unwrap_or(0);
+    let mut marks = Vec::new();
+    let mut number = first;
+    while number <= last && marks.len() < 100 {
+        let value = number * step;
+        marks.push((value, label(number * scaled_step, decimals)));
+        number += 1.0;
+    }
+    Ticks {
+        range,
+        marks,
+        power,
+    }
+}
+
+/// A number with a true minus sign; zero has none.
+fn label(value: f64, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
+    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if value < 0.0 && !is_zero {
+        format!("−{digits}")
+    } else {
+        digits
+    }
+}
+
+/// The range in order, with some width, and finite.
+fn sensible([a, b]: [f64; 2]) -> [f64; 2] {
+    let (low, high) = if a.is_finite() && b.is_finite() {
+        (a.min(b), a.max(b))
+    } else {
+        (0.0, 1.0)
+    };
+    // Far below the resolution of the page, and of f64 for what follows.
+    let least = low.abs().max(high.abs()) * 1e-9;
+    if high - low > least && (high - low).is_finite() {
+        [low, high]
+    } else if low == 0.0 || !(high - low).is_finite() {
+        [0.0, 1.0]
+    } else {
+        let half = low.abs() * 0.1;
+        [low - half, high + half]
+    }
+}
+
+/// The largest 1, 2 or 5 times a power of ten that is not far above `width`.
+fn round_step(width: f64) -> f64 {
+    let power = 10_f64.powi(decade(width));
+    let digits = width / power;
+    let nice = if digits < 1.5 {
+        1.0
+    } else if digits < 3.2 {
+        2.0
+    } else if digits < 7.2 {
+        5.0
+    } else {
+        10.0
+    };
+    nice * power
+}
+
+/// The power of ten of the first digit.
+fn decade(value: f64) -> i32 {
+    if value > 0.0 {
+        let decade = value.log10().floor().clamp(-300.0, 300.0);
+        // It lies within ±300 after the clamp.
+        #[allow(clippy::cast_possible_truncation, reason = "clamped just above")]
+        let whole = decade as i32;
+        whole
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(range: [f64; 2], fixed: bool, count: f64) -> Vec<String> {
+        ticks(range, fixed, count)
+            .marks
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect()
+    }
+
+    #[test]
+    fn round_numbers_with_a_true_minus() {
+        assert_eq!(
+            labels([-5.2, 22.6], false, 4.0),
+            ["−10", "0", "10", "20", "30"]
+        );
+        assert_eq!(
+            labels([0.0, 1.0], true, 5.0),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(
+            labels([-0.3, 0.3], true, 6.0),
+            ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3"]
+        );
+    }
+
+    #[test]
+    fn large_numbers_share_a_power_of_ten() {
+        let axis = ticks([0.0, 3.1e6], false, 4.0);
+        assert_eq!(axis.power, 6);
+        assert_eq!(axis.marks.last().unwrap().1, "4");
+    }
+
+    #[test]
+    fn no_range_hangs_or_overflows() {
+        for range in [
+            [0.0, 0.0],
+            [5.0, 5.0],
+            [f64::NAN, 1.0],
+            [f64::NEG_INFINITY, f64::INFINITY],
+            [-f64::MAX, f64::MAX],
+            [1e15, 1e15 + 1e-3],
+            [0.0, 5e-324],
+            [3.0, -3.0],
+        ] {
+            let axis = ticks(range, false, 5.0);
+            assert!(axis.range[1] > axis.range[0], "{range:?} {axis:?}");
+            assert!(axis.marks.len() <= 100);
+        }
+    }
+}
