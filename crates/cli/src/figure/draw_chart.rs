@@ -2,7 +2,7 @@
 
 use super::chart::{Area, AreaShape, Axis, Chart, Measured, Points};
 use super::geometry::{Point, Rect};
-use super::labels::{self, Arrangement, Label};
+use super::labels::{self, Label};
 use super::layout::{TICK_GAP, TICK_SIZE, TITLE_GAP, TITLE_SIZE};
 use super::page::Page;
 use super::path::Path;
@@ -11,7 +11,7 @@ use super::scale::Scale;
 use super::style::{Colour, Dash, Marker, Style};
 use super::text::{Anchor, Line};
 use super::thin::thin;
-use super::ticks::{Ticks, ticks};
+use super::ticks::{Ticks, Widen, ticks};
 
 /// Length of a tick and width of the frame in points.
 const TICK: f64 = 3.6;
@@ -54,12 +54,18 @@ impl Axes {
                 .map(|(_, label)| Line::set(label, TICK_SIZE).width + 9.0);
             widths.sum::<f64>() <= width
         };
-        let x = (2..=6)
+        let x = (2..=5)
             .rev()
-            .map(|count| ticks(x_range, chart.x.range.is_some(), f64::from(count)))
+            .map(|count| {
+                ticks(
+                    x_range,
+                    free(chart.x.range, Widen::ToTicks),
+                    f64::from(count),
+                )
+            })
             .find(fits)
-            .unwrap_or_else(|| ticks(x_range, chart.x.range.is_some(), 1.0));
-        let y = ticks(y_range, chart.y.range.is_some(), 4.6);
+            .unwrap_or_else(|| ticks(x_range, free(chart.x.range, Widen::ToTicks), 1.0));
+        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), 4.6);
         Self { x, y }
     }
 
@@ -71,6 +77,11 @@ impl Axes {
             .map(|(_, label)| Line::set(label, TICK_SIZE).width);
         labels.fold(0.0, f64::max)
     }
+}
+
+/// A range that was given stays as it is.
+fn free(given: Option<[f64; 2]>, widen: Widen) -> Widen {
+    if given.is_some() { Widen::No } else { widen }
 }
 
 /// All points that the axes must show.
@@ -122,11 +133,7 @@ pub(super) fn draw(page: &mut Page, chart: &Chart, axes: &Axes, frame: Rect) -> 
         content.area(area);
     }
     if axes.y.range[0] < 0.0 && axes.y.range[1] > 0.0 {
-        content.line(
-            &zero_line(&scale),
-            Style::thin(Colour::GREY, Dash::Dotted),
-            None,
-        );
+        content.line(&zero_line(&scale), Style::thin(Colour::GREY, Dash::Dotted));
     }
     for rule in &chart.rules {
         let ends = if rule.vertical {
@@ -134,10 +141,20 @@ pub(super) fn draw(page: &mut Page, chart: &Chart, axes: &Axes, frame: Rect) -> 
         } else {
             [[scale.x[0], rule.at], [scale.x[1], rule.at]]
         };
-        content.line(&ends, rule.style, rule.label.as_deref());
+        let drawn = content.line(&ends, rule.style);
+        if let (Some(label), Some((target, end))) = (&rule.label, drawn) {
+            content
+                .labels
+                .push(Label::new(label, rule.style.colour, target, end));
+        }
     }
     for curve in &chart.curves {
-        content.line(&curve.points, curve.style, curve.label.as_deref());
+        let drawn = content.line(&curve.points, curve.style);
+        if let (Some(label), Some((target, end))) = (&curve.label, drawn) {
+            content
+                .labels
+                .push(Label::of_curve(label, curve.style.colour, target, end));
+        }
     }
     for set in &chart.points {
         content.points(set);
@@ -155,10 +172,7 @@ pub(super) fn draw(page: &mut Page, chart: &Chart, axes: &Axes, frame: Rect) -> 
     draw_axes(page, chart, axes, &scale);
     let arrangement = labels::arrange(&labels, frame.grown(-TICK), &obstacles);
     labels::draw(page, &labels, &arrangement, &frame);
-    match arrangement {
-        Arrangement::Inside(_) => 0.0,
-        Arrangement::Outside => labels::width_outside(&labels),
-    }
+    labels::width_outside(&labels, &arrangement)
 }
 
 fn zero_line(scale: &Scale) -> [Point; 2] {
@@ -187,29 +201,20 @@ impl Content<'_> {
             .fill(path, area.colour, area.opacity, Some(self.scale.frame));
     }
 
-    fn line(&mut self, points: &[Point], style: Style, label: Option<&str>) {
-        let pieces: Vec<Vec<Point>> = self
-            .scale
-            .pieces(points)
-            .iter()
-            .map(|piece| thin(piece, COLUMN))
-            .collect();
-        let Some(longest) = (0..pieces.len()).max_by_key(|index| pieces[*index].len()) else {
-            return;
-        };
+    /// Draws a line; gives what a label of it names (its longest piece) and where it ends.
+    fn line(&mut self, points: &[Point], style: Style) -> Option<(Target, Point)> {
+        let pieces = self.scale.pieces(points);
+        let pieces: Vec<Vec<Point>> = pieces.iter().map(|piece| thin(piece, COLUMN)).collect();
+        let longest = (0..pieces.len()).max_by_key(|index| pieces[*index].len())?;
+        let target = Target::Line(self.obstacles.lines.len() + longest);
+        let end = pieces.last()?.last().copied()?;
         let mut path = Path::default();
-        let first = self.obstacles.lines.len();
-        let end = pieces.last().and_then(|piece| piece.last().copied());
         for piece in pieces {
             path.append(&Path::line(piece.iter().copied()));
             self.obstacles.lines.push((piece, style.width / 2.0));
         }
         self.page.stroke(path, style, Some(self.scale.frame));
-        if let (Some(label), Some(end)) = (label, end) {
-            let target = Target::Line(first + longest);
-            self.labels
-                .push(Label::new(label, style.colour, target, end));
-        }
+        Some((target, end))
     }
 
     fn points(&mut self, set: &Points) {

@@ -22,16 +22,7 @@ pub(super) fn draw(page: &mut Page, scene: &Scene, area: Rect) {
     for shape in &scene.shapes {
         draw_shape(page, &mut obstacles, shape, &scale);
     }
-    for (index, note) in scene.notes.iter().enumerate() {
-        let line = Line::set(note, LABEL_SIZE);
-        let at = [
-            area.left + 4.0,
-            area.top + LABEL_SIZE + index as f64 * LEADING,
-        ];
-        page.text(line.placed(at, Anchor::Start), Colour::INK, &line.words);
-        let corner = [at[0], at[1] - LABEL_SIZE];
-        obstacles.boxes.push(Rect::at(corner, line.width, LEADING));
-    }
+    draw_notes(page, &mut obstacles, &scene.notes, area);
     let labels: Vec<Label> = scene
         .labels
         .iter()
@@ -42,6 +33,31 @@ pub(super) fn draw(page: &mut Page, scene: &Scene, area: Rect) {
         .collect();
     let arrangement = labels::arrange(&labels, area, &obstacles);
     labels::draw(page, &labels, &arrangement, &area);
+}
+
+/// Writes the notes into the first corner where they touch nothing: upper left, upper right, lower left,
+/// lower right.
+fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area: Rect) {
+    let lines: Vec<Line> = notes
+        .iter()
+        .map(|note| Line::set(note, LABEL_SIZE))
+        .collect();
+    let width = lines.iter().map(|line| line.width).fold(0.0, f64::max);
+    let height = lines.len() as f64 * LEADING;
+    let inner = area.grown(-4.0);
+    let corners = [inner.top, inner.bottom - height].map(|top| {
+        [inner.left, inner.right - width].map(|left| Rect::at([left, top], width, height))
+    });
+    let free = corners
+        .iter()
+        .flatten()
+        .find(|block| obstacles.leave_free(block));
+    let block = *free.unwrap_or(&corners[0][0]);
+    for (index, line) in lines.iter().enumerate() {
+        let at = [block.left, block.top + LABEL_SIZE + index as f64 * LEADING];
+        page.text(line.placed(at, Anchor::Start), Colour::INK, &line.words);
+    }
+    obstacles.boxes.push(block);
 }
 
 /// The scale that shows the view in the middle of the area; what lies outside the view is shown as far

@@ -22,6 +22,8 @@ pub(super) struct Label {
     target: Target,
     /// Where what it names ends on the right: labels outside the frame stand at this height.
     end: Point,
+    /// A curve's label may stand outside, at its end; a mark's had better not.
+    may_leave: bool,
 }
 
 impl Label {
@@ -32,61 +34,82 @@ impl Label {
             colour,
             target,
             end,
+            may_leave: false,
+        }
+    }
+
+    /// The label of a curve.
+    pub(super) fn of_curve(markup: &str, colour: Colour, target: Target, end: Point) -> Self {
+        Self {
+            may_leave: true,
+            ..Self::new(markup, colour, target, end)
+        }
+    }
+
+    fn wanted(&self) -> Wanted {
+        Wanted {
+            target: self.target,
+            width: self.line.ink.width(),
+            height: self.line.ink.height(),
         }
     }
 }
 
-/// Where the labels of a panel stand.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Arrangement {
-    /// Inside the frame, in the order of the labels.
-    Inside(Vec<Placed>),
-    /// To the right of the frame, at the ends of what they name: there was no room inside.
-    Outside,
-}
+/// Where the labels of a panel stand: inside the frame, or (`None`) to the right of it, at the end of
+/// what they name, where there was no room inside.
+pub(super) type Arrangement = Vec<Option<Placed>>;
 
-/// Looks for a place for each label inside the frame.
+/// Looks for a place for each label inside the frame. When there is none for all, those that `may_leave`
+/// go outside together; when that is not enough, all do.
 pub(super) fn arrange(labels: &[Label], frame: Rect, obstacles: &Obstacles) -> Arrangement {
-    let wanted: Vec<Wanted> = labels
-        .iter()
-        .map(|label| Wanted {
-            target: label.target,
-            width: label.line.ink.width(),
-            height: label.line.ink.height(),
-        })
-        .collect();
-    place::place(frame, obstacles, &wanted).map_or(Arrangement::Outside, Arrangement::Inside)
+    let inside = |stays: &dyn Fn(&Label) -> bool| {
+        let wanted: Vec<Wanted> = labels
+            .iter()
+            .filter(|label| stays(label))
+            .map(Label::wanted)
+            .collect();
+        let mut placed = place::place(frame, obstacles, &wanted)?.into_iter();
+        let take = |label| if stays(label) { placed.next() } else { None };
+        Some(labels.iter().map(take).collect())
+    };
+    inside(&|_| true)
+        .or_else(|| inside(&|label| !label.may_leave))
+        .unwrap_or_else(|| vec![None; labels.len()])
 }
 
-/// How much room the labels need on the right of the frame.
-pub(super) fn width_outside(labels: &[Label]) -> f64 {
-    let widest = labels
+/// How much room the labels take on the right of the frame.
+pub(super) fn width_outside(labels: &[Label], arrangement: &Arrangement) -> f64 {
+    let outside = labels
         .iter()
-        .map(|label| label.line.width)
-        .fold(0.0, f64::max);
-    OUTSIDE + widest + 2.0
+        .zip(arrangement)
+        .filter(|(_, placed)| placed.is_none());
+    let widths = outside.map(|(label, _)| OUTSIDE + label.line.width + 2.0);
+    widths.fold(0.0, f64::max)
 }
 
 /// Draws the labels as arranged.
 pub(super) fn draw(page: &mut Page, labels: &[Label], arrangement: &Arrangement, frame: &Rect) {
-    match arrangement {
-        Arrangement::Inside(placed) => {
-            for (label, placed) in labels.iter().zip(placed) {
-                if let Some(leader) = placed.leader {
-                    page.stroke(Path::line(leader), leader_style(label.colour), None);
-                }
-                let ink = &label.line.ink;
-                let origin = [placed.rect.left - ink.left, placed.rect.top - ink.top];
-                let outline = label.line.placed(origin, Anchor::Start);
-                page.text(outline, label.colour, &label.line.words);
-            }
+    let mut outside = Vec::new();
+    for (label, placed) in labels.iter().zip(arrangement) {
+        let Some(placed) = placed else {
+            outside.push(label);
+            continue;
+        };
+        if let Some(leader) = placed.leader {
+            page.stroke(Path::line(leader), leader_style(label.colour), None);
         }
-        Arrangement::Outside => draw_outside(page, labels, frame),
+        let ink = &label.line.ink;
+        let origin = [placed.rect.left - ink.left, placed.rect.top - ink.top];
+        page.text(
+            label.line.placed(origin, Anchor::Start),
+            label.colour,
+            &label.line.words,
+        );
     }
+    draw_outside(page, outside, frame);
 }
 
-fn draw_outside(page: &mut Page, labels: &[Label], frame: &Rect) {
-    let mut order: Vec<&Label> = labels.iter().collect();
+fn draw_outside(page: &mut Page, mut order: Vec<&Label>, frame: &Rect) {
     order.sort_by(|a, b| a.end[1].total_cmp(&b.end[1]));
     let wanted: Vec<f64> = order.iter().map(|label| label.end[1]).collect();
     for (label, y) in order.into_iter().zip(spread(&wanted, LEADING, frame)) {

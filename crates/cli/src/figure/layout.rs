@@ -56,14 +56,15 @@ pub(super) fn page(figure: &Figure) -> Page {
     let frame = Rect::at([left, top], frame_width, frame_width * ASPECT);
     let height = frame.bottom + BOTTOM;
 
-    let mut beyond = 0.0_f64;
+    let mut widths = vec![cell; columns];
     let mut parts = Vec::new();
-    for (panel, axes) in figure.panels.iter().zip(&axes) {
+    for (index, (panel, axes)) in figure.panels.iter().zip(&axes).enumerate() {
         let mut part = Page::default();
         match (panel, axes) {
             (Panel::Chart(chart), Some(axes)) => {
                 let outside = draw_chart::draw(&mut part, chart, axes, frame);
-                beyond = beyond.max(outside - RIGHT);
+                let width = &mut widths[index % columns];
+                *width = width.max(frame.right + outside);
             }
             (Panel::Scene(scene), _) => {
                 let area = Rect {
@@ -79,17 +80,16 @@ pub(super) fn page(figure: &Figure) -> Page {
         parts.push(part);
     }
 
-    let cell = cell + beyond;
     let rows = figure.panels.len().div_ceil(columns);
     let mut page = Page {
-        width: columns as f64 * cell + 2.0 * EDGE,
+        width: widths.iter().sum::<f64>() + 2.0 * EDGE,
         height: rows as f64 * height + 2.0 * EDGE,
         description: figure.description.clone(),
         items: Vec::new(),
     };
     for (index, part) in parts.into_iter().enumerate() {
         let corner = [
-            EDGE + (index % columns) as f64 * cell,
+            EDGE + widths[..index % columns].iter().sum::<f64>(),
             EDGE + (index / columns) as f64 * height,
         ];
         page.put(part, corner);

@@ -16,6 +16,8 @@ const KEPT: usize = 64;
 const EFFORT: usize = 200_000;
 /// What a leader costs before its length counts.
 const LEADER_COST: f64 = 6.0;
+/// What standing on another side than a neighbour costs.
+const OTHER_SIDE: f64 = 0.35;
 /// The longest leader, in points.
 const LONGEST_LEADER: f64 = 90.0;
 
@@ -26,6 +28,25 @@ pub(super) struct Obstacles {
     pub(super) lines: Vec<(Vec<Point>, f64)>,
     /// Markers, error bars, other text.
     pub(super) boxes: Vec<Rect>,
+}
+
+impl Obstacles {
+    /// Does nothing come nearer to the box than the gap?
+    pub(super) fn leave_free(&self, rect: &Rect) -> bool {
+        // A hair less than the gap, which the candidates keep exactly.
+        let gap = GAP - 1e-6;
+        !self
+            .boxes
+            .iter()
+            .any(|other| other.grown(gap).overlaps(rect))
+            && self.lines.iter().all(|(line, half)| {
+                let room = half + gap;
+                let near = rect.grown(room);
+                line.windows(2).all(|part| {
+                    !could_meet(&near, part) || rect.distance_to_segment(part[0], part[1]) >= room
+                })
+            })
+    }
 }
 
 /// What a label names.
@@ -57,6 +78,18 @@ pub(super) struct Placed {
 struct Candidate {
     placed: Placed,
     cost: f64,
+    side: Side,
+}
+
+/// On which side of its target a label stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Above,
+    Below,
+    Left,
+    Right,
+    /// At a spot, or in free space with a leader.
+    Free,
 }
 
 /// A place for each label inside `frame`, or `None` when there is none for all.
@@ -99,21 +132,30 @@ impl Search<'_> {
             Target::Spot(at, radius) => around(at, radius + GAP, label),
         }
         .into_iter()
-        .filter_map(|(rect, cost)| {
+        .filter_map(|(rect, cost, side)| {
             let cost = cost + self.nearness_cost(&rect, label)?;
             Some(Candidate {
                 placed: Placed { rect, leader: None },
                 cost,
+                side,
             })
         })
         .collect();
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        candidates.truncate(KEPT);
+        // The best of each side: the joint choice may want any of them.
+        let mut room = [KEPT / 4; 4];
+        candidates.retain(|candidate| {
+            let Some(room) = room.get_mut(candidate.side as usize) else {
+                return true;
+            };
+            *room = room.saturating_sub(1);
+            *room > 0
+        });
         candidates
     }
 
     /// Boxes that touch the line from above, below, left and right, with what speaks against each.
-    fn along(&self, line: &[Point], gap: f64, label: &Wanted) -> Vec<(Rect, f64)> {
+    fn along(&self, line: &[Point], gap: f64, label: &Wanted) -> Vec<(Rect, f64, Side)> {
         let (w, h) = (label.width, label.height);
         let mut boxes = Vec::new();
         for anchor in anchors(line, &self.frame) {
@@ -121,19 +163,32 @@ impl Search<'_> {
             // Towards the right, where curves have parted, but not at the very end.
             let place = (x - self.frame.left) / self.frame.width();
             let from_preferred = 1.2 * (place - 0.72).abs();
-            let window = [x - w / 2.0 - 1.0, x + w / 2.0 + 1.0];
+            // As wide as the gap beyond the box: a corner keeps its distance from a slanted line too.
+            let window = [x - w / 2.0 - gap, x + w / 2.0 + gap];
             if let Some([highest, lowest]) = extent(line, window, 0) {
                 let above = Rect::at([x - w / 2.0, highest - gap - h], w, h);
-                boxes.push((above, from_preferred + (y - highest) / 6.0));
+                boxes.push((above, from_preferred + (y - highest) / 6.0, Side::Above));
                 let below = Rect::at([x - w / 2.0, lowest + gap], w, h);
-                boxes.push((below, from_preferred + (lowest - y) / 6.0 + 0.3));
+                boxes.push((
+                    below,
+                    from_preferred + (lowest - y) / 6.0 + 0.3,
+                    Side::Below,
+                ));
             }
-            let window = [y - h / 2.0 - 1.0, y + h / 2.0 + 1.0];
+            let window = [y - h / 2.0 - gap, y + h / 2.0 + gap];
             if let Some([leftmost, rightmost]) = extent(line, window, 1) {
                 let left = Rect::at([leftmost - gap - w, y - h / 2.0], w, h);
-                boxes.push((left, from_preferred + (x - leftmost) / 6.0 + 0.6));
+                boxes.push((
+                    left,
+                    from_preferred + (x - leftmost) / 6.0 + 0.6,
+                    Side::Left,
+                ));
                 let right = Rect::at([rightmost + gap, y - h / 2.0], w, h);
-                boxes.push((right, from_preferred + (rightmost - x) / 6.0 + 0.5));
+                boxes.push((
+                    right,
+                    from_preferred + (rightmost - x) / 6.0 + 0.5,
+                    Side::Right,
+                ));
             }
         }
         boxes
@@ -161,7 +216,11 @@ impl Search<'_> {
                         rect,
                         leader: Some(leader),
                     };
-                    candidates.push(Candidate { placed, cost });
+                    candidates.push(Candidate {
+                        placed,
+                        cost,
+                        side: Side::Free,
+                    });
                 }
             }
             top += STEP;
@@ -224,21 +283,7 @@ impl Search<'_> {
     }
 
     fn is_free(&self, rect: &Rect) -> bool {
-        // A hair less than the gap, which the candidates keep exactly.
-        let slack = 1e-6;
-        self.frame.grown(-GAP).contains(rect)
-            && !self
-                .obstacles
-                .boxes
-                .iter()
-                .any(|other| other.grown(GAP - slack).overlaps(rect))
-            && self.obstacles.lines.iter().all(|(line, half)| {
-                let room = half + GAP - slack;
-                let near = rect.grown(room);
-                line.windows(2).all(|part| {
-                    !could_meet(&near, part) || rect.distance_to_segment(part[0], part[1]) >= room
-                })
-            })
+        self.frame.grown(-GAP).contains(rect) && self.obstacles.leave_free(rect)
     }
 }
 
@@ -306,7 +351,8 @@ impl Choice<'_> {
         let mut cost = 0.0;
         let rect = &candidate.placed.rect;
         for (depth, pick) in picked.iter().enumerate() {
-            let other = &self.candidates[self.order[depth]][*pick].placed;
+            let others = &self.candidates[self.order[depth]][*pick];
+            let other = &others.placed;
             let touch = |leader: Option<[Point; 2]>, rect: &Rect| {
                 leader.is_some_and(|[from, to]| rect.distance_to_segment(from, to) < GAP)
             };
@@ -321,15 +367,18 @@ impl Choice<'_> {
             {
                 return None;
             }
-            // Labels in one column read best.
+            // Labels in one column, on the same side of their curves, read best.
             cost += (rect.centre()[0] - other.rect.centre()[0]).abs() / 400.0;
+            if candidate.side != others.side {
+                cost += OTHER_SIDE;
+            }
         }
         Some(cost)
     }
 }
 
 /// Spots around a point, the best first: right, left, above, below, then the corners.
-fn around(at: Point, gap: f64, label: &Wanted) -> Vec<(Rect, f64)> {
+fn around(at: Point, gap: f64, label: &Wanted) -> Vec<(Rect, f64, Side)> {
     let (w, h) = (label.width, label.height);
     let corner = gap * 0.75;
     let spots = [
@@ -351,7 +400,7 @@ fn around(at: Point, gap: f64, label: &Wanted) -> Vec<(Rect, f64)> {
                 (reach - 1.0) * gap * dy.signum(),
             ];
             let rect = Rect::at([at[0] + dx + away[0], at[1] + dy + away[1]], w, h);
-            boxes.push((rect, own + cost));
+            boxes.push((rect, own + cost, Side::Free));
         }
     }
     boxes

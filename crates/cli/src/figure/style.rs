@@ -8,7 +8,7 @@ impl Colour {
     /// Text and axes.
     pub const INK: Self = Self(0x1a, 0x1a, 0x1e);
     /// What stays in the background: zero lines, leaders.
-    pub const GREY: Self = Self(0x8c, 0x8c, 0x90);
+    pub const GREY: Self = Self(0x74, 0x74, 0x7a);
     /// Soil.
     pub const SAND: Self = Self(0xec, 0xdf, 0xc6);
     /// The first curve.

@@ -11,19 +11,41 @@ pub(super) struct Ticks {
     pub(super) power: i32,
 }
 
+/// May an axis show more than its data?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Widen {
+    /// No: its range was given.
+    No,
+    /// To whole ticks.
+    ToTicks,
+    /// To whole ticks, and by one more where the data would come near the frame (zero may lie on it).
+    ToTicksWithRoom,
+}
+
+/// Nearer to the frame than this share of the range is near.
+const ROOM: f64 = 0.03;
+
 /// Ticks of a scale that covers `range` with about `count` intervals of 1, 2 or 5 times a power of ten.
-/// `fixed`: the range stays as it is; otherwise it is widened to whole ticks.
-pub(super) fn ticks(range: [f64; 2], fixed: bool, count: f64) -> Ticks {
+pub(super) fn ticks(range: [f64; 2], widen: Widen, count: f64) -> Ticks {
     let [low, high] = sensible(range);
     let step = round_step((high - low) / count.max(1.0));
     // A hair of tolerance, so that 0.6000000000000001 counts as 0.6.
     let slack = 1e-6;
-    let (first, last) = if fixed {
+    let (mut first, mut last) = if widen == Widen::No {
         ((low / step - slack).ceil(), (high / step + slack).floor())
     } else {
         ((low / step + slack).floor(), (high / step - slack).ceil())
     };
-    let range = if fixed {
+    if widen == Widen::ToTicksWithRoom {
+        let room = ROOM * (last - first);
+        if high != 0.0 && last - high / step < room {
+            last += 1.0;
+        }
+        if low != 0.0 && low / step - first < room {
+            first -= 1.0;
+        }
+    }
+    let range = if widen == Widen::No {
         [low, high]
     } else {
         [first * step, last * step]
@@ -114,8 +136,8 @@ fn decade(value: f64) -> i32 {
 mod tests {
     use super::*;
 
-    fn labels(range: [f64; 2], fixed: bool, count: f64) -> Vec<String> {
-        ticks(range, fixed, count)
+    fn labels(range: [f64; 2], widen: Widen, count: f64) -> Vec<String> {
+        ticks(range, widen, count)
             .marks
             .into_iter()
             .map(|(_, text)| text)
@@ -125,22 +147,30 @@ mod tests {
     #[test]
     fn round_numbers_with_a_true_minus() {
         assert_eq!(
-            labels([-5.2, 22.6], false, 4.0),
+            labels([-5.2, 22.6], Widen::ToTicks, 4.0),
             ["−10", "0", "10", "20", "30"]
         );
         assert_eq!(
-            labels([0.0, 1.0], true, 5.0),
+            labels([0.0, 1.0], Widen::No, 5.0),
             ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
         );
         assert_eq!(
-            labels([-0.3, 0.3], true, 6.0),
+            labels([-0.3, 0.3], Widen::No, 6.0),
             ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3"]
         );
     }
 
     #[test]
+    fn data_keeps_away_from_the_frame_but_not_from_zero() {
+        let range = |range| ticks(range, Widen::ToTicksWithRoom, 4.6).range;
+        assert_eq!(range([0.0, 15.03]), [0.0, 20.0]);
+        assert_eq!(range([0.0, 15.0]), [0.0, 20.0]);
+        assert_eq!(range([14.0, 26.5]), [12.0, 28.0]);
+    }
+
+    #[test]
     fn large_numbers_share_a_power_of_ten() {
-        let axis = ticks([0.0, 3.1e6], false, 4.0);
+        let axis = ticks([0.0, 3.1e6], Widen::ToTicks, 4.0);
         assert_eq!(axis.power, 6);
         assert_eq!(axis.marks.last().unwrap().1, "4");
     }
@@ -157,7 +187,7 @@ mod tests {
             [0.0, 5e-324],
             [3.0, -3.0],
         ] {
-            let axis = ticks(range, false, 5.0);
+            let axis = ticks(range, Widen::ToTicks, 5.0);
             assert!(axis.range[1] > axis.range[0], "{range:?} {axis:?}");
             assert!(axis.marks.len() <= 100);
         }
