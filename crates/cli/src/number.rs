@@ -16,6 +16,11 @@ pub(crate) fn exact(value: f64) -> String {
     general(value, 17)
 }
 
+/// A number in a message: as it was given, to twelve digits.
+pub(crate) fn told(value: f64) -> String {
+    general(value, 12)
+}
+
 /// A number for people: five significant digits, a true minus sign.
 pub(crate) fn shown(value: f64) -> String {
     general(value, 5).replace('-', "−")

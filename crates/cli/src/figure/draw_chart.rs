@@ -54,18 +54,12 @@ impl Axes {
                 .map(|(_, label)| Line::set(label, TICK_SIZE).width + 9.0);
             widths.sum::<f64>() <= width
         };
-        let x = (2..=5)
+        let x = (2..=6)
             .rev()
-            .map(|count| {
-                ticks(
-                    x_range,
-                    free(chart.x.range, Widen::ToTicks),
-                    f64::from(count),
-                )
-            })
+            .map(|most| ticks(x_range, free(chart.x.range, Widen::ToTicks), most))
             .find(fits)
-            .unwrap_or_else(|| ticks(x_range, free(chart.x.range, Widen::ToTicks), 1.0));
-        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), 4.6);
+            .unwrap_or_else(|| ticks(x_range, free(chart.x.range, Widen::ToTicks), 1));
+        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), 6);
         Self { x, y }
     }
 

@@ -25,10 +25,46 @@ pub(super) enum Widen {
 /// Nearer to the frame than this share of the range is near.
 const ROOM: f64 = 0.03;
 
-/// Ticks of a scale that covers `range` with about `count` intervals of 1, 2 or 5 times a power of ten.
-pub(super) fn ticks(range: [f64; 2], widen: Widen, count: f64) -> Ticks {
+/// Ticks of a scale that covers `range` with at most `most` intervals of 1, 2 or 5 times a power of ten.
+pub(super) fn ticks(range: [f64; 2], widen: Widen, most: u8) -> Ticks {
     let [low, high] = sensible(range);
-    let step = round_step((high - low) / count.max(1.0));
+    let most = f64::from(most.max(1));
+    let mut step = next_step((high - low) / most * 0.5);
+    let (mut first, mut last) = whole_ticks([low, high], step, widen);
+    // Two or three steps larger at most: widening adds a few intervals, not many.
+    while last - first > most {
+        step = next_step(step);
+        (first, last) = whole_ticks([low, high], step, widen);
+    }
+    let range = match widen {
+        Widen::No => [low, high],
+        Widen::ToTicks | Widen::ToTicksWithRoom => [first * step, last * step],
+    };
+    let largest = range[0].abs().max(range[1].abs());
+    let magnitude = decade(largest);
+    let power = if (-3..5).contains(&magnitude) {
+        0
+    } else {
+        magnitude
+    };
+    let scaled_step = step / 10_f64.powi(power);
+    let decimals = usize::try_from(-decade(scaled_step * (1.0 + 1e-6))).unwrap_or(0);
+    let mut marks = Vec::new();
+    let mut number = first;
+    while number <= last && marks.len() < 100 {
+        let value = number * step;
+        marks.push((value, label(number * scaled_step, decimals)));
+        number += 1.0;
+    }
+    Ticks {
+        range,
+        marks,
+        power,
+    }
+}
+
+/// The first and the last tick, counted in steps from zero.
+fn whole_ticks([low, high]: [f64; 2], step: f64, widen: Widen) -> (f64, f64) {
     // A hair of tolerance, so that 0.6000000000000001 counts as 0.6.
     let slack = 1e-6;
     let (mut first, mut last) = if widen == Widen::No {
@@ -45,32 +81,7 @@ pub(super) fn ticks(range: [f64; 2], widen: Widen, count: f64) -> Ticks {
             first -= 1.0;
         }
     }
-    let range = if widen == Widen::No {
-        [low, high]
-    } else {
-        [first * step, last * step]
-    };
-    let largest = range[0].abs().max(range[1].abs());
-    let magnitude = decade(largest);
-    let power = if (-3..5).contains(&magnitude) {
-        0
-    } else {
-        magnitude
-    };
-    let scaled_step = step / 10_f64.powi(power);
-    let decimals = usize::try_from(-decade(scaled_step * (1.0 + slack))).unwrap_or(0);
-    let mut marks = Vec::new();
-    let mut number = first;
-    while number <= last && marks.len() < 100 {
-        let value = number * step;
-        marks.push((value, label(number * scaled_step, decimals)));
-        number += 1.0;
-    }
-    Ticks {
-        range,
-        marks,
-        power,
-    }
+    (first, last)
 }
 
 /// A number with a true minus sign; zero has none.
@@ -91,32 +102,24 @@ fn sensible([a, b]: [f64; 2]) -> [f64; 2] {
     } else {
         (0.0, 1.0)
     };
-    // Far below the resolution of the page, and of f64 for what follows.
-    let least = low.abs().max(high.abs()) * 1e-9;
-    if high - low > least && (high - low).is_finite() {
+    let span = high - low;
+    let size = low.abs().max(high.abs());
+    // Narrower than the page or f64 could show, or at the ends of what f64 can hold.
+    if span > size * 1e-9 && span > 1e-200 && span < 1e200 {
         [low, high]
-    } else if low == 0.0 || !(high - low).is_finite() {
-        [0.0, 1.0]
+    } else if size > 1e-200 && size < 1e200 {
+        [low - 0.1 * size, high + 0.1 * size]
     } else {
-        let half = low.abs() * 0.1;
-        [low - half, high + half]
+        [0.0, 1.0]
     }
 }
 
-/// The largest 1, 2 or 5 times a power of ten that is not far above `width`.
-fn round_step(width: f64) -> f64 {
-    let power = 10_f64.powi(decade(width));
-    let digits = width / power;
-    let nice = if digits < 1.5 {
-        1.0
-    } else if digits < 3.2 {
-        2.0
-    } else if digits < 7.2 {
-        5.0
-    } else {
-        10.0
-    };
-    nice * power
+/// The least 1, 2 or 5 times a power of ten above `value`.
+fn next_step(value: f64) -> f64 {
+    let power = 10_f64.powi(decade(value));
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power);
+    let above = |step: &f64| *step > value * (1.0 + 1e-6);
+    steps.into_iter().find(above).unwrap_or(20.0 * power)
 }
 
 /// The power of ten of the first digit.
@@ -136,8 +139,8 @@ fn decade(value: f64) -> i32 {
 mod tests {
     use super::*;
 
-    fn labels(range: [f64; 2], widen: Widen, count: f64) -> Vec<String> {
-        ticks(range, widen, count)
+    fn labels(range: [f64; 2], widen: Widen, most: u8) -> Vec<String> {
+        ticks(range, widen, most)
             .marks
             .into_iter()
             .map(|(_, text)| text)
@@ -147,30 +150,30 @@ mod tests {
     #[test]
     fn round_numbers_with_a_true_minus() {
         assert_eq!(
-            labels([-5.2, 22.6], Widen::ToTicks, 4.0),
+            labels([-5.2, 22.6], Widen::ToTicks, 6),
             ["−10", "0", "10", "20", "30"]
         );
         assert_eq!(
-            labels([0.0, 1.0], Widen::No, 5.0),
+            labels([0.0, 1.0], Widen::No, 6),
             ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
         );
         assert_eq!(
-            labels([-0.3, 0.3], Widen::No, 6.0),
+            labels([-0.3, 0.3], Widen::No, 6),
             ["−0.3", "−0.2", "−0.1", "0.0", "0.1", "0.2", "0.3"]
         );
     }
 
     #[test]
     fn data_keeps_away_from_the_frame_but_not_from_zero() {
-        let range = |range| ticks(range, Widen::ToTicksWithRoom, 4.6).range;
+        let range = |range| ticks(range, Widen::ToTicksWithRoom, 6).range;
         assert_eq!(range([0.0, 15.03]), [0.0, 20.0]);
         assert_eq!(range([0.0, 15.0]), [0.0, 20.0]);
-        assert_eq!(range([14.0, 26.5]), [12.0, 28.0]);
+        assert_eq!(range([14.0, 26.5]), [10.0, 30.0]);
     }
 
     #[test]
     fn large_numbers_share_a_power_of_ten() {
-        let axis = ticks([0.0, 3.1e6], Widen::ToTicks, 4.0);
+        let axis = ticks([0.0, 3.1e6], Widen::ToTicks, 6);
         assert_eq!(axis.power, 6);
         assert_eq!(axis.marks.last().unwrap().1, "4");
     }
@@ -187,7 +190,7 @@ mod tests {
             [0.0, 5e-324],
             [3.0, -3.0],
         ] {
-            let axis = ticks(range, Widen::ToTicks, 5.0);
+            let axis = ticks(range, Widen::ToTicks, 6);
             assert!(axis.range[1] > axis.range[0], "{range:?} {axis:?}");
             assert!(axis.marks.len() <= 100);
         }
