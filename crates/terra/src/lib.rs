@@ -11,6 +11,7 @@ mod contact;
 mod error;
 mod forces;
 mod kinematics;
+mod lanes;
 mod operating_point;
 mod pressure;
 mod quadrature;
@@ -34,6 +35,7 @@ pub use contact::{
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
+pub use lanes::{LaneMask, Lanes};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent};
 pub use settings::{Accuracy, Settings};

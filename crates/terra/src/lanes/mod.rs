@@ -1,0 +1,6 @@
+//! Many operating points at once.
+
+mod functions;
+mod number;
+
+pub use number::{LaneMask, Lanes};
