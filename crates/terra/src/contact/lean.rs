@@ -55,7 +55,6 @@ impl<const N: usize> Short for grouser_real::Dual<N> {}
 /// An operating point as the lean kernel takes it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeanContact<R> {
-    pub(crate) theta_1: R,
     pub(crate) sin_1: R,
     pub(crate) cos_1: R,
     /// 1/sin θ_1.

@@ -89,8 +89,12 @@ impl<const FUSED: bool> Lanes<FUSED> {
     #[inline(always)]
     pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
         let mut sum = Self::splat(0.0);
-        for &c in coefficients.iter().rev() {
-            sum = sum.mul_add(self, Self::splat(c));
+        for (i, &c) in coefficients.iter().rev().enumerate() {
+            sum = if i == 0 {
+                Self::splat(c)
+            } else {
+                sum.mul_add(self, Self::splat(c))
+            };
         }
         sum
     }
