@@ -34,7 +34,7 @@ const STRAIGHT: f64 = 0.05;
 /// heading by the [`Reference`]: v_i = e_i · (v_body + Ω × p_i), s_i from v_i and r ω_i.
 ///
 /// [`Estimator::update`] takes one sample of one sensor. It never panics, allocates, blocks or reads a
-/// clock; its cost is bounded by the number of wheels; a refused sample is counted and changes nothing.
+/// clock; its cost is bounded by the number of wheels; a refused sample is counted and enters no estimate.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     settings: Settings,
