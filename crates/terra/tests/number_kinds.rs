@@ -3,8 +3,8 @@
 
 use grouser_real::{Dual, Real, Scalar};
 use grouser_terra::{
-    Contact, Forces, Kinematics, Motion, Pressure, ShearLaw, Slip, SoilLaws, WheelSize, catalogue,
-    entry_angle,
+    Contact, Forces, Kinematics, Motion, Pressure, Settings, ShearLaw, Slip, SoilLaws, WheelSize,
+    catalogue, entry_angle,
 };
 
 /// r, b, z, s, c, φ, K, k_phi, n
@@ -91,7 +91,7 @@ fn exact_derivatives_agree_with_differences() {
 fn without_a_prepared_rule_the_forces_are_the_same() {
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
     let wheel = grouser_terra::RigidWheel::new(POINT[0], POINT[1]).unwrap();
-    let pair = grouser_terra::WheelOnSoil::new(wheel, soil, Default::default()).unwrap();
+    let pair = grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
     let motion = Kinematics::straight(Slip::new(0.3).unwrap());
     let prepared = three(&pair.forces_at(0.02, &motion).unwrap());
     let contact: Contact = Contact::new(

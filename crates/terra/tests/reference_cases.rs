@@ -67,7 +67,6 @@ fn worst_over_cases(accuracy: Accuracy) -> (f64, String) {
             worst = (error, case.name.clone());
         }
     }
-    println!("{accuracy:?}: worst error {:.2e} at {}", worst.0, worst.1);
     worst
 }
 
