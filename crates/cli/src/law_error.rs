@@ -38,7 +38,10 @@ const COLUMNS: [(&str, &str); 16] = [
 impl Names {
     /// The name of a law's field in backticks.
     pub(crate) fn of(self, field: &str) -> String {
-        let column = COLUMNS.iter().find(|(name, _)| *name == field).map(|(_, column)| *column);
+        let column = COLUMNS
+            .iter()
+            .find(|(name, _)| *name == field)
+            .map(|(_, column)| *column);
         match (self, column) {
             (Self::Flags, Some(column)) => format!("`--{}`", column.replace('_', "-")),
             (Self::Columns, Some(column)) => format!("`{column}`"),
@@ -54,7 +57,13 @@ impl Names {
     /// What the laws refuse: the name, the value, the limit and the unit.
     pub(crate) fn message(self, error: &LawError) -> String {
         match *error {
-            LawError::OutOfRange { field, value, low, high, unit } => {
+            LawError::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+            } => {
                 let (scale, unit) = in_degrees(unit);
                 let [value, low, high] = [value * scale, low * scale, high * scale];
                 let limit = if high >= f64::MAX {
@@ -62,16 +71,31 @@ impl Names {
                 } else {
                     format!("lie in [{}, {}]{unit}", told(low), told(high))
                 };
-                format!("{} is {}{unit}, but must {limit}", self.of(field), told(value))
+                format!(
+                    "{} is {}{unit}, but must {limit}",
+                    self.of(field),
+                    told(value)
+                )
             }
-            LawError::NotAbove { field, value, limit, unit } => {
+            LawError::NotAbove {
+                field,
+                value,
+                limit,
+                unit,
+            } => {
                 let (scale, unit) = in_degrees(unit);
                 let [value, limit] = [value * scale, limit * scale].map(told);
-                format!("{} is {value}{unit}, but must be greater than {limit}{unit}", self.of(field))
+                format!(
+                    "{} is {value}{unit}, but must be greater than {limit}{unit}",
+                    self.of(field)
+                )
             }
             LawError::NotFinite { field, value, unit } => {
                 let (_, unit) = in_degrees(unit);
-                format!("{} is {value}{unit}, but must be a finite number", self.of(field))
+                format!(
+                    "{} is {value}{unit}, but must be a finite number",
+                    self.of(field)
+                )
             }
             LawError::Missing { field, needed_by } => {
                 format!("{} is missing, but {needed_by} needs it", self.of(field))
@@ -82,7 +106,11 @@ impl Names {
                 told(sinkage),
                 told(radius)
             ),
-            LawError::ReboundAboveHub { rebound, sinkage, radius } => format!(
+            LawError::ReboundAboveHub {
+                rebound,
+                sinkage,
+                radius,
+            } => format!(
                 "{} is {} at a sinkage of {} m, but their product must stay below the wheel's radius, {} m",
                 self.of("rebound"),
                 told(rebound),
@@ -115,9 +143,15 @@ mod tests {
         assert_eq!(flags, "`--slip` is 2, but must lie in [-1, 1]");
         let error = RigidWheel::new(f64::NAN, 0.1).unwrap_err();
         let columns = Names::Columns.message(&error);
-        assert_eq!(columns, "`radius_m` is NaN m, but must lie in [0.001, 100] m");
+        assert_eq!(
+            columns,
+            "`radius_m` is NaN m, but must lie in [0.001, 100] m"
+        );
         let error = Kinematics::with_slip_angle(Slip::ZERO, Angle::from_deg(95.0)).unwrap_err();
         let flags = Names::Flags.message(&error);
-        assert_eq!(flags, "`--slip-angle-deg` is 95 deg, but must lie in [-89.9, 89.9] deg");
+        assert_eq!(
+            flags,
+            "`--slip-angle-deg` is 95 deg, but must lie in [-89.9, 89.9] deg"
+        );
     }
 }

@@ -10,19 +10,26 @@
 #![forbid(unsafe_code)]
 
 mod command;
+mod csv_line;
 mod error;
 pub mod figure;
+mod figure_file;
 mod input;
 mod interrupt;
+mod law_error;
+mod lines;
 mod number;
+mod operation;
 mod output;
 mod progress;
 mod report;
 mod session;
+mod soil_choice;
 mod table;
 mod terminal;
 mod usage;
 mod verbs;
+mod wheel_choice;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -36,9 +43,10 @@ use crate::session::Session;
 /// error and gives the exit code: 0 done, 1 ended without its result, 2 bad usage or input, 3 partial.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::install();
-    let command = match Command::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let command = match Command::try_parse_from(&arguments) {
         Ok(command) => command,
-        Err(error) => return usage::answer(&error),
+        Err(error) => return usage::answer(&error, &arguments),
     };
     let mut session = Session::new(command.json);
     let ended = verbs::run(command.verb, &mut session).and_then(|report| session.print(report));

@@ -2,11 +2,9 @@
 
 /// A flag's value: any finite number, signed, with or without an exponent.
 pub(crate) fn parse_finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| "not a number".to_owned())?;
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err("must be a finite number".to_owned())
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("must be a finite number".to_owned()),
     }
 }
 
@@ -16,6 +14,16 @@ pub(crate) fn exact(value: f64) -> String {
     general(value, 17)
 }
 
+/// As few digits as give the same bits again when read.
+pub(crate) fn short(value: f64) -> String {
+    let (fixed, scientific) = (format!("{value}"), format!("{value:e}"));
+    if fixed.len() <= scientific.len() + 4 {
+        fixed
+    } else {
+        scientific
+    }
+}
+
 /// A number in a message: as it was given, to twelve digits.
 pub(crate) fn told(value: f64) -> String {
     general(value, 12)
@@ -23,15 +31,23 @@ pub(crate) fn told(value: f64) -> String {
 
 /// A number for people: five significant digits, a true minus sign.
 pub(crate) fn shown(value: f64) -> String {
-    general(value, 5).replace('-', "−")
+    rounded(value, 5)
+}
+
+/// The same with another number of significant digits.
+pub(crate) fn rounded(value: f64, digits: usize) -> String {
+    general(value, digits).replace('-', "−")
 }
 
 /// C's `%.{digits}g`: the shorter of fixed and scientific notation, without trailing zeros.
 fn general(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
     let digits = digits.max(1);
     let scientific = format!("{value:.*e}", digits - 1);
     let Some((mantissa, exponent)) = scientific.split_once('e') else {
-        return scientific; // NaN and infinity: callers have none
+        return scientific; // never: the format has an exponent
     };
     let exponent: i32 = exponent.parse().unwrap_or(0);
     // The rounded value's exponent decides, as in C.

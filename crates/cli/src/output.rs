@@ -12,7 +12,7 @@ use crate::interrupt;
 #[derive(Debug)]
 pub(crate) struct OutputFile {
     writer: Option<BufWriter<File>>,
-    /// Where it is written; `None` for what cannot be renamed over (a pipe, a terminal, `/dev/null`).
+    /// Where it is written; `None` for what cannot be renamed over (a terminal, `/dev/null`).
     beside: Option<PathBuf>,
     target: PathBuf,
 }
@@ -33,7 +33,7 @@ impl OutputFile {
                     shown(&path.join("out.csv"))
                 )),
             }),
-            Ok(found) if !found.is_file() => {
+            Ok(found) if is_character_device(&found) => {
                 let file = OpenOptions::new()
                     .write(true)
                     .open(&target)
@@ -44,6 +44,13 @@ impl OutputFile {
                     target,
                 })
             }
+            // A pipe nobody reads would hang, and a disk would be overwritten.
+            Ok(found) if !found.is_file() => Err(Error::File {
+                action: "write",
+                path: path.to_owned(),
+                reason: "it is not a regular file".to_owned(),
+                hint: None,
+            }),
             _ => {
                 let Some(name) = target.file_name() else {
                     return Err(Error::usage_without_hint(format!(
@@ -93,7 +100,7 @@ impl OutputFile {
                 let file = writer
                     .into_inner()
                     .map_err(io::IntoInnerError::into_error)?;
-                // A disk that is full may say so only here; pipes and devices cannot be synced.
+                // A disk that is full may say so only here; devices cannot be synced.
                 if self.beside.is_some() {
                     file.sync_all()
                 } else {
@@ -108,6 +115,18 @@ impl OutputFile {
     pub(crate) fn path(&self) -> &Path {
         &self.target
     }
+}
+
+/// `/dev/null` or a terminal.
+#[cfg(unix)]
+fn is_character_device(found: &fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt as _;
+    found.file_type().is_char_device()
+}
+
+#[cfg(not(unix))]
+fn is_character_device(_: &fs::Metadata) -> bool {
+    false
 }
 
 impl Write for OutputFile {

@@ -18,7 +18,9 @@ pub(crate) struct Report {
     pub(crate) object: Object,
     /// What a person reads.
     pub(crate) text: String,
-    /// Said on standard error too: why there is no result, what is doubtful in it.
+    /// Why there is no result: said as an error, although the report is printed.
+    pub(crate) failure: Option<String>,
+    /// What is doubtful in it: said on standard error.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -29,6 +31,7 @@ impl Report {
             outcome: Outcome::Done,
             object,
             text,
+            failure: None,
             warnings: Vec::new(),
         }
     }

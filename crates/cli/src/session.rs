@@ -60,6 +60,7 @@ impl Session {
             outcome,
             mut object,
             text,
+            failure,
             warnings,
         } = report;
         if self.json {
@@ -67,6 +68,9 @@ impl Session {
             terminal::print(&format!("{:#}\n", Value::Object(object)))?;
         } else {
             terminal::print(&text)?;
+        }
+        if let Some(failure) = &failure {
+            terminal::fail(failure);
         }
         for warning in &warnings {
             terminal::warn(warning);

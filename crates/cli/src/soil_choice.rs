@@ -9,21 +9,26 @@ use crate::error::{Error, Result};
 use crate::law_error::Names;
 use crate::number::parse_finite;
 
+/// Above the flags of [`Overrides`] in the help.
+const HEADING: &str = "Soil (completes or overrides what --soil gives)";
+
 /// The numbers that complete or override a soil.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
-#[command(next_help_heading = "Soil (completes or overrides what --soil gives)")]
 pub(crate) struct Overrides {
     /// Shear deformation modulus K in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, help_heading = HEADING, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
     pub(crate) k_shear_m: Option<f64>,
     /// Place of the greatest stress without slip, θ_m = (c_1 + c_2 s) θ_1
-    #[arg(long = "c-1", value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long = "c-1",
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
     pub(crate) c_1: Option<f64>,
     /// Growth of that place with slip
-    #[arg(long = "c-2", value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long = "c-2",
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
     pub(crate) c_2: Option<f64>,
     /// Unit weight γ = ρ g in N/m³; only the side force needs it
-    #[arg(long = "unit-weight-n-per-m3", value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long = "unit-weight-n-per-m3",
+        help_heading = HEADING, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
     pub(crate) unit_weight: Option<f64>,
 }
 
@@ -70,21 +75,35 @@ impl SoilArguments {
 /// The soil of a key, completed.
 pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
     let entry = find(name)?;
-    let soil = entry.completed(&overrides.completion()).map_err(|error| match error {
-        grouser_terra::Error::Missing { .. } => incomplete(entry, overrides),
-        _ => Names::Flags.error(&error),
-    })?;
-    Ok(Chosen { name: entry.key.to_owned(), source: entry.source.to_owned(), soil })
+    let soil = entry
+        .completed(&overrides.completion())
+        .map_err(|error| match error {
+            grouser_terra::Error::Missing { .. } => incomplete(entry, overrides),
+            _ => Names::Flags.error(&error),
+        })?;
+    Ok(Chosen {
+        name: entry.key.to_owned(),
+        source: entry.source.to_owned(),
+        soil,
+    })
 }
 
-fn find(name: &OsStr) -> Result<&'static Entry> {
+/// The entry of a key, or the nearest one as a hint.
+pub(crate) fn find(name: &OsStr) -> Result<&'static Entry> {
     let shown = name.to_string_lossy();
     name.to_str().and_then(catalogue::find).ok_or_else(|| {
         let alike = |entry: &&Entry| strsim::jaro_winkler(entry.key, &shown);
-        let nearest = catalogue::entries().iter().max_by(|a, b| alike(a).total_cmp(&alike(b)));
+        let nearest = catalogue::entries()
+            .iter()
+            .max_by(|a, b| alike(a).total_cmp(&alike(b)));
         let hint = match nearest.filter(|entry| alike(entry) > 0.8) {
-            Some(entry) => format!("did you mean `{}`? `grouser soils` lists the catalogue", entry.key),
-            None => "`grouser soils` lists the catalogue; a file's name contains `/` or `.`".to_owned(),
+            Some(entry) => format!(
+                "did you mean `{}`? `grouser soils` lists the catalogue",
+                entry.key
+            ),
+            None => {
+                "`grouser soils` lists the catalogue; a file's name contains `/` or `.`".to_owned()
+            }
         };
         Error::usage(format!("soil `{shown}` is not in the catalogue"), hint)
     })
@@ -105,7 +124,11 @@ fn incomplete(entry: &Entry, overrides: &Overrides) -> Error {
         .map(|field| Names::Flags.of(field))
         .collect();
     Error::usage(
-        format!("missing {} for soil `{}`, whose source does not give it", flags.join(", "), entry.key),
+        format!(
+            "missing {} for soil `{}`, whose source does not give it",
+            flags.join(", "),
+            entry.key
+        ),
         "give the numbers yourself; there is no default that would hold for every soil",
     )
 }
@@ -117,10 +140,26 @@ mod tests {
     #[test]
     fn what_is_missing_is_named_by_its_flags() {
         let none = Overrides::default();
-        let message = choose(OsStr::new("hit-lss1"), &none).unwrap_err().to_string();
-        assert!(message.starts_with("missing `--c-1`, `--c-2` for soil `hit-lss1`"), "{message}");
-        let some = Overrides { c_1: Some(0.4), c_2: Some(0.2), ..none };
-        assert_eq!(choose(OsStr::new("hit-lss1"), &some).unwrap().soil.params().c_1, 0.4);
+        let message = choose(OsStr::new("hit-lss1"), &none)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("missing `--c-1`, `--c-2` for soil `hit-lss1`"),
+            "{message}"
+        );
+        let some = Overrides {
+            c_1: Some(0.4),
+            c_2: Some(0.2),
+            ..none
+        };
+        assert_eq!(
+            choose(OsStr::new("hit-lss1"), &some)
+                .unwrap()
+                .soil
+                .params()
+                .c_1,
+            0.4
+        );
     }
 
     #[test]

@@ -43,13 +43,22 @@ impl Table {
 
     /// The lines, each with a line end.
     pub(crate) fn render(&self) -> String {
+        self.lines(0)
+    }
+
+    /// The lines without the header.
+    pub(crate) fn render_body(&self) -> String {
+        self.lines(1)
+    }
+
+    fn lines(&self, first: usize) -> String {
         let width = |column: usize| {
             let cells = self.rows.iter().filter_map(|row| row.get(column));
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..self.sides.len()).map(width).collect();
         let mut text = String::new();
-        for row in &self.rows {
+        for row in self.rows.iter().skip(first) {
             let mut line = String::new();
             for ((cell, side), width) in row.iter().zip(&self.sides).zip(&widths) {
                 // Writing to a string cannot fail.

@@ -26,6 +26,11 @@ pub(crate) fn complain(error: &Error) -> ExitCode {
     ExitCode::from(BAD_INPUT)
 }
 
+/// `error: …` on standard error, for a job that ended without its result.
+pub(crate) fn fail(message: &str) {
+    say("error", RED, message);
+}
+
 /// `warning: …` on standard error.
 pub(crate) fn warn(message: &str) {
     say("warning", YELLOW, message);

@@ -1,14 +1,17 @@
 //! What clap has to say, in the words of the other errors.
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use crate::command::Command;
 use crate::error::Error;
 use crate::terminal;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
-pub(crate) fn answer(error: &clap::Error) -> ExitCode {
+pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             match terminal::print(&error.render().to_string()) {
@@ -16,7 +19,7 @@ pub(crate) fn answer(error: &clap::Error) -> ExitCode {
                 Err(error) => terminal::complain(&error),
             }
         }
-        _ => terminal::complain(&Error::usage(message(error), hint(error))),
+        _ => terminal::complain(&Error::usage(message(error), hint(error, arguments))),
     }
 }
 
@@ -32,8 +35,8 @@ fn message(error: &clap::Error) -> String {
         }
         (ErrorKind::ValueValidation, Some(argument), Some(value)) => {
             let reason = std::error::Error::source(error).map(ToString::to_string);
-            let reason = reason.unwrap_or_else(|| "is not valid".to_owned());
-            format!("{argument} is `{value}`: {reason}")
+            let reason = reason.unwrap_or_else(|| "is not valid there".to_owned());
+            format!("{argument} is `{value}`, but {reason}")
         }
         (ErrorKind::UnknownArgument, Some(argument), _) => {
             format!("unexpected argument {argument}")
@@ -58,7 +61,7 @@ fn message(error: &clap::Error) -> String {
     }
 }
 
-fn hint(error: &clap::Error) -> String {
+fn hint(error: &clap::Error, arguments: &[OsString]) -> String {
     let close = [
         ContextKind::SuggestedArg,
         ContextKind::SuggestedSubcommand,
@@ -69,21 +72,27 @@ fn hint(error: &clap::Error) -> String {
     if let Some(close) = close {
         return format!("did you mean {close}?");
     }
-    // The usage names the verb that was being read.
-    let rendered = error.render().to_string();
-    let verb = rendered
-        .split_once("Usage: grouser ")
-        .and_then(|(_, rest)| rest.split_whitespace().next())
-        .filter(|verb| verb.starts_with(|c: char| c.is_ascii_lowercase()));
+    let command = Command::command();
+    let verb = arguments
+        .iter()
+        .skip(1)
+        .find_map(|argument| command.find_subcommand(argument));
     match verb {
-        Some(verb) => format!("see `grouser {verb} --help`"),
+        Some(verb) => format!("see `grouser {} --help`", verb.get_name()),
         None => "see `grouser --help`".to_owned(),
     }
 }
 
 /// A piece of clap's context with each name in backticks.
 fn one(error: &clap::Error, kind: ContextKind) -> Option<String> {
-    let quoted = |name: &String| format!("`{name}`");
+    let quoted = |name: &String| match flags(name) {
+        flags if flags.is_empty() => format!("`{name}`"),
+        flags => flags
+            .iter()
+            .map(|flag| format!("`{flag}`"))
+            .collect::<Vec<_>>()
+            .join(" or "),
+    };
     match error.get(kind)? {
         ContextValue::String(text) if kind == ContextKind::InvalidValue => Some(text.clone()),
         ContextValue::String(name) => Some(quoted(name)),
@@ -92,6 +101,13 @@ fn one(error: &clap::Error, kind: ContextKind) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// The flags in clap's way of writing an argument (`--slip <S>`) or a choice of them
+/// (`<--load-n <N>|--sinkage-m <M>>`).
+fn flags(written: &str) -> Vec<&str> {
+    let parts = written.split(['|', ' ', '<', '>']);
+    parts.filter(|part| part.starts_with("--")).collect()
 }
 
 fn first_paragraph(error: &clap::Error) -> String {

@@ -29,8 +29,8 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Ticks for a frame of about `width` points.
-    pub(super) fn of(chart: &Chart, width: f64) -> Self {
+    /// Ticks for a frame of about `width` points, at most `most_y` intervals up.
+    pub(super) fn of(chart: &Chart, width: f64, most_y: u8) -> Self {
         let all = data(chart);
         let x_range = chart
             .x
@@ -59,7 +59,7 @@ impl Axes {
             .map(|most| ticks(x_range, free(chart.x.range, Widen::ToTicks), most))
             .find(fits)
             .unwrap_or_else(|| ticks(x_range, free(chart.x.range, Widen::ToTicks), 1));
-        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), 6);
+        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), most_y);
         Self { x, y }
     }
 

@@ -1,5 +1,6 @@
 //! Where the panels of a figure stand.
 
+use super::chart::Chart;
 use super::draw_chart::{self, Axes};
 use super::draw_scene;
 use super::geometry::Rect;
@@ -42,7 +43,7 @@ pub(super) fn page(figure: &Figure) -> Page {
         .panels
         .iter()
         .map(|panel| match panel {
-            Panel::Chart(chart) => Some(Axes::of(chart, cell * 0.75)),
+            Panel::Chart(chart) => Some(axes(chart, cell)),
             Panel::Scene(_) => None,
         })
         .collect();
@@ -100,6 +101,24 @@ pub(super) fn page(figure: &Figure) -> Page {
         }
     }
     page
+}
+
+/// Intervals of the vertical axis, at most: at first, and when that leaves no room for the labels.
+const MOST: [u8; 2] = [6, 8];
+
+/// The ticks of a chart: few, unless more of them, which fit the data more closely, let all labels stand
+/// inside.
+fn axes(chart: &Chart, cell: f64) -> Axes {
+    let width = cell * 0.75;
+    let [few, more] = MOST.map(|most| Axes::of(chart, width, most));
+    // About where the frame will be.
+    let frame = Rect::at([0.0, 0.0], width, width * ASPECT);
+    let leaves = |axes: &Axes| draw_chart::draw(&mut Page::default(), chart, axes, frame) > 0.0;
+    if leaves(&few) && !leaves(&more) {
+        more
+    } else {
+        few
+    }
 }
 
 /// a, b, …, z, then numbers.

@@ -18,7 +18,7 @@ pub(super) enum Widen {
     No,
     /// To whole ticks.
     ToTicks,
-    /// To whole ticks, and by one more where the data would come near the frame (zero may lie on it).
+    /// To whole ticks, and by one more where the data would come near the frame (unless zero is there).
     ToTicksWithRoom,
 }
 
@@ -74,10 +74,10 @@ fn whole_ticks([low, high]: [f64; 2], step: f64, widen: Widen) -> (f64, f64) {
     };
     if widen == Widen::ToTicksWithRoom {
         let room = ROOM * (last - first);
-        if high != 0.0 && last - high / step < room {
+        if last != 0.0 && last - high / step < room {
             last += 1.0;
         }
-        if low != 0.0 && low / step - first < room {
+        if first != 0.0 && low / step - first < room {
             first -= 1.0;
         }
     }
@@ -168,6 +168,7 @@ mod tests {
         let range = |range| ticks(range, Widen::ToTicksWithRoom, 6).range;
         assert_eq!(range([0.0, 15.03]), [0.0, 20.0]);
         assert_eq!(range([0.0, 15.0]), [0.0, 20.0]);
+        assert_eq!(range([0.1, 15.0]), [0.0, 20.0]);
         assert_eq!(range([14.0, 26.5]), [10.0, 30.0]);
     }
 
