@@ -32,7 +32,7 @@ mod order;
 mod record;
 mod source;
 
-pub use csv::{CsvReader, LINE_LIMIT};
+pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use record::{Reading, Record};

@@ -41,4 +41,4 @@ pub use error::{Error, Result};
 pub use quantiles::Quantiles;
 pub use run::{Options, Row, run};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
-pub use summary::{AlongSummary, Spread, Status, Summary, WheelSummary, YawSummary};
+pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
