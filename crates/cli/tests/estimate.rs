@@ -205,10 +205,8 @@ fn a_log_without_motion_ends_with_1_and_its_status() {
     let folder = Folder::new("still");
     let header = fs::read_to_string(root().join(LOG)).unwrap();
     let header = header.lines().next().unwrap();
-    let rows: String = (0..100)
-        .map(|i| format!("{},5,5,5,5,5,0\n", 20 * i))
-        .collect();
-    let log = folder.file("log.csv", &format!("{header}\n{rows}"));
+    let rows: Vec<String> = (0..100).map(|i| format!("{},5,5,5,5,5,0", 20 * i)).collect();
+    let log = folder.file("log.csv", &format!("{header}\n{}\n", rows.join("\n")));
     let output = grouser(&[&log, "--robot", ROBOT, "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let found = json(&output);
@@ -259,7 +257,7 @@ fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
     let folder = Folder::new("refused");
     let table = folder.path("slip.csv");
     let with = |log: &str, robot: &str, message: &str| {
-        refused(&[log, "--robot", robot, "-o", &table], message)
+        refused(&[log, "--robot", robot, "-o", &table], message);
     };
     with("no/such/log.csv", ROBOT, "no/such/log.csv");
     with("no-such-log.csv", ROBOT, "no-such-log.csv");
@@ -282,7 +280,7 @@ fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
         ("--reference", "moon", "must be one of"),
         ("--wheel-sensor", "angle", "by angle"),
         ("--wheel-sensor", "", "must be one of"),
-        ("--map", ROBOT, "[[table]]"),
+        ("--map", ROBOT, "no key `table`"),
         ("--map", "/dev/null", "is a device"),
         ("--soil", "moon-dust", "not in the catalogue"),
         ("-o", "slip.xlsx", "does not end in"),

@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         object: object(&summary, &log, &readings),
         text,
         failure: failure(&summary),
-        warnings: warnings(&summary, &log, &readings),
+        warnings: warnings(&summary, &log, &arguments.logs, &readings),
     })
 }
 
@@ -199,7 +199,12 @@ fn failure(summary: &Summary) -> Option<String> {
     })
 }
 
-fn warnings(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Vec<String> {
+fn warnings(
+    summary: &Summary,
+    log: &Log,
+    named: &[PathBuf],
+    readings: &[SoilReading],
+) -> Vec<String> {
     let mut out = Vec::new();
     if summary.reference == Reference::Grip {
         out.push(
@@ -213,7 +218,8 @@ fn warnings(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Vec<Strin
             summary.rejected.total()
         ));
     }
-    for file in log.unused() {
+    // What else lies in a folder is no matter.
+    for file in log.unused().iter().filter(|file| named.contains(file)) {
         out.push(format!(
             "{} fits no table of the column map",
             file.display()
