@@ -145,6 +145,14 @@ pub enum Error {
         /// The word that was probably meant.
         meant: Option<String>,
     },
+    /// A number is beyond what a soil can have.
+    #[error("{at}: {source}")]
+    Soil {
+        /// Where.
+        at: Place,
+        /// What is wrong.
+        source: grouser_terra::Error,
+    },
     /// The file is well-formed, but what it describes cannot be.
     #[error("{at}: {source}")]
     Robot {

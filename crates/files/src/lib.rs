@@ -28,7 +28,7 @@
 //! ```
 //!
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
-//! [`robot`], [`columns`]. The crate reads logs' *descriptions*, not logs.
+//! [`robot`], [`soil`], [`columns`]. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
 
 pub mod columns;
@@ -36,6 +36,7 @@ mod document;
 mod error;
 pub mod regular;
 pub mod robot;
+pub mod soil;
 mod suggestion;
 pub mod unit;
 

@@ -85,6 +85,20 @@ pub enum Error {
 }
 
 impl Error {
+    /// The name of the field that is bad, where it is one.
+    #[must_use]
+    pub const fn field(&self) -> Option<&'static str> {
+        match self {
+            Self::OutOfRange { field, .. }
+            | Self::NotAbove { field, .. }
+            | Self::NotFinite { field, .. }
+            | Self::Missing { field, .. } => Some(*field),
+            Self::HubBuried { .. } => Some("sinkage"),
+            Self::ReboundAboveHub { .. } => Some("rebound"),
+            Self::NoSlip { .. } => None,
+        }
+    }
+
     pub(crate) fn check_finite(field: &'static str, value: f64, unit: &'static str) -> Result<()> {
         if value.is_finite() {
             Ok(())

@@ -65,6 +65,32 @@ pub fn find(key: &str) -> Option<&'static Entry> {
     entries().iter().find(|entry| entry.key == key)
 }
 
+impl Completion {
+    /// The soil of `params`, in which NaN stands for a number that is still open, with what this
+    /// completion gives in their place.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] with the first of K, c_1 and c_2 that neither gives; [`Error::OutOfRange`] for a
+    /// bad number.
+    pub fn complete(&self, params: SoilParams) -> Result<Soil> {
+        let need = |field, given: Option<f64>, own: f64| match given {
+            Some(value) => Ok(value),
+            None if own.is_nan() => Err(Error::Missing {
+                field,
+                needed_by: "the stress under a wheel",
+            }),
+            None => Ok(own),
+        };
+        Soil::new(SoilParams {
+            k_shear: need("k_shear", self.k_shear, params.k_shear)?,
+            c_1: need("c_1", self.c_1, params.c_1)?,
+            c_2: need("c_2", self.c_2, params.c_2)?,
+            unit_weight: self.unit_weight.or(params.unit_weight),
+            ..params
+        })
+    }
+}
+
 impl Entry {
     /// The soil, if the entry is complete.
     ///
@@ -79,20 +105,14 @@ impl Entry {
     /// # Errors
     /// [`Error::Missing`] with the first number that neither gives; [`Error::OutOfRange`] for a bad one.
     pub fn completed(&self, completion: &Completion) -> Result<Soil> {
-        let need = |field, given: Option<f64>, own: Option<f64>| {
-            given.or(own).ok_or(Error::Missing {
-                field,
-                needed_by: "the stress under a wheel",
-            })
-        };
-        Soil::new(SoilParams {
+        let open = |own: Option<f64>| own.unwrap_or(f64::NAN);
+        completion.complete(SoilParams {
             n_1: self.n_1,
             cohesion: 1e3 * self.cohesion_kpa,
             phi: Angle::from_deg(self.phi_deg),
-            k_shear: need("k_shear", completion.k_shear, self.k_shear)?,
-            c_1: need("c_1", completion.c_1, self.c_1)?,
-            c_2: need("c_2", completion.c_2, self.c_2)?,
-            unit_weight: completion.unit_weight,
+            k_shear: open(self.k_shear),
+            c_1: open(self.c_1),
+            c_2: open(self.c_2),
             ..SoilParams::bekker(1e3 * self.k_c_kn, 1e3 * self.k_phi_kn, self.n)
         })
     }
