@@ -205,7 +205,9 @@ fn a_log_without_motion_ends_with_1_and_its_status() {
     let folder = Folder::new("still");
     let header = fs::read_to_string(root().join(LOG)).unwrap();
     let header = header.lines().next().unwrap();
-    let rows: Vec<String> = (0..100).map(|i| format!("{},5,5,5,5,5,0", 20 * i)).collect();
+    let rows: Vec<String> = (0..100)
+        .map(|i| format!("{},5,5,5,5,5,0", 20 * i))
+        .collect();
     let log = folder.file("log.csv", &format!("{header}\n{}\n", rows.join("\n")));
     let output = grouser(&[&log, "--robot", ROBOT, "--json"]);
     assert_eq!(output.status.code(), Some(1));
