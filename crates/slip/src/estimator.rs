@@ -95,7 +95,7 @@ impl Estimator {
     /// Takes one sample and gives what is known after it.
     ///
     /// # Errors
-    /// A [`Fault`] refuses the sample: it is counted, and nothing else changes.
+    /// A [`Fault`] refuses the sample: it is counted and enters no estimate.
     pub fn update(&mut self, sample: Sample) -> core::result::Result<Estimate<'_>, Fault> {
         let taken = match sample.measurement {
             Measurement::WheelCount { wheel, .. }
@@ -258,7 +258,8 @@ impl Estimator {
     /// The robot's mean motion over a window by the reference.
     fn reference_motion(&self, from: i64, until: i64) -> Option<BodyMotion> {
         let mut seen = Observations::default();
-        let lateral = if self.one_way {
+        // What is measured needs no assumption.
+        let lateral = if self.one_way && !self.reference.measures_displacement() {
             self.settings.lateral_sigma
         } else {
             UNKNOWN
@@ -322,10 +323,14 @@ impl Estimator {
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
         seen.add(self.sideways(), prior(lateral));
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN));
-        for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Powered) {
+        // All wheels weigh the same, as the least resolved of them: what differs is their slip.
+        let powered = || self.wheels.iter().filter(|w| w.drive == Drive::Powered);
+        let mut variance = 1e-8_f64;
+        for wheel in powered() {
+            variance = variance.max(wheel.track.speed(from, until)?.variance);
+        }
+        for wheel in powered() {
             let rim = wheel.track.speed(from, until)?;
-            // All wheels weigh the same, whatever their resolution: what differs is their slip.
-            let variance = rim.variance.max(1e-8);
             seen.add(wheel.row, Measured { variance, ..rim });
         }
         seen.solve()
