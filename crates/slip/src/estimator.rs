@@ -184,6 +184,8 @@ impl Estimator {
         let reference_until = self.reference_until(now);
         let silent = |time: i64| seconds_between(time, now) > self.settings.dropout;
         let reference_lost = reference_until.is_some_and(silent);
+        // Wheels that are read together share their window.
+        let mut last: Option<(i64, Option<BodyMotion>)> = None;
         for index in 0..self.wheels.len() {
             let wheel = &self.wheels[index];
             let mut estimate = WheelEstimate::NOTHING;
@@ -197,9 +199,13 @@ impl Estimator {
             } else if let (Some(own), Some(reference)) = (own, reference_until) {
                 let until = own.min(reference);
                 let from = until.saturating_sub(window_ns);
-                if let Some(found) = self.evaluate_wheel(wheel, from, until) {
-                    estimate = found;
-                }
+                let body = match last {
+                    Some((same, body)) if same == until => body,
+                    _ => self.reference_motion(from, until),
+                };
+                last = Some((until, body));
+                let found = body.and_then(|body| self.evaluate_wheel(wheel, &body, from, until));
+                estimate = found.unwrap_or(estimate);
             }
             if estimate.health == Health::Ok {
                 self.wheels[index].last_good_ns = Some(now);
@@ -222,9 +228,14 @@ impl Estimator {
         self.wheels.iter().all(|w| w.drive != needed)
     }
 
-    fn evaluate_wheel(&self, wheel: &Tracked, from: i64, until: i64) -> Option<WheelEstimate> {
+    fn evaluate_wheel(
+        &self,
+        wheel: &Tracked,
+        body: &BodyMotion,
+        from: i64,
+        until: i64,
+    ) -> Option<WheelEstimate> {
         let rim = wheel.track.speed(from, until)?;
-        let body = self.reference_motion(from, until)?;
         let forward = body.along(wheel.row);
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.settings);
         let mut estimate = WheelEstimate {
