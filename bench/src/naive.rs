@@ -1,5 +1,6 @@
 //! The naive rival, fixed once: f64 and the standard library's functions, 32-point Gauss-Legendre on each
-//! piece, one pass for three forces, Brent's method to 1e-10 on the entry angle. Release profile, no lanes.
+//! piece, one pass for three forces, Brent's method to 1e-10 on the entry angle, what does not depend on the node taken out of the
+//! loop. Release profile, no lanes.
 
 /// Soil and wheel as a textbook program has them.
 #[derive(Clone, Copy)]
@@ -49,6 +50,7 @@ impl Naive {
     pub fn forces(&self, table: &Table, theta_1: f64, slip: f64) -> [f64; 3] {
         let theta_m = (self.c_1 + self.c_2 * slip) * theta_1;
         let modulus = self.k_c / self.width + self.k_phi;
+        let (tan_phi, sin_1, cos_1) = (self.phi.tan(), theta_1.sin(), theta_1.cos());
         let (mut w, mut pull, mut torque) = (0.0, 0.0, 0.0);
         for (from, to, front) in [(theta_m, theta_1, true), (0.0, theta_m, false)] {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -59,11 +61,11 @@ impl Naive {
                 } else {
                     theta_1 - theta / theta_m * (theta_1 - theta_m)
                 };
-                let sigma = modulus * (self.radius * (shifted.cos() - theta_1.cos())).powf(self.n);
+                let sigma = modulus * (self.radius * (shifted.cos() - cos_1)).powf(self.n);
                 let j = self.radius
-                    * ((theta_1 - theta) - (1.0 - slip) * (theta_1.sin() - theta.sin()));
+                    * ((theta_1 - theta) - (1.0 - slip) * (sin_1 - theta.sin()));
                 let tau =
-                    (self.cohesion + sigma * self.phi.tan()) * (1.0 - (-j / self.k_shear).exp());
+                    (self.cohesion + sigma * tan_phi) * (1.0 - (-j / self.k_shear).exp());
                 w += half * weight * (sigma * theta.cos() + tau * theta.sin());
                 pull += half * weight * (tau * theta.cos() - sigma * theta.sin());
                 torque += half * weight * tau;
