@@ -1,9 +1,10 @@
 //! `curve`: a wheel over a range of slip.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::{Path, PathBuf};
 
-use grouser_terra::{BestSlip, WheelOnSoil};
+use grouser_terra::{BestSlip, Caution, OperatingPoint, WheelOnSoil};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -230,6 +231,19 @@ fn add_summary(text: &mut String, family: &Family) {
         let _ = write!(text, "; best efficiency {share} % at slip {slip}");
     }
     text.push('\n');
+    let mut cautions: BTreeMap<Caution, u32> = BTreeMap::new();
+    for point in family
+        .points
+        .iter()
+        .filter_map(|(_, answer)| answer.point.as_ref())
+    {
+        for caution in point.cautions.iter() {
+            *cautions.entry(caution).or_default() += 1;
+        }
+    }
+    for (caution, count) in cautions {
+        let _ = writeln!(text, "caution at {count} points: {caution}");
+    }
 }
 
 fn table(families: &[Family]) -> String {
@@ -257,7 +271,7 @@ fn table(families: &[Family]) -> String {
                 number(point.map(|point| point.forces.torque)),
                 number(
                     point
-                        .and_then(|p| p.tractive_efficiency())
+                        .and_then(OperatingPoint::tractive_efficiency)
                         .map(|share| 100.0 * share),
                 ),
                 answer.status.key().to_owned(),

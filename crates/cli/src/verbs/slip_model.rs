@@ -1,9 +1,9 @@
 //! `slip-model`: the analytical slip model of the paper, at a point or over a range.
 
 use std::fmt::Write as _; // writing to a string cannot fail
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use grouser_terra::{Angle, Mobilised, ModelOutcome, ModelSlip, slip_model};
+use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip, slip_model};
 use serde_json::Value;
 
 use super::slip_model_figure;
@@ -62,7 +62,7 @@ pub(super) struct Point {
     pub(super) theta_deg: f64,
     pub(super) sinkage_m: f64,
     pub(super) radius_m: f64,
-    pub(super) outcome: ModelOutcome,
+    pub(super) outcome: std::result::Result<ModelOutcome, LawError>,
 }
 
 enum Output {
@@ -71,7 +71,11 @@ enum Output {
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let outputs: Vec<Output> = arguments.output.iter().map(open).collect::<Result<_>>()?;
+    let outputs: Vec<Output> = arguments
+        .output
+        .iter()
+        .map(|path| open(path))
+        .collect::<Result<_>>()?;
     let mobilised = mobilised(arguments, session)?;
     let axes = Axes::new(
         &arguments.theta_deg,
@@ -79,19 +83,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         &arguments.radius_m,
         arguments.points,
     )?;
-    let points: Vec<Point> = axes
-        .points()
-        .map(|at| evaluate(at, mobilised))
-        .collect::<Result<_>>()?;
+    let points: Vec<Point> = axes.points().map(|at| evaluate(at, mobilised)).collect();
+    // A sweep may run out of the model; a job that is outside as a whole was asked wrongly.
+    if let [first, ..] = points.as_slice()
+        && let Err(error) = &first.outcome
+        && points.iter().all(|point| point.outcome.is_err())
+    {
+        return Err(Names::Flags.error(error));
+    }
     let reached = points.iter().any(|point| point.slip().is_some());
-    let failure = (!reached).then(|| match points.first().map(|point| point.outcome) {
-        Some(ModelOutcome::Unreachable { most }) => format!(
-            "`--mobilised` is {}, but even a wheel that spins on the spot mobilises {} there",
-            crate::number::told(arguments.mobilised),
-            shown(most)
-        ),
-        _ => "the model has no slip for any of the points".to_owned(),
-    });
+    let failure = (!reached).then(|| failure(&points, arguments.mobilised));
 
     let mut text = match points.as_slice() {
         [point] => single(point, arguments.mobilised),
@@ -121,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
-fn open(path: &PathBuf) -> Result<Output> {
+fn open(path: &Path) -> Result<Output> {
     match ending(path).as_deref() {
         Some("csv") => Ok(Output::Table(OutputFile::create(path)?)),
         Some("svg" | "png") => figure_file::Target::of(path).map(Output::Figure),
@@ -154,7 +155,7 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
                 ..arguments.overrides
             };
             let chosen = choose(name, &overrides)?;
-            session.used_soil(&chosen.name, &chosen.source);
+            session.used_soil(&chosen, &arguments.overrides);
             Some(chosen.soil)
         }
         None => None,
@@ -175,34 +176,46 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
     }
 }
 
-fn evaluate(
-    [theta_deg, sinkage_m, radius_m]: [f64; 3],
-    mobilised: Option<Mobilised>,
-) -> Result<Point> {
-    let theta = Angle::from_deg(theta_deg);
-    let outcome = slip_model(theta, sinkage_m, radius_m, mobilised)
-        .map_err(|error| Names::Flags.error(&error))?;
-    Ok(Point {
+fn failure(points: &[Point], share: f64) -> String {
+    let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
+    format!(
+        "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
+        crate::number::told(share),
+        shown(most)
+    )
+}
+
+fn evaluate([theta_deg, sinkage_m, radius_m]: [f64; 3], mobilised: Option<Mobilised>) -> Point {
+    let outcome = slip_model(Angle::from_deg(theta_deg), sinkage_m, radius_m, mobilised);
+    Point {
         theta_deg,
         sinkage_m,
         radius_m,
         outcome,
-    })
+    }
 }
 
 impl Point {
     pub(super) fn slip(&self) -> Option<ModelSlip> {
         match self.outcome {
-            ModelOutcome::Slip(slip) => Some(slip),
+            Ok(ModelOutcome::Slip(slip)) => Some(slip),
+            _ => None,
+        }
+    }
+
+    /// The greatest share that can be mobilised, where that asked for cannot.
+    fn most(&self) -> Option<f64> {
+        match self.outcome {
+            Ok(ModelOutcome::Unreachable { most }) => Some(most),
             _ => None,
         }
     }
 
     fn status(&self) -> &'static str {
-        if self.slip().is_some() {
-            "ok"
-        } else {
-            "unreachable"
+        match self.outcome {
+            Ok(ModelOutcome::Slip(_)) => "ok",
+            Ok(_) => "unreachable",
+            Err(_) => "outside-model",
         }
     }
 
@@ -214,10 +227,6 @@ impl Point {
     fn object(&self) -> Object {
         let slip = self.slip();
         let number = |f: fn(&ModelSlip) -> f64| Value::from(slip.as_ref().map(f));
-        let most = match self.outcome {
-            ModelOutcome::Unreachable { most } => Some(most),
-            _ => None,
-        };
         [
             ("theta_deg", Value::from(self.theta_deg)),
             ("sinkage_m", Value::from(self.sinkage_m)),
@@ -228,7 +237,7 @@ impl Point {
             ("slip_ratio", number(|slip| slip.slip.value())),
             ("theta_1_deg", number(|slip| slip.theta_1.deg())),
             ("in_contact", Value::from(slip.map(|slip| slip.in_contact))),
-            ("most_mobilised", Value::from(most)),
+            ("most_mobilised", Value::from(self.most())),
             ("cautions", Value::from(self.cautions())),
         ]
         .into_iter()
@@ -314,7 +323,7 @@ fn table(points: &[Point]) -> String {
         let number =
             |f: fn(&ModelSlip) -> f64| slip.as_ref().map(f).map_or_else(|| "–".to_owned(), shown);
         let remark = match slip {
-            None => "unreachable",
+            None => point.status(),
             Some(slip) if !slip.in_contact => "outside the contact",
             Some(_) => "",
         };
