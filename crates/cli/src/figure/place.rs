@@ -4,7 +4,8 @@
 //! is none. The labels of a panel are then chosen together, so that no two touch, by branch and bound.
 //! The effort is bounded and the answer depends on nothing but the input.
 
-use super::geometry::{Point, Rect, distance, nearest_on_segment};
+use super::choose::{Candidate, Side, choose};
+use super::geometry::{Point, Rect, cross, distance};
 
 /// Free space between a label and any line, and between two labels, in points: as a rule, and where
 /// curves stand close.
@@ -13,12 +14,8 @@ const GAPS: [f64; 2] = [2.4, 1.6];
 const AMBIGUOUS: f64 = 9.0;
 /// Candidates kept for each label.
 const KEPT: usize = 64;
-/// Nodes visited at most.
-const EFFORT: usize = 20_000;
 /// What a leader costs before its length counts.
 const LEADER_COST: f64 = 6.0;
-/// What standing on another side than a neighbour costs.
-const OTHER_SIDE: f64 = 0.35;
 /// The longest leader, in points.
 const LONGEST_LEADER: f64 = 90.0;
 
@@ -73,24 +70,6 @@ pub(super) struct Placed {
     pub(super) rect: Rect,
     /// A thin line to what it names, where it does not stand beside it.
     pub(super) leader: Option<[Point; 2]>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    placed: Placed,
-    cost: f64,
-    side: Side,
-}
-
-/// On which side of its target a label stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    Above,
-    Below,
-    Left,
-    Right,
-    /// At a spot, or in free space with a leader.
-    Free,
 }
 
 /// A place for each label inside `frame`, or `None` when there is none for all.
@@ -299,98 +278,6 @@ impl Search<'_> {
     }
 }
 
-/// The best choice of one candidate for each label such that no two touch.
-fn choose(candidates: &[Vec<Candidate>], gap: f64) -> Option<Vec<Placed>> {
-    // The label with the fewest candidates first.
-    let mut order: Vec<usize> = (0..candidates.len()).collect();
-    order.sort_by_key(|index| candidates[*index].len());
-    let mut least_rest = vec![0.0; order.len() + 1];
-    for (depth, index) in order.iter().enumerate().rev() {
-        least_rest[depth] = least_rest[depth + 1] + candidates[*index].first()?.cost;
-    }
-    let mut choice = Choice {
-        candidates,
-        order,
-        least_rest,
-        best: None,
-        effort: EFFORT,
-        gap,
-    };
-    choice.descend(&mut Vec::new(), 0.0);
-    let (_, picked) = choice.best?;
-    let mut placed: Vec<(usize, Placed)> = choice
-        .order
-        .iter()
-        .zip(picked)
-        .map(|(index, pick)| (*index, candidates[*index][pick].placed))
-        .collect();
-    placed.sort_by_key(|(index, _)| *index);
-    Some(placed.into_iter().map(|(_, placed)| placed).collect())
-}
-
-struct Choice<'a> {
-    candidates: &'a [Vec<Candidate>],
-    order: Vec<usize>,
-    /// The least that the labels from a depth on must cost.
-    least_rest: Vec<f64>,
-    best: Option<(f64, Vec<usize>)>,
-    effort: usize,
-    gap: f64,
-}
-
-impl Choice<'_> {
-    fn descend(&mut self, picked: &mut Vec<usize>, cost: f64) {
-        let depth = picked.len();
-        if depth == self.order.len() {
-            self.best = Some((cost, picked.clone()));
-            return;
-        }
-        for pick in 0..self.candidates[self.order[depth]].len() {
-            let candidate = self.candidates[self.order[depth]][pick];
-            let bound = self.best.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
-            if cost + candidate.cost + self.least_rest[depth + 1] >= bound || self.effort == 0 {
-                return; // the candidates after this one cost more
-            }
-            self.effort -= 1;
-            if let Some(company) = self.company_cost(picked, &candidate) {
-                picked.push(pick);
-                self.descend(picked, cost + candidate.cost + company);
-                picked.pop();
-            }
-        }
-    }
-
-    /// What standing with the labels already picked costs; `None` when they touch.
-    fn company_cost(&self, picked: &[usize], candidate: &Candidate) -> Option<f64> {
-        let mut cost = 0.0;
-        let rect = &candidate.placed.rect;
-        for (depth, pick) in picked.iter().enumerate() {
-            let others = &self.candidates[self.order[depth]][*pick];
-            let other = &others.placed;
-            let touch = |leader: Option<[Point; 2]>, rect: &Rect| {
-                leader.is_some_and(|[from, to]| rect.distance_to_segment(from, to) < self.gap)
-            };
-            let leaders_cross = match (candidate.placed.leader, other.leader) {
-                (Some([a, b]), Some([c, d])) => cross(a, b, c, d),
-                _ => false,
-            };
-            if rect.grown(self.gap).overlaps(&other.rect)
-                || touch(other.leader, rect)
-                || touch(candidate.placed.leader, &other.rect)
-                || leaders_cross
-            {
-                return None;
-            }
-            // Labels in one column, on the same side of their curves, read best.
-            cost += (rect.centre()[0] - other.rect.centre()[0]).abs() / 400.0;
-            if candidate.side != others.side {
-                cost += OTHER_SIDE;
-            }
-        }
-        Some(cost)
-    }
-}
-
 /// Spots around a point, the best first: right, left, above, below, then the corners.
 fn around(at: Point, gap: f64, label: &Wanted) -> Vec<(Rect, f64, Side)> {
     let (w, h) = (label.width, label.height);
@@ -488,18 +375,6 @@ fn could_meet(rect: &Rect, part: &[Point]) -> bool {
         && a[0].max(b[0]) >= rect.left
         && a[1].min(b[1]) <= rect.bottom
         && a[1].max(b[1]) >= rect.top
-}
-
-/// Do two segments come nearer than half a point?
-fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
-    let side = |from: Point, to: Point, point: Point| {
-        (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
-    };
-    let parted = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
-    let near = |point: Point, from: Point, to: Point| {
-        distance(point, nearest_on_segment(point, from, to)) < 0.5
-    };
-    !parted || near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b)
 }
 
 #[cfg(test)]

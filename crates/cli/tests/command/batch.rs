@@ -1,6 +1,7 @@
 //! `batch` against the reference cases, and what it does with rows that cannot be solved.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Stdio;
@@ -59,12 +60,14 @@ fn every_reference_case_comes_out_to_1e_9() {
         };
         let shared = ["kind", "soil", "radius_m", "width_m", "rebound", "slip"]
             .map(|name| case[name].clone());
-        text.push_str(&format!(
-            "{},{},{}\n",
+        writeln!(
+            text,
+            "{},{},{}",
             shared.join(","),
             column("sinkage_m", by_sinkage),
             column("vertical_force_n", !by_sinkage)
-        ));
+        )
+        .unwrap();
     }
     let (solved, _) = solve(&Folder::new(), &text);
     assert_eq!(solved.len(), reference.len());

@@ -53,7 +53,7 @@ fn places(words: &[OsString]) -> impl Iterator<Item = usize> {
 
 fn replaced(words: &[OsString], place: usize, value: &OsStr) -> Vec<OsString> {
     let mut words = words.to_vec();
-    words[place] = value.to_owned();
+    value.clone_into(&mut words[place]);
     words
 }
 
