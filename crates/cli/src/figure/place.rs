@@ -16,6 +16,8 @@ const AMBIGUOUS: f64 = 9.0;
 const KEPT: usize = 64;
 /// What a leader costs before its length counts.
 const LEADER_COST: f64 = 6.0;
+/// Leaders tried from one place, the shortest first.
+const LEADERS: usize = 8;
 /// The longest leader, in points.
 const LONGEST_LEADER: f64 = 90.0;
 
@@ -223,15 +225,18 @@ impl Search<'_> {
 
     /// The shortest line from the box to one of `ends` that crosses nothing but its own target.
     fn leader(&self, rect: &Rect, ends: &[Point], target: Target) -> Option<([Point; 2], f64)> {
-        let mut best: Option<([Point; 2], f64)> = None;
-        for end in ends {
-            let start = rect.grown(1.0).nearest(*end);
-            let length = distance(start, *end);
-            if length > best.map_or(LONGEST_LEADER, |(_, length)| length) {
-                continue;
-            }
+        let start = |end: Point| rect.grown(1.0).nearest(end);
+        let length = |end: Point| distance(start(end), end);
+        let mut near: Vec<Point> = ends
+            .iter()
+            .copied()
+            .filter(|end| length(*end) <= LONGEST_LEADER)
+            .collect();
+        near.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
+        near.truncate(LEADERS);
+        let crosses_nothing = |end: &Point| {
             let strange = |index: usize| target != Target::Line(index);
-            let crosses = self
+            !self
                 .obstacles
                 .lines
                 .iter()
@@ -240,13 +245,11 @@ impl Search<'_> {
                     strange(index)
                         && line
                             .windows(2)
-                            .any(|part| cross(start, *end, part[0], part[1]))
-                });
-            if !crosses {
-                best = Some(([start, *end], length));
-            }
-        }
-        best
+                            .any(|part| cross(start(*end), *end, part[0], part[1]))
+                })
+        };
+        let end = near.into_iter().find(crosses_nothing)?;
+        Some(([start(end), end], length(end)))
     }
 
     /// What the neighbours cost; `None` when the box touches something or seems to name another line.
