@@ -193,7 +193,7 @@ impl WheelOnSoil {
     }
 
     /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
-    /// rising. Source of the start: Bekker's closed form for a wheel without shear [Bekker69].
+    /// rising. Source of the start: Bekker's closed form for a wheel without shear \[Bekker69\].
     fn newton(
         &self,
         load: f64,
