@@ -44,6 +44,7 @@ pub mod catalogue;
 mod caution;
 mod closed_form;
 mod contact;
+mod derivative;
 mod error;
 mod forces;
 mod kinematics;
@@ -68,6 +69,7 @@ pub use closed_form::ClosedForm;
 pub use contact::{
     Contact, ContactAngles, Motion, WheelSize, entry_angle, sinkage_from_entry_angle,
 };
+pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;

@@ -46,6 +46,13 @@ pub struct SinkageSolution {
     theta_1: f64,
 }
 
+impl SinkageSolution {
+    /// The entry angle, rad; `None` unless solved.
+    pub(crate) fn entry_angle(&self) -> Option<f64> {
+        self.sinkage.map(|_| self.theta_1)
+    }
+}
+
 /// A wheel under its load.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadSolution {
