@@ -1,0 +1,243 @@
+//! From the solver's last point to the solution: residuals, prices and what binds.
+
+use super::point::{Evaluator, Point, violation};
+use super::qp::{RowKind, Rows};
+use super::subspace::dot;
+use crate::jacobian::Jacobian;
+use crate::program::{Kind, Program};
+use crate::settings::Settings;
+use crate::solution::{Kkt, Multipliers, Solution};
+use crate::status::{Status, Violation};
+
+/// Σ u_j g_j over rows and bounds.
+pub(super) fn lagrangian_gradient(n: usize, rows: &Rows, multipliers: &[f64]) -> Vec<f64> {
+    let mut gradient = vec![0.0; n];
+    for (row, &u) in rows.gradients.chunks_exact(n.max(1)).zip(multipliers) {
+        if u != 0.0 {
+            for (sum, g) in gradient.iter_mut().zip(row) {
+                *sum += u * g;
+            }
+        }
+    }
+    let bounds = multipliers.get(rows.kinds.len()..).unwrap_or(&[]);
+    for (sum, pair) in gradient.iter_mut().zip(bounds.chunks_exact(2)) {
+        *sum += pair[1] - pair[0];
+    }
+    gradient
+}
+
+/// max ‖∇f_i‖∞ over the objective rows.
+pub(super) fn gradient_scale(program: &Program<'_>, jacobian: &Jacobian) -> f64 {
+    program
+        .rows
+        .iter()
+        .filter(|row| matches!(row.kind, Kind::Objective(_)))
+        .map(|row| jacobian.row_norm(row.function) * row.scale)
+        .fold(0.0, f64::max)
+}
+
+/// The greatest multiplier × distance from binding; `level` is γ.
+pub(super) fn complementarity(
+    rows: &Rows,
+    level: f64,
+    lower: &[f64],
+    upper: &[f64],
+    multipliers: &[f64],
+) -> f64 {
+    let mut worst = 0.0_f64;
+    for ((kind, &offset), &u) in rows.kinds.iter().zip(&rows.offsets).zip(multipliers) {
+        let slack = match kind {
+            RowKind::Objective => level - offset,
+            // A violated row at its cap is not slack: it is the violation's business.
+            RowKind::Inequality { .. } => (-offset).max(0.0),
+            RowKind::Equality { .. } | RowKind::Ignored => 0.0,
+        };
+        worst = worst.max((u * slack).abs());
+    }
+    let bounds = multipliers.get(rows.kinds.len()..).unwrap_or(&[]);
+    for (pair, (low, high)) in bounds.chunks_exact(2).zip(lower.iter().zip(upper)) {
+        for (u, slack) in [(pair[0], -low), (pair[1], *high)] {
+            if u != 0.0 {
+                worst = worst.max((u * slack).abs());
+            }
+        }
+    }
+    worst
+}
+
+/// Every nonlinear constraint violated by more than the tolerance.
+pub(super) fn violations(program: &Program<'_>, point: &Point, tolerance: f64) -> Vec<Violation> {
+    let mut list: Vec<Violation> = Vec::new();
+    for (row, &value) in program.rows.iter().zip(&point.rows) {
+        let amount = violation(row.kind, value);
+        if !(amount <= tolerance) {
+            let name = program.problem.function_name(row.function).to_owned();
+            list.push(Violation { name, amount });
+        }
+    }
+    list
+}
+
+/// Builds the solution. Without a Jacobian (the search never began) residuals that need one are 0.
+pub(super) fn solution(
+    program: &Program<'_>,
+    settings: &Settings,
+    evaluator: &Evaluator<'_>,
+    point: Point,
+    jacobian: Option<&Jacobian>,
+    u: &[f64],
+    status: Status,
+) -> Solution {
+    let problem = program.problem;
+    let (objectives, inequalities) = (problem.objectives().len(), problem.inequalities().len());
+    let n = program.dimension();
+    let at = |index: usize| u.get(index).copied().unwrap_or(0.0);
+    let mut multipliers = Multipliers {
+        objectives: vec![0.0; objectives],
+        hard_goals: vec![0.0; objectives],
+        inequalities: vec![0.0; inequalities],
+        equalities: vec![0.0; problem.equalities().len()],
+        linear: vec![0.0; program.linear.len()],
+        lower: vec![0.0; n],
+        upper: vec![0.0; n],
+    };
+    let level = point.level(program);
+    let mut kkt = Kkt {
+        violation: point.worst_violation(program),
+        ..Kkt::default()
+    };
+    let mut gradient = vec![0.0; n];
+    for (index, (row, &value)) in program.rows.iter().zip(&point.rows).enumerate() {
+        let price = at(index);
+        let slack = match row.kind {
+            Kind::Objective(i) => {
+                multipliers.objectives[i] += price;
+                level - value
+            }
+            Kind::HardGoal(i) => {
+                multipliers.hard_goals[i] += price;
+                (-value).max(0.0)
+            }
+            Kind::Inequality(j) => {
+                multipliers.inequalities[j] = price;
+                (-value).max(0.0)
+            }
+            Kind::Equality(k) => {
+                multipliers.equalities[k] = price;
+                0.0
+            }
+        };
+        kkt.complementarity = kkt.complementarity.max((price * slack).abs());
+        if let Some(jacobian) = jacobian {
+            let slope = price * row.slope();
+            for (sum, g) in gradient.iter_mut().zip(jacobian.row(row.function)) {
+                if slope != 0.0 {
+                    *sum += slope * g;
+                }
+            }
+        }
+    }
+    for (l, row) in program.linear.iter().enumerate() {
+        let price = at(program.rows.len() + l);
+        multipliers.linear[l] = price;
+        let value = dot(&row.coefficients, &point.x) - row.bound;
+        let (off, slack) = if row.equal {
+            (value.abs(), 0.0)
+        } else {
+            (value.max(0.0), (-value).max(0.0))
+        };
+        kkt.violation = kkt.violation.max(off);
+        kkt.complementarity = kkt.complementarity.max((price * slack).abs());
+        for (sum, a) in gradient.iter_mut().zip(&row.coefficients) {
+            *sum += price * a;
+        }
+    }
+    for i in 0..n {
+        let first = program.rows.len() + program.linear.len() + 2 * i;
+        let (low, high) = (at(first), at(first + 1));
+        (multipliers.lower[i], multipliers.upper[i]) = (low, high);
+        gradient[i] += high - low;
+        for (price, slack) in [
+            (low, point.x[i] - program.lower[i]),
+            (high, program.upper[i] - point.x[i]),
+        ] {
+            if price != 0.0 {
+                kkt.complementarity = kkt.complementarity.max((price * slack).abs());
+            }
+        }
+    }
+    kkt.stationarity = gradient.iter().fold(0.0, |m, g| g.abs().max(m));
+    kkt.gradient_scale = jacobian.map_or(0.0, |jacobian| gradient_scale(program, jacobian));
+    let values = &point.functions;
+    let maximum = (0..objectives)
+        .map(|i| {
+            if i < problem.absolute() {
+                values[i].abs()
+            } else {
+                values[i]
+            }
+        })
+        .fold(
+            f64::NEG_INFINITY,
+            |m, v| if v > m || v.is_nan() { v } else { m },
+        );
+    Solution {
+        status,
+        active: active(program, settings, &point, level, &multipliers),
+        objectives: values[..objectives].to_vec(),
+        maximum,
+        utility: level,
+        inequalities: values[objectives..objectives + inequalities].to_vec(),
+        equalities: values[objectives + inequalities..].to_vec(),
+        multipliers,
+        kkt,
+        counts: evaluator.counts,
+        x: point.x,
+    }
+}
+
+/// The names of everything that holds the point: rows at their limit or with a price, bounds as
+/// `x >= lower` and `x <= upper`.
+fn active(
+    program: &Program<'_>,
+    settings: &Settings,
+    point: &Point,
+    level: f64,
+    multipliers: &Multipliers,
+) -> Vec<String> {
+    let problem = program.problem;
+    let near = |slack: f64, size: f64| slack <= 10.0 * settings.constraint_tolerance * (1.0 + size);
+    let mut names: Vec<String> = Vec::new();
+    for (row, &value) in program.rows.iter().zip(&point.rows) {
+        let binds = match row.kind {
+            Kind::Objective(i) => {
+                multipliers.objectives[i] > 0.0 || near(level - value, level.abs())
+            }
+            Kind::HardGoal(_) | Kind::Inequality(_) => near(-value, 0.0),
+            Kind::Equality(_) => true,
+        };
+        let name = problem.function_name(row.function);
+        if binds && names.last().map(String::as_str) != Some(name) {
+            names.push(name.to_owned());
+        }
+    }
+    for (row, named) in program.linear.iter().zip(problem.linear()) {
+        if row.equal
+            || near(
+                row.bound - dot(&row.coefficients, &point.x),
+                row.bound.abs(),
+            )
+        {
+            names.push(named.name.clone());
+        }
+    }
+    for (i, variable) in problem.variables().iter().enumerate() {
+        if near(point.x[i] - variable.lower, variable.lower.abs()) {
+            names.push(format!("{} >= lower", variable.name));
+        }
+        if near(variable.upper - point.x[i], variable.upper.abs()) {
+            names.push(format!("{} <= upper", variable.name));
+        }
+    }
+    names
+}
