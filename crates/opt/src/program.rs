@@ -16,6 +16,12 @@ pub(crate) enum Kind {
     Equality(usize),
 }
 
+impl Kind {
+    pub(crate) fn is_objective(self) -> bool {
+        matches!(self, Self::Objective(_))
+    }
+}
+
 /// One row: (sign · f − shift) · scale of one of the model's functions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {

@@ -20,7 +20,7 @@ impl Point {
             .rows
             .iter()
             .zip(&self.rows)
-            .filter(|(row, _)| matches!(row.kind, Kind::Objective(_)))
+            .filter(|(row, _)| row.kind.is_objective())
             .fold(f64::NEG_INFINITY, |m, (_, &v)| if v > m { v } else { m })
     }
 

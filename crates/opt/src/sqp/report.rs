@@ -31,7 +31,7 @@ pub(super) fn gradient_scale(program: &Program<'_>, jacobian: &Jacobian) -> f64 
     program
         .rows
         .iter()
-        .filter(|row| matches!(row.kind, Kind::Objective(_)))
+        .filter(|row| row.kind.is_objective())
         .map(|row| jacobian.row_norm(row.function) * row.scale)
         .fold(0.0, f64::max)
 }

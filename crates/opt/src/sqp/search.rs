@@ -16,7 +16,7 @@ use super::{Model, Phase, Sqp, subspace};
 /// Share of the promised decrease that a step must deliver.
 const SHARE: f64 = 1e-4;
 /// So many past merits may stand in for the current one.
-const MEMORY: usize = 4;
+const MEMORY: usize = 3;
 /// Shortest fraction of a step that is tried.
 const SHORTEST: f64 = 1e-14;
 
