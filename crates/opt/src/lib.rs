@@ -34,9 +34,14 @@ mod error;
 mod jacobian;
 mod method;
 mod model;
+mod multi_start;
+mod pareto;
 mod problem;
 mod program;
+mod random;
 mod settings;
+mod sobol;
+mod sobol_directions;
 mod solution;
 mod solve;
 mod sqp;
@@ -51,8 +56,14 @@ pub use error::{Error, Result};
 pub use jacobian::Jacobian;
 pub use method::Method;
 pub use model::Model;
+pub use multi_start::{MultiStart, Optimum, multi_start};
+pub use pareto::{
+    Algorithm, Crossover, Front, FrontPoint, Mutation, ParetoSettings, das_dennis, hypervolume,
+    inverted_generational_distance, knee, pareto,
+};
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
 pub use settings::Settings;
+pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
 pub use solve::{solve, solve_watched};
 pub use status::{Limit, Status, Violation};

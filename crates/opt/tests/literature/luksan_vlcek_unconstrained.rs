@@ -180,7 +180,11 @@ impl Functions for Filter {
 }
 
 pub fn filter() -> ProblemParams<'static> {
-    absolute(&[0.0, 1.0, 0.0, -0.15, 0.0, -0.68, 0.0, -0.72, 0.37], 41, Filter)
+    absolute(
+        &[0.0, 1.0, 0.0, -0.15, 0.0, -0.68, 0.0, -0.72, 0.37],
+        41,
+        Filter,
+    )
 }
 
 /// Hock & Schittkowski's problem 113: its objective, five nonlinear constraints, three linear ones.

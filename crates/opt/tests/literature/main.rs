@@ -55,7 +55,13 @@ fn every_problem_reaches_its_published_optimum() {
         let error = solution.maximum - case.optimum;
         println!(
             "{:<15} {:?} max {:.10} (published {:.8}, off {:.1e}), {:?}, {:?}",
-            case.name, solution.status, solution.maximum, case.optimum, error, solution.counts, solution.kkt
+            case.name,
+            solution.status,
+            solution.maximum,
+            case.optimum,
+            error,
+            solution.counts,
+            solution.kkt
         );
         // The published figures are rounded to 8 digits; below them nothing can be better than that.
         if !(error.abs() <= 1e-6 * (1.0 + case.optimum.abs())) || !solution.status.is_solved() {
@@ -81,7 +87,12 @@ fn multipliers_prove_each_optimum() {
             case.name
         );
         // Only objectives at the maximum carry weight.
-        for (i, (&f, &l)) in solution.objectives.iter().zip(&parts.objectives).enumerate() {
+        for (i, (&f, &l)) in solution
+            .objectives
+            .iter()
+            .zip(&parts.objectives)
+            .enumerate()
+        {
             let f = if i < problem.absolute() { f.abs() } else { f };
             let gap = l * (solution.maximum - f);
             assert!(
