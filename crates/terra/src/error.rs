@@ -44,6 +44,36 @@ pub enum Error {
         /// Its unit.
         unit: &'static str,
     },
+    /// A parameter that this computation needs was not given.
+    #[error("{field} is missing, but {needed_by} needs it")]
+    Missing {
+        /// The field's name.
+        field: &'static str,
+        /// What asks for it.
+        needed_by: &'static str,
+    },
+    /// The wheel has sunk to its hub: outside the model.
+    #[error(
+        "sinkage is {sinkage} m, but must stay below the wheel's radius {radius} m (hub buried)"
+    )]
+    HubBuried {
+        /// Sinkage, m.
+        sinkage: f64,
+        /// The wheel's running radius, m.
+        radius: f64,
+    },
+    /// The soil behind the wheel would rise to the hub.
+    #[error(
+        "rebound {rebound} times sinkage {sinkage} m must stay below the wheel's radius {radius} m"
+    )]
+    ReboundAboveHub {
+        /// Rebound ratio λ.
+        rebound: f64,
+        /// Sinkage, m.
+        sinkage: f64,
+        /// The wheel's running radius, m.
+        radius: f64,
+    },
     /// The two speeds define no slip: standstill, or a wheel rolling against its rotation.
     #[error("forward speed {forward_speed} m/s and rim speed {rim_speed} m/s define no slip")]
     NoSlip {
@@ -55,11 +85,43 @@ pub enum Error {
 }
 
 impl Error {
+    /// The name of the field that is bad, where it is one.
+    #[must_use]
+    pub const fn field(&self) -> Option<&'static str> {
+        match self {
+            Self::OutOfRange { field, .. }
+            | Self::NotAbove { field, .. }
+            | Self::NotFinite { field, .. }
+            | Self::Missing { field, .. } => Some(*field),
+            Self::HubBuried { .. } => Some("sinkage"),
+            Self::ReboundAboveHub { .. } => Some("rebound"),
+            Self::NoSlip { .. } => None,
+        }
+    }
+
     pub(crate) fn check_finite(field: &'static str, value: f64, unit: &'static str) -> Result<()> {
         if value.is_finite() {
             Ok(())
         } else {
             Err(Self::NotFinite { field, value, unit })
+        }
+    }
+
+    pub(crate) fn check_above(
+        field: &'static str,
+        value: f64,
+        limit: f64,
+        unit: &'static str,
+    ) -> Result<()> {
+        if value > limit {
+            Ok(())
+        } else {
+            Err(Self::NotAbove {
+                field,
+                value,
+                limit,
+                unit,
+            })
         }
     }
 

@@ -1,0 +1,161 @@
+//! Points, boxes and distances on the page, in points (1/72 inch), y downwards.
+
+/// A place on the page.
+pub(super) type Point = [f64; 2];
+
+/// A box on the page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rect {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Rect {
+    /// The box at `corner` (left, top).
+    pub(super) fn at(corner: Point, width: f64, height: f64) -> Self {
+        Self {
+            left: corner[0],
+            top: corner[1],
+            right: corner[0] + width,
+            bottom: corner[1] + height,
+        }
+    }
+
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+
+    pub(super) fn centre(&self) -> Point {
+        [
+            f64::midpoint(self.left, self.right),
+            f64::midpoint(self.top, self.bottom),
+        ]
+    }
+
+    /// The box grown by `margin` on every side.
+    pub(super) fn grown(&self, margin: f64) -> Self {
+        Self {
+            left: self.left - margin,
+            top: self.top - margin,
+            right: self.right + margin,
+            bottom: self.bottom + margin,
+        }
+    }
+
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    pub(super) fn contains(&self, inner: &Self) -> bool {
+        self.left <= inner.left
+            && inner.right <= self.right
+            && self.top <= inner.top
+            && inner.bottom <= self.bottom
+    }
+
+    /// The point of the box nearest to `point`.
+    pub(super) fn nearest(&self, point: Point) -> Point {
+        [
+            point[0].clamp(self.left, self.right),
+            point[1].clamp(self.top, self.bottom),
+        ]
+    }
+
+    /// How far `point` lies outside; 0 inside.
+    pub(super) fn distance(&self, point: Point) -> f64 {
+        distance(point, self.nearest(point))
+    }
+
+    /// How far the segment stays away; 0 where it enters.
+    pub(super) fn distance_to_segment(&self, from: Point, to: Point) -> f64 {
+        if self.is_crossed(from, to) {
+            return 0.0;
+        }
+        let corners = [
+            [self.left, self.top],
+            [self.right, self.top],
+            [self.right, self.bottom],
+            [self.left, self.bottom],
+        ];
+        // Two convex sets that do not meet are nearest at a corner of one of them.
+        corners
+            .into_iter()
+            .map(|corner| distance(corner, nearest_on_segment(corner, from, to)))
+            .fold(self.distance(from).min(self.distance(to)), f64::min)
+    }
+
+    /// Does the segment enter the box?
+    fn is_crossed(&self, from: Point, to: Point) -> bool {
+        self.clipped(from, to).is_some()
+    }
+
+    /// The part of a segment inside the box (Liang and Barsky's clipping).
+    pub(super) fn clipped(&self, from: Point, to: Point) -> Option<[Point; 2]> {
+        let step = [to[0] - from[0], to[1] - from[1]];
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for (slope, room) in [
+            (-step[0], from[0] - self.left),
+            (step[0], self.right - from[0]),
+            (-step[1], from[1] - self.top),
+            (step[1], self.bottom - from[1]),
+        ] {
+            if slope == 0.0 {
+                if room < 0.0 {
+                    return None;
+                }
+            } else if slope < 0.0 {
+                enter = enter.max(room / slope);
+            } else {
+                leave = leave.min(room / slope);
+            }
+        }
+        let at = |share: f64| match share {
+            0.0 => from,
+            1.0 => to,
+            _ => [from[0] + share * step[0], from[1] + share * step[1]],
+        };
+        (enter <= leave).then(|| [at(enter), at(leave)])
+    }
+}
+
+/// Between two points.
+pub(super) fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The point of a segment nearest to `point`.
+pub(super) fn nearest_on_segment(point: Point, from: Point, to: Point) -> Point {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    if square == 0.0 {
+        return from;
+    }
+    let share = ((point[0] - from[0]) * along[0] + (point[1] - from[1]) * along[1]) / square;
+    let share = share.clamp(0.0, 1.0);
+    [from[0] + share * along[0], from[1] + share * along[1]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_segment_through_a_box_has_no_distance_to_it() {
+        let square = Rect::at([0.0, 0.0], 2.0, 2.0);
+        assert_eq!(square.distance_to_segment([-1.0, 1.0], [3.0, 1.0]), 0.0);
+        assert_eq!(square.distance_to_segment([0.5, 0.5], [0.6, 0.5]), 0.0);
+        // Cuts the corner at (2, 0) by √2/2: the line x − y = 3 against the corner (2, 0).
+        let cut = square.distance_to_segment([2.0, -1.0], [4.0, 1.0]);
+        assert!((cut - 0.5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(square.distance_to_segment([5.0, 0.0], [5.0, 9.0]), 3.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! The laws' errors in the words of the command: flags and columns instead of fields, degrees instead of
+//! radians.
+
+use grouser_terra::Error as LawError;
+
+use crate::error::Error;
+use crate::number::told;
+
+/// Whose names a message uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Names {
+    /// `--radius-m`
+    Flags,
+    /// `radius_m`
+    Columns,
+}
+
+/// The laws' fields and the columns (flags) that give them.
+const COLUMNS: [(&str, &str); 16] = [
+    ("radius", "radius_m"),
+    ("width", "width_m"),
+    ("rebound", "rebound"),
+    ("slip", "slip"),
+    ("sinkage", "sinkage_m"),
+    ("load", "load_n"),
+    ("weight", "load_n"),
+    ("slip_angle", "slip_angle_deg"),
+    ("slope", "slope_deg"),
+    ("theta", "theta_deg"),
+    ("mobilised", "mobilised"),
+    ("k_shear", "k_shear_m"),
+    ("c_1", "c_1"),
+    ("c_2", "c_2"),
+    ("unit_weight", "unit_weight_n_per_m3"),
+    ("phi", "phi_deg"),
+];
+
+impl Names {
+    /// The name of a law's field in backticks.
+    pub(crate) fn of(self, field: &str) -> String {
+        let column = COLUMNS
+            .iter()
+            .find(|(name, _)| *name == field)
+            .map(|(_, column)| *column);
+        match (self, column) {
+            (Self::Flags, Some(column)) => format!("`--{}`", column.replace('_', "-")),
+            (Self::Columns, Some(column)) => format!("`{column}`"),
+            (_, None) => format!("`{field}`"),
+        }
+    }
+
+    /// What the laws refuse, as an error of the command.
+    pub(crate) fn error(self, error: &LawError) -> Error {
+        Error::usage_without_hint(self.message(error))
+    }
+
+    /// What the laws refuse: the name, the value, the limit and the unit.
+    pub(crate) fn message(self, error: &LawError) -> String {
+        match *error {
+            LawError::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+            } => {
+                let (scale, unit) = in_degrees(unit);
+                let [value, low, high] = [value * scale, low * scale, high * scale];
+                let limit = if high >= f64::MAX {
+                    format!("be at least {}{unit}", told(low))
+                } else {
+                    format!("lie in [{}, {}]{unit}", told(low), told(high))
+                };
+                format!(
+                    "{} is {}{unit}, but must {limit}",
+                    self.of(field),
+                    told(value)
+                )
+            }
+            LawError::NotAbove {
+                field,
+                value,
+                limit,
+                unit,
+            } => {
+                let (scale, unit) = in_degrees(unit);
+                let [value, limit] = [value * scale, limit * scale].map(told);
+                format!(
+                    "{} is {value}{unit}, but must be greater than {limit}{unit}",
+                    self.of(field)
+                )
+            }
+            LawError::NotFinite { field, value, unit } => {
+                let (_, unit) = in_degrees(unit);
+                format!(
+                    "{} is {value}{unit}, but must be a finite number",
+                    self.of(field)
+                )
+            }
+            LawError::Missing { field, needed_by } => {
+                format!("{} is missing, but {needed_by} needs it", self.of(field))
+            }
+            LawError::HubBuried { sinkage, radius } => format!(
+                "{} is {} m, but must stay below the wheel's radius, {} m (the hub is buried)",
+                self.of("sinkage"),
+                told(sinkage),
+                told(radius)
+            ),
+            LawError::ReboundAboveHub {
+                rebound,
+                sinkage,
+                radius,
+            } => format!(
+                "{} is {} at a sinkage of {} m, but their product must stay below the wheel's radius, {} m",
+                self.of("rebound"),
+                told(rebound),
+                told(sinkage),
+                told(radius)
+            ),
+            ref other => other.to_string(),
+        }
+    }
+}
+
+/// What a value in `unit` is multiplied with, and the unit with a space before it; a pure number has none.
+fn in_degrees(unit: &str) -> (f64, String) {
+    match unit {
+        "rad" => (1_f64.to_degrees(), " deg".to_owned()),
+        "1" => (1.0, String::new()),
+        unit => (1.0, format!(" {unit}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grouser_terra::{Angle, Kinematics, RigidWheel, Slip};
+
+    #[test]
+    fn flags_columns_and_degrees() {
+        let error = Slip::new(2.0).unwrap_err();
+        let flags = Names::Flags.message(&error);
+        assert_eq!(flags, "`--slip` is 2, but must lie in [-1, 1]");
+        let error = RigidWheel::new(f64::NAN, 0.1).unwrap_err();
+        let columns = Names::Columns.message(&error);
+        assert_eq!(
+            columns,
+            "`radius_m` is NaN m, but must lie in [0.001, 100] m"
+        );
+        let error = Kinematics::with_slip_angle(Slip::ZERO, Angle::from_deg(95.0)).unwrap_err();
+        let flags = Names::Flags.message(&error);
+        assert_eq!(
+            flags,
+            "`--slip-angle-deg` is 95 deg, but must lie in [-89.9, 89.9] deg"
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! How far a long job is, on standard error, and only where somebody looks at it.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A line that shows how far the job is; it disappears when the job ends. Nothing is shown when standard
+/// error is not a terminal.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    /// Of a job of `total` bytes (unknown: a count without an end).
+    pub(crate) fn of_bytes(total: Option<u64>) -> Self {
+        let template = match total {
+            Some(_) => "{wide_bar} {percent:>3} %  {bytes}/{total_bytes}  {eta} left",
+            None => "{spinner} {bytes}  {elapsed}",
+        };
+        Self::new(total, template)
+    }
+
+    /// Of a job of `total` steps.
+    pub(crate) fn of_steps(total: u64) -> Self {
+        Self::new(Some(total), "{wide_bar} {pos}/{len}  {eta} left")
+    }
+
+    fn new(total: Option<u64>, template: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(5));
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// `amount` more is done.
+    pub(crate) fn advance(&self, amount: u64) {
+        self.0.inc(amount);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,38 @@
+//! What a verb hands back: one JSON object, and the same as text.
+
+use serde_json::{Map, Value};
+
+use crate::error::Outcome;
+
+/// A JSON object that keeps the order of its keys.
+///
+/// Numbers that are NaN or infinite become `null` on their way in (`Value::from(f64)`).
+pub(crate) type Object = Map<String, Value>;
+
+/// The result of a verb.
+#[derive(Debug)]
+pub(crate) struct Report {
+    /// How the job ended.
+    pub(crate) outcome: Outcome,
+    /// The keys of the JSON object, `provenance` aside.
+    pub(crate) object: Object,
+    /// What a person reads.
+    pub(crate) text: String,
+    /// Why there is no result: said as an error, although the report is printed.
+    pub(crate) failure: Option<String>,
+    /// What is doubtful in it: said on standard error.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Report {
+    /// A job that is done.
+    pub(crate) fn done(object: Object, text: String) -> Self {
+        Self {
+            outcome: Outcome::Done,
+            object,
+            text,
+            failure: None,
+            warnings: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! One run of the command: what was read, and how the result is printed.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::error::{Outcome, Result};
+use crate::input::Input;
+use crate::report::{Object, Report};
+use crate::terminal;
+
+/// The run: remembers what went into the result.
+#[derive(Debug)]
+pub(crate) struct Session {
+    json: bool,
+    seed: Option<u64>,
+    input_sha256: Object,
+    soil: Option<(String, String)>,
+}
+
+impl Session {
+    /// A run that has read nothing yet.
+    pub(crate) fn new(json: bool) -> Self {
+        Self {
+            json,
+            seed: None,
+            input_sha256: Object::new(),
+            soil: None,
+        }
+    }
+
+    /// A file was read to its end.
+    pub(crate) fn used_input(&mut self, input: Input) {
+        let (path, digest) = input.digest();
+        self.input_sha256.insert(path, Value::from(digest));
+    }
+
+    /// A random stream was drawn from `seed`.
+    #[allow(
+        dead_code,
+        reason = "no verb of this stage draws random numbers; `optimize` and `drive` do"
+    )]
+    pub(crate) fn used_seed(&mut self, seed: u64) {
+        self.seed = Some(seed);
+    }
+
+    /// A soil entered the result.
+    pub(crate) fn used_soil(&mut self, key: impl Into<String>, source: impl Into<String>) {
+        self.soil = Some((key.into(), source.into()));
+    }
+
+    /// Opens an input file.
+    pub(crate) fn open(&self, path: &Path) -> Result<Input> {
+        Input::open(path)
+    }
+
+    /// Prints the report, as JSON or as text, and its warnings.
+    pub(crate) fn print(&self, report: Report) -> Result<Outcome> {
+        let Report {
+            outcome,
+            mut object,
+            text,
+            failure,
+            warnings,
+        } = report;
+        if self.json {
+            object.insert("provenance".to_owned(), Value::Object(self.provenance()));
+            terminal::print(&format!("{:#}\n", Value::Object(object)))?;
+        } else {
+            terminal::print(&text)?;
+        }
+        if let Some(failure) = &failure {
+            terminal::fail(failure);
+        }
+        for warning in &warnings {
+            terminal::warn(warning);
+        }
+        Ok(outcome)
+    }
+
+    fn provenance(&self) -> Object {
+        let soil = self.soil.as_ref().map(|(key, source)| {
+            Object::from_iter([
+                ("key".to_owned(), Value::from(key.as_str())),
+                ("source".to_owned(), Value::from(source.as_str())),
+            ])
+        });
+        Object::from_iter([
+            ("version".to_owned(), Value::from(env!("CARGO_PKG_VERSION"))),
+            (
+                "commit".to_owned(),
+                Value::from(option_env!("GROUSER_COMMIT")),
+            ),
+            ("seed".to_owned(), Value::from(self.seed)),
+            (
+                "input_sha256".to_owned(),
+                Value::Object(self.input_sha256.clone()),
+            ),
+            ("soil".to_owned(), Value::from(soil)),
+        ])
+    }
+}

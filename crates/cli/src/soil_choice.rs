@@ -1,0 +1,170 @@
+//! `--soil` and the flags that complete or override it.
+
+use std::ffi::{OsStr, OsString};
+
+use grouser_terra::Soil;
+use grouser_terra::catalogue::{self, Completion, Entry};
+
+use crate::error::{Error, Result};
+use crate::law_error::Names;
+use crate::number::parse_finite;
+
+/// Above the flags of [`Overrides`] in the help.
+const HEADING: &str = "Soil (completes or overrides what --soil gives)";
+
+/// The numbers that complete or override a soil.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub(crate) struct Overrides {
+    /// Shear deformation modulus K in m
+    #[arg(long, help_heading = HEADING, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    pub(crate) k_shear_m: Option<f64>,
+    /// Place of the greatest stress without slip, θ_m = (c_1 + c_2 s) θ_1
+    #[arg(long = "c-1",
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+    pub(crate) c_1: Option<f64>,
+    /// Growth of that place with slip
+    #[arg(long = "c-2",
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+    pub(crate) c_2: Option<f64>,
+    /// Unit weight γ = ρ g in N/m³; only the side force needs it
+    #[arg(long = "unit-weight-n-per-m3",
+        help_heading = HEADING, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
+    pub(crate) unit_weight: Option<f64>,
+}
+
+impl Overrides {
+    fn completion(&self) -> Completion {
+        Completion {
+            k_shear: self.k_shear_m,
+            c_1: self.c_1,
+            c_2: self.c_2,
+            unit_weight: self.unit_weight,
+        }
+    }
+}
+
+/// `--soil` with its overrides.
+#[derive(clap::Args, Clone, Debug)]
+pub(crate) struct SoilArguments {
+    /// A key of the catalogue (see `grouser soils`), or a file when it contains `/` or `.`
+    #[arg(long, value_name = "KEY|FILE")]
+    pub(crate) soil: OsString,
+    #[command(flatten)]
+    pub(crate) overrides: Overrides,
+}
+
+/// A soil and where it comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Chosen {
+    /// The catalogue's key, or the file.
+    pub(crate) name: String,
+    /// Where its numbers come from.
+    pub(crate) source: String,
+    pub(crate) soil: Soil,
+}
+
+impl SoilArguments {
+    /// The soil, its source noted in the session.
+    pub(crate) fn choose(&self, session: &mut crate::session::Session) -> Result<Chosen> {
+        let chosen = choose(&self.soil, &self.overrides)?;
+        session.used_soil(&chosen.name, &chosen.source);
+        Ok(chosen)
+    }
+}
+
+/// The soil of a key, completed.
+pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
+    let entry = find(name)?;
+    let soil = entry
+        .completed(&overrides.completion())
+        .map_err(|error| match error {
+            grouser_terra::Error::Missing { .. } => incomplete(entry, overrides),
+            _ => Names::Flags.error(&error),
+        })?;
+    Ok(Chosen {
+        name: entry.key.to_owned(),
+        source: entry.source.to_owned(),
+        soil,
+    })
+}
+
+/// The entry of a key, or the nearest one as a hint.
+pub(crate) fn find(name: &OsStr) -> Result<&'static Entry> {
+    let shown = name.to_string_lossy();
+    name.to_str().and_then(catalogue::find).ok_or_else(|| {
+        let alike = |entry: &&Entry| strsim::jaro_winkler(entry.key, &shown);
+        let nearest = catalogue::entries()
+            .iter()
+            .max_by(|a, b| alike(a).total_cmp(&alike(b)));
+        let hint = match nearest.filter(|entry| alike(entry) > 0.8) {
+            Some(entry) => format!(
+                "did you mean `{}`? `grouser soils` lists the catalogue",
+                entry.key
+            ),
+            None => {
+                "`grouser soils` lists the catalogue; a file's name contains `/` or `.`".to_owned()
+            }
+        };
+        Error::usage(format!("soil `{shown}` is not in the catalogue"), hint)
+    })
+}
+
+/// All that is missing in one message, by the flags that give it.
+fn incomplete(entry: &Entry, overrides: &Overrides) -> Error {
+    let given = overrides.completion();
+    let is_given = |field: &str| match field {
+        "k_shear" => given.k_shear.is_some(),
+        "c_1" => given.c_1.is_some(),
+        "c_2" => given.c_2.is_some(),
+        _ => false,
+    };
+    let flags: Vec<String> = entry
+        .missing()
+        .filter(|field| !is_given(field))
+        .map(|field| Names::Flags.of(field))
+        .collect();
+    Error::usage(
+        format!(
+            "missing {} for soil `{}`, whose source does not give it",
+            flags.join(", "),
+            entry.key
+        ),
+        "give the numbers yourself; there is no default that would hold for every soil",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_named_by_its_flags() {
+        let none = Overrides::default();
+        let message = choose(OsStr::new("hit-lss1"), &none)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("missing `--c-1`, `--c-2` for soil `hit-lss1`"),
+            "{message}"
+        );
+        let some = Overrides {
+            c_1: Some(0.4),
+            c_2: Some(0.2),
+            ..none
+        };
+        assert_eq!(
+            choose(OsStr::new("hit-lss1"), &some)
+                .unwrap()
+                .soil
+                .params()
+                .c_1,
+            0.4
+        );
+    }
+
+    #[test]
+    fn a_misspelt_key_gets_a_suggestion() {
+        let error = choose(OsStr::new("dry_sand"), &Overrides::default()).unwrap_err();
+        assert!(error.hint().unwrap().contains("`dry-sand`"));
+    }
+}

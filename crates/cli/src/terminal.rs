@@ -1,0 +1,73 @@
+//! Standard output and standard error: complete, in order, and never a panic.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::error::{BAD_INPUT, Error, Result};
+
+/// Writes `text` to standard output at once. A reader that has gone away is no error.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::file("write", Path::new("standard output"), &error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `error: …` and `hint: …` on standard error, and the exit code that goes with them.
+pub(crate) fn complain(error: &Error) -> ExitCode {
+    say("error", RED, &error.to_string());
+    if let Some(hint) = error.hint() {
+        say("hint", CYAN, hint);
+    }
+    ExitCode::from(BAD_INPUT)
+}
+
+/// `error: …` on standard error, for a job that ended without its result.
+pub(crate) fn fail(message: &str) {
+    say("error", RED, message);
+}
+
+/// `warning: …` on standard error.
+pub(crate) fn warn(message: &str) {
+    say("warning", YELLOW, message);
+}
+
+const RED: &str = "\x1b[1;31m";
+const YELLOW: &str = "\x1b[1;33m";
+const CYAN: &str = "\x1b[1;36m";
+
+fn say(label: &str, colour: &str, message: &str) {
+    let mut err = io::stderr().lock();
+    let message = printable(message);
+    // Nobody is left to be told when standard error fails.
+    let _ = if in_colour() {
+        writeln!(err, "{colour}{label}\x1b[0m: {message}")
+    } else {
+        writeln!(err, "{label}: {message}")
+    };
+}
+
+/// A file name or a flag's value may hold escape sequences: they are shown, not obeyed.
+fn printable(message: &str) -> String {
+    let mut shown = String::with_capacity(message.len());
+    for letter in message.chars() {
+        if letter.is_control() && letter != '\n' {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
+    }
+    shown
+}
+
+fn in_colour() -> bool {
+    let off =
+        |name, off: fn(&std::ffi::OsStr) -> bool| std::env::var_os(name).is_some_and(|v| off(&v));
+    io::stderr().is_terminal()
+        && !off("NO_COLOR", |v| !v.is_empty())
+        && !off("TERM", |v| v == "dumb")
+}

@@ -1,0 +1,117 @@
+//! What clap has to say, in the words of the other errors.
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::CommandFactory as _;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+use crate::command::Command;
+use crate::error::Error;
+use crate::terminal;
+
+/// Help and version to standard output with exit 0; everything else as an error with exit 2.
+pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            match terminal::print(&error.render().to_string()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => terminal::complain(&error),
+            }
+        }
+        _ => terminal::complain(&Error::usage(message(error), hint(error, arguments))),
+    }
+}
+
+fn message(error: &clap::Error) -> String {
+    let argument = one(error, ContextKind::InvalidArg);
+    let value = one(error, ContextKind::InvalidValue).filter(|value| !value.is_empty());
+    let subcommand = one(error, ContextKind::InvalidSubcommand);
+    match (error.kind(), argument, value) {
+        (ErrorKind::InvalidValue, Some(argument), None) => format!("{argument} needs a value"),
+        (ErrorKind::InvalidValue, Some(argument), Some(value)) => {
+            let valid = one(error, ContextKind::ValidValue).unwrap_or_default();
+            format!("{argument} is `{value}`, but must be one of {valid}")
+        }
+        (ErrorKind::ValueValidation, Some(argument), Some(value)) => {
+            let reason = std::error::Error::source(error).map(ToString::to_string);
+            let reason = reason.unwrap_or_else(|| "is not valid there".to_owned());
+            format!("{argument} is `{value}`, but {reason}")
+        }
+        (ErrorKind::UnknownArgument, Some(argument), _) => {
+            format!("unexpected argument {argument}")
+        }
+        (ErrorKind::ArgumentConflict, Some(argument), _) => {
+            match one(error, ContextKind::PriorArg) {
+                Some(prior) if prior == argument => format!("{argument} is given more than once"),
+                Some(prior) => format!("{argument} cannot be used with {prior}"),
+                None => format!("{argument} cannot be used with the other arguments"),
+            }
+        }
+        (ErrorKind::MissingRequiredArgument, Some(argument), _) => format!("missing {argument}"),
+        (ErrorKind::InvalidSubcommand, ..) => {
+            format!("unknown verb {}", subcommand.unwrap_or_default())
+        }
+        (
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand,
+            ..,
+        ) => "no verb given".to_owned(),
+        (ErrorKind::InvalidUtf8, ..) => "an argument is not valid UTF-8".to_owned(),
+        _ => first_paragraph(error),
+    }
+}
+
+fn hint(error: &clap::Error, arguments: &[OsString]) -> String {
+    let close = [
+        ContextKind::SuggestedArg,
+        ContextKind::SuggestedSubcommand,
+        ContextKind::SuggestedValue,
+    ]
+    .into_iter()
+    .find_map(|kind| one(error, kind));
+    if let Some(close) = close {
+        return format!("did you mean {close}?");
+    }
+    let command = Command::command();
+    let verb = arguments
+        .iter()
+        .skip(1)
+        .find_map(|argument| command.find_subcommand(argument));
+    match verb {
+        Some(verb) => format!("see `grouser {} --help`", verb.get_name()),
+        None => "see `grouser --help`".to_owned(),
+    }
+}
+
+/// A piece of clap's context with each name in backticks.
+fn one(error: &clap::Error, kind: ContextKind) -> Option<String> {
+    let quoted = |name: &String| match flags(name) {
+        flags if flags.is_empty() => format!("`{name}`"),
+        flags => flags
+            .iter()
+            .map(|flag| format!("`{flag}`"))
+            .collect::<Vec<_>>()
+            .join(" or "),
+    };
+    match error.get(kind)? {
+        ContextValue::String(text) if kind == ContextKind::InvalidValue => Some(text.clone()),
+        ContextValue::String(name) => Some(quoted(name)),
+        ContextValue::Strings(names) if !names.is_empty() => {
+            Some(names.iter().map(quoted).collect::<Vec<_>>().join(", "))
+        }
+        _ => None,
+    }
+}
+
+/// The flags in clap's way of writing an argument (`--slip <S>`) or a choice of them
+/// (`<--load-n <N>|--sinkage-m <M>>`).
+fn flags(written: &str) -> Vec<&str> {
+    let parts = written.split(['|', ' ', '<', '>']);
+    parts.filter(|part| part.starts_with("--")).collect()
+}
+
+fn first_paragraph(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let text = text.split("\n\n").next().unwrap_or_default();
+    text.trim_start_matches("error: ").trim().to_owned()
+}

@@ -1,0 +1,39 @@
+//! The verbs, one file each.
+//!
+//! To add one: its file with `Arguments` (clap) and `run`, and three lines here.
+
+mod batch;
+mod batch_columns;
+mod curve;
+mod curve_figure;
+mod slip_model;
+mod slip_model_figure;
+mod slip_model_grid;
+mod soils;
+mod wheel;
+mod wheel_figure;
+
+use crate::error::Result;
+use crate::report::Report;
+use crate::session::Session;
+
+/// What the command can do.
+#[derive(clap::Subcommand, Debug)]
+pub(crate) enum Verb {
+    Soils(soils::Arguments),
+    Wheel(wheel::Arguments),
+    Curve(curve::Arguments),
+    Batch(batch::Arguments),
+    SlipModel(slip_model::Arguments),
+}
+
+/// Runs the verb.
+pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
+    match verb {
+        Verb::Soils(arguments) => soils::run(&arguments, session),
+        Verb::Wheel(arguments) => wheel::run(&arguments, session),
+        Verb::Curve(arguments) => curve::run(&arguments, session),
+        Verb::Batch(arguments) => batch::run(&arguments, session),
+        Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
+    }
+}

@@ -1,0 +1,400 @@
+//! Column maps: what the columns of a CSV log mean.
+//!
+//! ```toml
+//! format = 1
+//!
+//! [[table]]
+//! file = "*joint_states*"      # which of several files; absent: every file
+//! separator = ","              # one character, or "tab"
+//! header_lines = 1             # lines before the data
+//! names_line = 1               # which of them names the columns
+//! decimal = "."                # or ","
+//! missing = ["nan"]            # what stands for "no value", besides an empty field
+//! time = { column = "stamp", unit = "ns" }
+//! columns = [
+//!     { column = "left",  meaning = "wheel_angle", wheel = "left",  unit = "rad" },
+//!     { column = "right", meaning = "wheel_angle", wheel = "right", unit = "rad" },
+//! ]
+//! ```
+
+use std::path::Path;
+
+use crate::document::{Document, Section};
+use crate::error::{Error, Result};
+use crate::unit::Quantity;
+
+/// What a column means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Meaning {
+    /// A wheel's tick counter.
+    WheelCount,
+    /// The angle of a wheel's sensor shaft.
+    WheelAngle,
+    /// The rate of a wheel's sensor shaft.
+    WheelRate,
+    /// The robot's yaw rate.
+    YawRate,
+    /// Way forwards since the row before, in the robot's frame.
+    DisplacementForward,
+    /// Way to the left since the row before.
+    DisplacementLeft,
+    /// Turn to the left since the row before.
+    DisplacementTurn,
+    /// Position in a fixed frame.
+    PoseX,
+    /// Position in a fixed frame.
+    PoseY,
+    /// Yaw angle in a fixed frame.
+    PoseYaw,
+    /// Speed over ground forwards.
+    SpeedForward,
+    /// Speed over ground to the left.
+    SpeedLeft,
+    /// Commanded speed forwards.
+    CommandForward,
+    /// Commanded speed to the left.
+    CommandLeft,
+}
+
+impl Meaning {
+    /// Every meaning: its name in files, and what it measures.
+    pub const ALL: [(&'static str, Self, Quantity); 14] = [
+        ("wheel_count", Self::WheelCount, Quantity::Ticks),
+        ("wheel_angle", Self::WheelAngle, Quantity::Angle),
+        ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
+        ("yaw_rate", Self::YawRate, Quantity::AngularRate),
+        (
+            "displacement_forward",
+            Self::DisplacementForward,
+            Quantity::Length,
+        ),
+        (
+            "displacement_left",
+            Self::DisplacementLeft,
+            Quantity::Length,
+        ),
+        ("displacement_turn", Self::DisplacementTurn, Quantity::Angle),
+        ("pose_x", Self::PoseX, Quantity::Length),
+        ("pose_y", Self::PoseY, Quantity::Length),
+        ("pose_yaw", Self::PoseYaw, Quantity::Angle),
+        ("speed_forward", Self::SpeedForward, Quantity::Speed),
+        ("speed_left", Self::SpeedLeft, Quantity::Speed),
+        ("command_forward", Self::CommandForward, Quantity::Speed),
+        ("command_left", Self::CommandLeft, Quantity::Speed),
+    ];
+
+    /// Does it belong to one wheel?
+    #[must_use]
+    pub const fn is_of_a_wheel(self) -> bool {
+        matches!(self, Self::WheelCount | Self::WheelAngle | Self::WheelRate)
+    }
+
+    /// The meanings without which this one says nothing.
+    const fn needs(self) -> Option<Self> {
+        match self {
+            Self::DisplacementLeft | Self::DisplacementTurn => Some(Self::DisplacementForward),
+            Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
+            Self::SpeedLeft => Some(Self::SpeedForward),
+            Self::CommandLeft => Some(Self::CommandForward),
+            Self::DisplacementForward => Some(Self::DisplacementLeft),
+            Self::PoseX => Some(Self::PoseYaw),
+            _ => None,
+        }
+    }
+
+    /// Its name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL
+            .iter()
+            .find(|(_, meaning, _)| *meaning == self)
+            .map_or("", |(name, _, _)| name)
+    }
+}
+
+/// One column that is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name in the file.
+    pub column: String,
+    /// What it means.
+    pub meaning: Meaning,
+    /// The wheel it belongs to.
+    pub wheel: Option<String>,
+    /// What one of it is in SI.
+    pub factor: f64,
+}
+
+/// The column of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeColumn {
+    /// Its name in the file.
+    pub column: String,
+    /// Nanoseconds in one of its unit.
+    pub nanoseconds: i64,
+}
+
+/// One kind of table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Which files it describes: a name with `*` for any run of characters; `None`: every file.
+    pub file: Option<String>,
+    /// The separator, one byte.
+    pub separator: u8,
+    /// Lines before the data.
+    pub header_lines: usize,
+    /// Which of them names the columns, counted from 1.
+    pub names_line: usize,
+    /// The decimal mark, one byte.
+    pub decimal: u8,
+    /// What stands for "no value", besides an empty field.
+    pub missing: Vec<String>,
+    /// Does its clock differ from the others' by an unknown constant, to be estimated?
+    pub align_clock: bool,
+    /// The column of time.
+    pub time: TimeColumn,
+    /// The columns that are read.
+    pub columns: Vec<Column>,
+}
+
+impl Table {
+    /// Does this table describe a file of that name?
+    #[must_use]
+    pub fn describes(&self, file_name: &str) -> bool {
+        self.file
+            .as_ref()
+            .is_none_or(|pattern| matches_pattern(pattern, file_name))
+    }
+}
+
+/// What a column map says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnMap {
+    /// Its tables.
+    pub tables: Vec<Table>,
+}
+
+/// Reads a column map.
+///
+/// # Errors
+/// What the file lacks or says wrong, with its place.
+pub fn read(path: &Path) -> Result<ColumnMap> {
+    parse(&Document::read(path)?)
+}
+
+/// Reads a column map out of a document.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(document: &Document) -> Result<ColumnMap> {
+    document.parse(|root| {
+        let tables = root.sections("table", read_table)?;
+        if tables.is_empty() {
+            return Err(Error::MissingKey {
+                at: root.place(),
+                section: "the file".into(),
+                key: "table",
+            });
+        }
+        Ok(ColumnMap { tables })
+    })
+}
+
+fn read_table(section: &Section<'_>) -> Result<Table> {
+    let separator = match section.optional_text("separator")?.unwrap_or(",") {
+        "tab" => b'\t',
+        text => single_byte(section, "separator", text)?,
+    };
+    let decimal = section.optional_choice("decimal", &[(".", b'.'), (",", b',')])?;
+    let decimal = decimal.unwrap_or(b'.');
+    if decimal == separator {
+        return Err(Error::Contradiction {
+            at: section.place_of("decimal"),
+            message: "the decimal mark is the separator as well".into(),
+        });
+    }
+    let header_lines = line_count(section, "header_lines", 1)?;
+    let names_line = line_count(section, "names_line", header_lines)?;
+    if names_line > header_lines {
+        return Err(Error::Contradiction {
+            at: section.place_of("names_line"),
+            message: format!(
+                "`names_line` is {names_line}, but there are {header_lines} header lines"
+            ),
+        });
+    }
+    let time = section.section("time", |time| {
+        let units = Quantity::Time.units();
+        let seconds = time.choice("unit", &units)?;
+        Ok(TimeColumn {
+            column: time.text("column")?.into(),
+            nanoseconds: nanoseconds(seconds),
+        })
+    })?;
+    let Some(time) = time else {
+        return Err(Error::MissingKey {
+            at: section.place(),
+            section: "[[table]]".into(),
+            key: "time",
+        });
+    };
+    let columns = section.sections("columns", read_column)?;
+    check_columns(section, &columns)?;
+    Ok(Table {
+        file: section.optional_text("file")?.map(Into::into),
+        separator,
+        header_lines,
+        names_line,
+        decimal,
+        missing: section
+            .texts("missing")?
+            .into_iter()
+            .map(Into::into)
+            .collect(),
+        align_clock: section.flag("align_clock")?,
+        time,
+        columns,
+    })
+}
+
+/// A unit of time in whole nanoseconds.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "one of 1, 1e3, 1e6, 1e9, rounded"
+)]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+fn single_byte(section: &Section<'_>, key: &'static str, text: &str) -> Result<u8> {
+    match text.as_bytes() {
+        [byte] if byte.is_ascii_graphic() && !byte.is_ascii_alphanumeric() && *byte != b'"' => {
+            Ok(*byte)
+        }
+        [b' '] => Ok(b' '),
+        _ => Err(Error::BadChoice {
+            at: section.place_of(key),
+            key: key.into(),
+            value: text.chars().take(16).collect(),
+            allowed: "one punctuation mark such as \",\" or \";\", or \"tab\"".into(),
+            meant: None,
+        }),
+    }
+}
+
+fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Result<usize> {
+    match section.optional_integer(key)? {
+        None => Ok(default),
+        Some(lines @ 1..=1000) => Ok(usize::try_from(lines).unwrap_or(default)),
+        Some(lines) => Err(Error::OutOfRange {
+            at: section.place_of(key),
+            key: key.into(),
+            value: lines as f64,
+            low: 1.0,
+            high: 1000.0,
+        }),
+    }
+}
+
+fn read_column(section: &Section<'_>) -> Result<Column> {
+    let names = Meaning::ALL.map(|(name, meaning, quantity)| (name, (meaning, quantity)));
+    let (meaning, quantity) = section.choice("meaning", &names)?;
+    let unit = section.choice("unit", &quantity.units())?;
+    let scale = section.optional_number("scale", (-1e12, 1e12))?;
+    if scale.is_some() && quantity == Quantity::Ticks {
+        return Err(Error::Contradiction {
+            at: section.place_of("scale"),
+            message: "ticks are whole numbers and cannot be scaled; \
+                      see `ticks_per_turn` and `reversed` in the robot file"
+                .into(),
+        });
+    }
+    let wheel = section.optional_text("wheel")?;
+    if wheel.is_some() != meaning.is_of_a_wheel() {
+        return Err(Error::Contradiction {
+            at: section.place(),
+            message: if meaning.is_of_a_wheel() {
+                format!("`{}` needs a `wheel`", meaning.name())
+            } else {
+                format!("`{}` belongs to no wheel", meaning.name())
+            },
+        });
+    }
+    Ok(Column {
+        column: section.text("column")?.into(),
+        meaning,
+        wheel: wheel.map(Into::into),
+        factor: unit * scale.unwrap_or(1.0),
+    })
+}
+
+fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
+    let at = || section.place_of("columns");
+    if columns.is_empty() {
+        return Err(Error::MissingKey {
+            at: section.place(),
+            section: "[[table]]".into(),
+            key: "columns",
+        });
+    }
+    for (index, column) in columns.iter().enumerate() {
+        let twice = columns[..index]
+            .iter()
+            .any(|other| other.meaning == column.meaning && other.wheel == column.wheel);
+        if twice {
+            return Err(Error::Contradiction {
+                at: at(),
+                message: format!("`{}` is given by two columns", column.meaning.name()),
+            });
+        }
+        if let Some(needed) = column.meaning.needs()
+            && !columns.iter().any(|other| other.meaning == needed)
+        {
+            return Err(Error::Contradiction {
+                at: at(),
+                message: format!(
+                    "`{}` needs `{}` beside it",
+                    column.meaning.name(),
+                    needed.name()
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Does `text` match `pattern`, in which `*` stands for any run of characters?
+fn matches_pattern(pattern: &str, text: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let first = parts.next().unwrap_or("");
+    let Some(mut rest) = text.strip_prefix(first) else {
+        return false;
+    };
+    let mut parts: Vec<&str> = parts.collect();
+    let Some(last) = parts.pop() else {
+        return rest.is_empty();
+    };
+    for part in parts {
+        match rest.find(part) {
+            Some(start) => rest = &rest[start + part.len()..],
+            None => return false,
+        }
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_stands_for_any_run_of_characters() {
+        assert!(matches_pattern("*joint*.csv*", "run__joint_states.csv.gz"));
+        assert!(matches_pattern("*.csv", "a.csv"));
+        assert!(!matches_pattern("*.csv", "a.csv.gz"));
+        assert!(!matches_pattern("ab*ba", "aba"));
+        assert!(matches_pattern("log.csv", "log.csv"));
+        assert!(!matches_pattern("log.csv", "log.csv2"));
+    }
+}

@@ -1,0 +1,457 @@
+//! One reader for every TOML file: limits, places, types, ranges, unknown keys.
+
+use std::cell::RefCell;
+use std::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Error, Place, Result};
+use crate::regular;
+use crate::suggestion::nearest;
+
+/// The newest format of our files.
+pub const FORMAT: i64 = 1;
+/// The greatest size of a TOML file, bytes.
+pub const SIZE_LIMIT: u64 = 1 << 20;
+/// The greatest nesting of a TOML file.
+pub const DEPTH_LIMIT: usize = 64;
+
+/// The text of a file.
+#[derive(Clone, Debug)]
+pub struct Document {
+    name: String,
+    text: String,
+}
+
+impl Document {
+    /// Reads a file of at most [`SIZE_LIMIT`] bytes.
+    ///
+    /// # Errors
+    /// As [`regular::read_text`].
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(Self {
+            name: path.display().to_string(),
+            text: regular::read_text(path, SIZE_LIMIT)?,
+        })
+    }
+
+    /// A document out of a text in memory; `name` stands for it in messages.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`].
+    pub fn from_text(name: &str, text: String) -> Result<Self> {
+        if text.len() as u64 > SIZE_LIMIT {
+            return Err(Error::TooLarge {
+                file: name.into(),
+                limit: SIZE_LIMIT,
+            });
+        }
+        Ok(Self {
+            name: name.into(),
+            text,
+        })
+    }
+
+    /// What stands for it in messages.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The text as it stands.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Parses it and gives its root to `read`; checks the format before and unknown keys after.
+    ///
+    /// # Errors
+    /// [`Error::Syntax`], [`Error::TooDeep`], [`Error::Format`], [`Error::UnknownKey`], and what `read`
+    /// finds.
+    pub fn parse<T>(&self, read: impl FnOnce(&Section<'_>) -> Result<T>) -> Result<T> {
+        let root = DeTable::parse(&self.text).map_err(|error| self.syntax(&error))?;
+        // The parser itself stops at a depth of 80, so that this recursion is bounded.
+        for value in root.get_ref().values() {
+            self.check_depth(value, 2)?;
+        }
+        let section = Section::new(self, String::from("the file"), root.get_ref(), root.span());
+        let format = section.integer("format")?;
+        if format != FORMAT {
+            let at = section.place_of("format");
+            if format > FORMAT {
+                return Err(Error::Format {
+                    at,
+                    found: format,
+                    newest: FORMAT,
+                });
+            }
+            return Err(Error::OutOfRange {
+                at,
+                key: "format".into(),
+                value: format as f64,
+                low: 1.0,
+                high: FORMAT as f64,
+            });
+        }
+        let out = read(&section)?;
+        section.finish()?;
+        Ok(out)
+    }
+
+    fn syntax(&self, error: &toml::de::Error) -> Error {
+        let at = self.place(error.span().map_or(0, |span| span.start));
+        // The parser's own limit of 80 lies above ours.
+        if error.message().contains("recursion") {
+            return Error::TooDeep {
+                at,
+                limit: DEPTH_LIMIT,
+            };
+        }
+        Error::Syntax {
+            at,
+            message: error.message().replace('\n', ", "),
+        }
+    }
+
+    fn check_depth(&self, value: &Spanned<DeValue<'_>>, depth: usize) -> Result<()> {
+        if depth > DEPTH_LIMIT {
+            return Err(Error::TooDeep {
+                at: self.place(value.span().start),
+                limit: DEPTH_LIMIT,
+            });
+        }
+        match value.get_ref() {
+            DeValue::Array(items) => items
+                .iter()
+                .try_for_each(|item| self.check_depth(item, depth + 1)),
+            DeValue::Table(table) => table
+                .values()
+                .try_for_each(|item| self.check_depth(item, depth + 1)),
+            _ => Ok(()),
+        }
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        regular::place(&self.name, &self.text, offset)
+    }
+}
+
+/// A table of a document. Every key that is asked for becomes known; whatever
+/// else the table holds is refused at its end.
+#[derive(Debug)]
+pub struct Section<'a> {
+    document: &'a Document,
+    name: String,
+    table: &'a DeTable<'a>,
+    span: Range<usize>,
+    known: RefCell<Vec<&'static str>>,
+}
+
+impl<'a> Section<'a> {
+    fn new(
+        document: &'a Document,
+        name: String,
+        table: &'a DeTable<'a>,
+        span: Range<usize>,
+    ) -> Self {
+        Self {
+            document,
+            name,
+            table,
+            span,
+            known: RefCell::default(),
+        }
+    }
+
+    fn find(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.known.borrow_mut().push(key);
+        self.table.get(key)
+    }
+
+    /// Where the section begins.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        self.document.place(self.span.start)
+    }
+
+    /// Where the value of `key` stands; the section's own place when it is absent.
+    #[must_use]
+    pub fn place_of(&self, key: &str) -> Place {
+        self.table.get(key).map_or_else(
+            || self.place(),
+            |value| self.document.place(value.span().start),
+        )
+    }
+
+    /// The bytes of the document's text that hold the value of `key`.
+    #[must_use]
+    pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
+        self.table.get(key).map(Spanned::span)
+    }
+
+    fn missing(&self, key: &'static str) -> Error {
+        // A key that nobody knows and that looks like the missing one is the better message.
+        let known = self.known.borrow();
+        let mistyped = self.table.keys().find(|given| {
+            !known.contains(&given.get_ref().as_ref()) && nearest(given.get_ref(), [key]).is_some()
+        });
+        if let Some(given) = mistyped {
+            return Error::UnknownKey {
+                at: self.document.place(given.span().start),
+                section: self.name.clone(),
+                key: given.get_ref().to_string(),
+                meant: Some(key),
+            };
+        }
+        Error::MissingKey {
+            at: self.place(),
+            section: self.name.clone(),
+            key,
+        }
+    }
+
+    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &'static str) -> Error {
+        Error::WrongType {
+            at: self.document.place(value.span().start),
+            key: key.into(),
+            found: match value.get_ref() {
+                DeValue::String(_) => "a text",
+                DeValue::Integer(_) => "a whole number",
+                DeValue::Float(_) => "a number",
+                DeValue::Boolean(_) => "true or false",
+                DeValue::Datetime(_) => "a date",
+                DeValue::Array(_) => "a list",
+                DeValue::Table(_) => "a table",
+            },
+            expected,
+        }
+    }
+
+    /// A number in [low, high]; whole numbers count as well. `None` when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`], [`Error::OutOfRange`].
+    pub fn optional_number(
+        &self,
+        key: &'static str,
+        (low, high): (f64, f64),
+    ) -> Result<Option<f64>> {
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
+        let digits: String = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().replace('_', ""),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
+            _ => return Err(self.wrong_type(key, value, "a number")),
+        };
+        let number: f64 = digits
+            .parse()
+            .map_err(|_| self.wrong_type(key, value, "a number"))?;
+        if number >= low && number <= high {
+            Ok(Some(number))
+        } else {
+            Err(Error::OutOfRange {
+                at: self.document.place(value.span().start),
+                key: key.into(),
+                value: number,
+                low,
+                high,
+            })
+        }
+    }
+
+    /// A number in [low, high].
+    ///
+    /// # Errors
+    /// As [`Section::optional_number`]; [`Error::MissingKey`].
+    pub fn number(&self, key: &'static str, limits: (f64, f64)) -> Result<f64> {
+        self.optional_number(key, limits)?
+            .ok_or_else(|| self.missing(key))
+    }
+
+    /// A whole number. `None` when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`], also for what no signed 64-bit number holds.
+    pub fn optional_integer(&self, key: &'static str) -> Result<Option<i64>> {
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
+        let DeValue::Integer(integer) = value.get_ref() else {
+            return Err(self.wrong_type(key, value, "a whole number"));
+        };
+        i64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix())
+            .map(Some)
+            .map_err(|_| self.wrong_type(key, value, "a whole number of at most 64 bits"))
+    }
+
+    /// A whole number.
+    ///
+    /// # Errors
+    /// As [`Section::optional_integer`]; [`Error::MissingKey`].
+    pub fn integer(&self, key: &'static str) -> Result<i64> {
+        self.optional_integer(key)?.ok_or_else(|| self.missing(key))
+    }
+
+    /// A text. `None` when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`].
+    pub fn optional_text(&self, key: &'static str) -> Result<Option<&'a str>> {
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
+        match value.get_ref() {
+            DeValue::String(text) => Ok(Some(text)),
+            _ => Err(self.wrong_type(key, value, "a text")),
+        }
+    }
+
+    /// A text.
+    ///
+    /// # Errors
+    /// As [`Section::optional_text`]; [`Error::MissingKey`].
+    pub fn text(&self, key: &'static str) -> Result<&'a str> {
+        self.optional_text(key)?.ok_or_else(|| self.missing(key))
+    }
+
+    /// A list of texts; empty when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`].
+    pub fn texts(&self, key: &'static str) -> Result<Vec<&'a str>> {
+        let Some(value) = self.find(key) else {
+            return Ok(Vec::new());
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong_type(key, value, "a list of texts"));
+        };
+        items
+            .iter()
+            .map(|item| match item.get_ref() {
+                DeValue::String(text) => Ok(text.as_ref()),
+                _ => Err(self.wrong_type(key, item, "a text")),
+            })
+            .collect()
+    }
+
+    /// True or false; false when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`].
+    pub fn flag(&self, key: &'static str) -> Result<bool> {
+        match self.find(key) {
+            None => Ok(false),
+            Some(value) => match value.get_ref() {
+                DeValue::Boolean(flag) => Ok(*flag),
+                _ => Err(self.wrong_type(key, value, "true or false")),
+            },
+        }
+    }
+
+    /// One of several words. `None` when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`], [`Error::BadChoice`].
+    pub fn optional_choice<T: Copy>(
+        &self,
+        key: &'static str,
+        choices: &[(&str, T)],
+    ) -> Result<Option<T>> {
+        let Some(word) = self.optional_text(key)? else {
+            return Ok(None);
+        };
+        if let Some((_, choice)) = choices.iter().find(|(name, _)| *name == word) {
+            return Ok(Some(*choice));
+        }
+        let names = || choices.iter().map(|(name, _)| *name);
+        let allowed: Vec<String> = names().map(|name| format!("\"{name}\"")).collect();
+        Err(Error::BadChoice {
+            at: self.place_of(key),
+            key: key.into(),
+            value: word.chars().take(64).collect(),
+            allowed: allowed.join(", "),
+            meant: nearest(word, names()).map(Into::into),
+        })
+    }
+
+    /// One of several words.
+    ///
+    /// # Errors
+    /// As [`Section::optional_choice`]; [`Error::MissingKey`].
+    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
+        self.optional_choice(key, choices)?
+            .ok_or_else(|| self.missing(key))
+    }
+
+    /// A table below this one, given to `read`. `None` when absent.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`], [`Error::UnknownKey`], and what `read` finds.
+    pub fn section<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Section<'a>) -> Result<T>,
+    ) -> Result<Option<T>> {
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            return Err(self.wrong_type(key, value, "a table"));
+        };
+        let section = Section::new(self.document, format!("[{key}]"), table, value.span());
+        let out = read(&section)?;
+        section.finish()?;
+        Ok(Some(out))
+    }
+
+    /// A list of tables below this one, each given to `read`; empty when absent.
+    ///
+    /// # Errors
+    /// As [`Section::section`].
+    pub fn sections<T>(
+        &self,
+        key: &'static str,
+        mut read: impl FnMut(&Section<'a>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let Some(value) = self.find(key) else {
+            return Ok(Vec::new());
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong_type(key, value, "a list of tables"));
+        };
+        let mut out = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            let DeValue::Table(table) = item.get_ref() else {
+                return Err(self.wrong_type(key, item, "a table"));
+            };
+            let name = format!("[[{key}]] number {}", index + 1);
+            let section = Section::new(self.document, name, table, item.span());
+            out.push(read(&section)?);
+            section.finish()?;
+        }
+        Ok(out)
+    }
+
+    /// Refuses a key that was never asked for.
+    fn finish(&self) -> Result<()> {
+        let known = self.known.borrow();
+        let unknown = self
+            .table
+            .keys()
+            .filter(|key| !known.contains(&key.get_ref().as_ref()))
+            .min_by_key(|key| key.span().start);
+        match unknown {
+            None => Ok(()),
+            Some(key) => Err(Error::UnknownKey {
+                at: self.document.place(key.span().start),
+                section: self.name.clone(),
+                key: key.get_ref().chars().take(64).collect(),
+                meant: nearest(key.get_ref(), known.iter().copied()),
+            }),
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! What is wrong with a file, and where.
+
+use std::fmt;
+use std::io;
+
+/// The result of reading a file.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// A place in a file, counted from 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file as it was named.
+    pub file: String,
+    /// Line.
+    pub line: usize,
+    /// Column, in characters.
+    pub column: usize,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// Why a file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system does not give it.
+    #[error("{file}: {source}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It is no regular file (a directory, a pipe, a device), which might never end.
+    #[error("{file}: is {what}, but must be a file")]
+    NotAFile {
+        /// The path.
+        file: String,
+        /// What it is.
+        what: &'static str,
+    },
+    /// It is larger than its limit.
+    #[error("{file}: holds more than {limit} bytes, the limit for a file of this kind")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// The limit, bytes.
+        limit: u64,
+    },
+    /// It is not UTF-8.
+    #[error("{at}: is not UTF-8 text")]
+    NotText {
+        /// Where.
+        at: Place,
+    },
+    /// It is not TOML.
+    #[error("{at}: {message}")]
+    Syntax {
+        /// Where.
+        at: Place,
+        /// What the parser says.
+        message: String,
+    },
+    /// Tables nest too deep.
+    #[error("{at}: nests deeper than {limit} levels")]
+    TooDeep {
+        /// Where.
+        at: Place,
+        /// The limit.
+        limit: usize,
+    },
+    /// It is written for a newer program.
+    #[error("{at}: format is {found}, but this program reads up to format {newest}")]
+    Format {
+        /// Where.
+        at: Place,
+        /// What the file says.
+        found: i64,
+        /// The newest format that this program reads.
+        newest: i64,
+    },
+    /// A key is missing.
+    #[error("{at}: {section} has no key `{key}`")]
+    MissingKey {
+        /// Where its section begins.
+        at: Place,
+        /// The section.
+        section: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// A key that this file does not have.
+    #[error("{at}: {section} has no such key as `{key}`")]
+    UnknownKey {
+        /// Where.
+        at: Place,
+        /// The section.
+        section: String,
+        /// What was given.
+        key: String,
+        /// The key that was probably meant.
+        meant: Option<&'static str>,
+    },
+    /// A value of the wrong type.
+    #[error("{at}: `{key}` is {found}, but must be {expected}")]
+    WrongType {
+        /// Where.
+        at: Place,
+        /// The key.
+        key: String,
+        /// What was given.
+        found: &'static str,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// A number outside its limits (NaN always is).
+    #[error("{at}: `{key}` is {value}, but must lie in [{low}, {high}]")]
+    OutOfRange {
+        /// Where.
+        at: Place,
+        /// The key; it carries the unit.
+        key: String,
+        /// What was given.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+    },
+    /// A word that is none of those allowed.
+    #[error("{at}: `{key}` is \"{value}\", but must be one of {allowed}")]
+    BadChoice {
+        /// Where.
+        at: Place,
+        /// The key.
+        key: String,
+        /// What was given.
+        value: String,
+        /// The words allowed.
+        allowed: String,
+        /// The word that was probably meant.
+        meant: Option<String>,
+    },
+    /// A number is beyond what a soil can have.
+    #[error("{at}: {source}")]
+    Soil {
+        /// Where.
+        at: Place,
+        /// What is wrong.
+        source: grouser_terra::Error,
+    },
+    /// The file is well-formed, but what it describes cannot be.
+    #[error("{at}: {source}")]
+    Robot {
+        /// Where.
+        at: Place,
+        /// What is wrong.
+        source: grouser_slip::Error,
+    },
+    /// Two entries that exclude each other.
+    #[error("{at}: {message}")]
+    Contradiction {
+        /// Where.
+        at: Place,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+impl Error {
+    /// What to do about it, where that is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::UnknownKey {
+                meant: Some(meant), ..
+            } => Some(format!("did you mean `{meant}`?")),
+            Self::BadChoice {
+                meant: Some(meant), ..
+            } => Some(format!("did you mean \"{meant}\"?")),
+            Self::Format { .. } => Some("use a newer version of this program".into()),
+            _ => None,
+        }
+    }
+}

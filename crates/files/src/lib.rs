@@ -1,0 +1,45 @@
+//! Grouser's TOML files, read with their units, limits and places, into plain structs of the crates
+//! below: a file says `radius_m = 0.1`, and a wrong key, unit or number is refused with its line, its
+//! limit and the word that was probably meant.
+//!
+//! Every file begins with `format = 1`; a newer one is refused by number. A file holds at most 1 MiB
+//! and nests at most 64 deep; a path that is no regular file is refused before it is opened.
+//!
+//! ```
+//! use grouser_files::{Document, robot};
+//!
+//! let text = r#"
+//! format = 1
+//! name = "cart"
+//! [[wheel]]
+//! name = "left"
+//! x_m = 0.0
+//! y_m = 0.2
+//! raduis_m = 0.1
+//! drive = "powered"
+//! "#;
+//! let error = robot::parse(&Document::from_text("cart.toml", text.into())?).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "cart.toml:8:1: [[wheel]] number 1 has no such key as `raduis_m`"
+//! );
+//! assert_eq!(error.hint().unwrap(), "did you mean `radius_m`?");
+//! # Ok::<(), grouser_files::Error>(())
+//! ```
+//!
+//! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
+//! [`robot`], [`soil`], [`columns`]. The crate reads logs' *descriptions*, not logs.
+#![forbid(unsafe_code)]
+
+pub mod columns;
+mod document;
+mod error;
+pub mod regular;
+pub mod robot;
+pub mod soil;
+mod suggestion;
+pub mod unit;
+
+pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
+pub use error::{Error, Place, Result};
+pub use suggestion::nearest;

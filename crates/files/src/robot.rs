@@ -1,0 +1,232 @@
+//! Robot files: the wheels, and how their slip is to be estimated.
+//!
+//! ```toml
+//! format = 1
+//! name = "two wheels and a free one"
+//!
+//! [estimator]                 # all optional
+//! reference = "free-wheel"    # or displacement, pose, speed, grip
+//! window_s = 0.5
+//!
+//! [[wheel]]
+//! name = "left"
+//! x_m = 0.0                   # forwards of the robot's origin
+//! y_m = 0.15                  # to the left of it
+//! heading_deg = 0.0           # the direction in which it drives, from x towards y
+//! radius_m = 0.05
+//! drive = "powered"           # or "free"
+//! encoder_on = "motor"        # or "wheel"
+//! gear = 16.0                 # motor turns per wheel turn
+//! ticks_per_turn = 2000       # of the encoder's shaft
+//! counter_bits = 32           # the counter's width, 8 to 64
+//! ```
+
+use std::path::Path;
+
+use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
+use grouser_terra::Angle;
+
+use crate::document::{Document, Section};
+use crate::error::{Error, Result};
+
+/// Which of a wheel's sensors is to be used where a log holds several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WheelSensor {
+    /// Tick counters.
+    Count,
+    /// Angles.
+    Angle,
+    /// Rates.
+    Rate,
+}
+
+impl WheelSensor {
+    /// Every sensor with its name in files and flags.
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("count", Self::Count),
+        ("angle", Self::Angle),
+        ("rate", Self::Rate),
+    ];
+
+    /// Its name in files and flags.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Count => "count",
+            Self::Angle => "angle",
+            Self::Rate => "rate",
+        }
+    }
+}
+
+/// What a robot file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotFile {
+    /// The robot.
+    pub robot: Robot,
+    /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
+    /// not say otherwise.
+    pub settings: Settings,
+    /// The reference that the file names, if it names one.
+    pub reference: Option<Reference>,
+    /// The wheel sensor that the file names, if it names one.
+    pub wheel_sensor: Option<WheelSensor>,
+}
+
+/// Wide enough for any sensible value; the robot itself checks more closely.
+const POSITIVE: (f64, f64) = (1e-12, 1e12);
+
+/// Reads a robot file.
+///
+/// # Errors
+/// What the file lacks or says wrong, with its place.
+pub fn read(path: &Path) -> Result<RobotFile> {
+    parse(&Document::read(path)?)
+}
+
+/// Reads a robot out of a document.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(document: &Document) -> Result<RobotFile> {
+    document.parse(|root| {
+        let name = root.text("name")?;
+        let mut settings = Settings::default();
+        let mut reference = None;
+        let mut wheel_sensor = None;
+        root.section("estimator", |section| {
+            reference = read_estimator(section, &mut settings)?;
+            wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
+            Ok(())
+        })?;
+        let at = root.place_of("estimator");
+        settings
+            .check()
+            .map_err(|source| Error::Robot { at, source })?;
+        let wheels = root.sections("wheel", read_wheel)?;
+        let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
+            at: root.place_of("wheel"),
+            source,
+        })?;
+        Ok(RobotFile {
+            robot,
+            settings,
+            reference,
+            wheel_sensor,
+        })
+    })
+}
+
+/// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre;
+/// comments and everything else stay as they are.
+///
+/// # Errors
+/// As [`read`], of the document and of the text that results.
+pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
+    let mut radii = Vec::new();
+    document.parse(|root| {
+        root.text("name")?;
+        // Their keys are checked where the robot is read, below.
+        root.section("estimator", |section| {
+            read_estimator(section, &mut Settings::default())?;
+            section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
+        })?;
+        root.sections("wheel", |section| {
+            let wheel = read_wheel(section)?;
+            if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
+                radii.push((span, wheel.radius * factor));
+            }
+            Ok(())
+        })
+    })?;
+    let mut text = document.text().to_owned();
+    // From the end, so that the places before stay right.
+    for (span, radius) in radii.into_iter().rev() {
+        text.replace_range(span, &format!("{radius:.6}"));
+    }
+    let rewritten = Document::from_text(document.name(), text)?;
+    parse(&rewritten)?;
+    Ok(rewritten.text().to_owned())
+}
+
+fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Option<Reference>> {
+    for (key, field) in [
+        ("window_s", &mut settings.window),
+        ("standstill_speed_m_per_s", &mut settings.standstill_speed),
+        ("low_speed_m_per_s", &mut settings.low_speed),
+        ("max_speed_m_per_s", &mut settings.max_speed),
+        ("max_slip_sigma", &mut settings.max_sigma),
+        ("dropout_s", &mut settings.dropout),
+        ("position_sigma_m", &mut settings.position_sigma),
+        ("speed_sigma_m_per_s", &mut settings.speed_sigma),
+        ("lateral_sigma_m_per_s", &mut settings.lateral_sigma),
+    ] {
+        if let Some(value) = section.optional_number(key, (0.0, 1e12))? {
+            *field = value;
+        }
+    }
+    for (key, field) in [
+        ("yaw_sigma_deg", &mut settings.yaw_sigma),
+        ("yaw_rate_sigma_deg_per_s", &mut settings.yaw_rate_sigma),
+    ] {
+        if let Some(value) = section.optional_number(key, (0.0, 1e6))? {
+            *field = value.to_radians();
+        }
+    }
+    let references = Reference::ALL.map(|reference| (reference.name(), reference));
+    section.optional_choice("reference", &references)
+}
+
+fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
+    let anywhere = (-1e6, 1e6);
+    let name = section.text("name")?;
+    let shafts = [("wheel", Shaft::Wheel), ("motor", Shaft::Motor)];
+    let drives = [("powered", Drive::Powered), ("free", Drive::Free)];
+    let gear = section.optional_number("gear", POSITIVE)?;
+    let shaft = section.optional_choice("encoder_on", &shafts)?;
+    if gear.is_none() && shaft == Some(Shaft::Motor) {
+        return Err(Error::Contradiction {
+            at: section.place_of("encoder_on"),
+            message: format!("wheel \"{name}\" has its encoder on the motor, but no `gear`"),
+        });
+    }
+    let bits = section.optional_integer("counter_bits")?.unwrap_or(64);
+    let counter = CounterWidth::new(u32::try_from(bits).unwrap_or(u32::MAX)).map_err(|source| {
+        Error::Robot {
+            at: section.place_of("counter_bits"),
+            source,
+        }
+    })?;
+    let wheel = Wheel {
+        name: name.into(),
+        x: section.number("x_m", anywhere)?,
+        y: section.number("y_m", anywhere)?,
+        heading: Angle::from_deg(
+            section
+                .optional_number("heading_deg", (-360.0, 360.0))?
+                .unwrap_or(0.0),
+        ),
+        radius: section.number("radius_m", POSITIVE)?,
+        drive: section.choice("drive", &drives)?,
+        encoder: Encoder {
+            shaft: shaft.unwrap_or(Shaft::Wheel),
+            gear: gear.unwrap_or(1.0),
+            ticks_per_turn: section.optional_number("ticks_per_turn", POSITIVE)?,
+            counter,
+            reversed: section.flag("reversed")?,
+            rate_step: section
+                .optional_number("rate_step_rad_per_s", (0.0, 1e6))?
+                .unwrap_or(0.0),
+        },
+        width: section.optional_number("width_m", POSITIVE)?,
+        load: section.optional_number("load_n", (0.0, 1e12))?,
+    };
+    // One wheel alone is checked here, so that a bad number is reported at its own wheel.
+    match Robot::new(String::new(), vec![wheel]) {
+        Ok(robot) => Ok(robot.wheels()[0].clone()),
+        Err(source) => Err(Error::Robot {
+            at: section.place(),
+            source,
+        }),
+    }
+}

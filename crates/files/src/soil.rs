@@ -1,0 +1,157 @@
+//! Soil files: a soil of one's own, with the keys of the catalogue.
+//!
+//! ```toml
+//! format = 1
+//! name = "Sand of our test bed"
+//! source = "plate tests of 2026-03-02"
+//! n = 1.1                      # sinkage exponent
+//! k_c_kn_per_m_n1 = 0.9        # kN/m^(n+1)
+//! k_phi_kn_per_m_n2 = 1528.4   # kN/m^(n+2)
+//! cohesion_kpa = 1.0
+//! phi_deg = 30.0
+//! k_shear_m = 0.025            # this, c_1 and c_2 may come from the command line instead
+//! c_1 = 0.18
+//! c_2 = 0.32
+//! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
+//! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad
+//! ```
+
+use std::path::Path;
+
+use grouser_terra::catalogue::Completion;
+use grouser_terra::{Angle, Soil, SoilParams};
+
+use crate::document::{Document, Section};
+use crate::error::{Error, Result};
+
+/// Any finite number; the soil itself checks more closely.
+const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
+
+/// What a soil file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoilFile {
+    /// Its key, if it gives one.
+    pub key: Option<String>,
+    /// Its name.
+    pub name: String,
+    /// Where its numbers come from; empty if it does not say.
+    pub source: String,
+    /// What else it says; empty if nothing.
+    pub note: String,
+    /// The numbers; K, c_1 and c_2 are NaN where the file does not give them.
+    params: SoilParams,
+}
+
+/// Reads a soil file.
+///
+/// # Errors
+/// What the file lacks or says wrong, with its place.
+pub fn read(path: &Path) -> Result<SoilFile> {
+    parse(&Document::read(path)?)
+}
+
+/// Reads a soil out of a document.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(document: &Document) -> Result<SoilFile> {
+    document.parse(|root| {
+        let text = |key| Ok(root.optional_text(key)?.unwrap_or_default().to_owned());
+        let file = SoilFile {
+            key: root.optional_text("key")?.map(Into::into),
+            name: root.text("name")?.to_owned(),
+            source: text("source")?,
+            note: text("note")?,
+            params: read_params(root)?,
+        };
+        // Everything given is checked here, where its place is known; what may still come from elsewhere
+        // is checked with harmless numbers in its place.
+        let harmless = |given: f64| if given.is_nan() { Some(0.1) } else { None };
+        let rest = Completion {
+            k_shear: harmless(file.params.k_shear),
+            c_1: harmless(file.params.c_1),
+            c_2: harmless(file.params.c_2),
+            unit_weight: None,
+        };
+        match file.completed(&rest) {
+            Ok(_) => Ok(file),
+            Err(source) => Err(Error::Soil {
+                at: place_of(root, &source),
+                source,
+            }),
+        }
+    })
+}
+
+fn read_params(root: &Section<'_>) -> Result<SoilParams> {
+    let number = |key| root.number(key, FINITE);
+    let optional = |key| root.optional_number(key, FINITE);
+    let zero = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(0.0));
+    let open = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(f64::NAN));
+    let n = number("n")?;
+    Ok(SoilParams {
+        n_1: zero("n_1")?,
+        n_2: zero("n_2")?,
+        cohesion: 1e3 * number("cohesion_kpa")?,
+        phi: Angle::from_deg(number("phi_deg")?),
+        k_shear: open("k_shear_m")?,
+        k_shear_1: zero("k_shear_1_m_per_rad")?,
+        k_shear_side: optional("k_shear_side_m")?,
+        k_shear_side_1: zero("k_shear_side_1_m_per_rad")?,
+        c_1: open("c_1")?,
+        c_2: open("c_2")?,
+        rebound: zero("rebound")?,
+        unit_weight: optional("unit_weight_n_per_m3")?,
+        ..SoilParams::bekker(
+            1e3 * number("k_c_kn_per_m_n1")?,
+            1e3 * number("k_phi_kn_per_m_n2")?,
+            n,
+        )
+    })
+}
+
+/// The place of the number that the soil refuses.
+fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::Place {
+    const KEYS: [(&str, &str); 12] = [
+        ("k_c", "k_c_kn_per_m_n1"),
+        ("k_phi", "k_phi_kn_per_m_n2"),
+        ("cohesion", "cohesion_kpa"),
+        ("phi", "phi_deg"),
+        ("k_shear", "k_shear_m"),
+        ("k_shear_1", "k_shear_1_m_per_rad"),
+        ("k_shear_side", "k_shear_side_m"),
+        ("k_shear_side_1", "k_shear_side_1_m_per_rad"),
+        ("unit_weight", "unit_weight_n_per_m3"),
+        ("c_1", "c_1"),
+        ("c_2", "c_2"),
+        ("rebound", "rebound"),
+    ];
+    let field = error.field().unwrap_or_default();
+    let key = KEYS
+        .iter()
+        .find(|(name, _)| *name == field)
+        .map_or(field, |(_, key)| *key);
+    root.place_of(key)
+}
+
+impl SoilFile {
+    /// The soil, with what `completion` gives in place of the file's own or missing numbers.
+    ///
+    /// # Errors
+    /// [`grouser_terra::Error::Missing`] with the first number that neither gives;
+    /// [`grouser_terra::Error::OutOfRange`] for a bad one.
+    pub fn completed(
+        &self,
+        completion: &Completion,
+    ) -> std::result::Result<Soil, grouser_terra::Error> {
+        completion.complete(self.params)
+    }
+
+    /// The names of the numbers that the file leaves open.
+    pub fn missing(&self) -> impl Iterator<Item = &'static str> {
+        let p = &self.params;
+        [("k_shear", p.k_shear), ("c_1", p.c_1), ("c_2", p.c_2)]
+            .into_iter()
+            .filter_map(|(name, value)| value.is_nan().then_some(name))
+    }
+}

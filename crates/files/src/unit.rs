@@ -1,0 +1,53 @@
+//! Units of columns: name → quantity and the factor to SI.
+
+/// What a unit measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// s.
+    Time,
+    /// m.
+    Length,
+    /// rad.
+    Angle,
+    /// m/s.
+    Speed,
+    /// rad/s.
+    AngularRate,
+    /// Whole ticks of a counter.
+    Ticks,
+}
+
+/// Every unit: its name in files, what it measures, and what one of it is in SI.
+pub const UNITS: &[(&str, Quantity, f64)] = &[
+    ("s", Quantity::Time, 1.0),
+    ("ms", Quantity::Time, 1e-3),
+    ("us", Quantity::Time, 1e-6),
+    ("ns", Quantity::Time, 1e-9),
+    ("m", Quantity::Length, 1.0),
+    ("cm", Quantity::Length, 1e-2),
+    ("mm", Quantity::Length, 1e-3),
+    ("in", Quantity::Length, 0.0254),
+    ("rad", Quantity::Angle, 1.0),
+    ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
+    ("turn", Quantity::Angle, std::f64::consts::TAU),
+    ("m/s", Quantity::Speed, 1.0),
+    ("cm/s", Quantity::Speed, 1e-2),
+    ("mm/s", Quantity::Speed, 1e-3),
+    ("km/h", Quantity::Speed, 1.0 / 3.6),
+    ("rad/s", Quantity::AngularRate, 1.0),
+    ("deg/s", Quantity::AngularRate, std::f64::consts::PI / 180.0),
+    ("rpm", Quantity::AngularRate, std::f64::consts::TAU / 60.0),
+    ("tick", Quantity::Ticks, 1.0),
+];
+
+impl Quantity {
+    /// The units that measure it, with their factors.
+    #[must_use]
+    pub fn units(self) -> Vec<(&'static str, f64)> {
+        UNITS
+            .iter()
+            .filter(|(_, quantity, _)| *quantity == self)
+            .map(|(name, _, factor)| (*name, *factor))
+            .collect()
+    }
+}

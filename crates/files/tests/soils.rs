@@ -1,0 +1,69 @@
+//! Soil files: read, completed, refused.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_files::{Document, Error, soil};
+use grouser_terra::catalogue::{self, Completion};
+
+const SAND: &str = r#"format = 1
+name = "Dry sand"
+source = "rover papers"
+n = 1.1
+k_c_kn_per_m_n1 = 0.9
+k_phi_kn_per_m_n2 = 1528.4
+cohesion_kpa = 1.0
+phi_deg = 30.0
+k_shear_m = 0.025
+c_1 = 0.18
+c_2 = 0.32
+"#;
+
+fn parse(text: &str) -> Result<soil::SoilFile, Error> {
+    soil::parse(&Document::from_text("sand.toml", text.into()).unwrap())
+}
+
+#[test]
+fn a_file_with_the_catalogues_numbers_is_the_catalogues_soil() {
+    let file = parse(SAND).unwrap();
+    let own = file.completed(&Completion::default()).unwrap();
+    assert_eq!(own, catalogue::find("dry-sand").unwrap().soil().unwrap());
+    assert_eq!(
+        (file.name.as_str(), file.source.as_str()),
+        ("Dry sand", "rover papers")
+    );
+}
+
+#[test]
+fn what_is_left_open_is_named_and_can_be_completed() {
+    let open = parse(&SAND.replace("k_shear_m = 0.025\n", "")).unwrap();
+    assert_eq!(open.missing().collect::<Vec<_>>(), ["k_shear"]);
+    let missing = open.completed(&Completion::default()).unwrap_err();
+    assert_eq!(missing.field(), Some("k_shear"));
+    let given = Completion {
+        k_shear: Some(0.025),
+        ..Completion::default()
+    };
+    assert_eq!(
+        open.completed(&given).unwrap(),
+        catalogue::find("dry-sand").unwrap().soil().unwrap()
+    );
+}
+
+#[test]
+fn bad_numbers_and_keys_are_refused_with_their_place() {
+    let degrees = parse(&SAND.replace("phi_deg = 30.0", "phi_deg = 95")).unwrap_err();
+    assert!(
+        degrees.to_string().starts_with("sand.toml:8:11: phi is"),
+        "{degrees}"
+    );
+    for (from, to) in [
+        ("n = 1.1", "n = 0.0"),
+        ("c_1 = 0.18", "c_1 = nan"),
+        ("0.9", "inf"),
+    ] {
+        assert!(parse(&SAND.replace(from, to)).is_err(), "{to}");
+    }
+    let unknown = parse(&SAND.replace("cohesion_kpa", "cohesion_pa")).unwrap_err();
+    assert!(unknown.to_string().contains("cohesion_pa"), "{unknown}");
+    let unknown = parse(&format!("{SAND}rebund = 0.1\n")).unwrap_err();
+    assert_eq!(unknown.hint().unwrap(), "did you mean `rebound`?");
+}

@@ -1,0 +1,10 @@
+//! Tables of text: CSV and its relatives, read line by line through a column map.
+
+mod fields;
+mod lines;
+mod number;
+mod reader;
+mod row;
+
+pub use lines::LINE_LIMIT;
+pub use reader::CsvReader;

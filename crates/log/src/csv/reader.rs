@@ -1,0 +1,215 @@
+//! The reader of one table.
+
+use std::path::Path;
+
+use grouser_files::columns::Table;
+use grouser_files::nearest;
+
+use super::fields::{BadQuote, split};
+use super::lines::Lines;
+use super::number::NotANumber;
+use super::row::{BadField, Plan};
+use crate::error::{Cell, Error, Result};
+use crate::order::Ordered;
+use crate::record::Record;
+use crate::source;
+
+/// How many rows a row may stand from its place in time.
+pub(crate) const LOOK_AHEAD: usize = 1024;
+/// A message shows this much of a bad field.
+const SHOWN: usize = 64;
+
+/// Records of one table in the order of time.
+///
+/// It reads line by line: memory does not grow with the file. The first error ends it.
+pub struct CsvReader {
+    lines: Lines,
+    names: Vec<String>,
+    plan: Plan,
+    separator: u8,
+    fields: Vec<(usize, usize)>,
+    source: usize,
+    ordered: Ordered,
+    rows: u64,
+    done: bool,
+}
+
+impl CsvReader {
+    /// Opens a table and reads its header. `source` becomes [`Record::source`]; `wheels` are the
+    /// log's wheels, to which the records' indices refer.
+    ///
+    /// # Errors
+    /// What is wrong with the file or its header.
+    pub fn open(path: &Path, table: &Table, source: usize, wheels: &[String]) -> Result<Self> {
+        let file = path.display().to_string();
+        let mut lines = Lines::new(source::open(path)?, file.clone());
+        let mut names: Vec<String> = Vec::new();
+        let mut header = lines.cell();
+        let mut fields = Vec::new();
+        for number in 1..=table.header_lines {
+            if !lines.advance()? {
+                return Err(Error::Empty {
+                    file,
+                    what: if number == 1 {
+                        "nothing"
+                    } else {
+                        "less than its header"
+                    },
+                });
+            }
+            if number == table.names_line {
+                header = lines.cell();
+                let text = lines.text()?;
+                split(text, table.separator, &mut fields)
+                    .map_err(|bad| bad_quote(&header, &[], bad))?;
+                names = fields
+                    .iter()
+                    .map(|&(start, end)| text[start..end].trim().to_owned())
+                    .collect();
+            }
+        }
+        let time = find(&names, &table.time.column, &header)?;
+        let places = table
+            .columns
+            .iter()
+            .map(|column| find(&names, &column.column, &header))
+            .collect::<Result<Vec<usize>>>()?;
+        Ok(Self {
+            plan: Plan::new(table, time, &places, wheels),
+            lines,
+            names,
+            separator: table.separator,
+            fields,
+            source,
+            ordered: Ordered::new(LOOK_AHEAD),
+            rows: 0,
+            done: false,
+        })
+    }
+
+    /// Reads one row into the ordering; false at the end of the file.
+    fn read_row(&mut self) -> Result<bool> {
+        if !self.lines.advance()? {
+            return if self.rows == 0 {
+                Err(Error::Empty {
+                    file: self.lines.cell().file,
+                    what: "a header and no data",
+                })
+            } else {
+                Ok(false)
+            };
+        }
+        let text = self.lines.text()?;
+        if text.is_empty() {
+            return Ok(true);
+        }
+        let here = self.lines.cell();
+        split(text, self.separator, &mut self.fields)
+            .map_err(|bad| bad_quote(&here, &self.names, bad))?;
+        if self.fields.len() != self.names.len() {
+            return Err(Error::Ragged {
+                at: here,
+                found: self.fields.len(),
+                expected: self.names.len(),
+            });
+        }
+        let field = |index: usize| {
+            let (start, end) = self.fields[index];
+            &text[start..end]
+        };
+        let bad = |bad: BadField| bad_field(&here, &self.names, field(bad.field), bad);
+        let time_ns = self.plan.time_ns(field(self.plan.time)).map_err(bad)?;
+        self.ordered
+            .begin_row(time_ns)
+            .map_err(|by_s| Error::OutOfOrder {
+                at: here.clone(),
+                by_s,
+                look_ahead: LOOK_AHEAD,
+            })?;
+        let (source, ordered) = (self.source, &mut self.ordered);
+        self.plan
+            .readings(field, |reading| {
+                ordered.push(Record {
+                    time_ns,
+                    source,
+                    reading,
+                });
+            })
+            .map_err(bad)?;
+        self.rows += 1;
+        Ok(true)
+    }
+
+    /// The line that was read last, counted from 1.
+    #[must_use]
+    pub fn line(&self) -> u64 {
+        self.lines.number()
+    }
+}
+
+impl Iterator for CsvReader {
+    type Item = Result<Record>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.done && !self.ordered.is_ripe() {
+            match self.read_row() {
+                Ok(true) => {}
+                Ok(false) => self.done = true,
+                Err(error) => {
+                    self.done = true;
+                    self.ordered.clear();
+                    return Some(Err(error));
+                }
+            }
+        }
+        self.ordered.pop().map(Ok)
+    }
+}
+
+fn find(names: &[String], column: &str, header: &Cell) -> Result<usize> {
+    let mut found = names
+        .iter()
+        .enumerate()
+        .filter(|(_, name)| *name == column)
+        .map(|(index, _)| index);
+    match (found.next(), found.next()) {
+        (Some(index), None) => Ok(index),
+        (Some(_), Some(second)) => Err(Error::TwoColumns {
+            at: Cell {
+                column: Some(second + 1),
+                name: Some(column.into()),
+                ..header.clone()
+            },
+        }),
+        (None, _) => Err(Error::NoColumn {
+            at: header.clone(),
+            column: column.into(),
+            meant: nearest(column, names.iter().map(String::as_str)).map(Into::into),
+        }),
+    }
+}
+
+fn cell(here: &Cell, names: &[String], field: usize) -> Cell {
+    Cell {
+        column: Some(field + 1),
+        name: names.get(field).filter(|name| !name.is_empty()).cloned(),
+        ..here.clone()
+    }
+}
+
+fn bad_quote(here: &Cell, names: &[String], bad: BadQuote) -> Error {
+    Error::Malformed {
+        at: cell(here, names, bad.field),
+        what: bad.what,
+    }
+}
+
+fn bad_field(here: &Cell, names: &[String], found: &str, bad: BadField) -> Error {
+    let NotANumber { expected, hint } = bad.problem;
+    Error::NotANumber {
+        at: cell(here, names, bad.field),
+        found: found.chars().take(SHOWN).collect(),
+        expected,
+        hint,
+    }
+}

@@ -1,0 +1,159 @@
+//! What is wrong with a log, and where.
+
+use std::fmt;
+use std::io;
+
+/// The result of reading a log.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// A place in a table, counted from 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The file as it was named.
+    pub file: String,
+    /// Line, header included.
+    pub line: u64,
+    /// Column of the table; `None` for a whole line.
+    pub column: Option<usize>,
+    /// That column's name, where it has one.
+    pub name: Option<String>,
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: line {}", self.file, self.line)?;
+        if let Some(column) = self.column {
+            write!(f, ", column {column}")?;
+        }
+        if let Some(name) = &self.name {
+            write!(f, " `{name}`")?;
+        }
+        Ok(())
+    }
+}
+
+/// Why a log cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be opened, or the column map does not fit.
+    #[error(transparent)]
+    File(#[from] grouser_files::Error),
+    /// The system, or the decompressor, gives no more.
+    #[error("{at}: {source}")]
+    Unreadable {
+        /// Where.
+        at: Cell,
+        /// What it says.
+        source: io::Error,
+    },
+    /// A file without data.
+    #[error("{file}: holds {what}")]
+    Empty {
+        /// The file.
+        file: String,
+        /// What it does hold.
+        what: &'static str,
+    },
+    /// A line longer than the limit.
+    #[error("{at}: is longer than {limit} bytes, the limit for a line")]
+    LongLine {
+        /// Where.
+        at: Cell,
+        /// The limit, bytes.
+        limit: usize,
+    },
+    /// Text that a table cannot hold.
+    #[error("{at}: {what}")]
+    Malformed {
+        /// Where.
+        at: Cell,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A line with another number of fields than its header.
+    #[error("{at}: has {found} fields, but the header has {expected}")]
+    Ragged {
+        /// Where.
+        at: Cell,
+        /// Fields of the line.
+        found: usize,
+        /// Fields of the header.
+        expected: usize,
+    },
+    /// A column that the map names is not there.
+    #[error("{at}: there is no column `{column}`, which the column map names")]
+    NoColumn {
+        /// The header.
+        at: Cell,
+        /// The column.
+        column: String,
+        /// The column that was probably meant.
+        meant: Option<String>,
+    },
+    /// A column that the map names is there twice.
+    #[error("{at}: there are two columns of this name, which the column map names")]
+    TwoColumns {
+        /// The second of them.
+        at: Cell,
+    },
+    /// A field that is no number, or no finite one.
+    #[error("{at}: is \"{found}\", but must be {expected}")]
+    NotANumber {
+        /// Where.
+        at: Cell,
+        /// What was found.
+        found: String,
+        /// What it must be.
+        expected: &'static str,
+        /// What to do about it, where that is known.
+        hint: Option<&'static str>,
+    },
+    /// A row that is older than what was already given out.
+    #[error("{at}: is {by_s} s older than rows {look_ahead} rows before it")]
+    OutOfOrder {
+        /// Where.
+        at: Cell,
+        /// How much older, s.
+        by_s: f64,
+        /// How far rows may stand from their place.
+        look_ahead: usize,
+    },
+    /// No file of the log fits the column map.
+    #[error("{log}: no file fits the column map ({patterns})")]
+    NoTable {
+        /// The log as it was named.
+        log: String,
+        /// What the map's tables ask for.
+        patterns: String,
+    },
+    /// Two files for one table.
+    #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
+    TwoFiles {
+        /// One file.
+        first: String,
+        /// Another.
+        second: String,
+        /// The table's pattern.
+        pattern: String,
+    },
+}
+
+impl Error {
+    /// What to do about it, where that is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::File(error) => error.hint(),
+            Self::NoColumn {
+                meant: Some(meant), ..
+            } => Some(format!("did you mean `{meant}`?")),
+            Self::NotANumber { hint, .. } => hint.map(Into::into),
+            Self::TwoFiles { .. } => {
+                Some("name the files of one run, or the beginning that their names share".into())
+            }
+            Self::OutOfOrder { .. } => Some("sort the log by time, or split it".into()),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! A log: the files of one run, merged.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use grouser_files::columns::{ColumnMap, Meaning};
+
+use crate::csv::CsvReader;
+use crate::error::{Error, Result};
+use crate::record::Record;
+
+/// The files of one run with what their columns mean.
+#[derive(Clone, Debug)]
+pub struct Log {
+    map: ColumnMap,
+    files: Vec<(PathBuf, usize)>,
+    unused: Vec<PathBuf>,
+    wheels: Vec<String>,
+}
+
+impl Log {
+    /// Finds the files of a run. Each path is a file; or a folder, for the files in it; or the
+    /// beginning that the names of several files share (`data/run7` for `data/run7_imu.csv` and
+    /// `data/run7_wheels.csv`).
+    ///
+    /// A file goes to the first table of the column map whose pattern its name fits; one that fits none
+    /// is left unused. At most one file may go to a table: the files of one run.
+    ///
+    /// # Errors
+    /// [`Error::NoTable`] when no file fits a table, [`Error::TwoFiles`], and what the system refuses.
+    pub fn find(paths: &[PathBuf], map: ColumnMap) -> Result<Self> {
+        let mut found = Vec::new();
+        for path in paths {
+            expand(path, &mut found)?;
+        }
+        let mut files: Vec<(PathBuf, usize)> = Vec::new();
+        let mut unused = Vec::new();
+        for path in found {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let Some(table) = map.tables.iter().position(|table| table.describes(&name)) else {
+                unused.push(path);
+                continue;
+            };
+            if let Some((first, _)) = files.iter().find(|(_, other)| *other == table) {
+                return Err(Error::TwoFiles {
+                    first: first.display().to_string(),
+                    second: path.display().to_string(),
+                    pattern: pattern(&map, table),
+                });
+            }
+            files.push((path, table));
+        }
+        if files.is_empty() {
+            let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+            let patterns: Vec<String> = (0..map.tables.len()).map(|t| pattern(&map, t)).collect();
+            return Err(Error::NoTable {
+                log: log.join(", "),
+                patterns: patterns.join(", "),
+            });
+        }
+        let mut wheels: Vec<String> = Vec::new();
+        for column in files
+            .iter()
+            .flat_map(|(_, table)| &map.tables[*table].columns)
+        {
+            if let Some(wheel) = &column.wheel
+                && !wheels.contains(wheel)
+            {
+                wheels.push(wheel.clone());
+            }
+        }
+        Ok(Self {
+            map,
+            files,
+            unused,
+            wheels,
+        })
+    }
+
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|(path, _)| path.as_path())
+    }
+
+    /// The files that fit no table of the column map.
+    #[must_use]
+    pub fn unused(&self) -> &[PathBuf] {
+        &self.unused
+    }
+
+    /// The wheels that the log measures; records name them by their index here.
+    #[must_use]
+    pub fn wheels(&self) -> &[String] {
+        &self.wheels
+    }
+
+    /// Does any column of the log have that meaning?
+    #[must_use]
+    pub fn measures(&self, meaning: Meaning) -> bool {
+        self.files.iter().any(|(_, table)| {
+            self.map.tables[*table]
+                .columns
+                .iter()
+                .any(|c| c.meaning == meaning)
+        })
+    }
+
+    /// Does any column of the log have that meaning for that wheel?
+    #[must_use]
+    pub fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
+        let mut columns = self
+            .files
+            .iter()
+            .flat_map(|(_, table)| &self.map.tables[*table].columns);
+        columns.any(|c| c.meaning == meaning && c.wheel.as_deref() == Some(wheel))
+    }
+
+    /// The sources ([`Record::source`]) whose clock is to be aligned with the others'.
+    #[must_use]
+    pub fn unaligned_sources(&self) -> Vec<usize> {
+        (0..self.files.len())
+            .filter(|&source| self.map.tables[self.files[source].1].align_clock)
+            .collect()
+    }
+
+    /// Opens the files and gives their records in the order of time. `shift_ns` is added to the times
+    /// of each source.
+    ///
+    /// # Errors
+    /// What is wrong with a file's header.
+    pub fn records(&self, shift_ns: &[i64]) -> Result<Records> {
+        let mut readers = Vec::new();
+        for (source, (path, table)) in self.files.iter().enumerate() {
+            let reader = CsvReader::open(path, &self.map.tables[*table], source, &self.wheels)?;
+            readers.push(Shifted {
+                reader: Box::new(reader),
+                shift_ns: shift_ns.get(source).copied().unwrap_or(0),
+                next: None,
+            });
+        }
+        Ok(Records {
+            readers,
+            failed: false,
+        })
+    }
+}
+
+fn pattern(map: &ColumnMap, table: usize) -> String {
+    map.tables[table].file.clone().unwrap_or_else(|| "*".into())
+}
+
+/// The files that a path of the command line means, by name.
+fn expand(path: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
+    let file = || path.display().to_string();
+    let unreadable = |source| grouser_files::Error::Unreadable {
+        file: file(),
+        source,
+    };
+    let mut inside = Vec::new();
+    match fs::metadata(path) {
+        Ok(kind) if kind.is_dir() => {
+            for entry in fs::read_dir(path).map_err(unreadable)? {
+                let entry = entry.map_err(unreadable)?.path();
+                if entry.is_file() {
+                    inside.push(entry);
+                }
+            }
+        }
+        Ok(_) => inside.push(path.to_path_buf()),
+        Err(error) => {
+            // Not there: perhaps the beginning of several names.
+            let folder = match path.parent() {
+                Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
+                Some(parent) => parent,
+                None => return Err(unreadable(error).into()),
+            };
+            let start = path.file_name().unwrap_or_default().to_string_lossy();
+            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+                let name = entry.file_name();
+                let own = name.to_string_lossy();
+                if !start.is_empty() && own.starts_with(&*start) && entry.path().is_file() {
+                    inside.push(entry.path());
+                }
+            }
+            if inside.is_empty() {
+                return Err(unreadable(error).into());
+            }
+        }
+    }
+    inside.sort();
+    found.extend(inside);
+    Ok(())
+}
+
+/// The records of a log in the order of time. The first error ends it.
+pub struct Records {
+    readers: Vec<Shifted>,
+    failed: bool,
+}
+
+struct Shifted {
+    reader: Box<dyn Iterator<Item = Result<Record>> + Send>,
+    shift_ns: i64,
+    next: Option<Record>,
+}
+
+impl Iterator for Records {
+    type Item = Result<Record>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        for source in &mut self.readers {
+            if source.next.is_none() {
+                match source.reader.next() {
+                    Some(Ok(mut record)) => {
+                        record.time_ns = record.time_ns.saturating_add(source.shift_ns);
+                        source.next = Some(record);
+                    }
+                    Some(Err(error)) => {
+                        self.failed = true;
+                        return Some(Err(error));
+                    }
+                    None => {}
+                }
+            }
+        }
+        let earliest = self
+            .readers
+            .iter_mut()
+            .filter(|source| source.next.is_some())
+            .min_by_key(|source| source.next.as_ref().map(|record| record.time_ns))?;
+        earliest.next.take().map(Ok)
+    }
+}

@@ -1,0 +1,147 @@
+//! The constant by which the gyro's clock differs from the encoders'.
+
+use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_log::Log;
+use grouser_slip::{Drive, Estimator, Measurement, Reference, Robot, Settings};
+
+use crate::error::Result;
+use crate::samples::{sample, wheel_of};
+
+/// Turns are compared over this time, s: long against a sample, short against a manoeuvre.
+const WINDOW: f64 = 0.2;
+/// Offsets are looked for up to this, s.
+const RANGE: f64 = 0.5;
+/// First step of the search, s; the second is a tenth of it.
+const STEP: f64 = 0.01;
+/// At most so many readings of each sensor are compared: the first of the log.
+const READINGS: usize = 1 << 16;
+/// The turns of a log that never turns say nothing: their mean size must exceed this, rad.
+const LEAST_TURN: f64 = 0.002;
+
+/// How much later the gyro's clock stamps the same moment than the encoders', in seconds: the offset
+/// with the least mean |turn by encoders − turn by gyro| over windows of 0.2 s.
+///
+/// The mean of absolute values, not of squares: slip is the outlier here. `None` where the log does not
+/// turn enough to tell, or the best offset stands at the end of the range (±0.5 s).
+///
+/// # Errors
+/// What is wrong with the log.
+pub(crate) fn gyro_offset(
+    log: &Log,
+    file: &RobotFile,
+    wheels: &[usize],
+    sensor: WheelSensor,
+) -> Result<Option<f64>> {
+    let (encoders, gyro) = turns(log, &file.robot, wheels, sensor)?;
+    let size = encoders.iter().map(|turn| turn.1.abs()).sum::<f64>() / encoders.len().max(1) as f64;
+    if gyro.len() < 2 || !(size * WINDOW > LEAST_TURN) {
+        return Ok(None);
+    }
+    let cost = |offset: f64| disagreement(&encoders, &gyro, offset);
+    let best = |middle: f64, half: f64, step: f64| {
+        let count = (half / step).round();
+        let mut least = (f64::INFINITY, middle);
+        let mut k = -count;
+        while k <= count {
+            let offset = middle + k * step;
+            let here = cost(offset);
+            if here < least.0 {
+                least = (here, offset);
+            }
+            k += 1.0;
+        }
+        least.1
+    };
+    let coarse = best(0.0, RANGE, STEP);
+    if coarse.abs() > RANGE - 1.5 * STEP {
+        return Ok(None);
+    }
+    Ok(Some(best(coarse, STEP, 0.1 * STEP)))
+}
+
+/// Yaw rate by the wheels in windows around a time, and yaw by the gyro at a time; s, rad/s, rad.
+type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
+
+fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Result<Turns> {
+    let settings = Settings {
+        reference: Reference::Grip,
+        window: WINDOW,
+        ..Settings::default()
+    };
+    let mut estimator = Estimator::new(robot, settings)?;
+    let last_powered = robot
+        .wheels()
+        .iter()
+        .rposition(|wheel| wheel.drive == Drive::Powered);
+    let (mut encoders, mut gyro) = (Vec::new(), Vec::new());
+    let mut start_ns = None;
+    let mut last: Option<(f64, f64)> = None;
+    let mut yaw = 0.0;
+    for record in log.records(&[])? {
+        let record = record?;
+        let start = *start_ns.get_or_insert(record.time_ns);
+        let time = record.time_ns.saturating_sub(start) as f64 * 1e-9;
+        let Some(sample) = sample(&record, wheels, sensor) else {
+            continue;
+        };
+        if let Measurement::YawRate { rate } = sample.measurement {
+            if let Some((before, rate_before)) = last {
+                yaw += 0.5 * (rate + rate_before) * (time - before);
+            }
+            last = Some((time, rate));
+            if gyro.len() < READINGS {
+                gyro.push((time, yaw));
+            }
+        } else if let Some(wheel) = wheel_of(&sample.measurement) {
+            // Only the wheels are shown to this estimator: a refused sample is no matter here.
+            if let Ok(estimate) = estimator.update(sample)
+                && Some(wheel) == last_powered
+                && let Some(rate) = estimate.body.wheels_yaw_rate
+                && encoders.len() < READINGS
+            {
+                encoders.push((time - 0.5 * WINDOW, rate.value));
+            }
+        }
+        if encoders.len() >= READINGS && gyro.len() >= READINGS {
+            break;
+        }
+    }
+    Ok((encoders, gyro))
+}
+
+/// Mean |turn by encoders − turn by gyro|, rad, if the gyro's clock is ahead by `offset`.
+fn disagreement(encoders: &[(f64, f64)], gyro: &[(f64, f64)], offset: f64) -> f64 {
+    let (Some(first), Some(last)) = (gyro.first(), gyro.last()) else {
+        return f64::INFINITY;
+    };
+    // The same windows for every offset, or the ends of the log would choose it.
+    let margin = RANGE + STEP + 0.5 * WINDOW;
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for &(time, rate) in encoders {
+        if time < first.0 + margin || time > last.0 - margin {
+            continue;
+        }
+        let from = yaw_at(gyro, time + offset - 0.5 * WINDOW);
+        let to = yaw_at(gyro, time + offset + 0.5 * WINDOW);
+        sum += (rate * WINDOW - (to - from)).abs();
+        count += 1.0;
+    }
+    if count > 0.0 {
+        sum / count
+    } else {
+        f64::INFINITY
+    }
+}
+
+fn yaw_at(gyro: &[(f64, f64)], time: f64) -> f64 {
+    let next = gyro.partition_point(|reading| reading.0 <= time);
+    match (
+        next.checked_sub(1).map(|before| gyro[before]),
+        gyro.get(next),
+    ) {
+        (Some((t0, y0)), Some(&(t1, y1))) => y0 + (y1 - y0) * (time - t0) / (t1 - t0),
+        (Some((_, yaw)), None) => yaw,
+        (None, _) => gyro.first().map_or(0.0, |reading| reading.1),
+    }
+}

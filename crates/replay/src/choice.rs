@@ -1,0 +1,113 @@
+//! What in the log is used: which sensor of the wheels, which reference.
+
+use grouser_files::columns::Meaning;
+use grouser_files::nearest;
+use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_log::Log;
+use grouser_slip::{Drive, Reference};
+
+use crate::error::{Error, Result};
+
+/// For every wheel of the log the robot's wheel.
+pub(crate) fn wheel_indices(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
+    let robot = &file.robot;
+    log.wheels()
+        .iter()
+        .map(|name| {
+            robot.wheel_index(name).ok_or_else(|| {
+                let names = robot.wheels().iter().map(|wheel| wheel.name.as_str());
+                Error::UnknownWheel {
+                    wheel: name.clone(),
+                    robot: robot.name().into(),
+                    meant: nearest(name, names).map(Into::into),
+                }
+            })
+        })
+        .collect()
+}
+
+const fn meaning(sensor: WheelSensor) -> Meaning {
+    match sensor {
+        WheelSensor::Count => Meaning::WheelCount,
+        WheelSensor::Angle => Meaning::WheelAngle,
+        WheelSensor::Rate => Meaning::WheelRate,
+    }
+}
+
+/// The sensor by which the wheels are measured: as asked, else the robot file's, else the first of
+/// counts, angles and rates that the log holds.
+pub(crate) fn wheel_sensor(
+    log: &Log,
+    file: &RobotFile,
+    asked: Option<WheelSensor>,
+) -> Result<WheelSensor> {
+    let robot = &file.robot;
+    let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
+    let sensor = asked
+        .or(file.wheel_sensor)
+        .or_else(|| order.find(|&sensor| log.measures(meaning(sensor))))
+        .ok_or_else(|| Error::NoWheels {
+            robot: robot.name().into(),
+        })?;
+    for wheel in robot.wheels().iter().filter(|w| w.drive == Drive::Powered) {
+        if !log.measures_wheel(meaning(sensor), &wheel.name) {
+            return Err(Error::WheelNotMeasured {
+                wheel: wheel.name.clone(),
+                sensor: sensor.name(),
+            });
+        }
+        if sensor == WheelSensor::Count && wheel.encoder.ticks_per_turn.is_none() {
+            return Err(Error::NoTicks {
+                wheel: wheel.name.clone(),
+            });
+        }
+    }
+    Ok(sensor)
+}
+
+/// The reference: as asked, else the robot file's, else the best that the log holds.
+pub(crate) fn reference(
+    log: &Log,
+    file: &RobotFile,
+    sensor: WheelSensor,
+    asked: Option<Reference>,
+) -> Result<Reference> {
+    let missing = |reference: Reference| -> Option<&'static str> {
+        let needs = |meaning, what| (!log.measures(meaning)).then_some(what);
+        match reference {
+            Reference::Displacement => {
+                needs(Meaning::DisplacementForward, "columns of displacement")
+            }
+            Reference::Pose => needs(Meaning::PoseX, "columns of a pose"),
+            Reference::Speed => needs(Meaning::SpeedForward, "a column of speed over ground"),
+            Reference::FreeWheel => {
+                let mut free = file
+                    .robot
+                    .wheels()
+                    .iter()
+                    .filter(|w| w.drive == Drive::Free);
+                let any = free.clone().next().is_some();
+                let all = free.all(|w| log.measures_wheel(meaning(sensor), &w.name));
+                (!(any && all)).then_some("a free wheel that is measured")
+            }
+            Reference::Grip => needs(Meaning::YawRate, "a column of yaw rate"),
+            _ => None,
+        }
+    };
+    match asked.or(file.reference) {
+        Some(reference) => match missing(reference) {
+            None => Ok(reference),
+            Some(needs) => Err(Error::NoReference {
+                reference: reference.name(),
+                needs,
+            }),
+        },
+        None => Reference::ALL
+            .into_iter()
+            .find(|&reference| missing(reference).is_none())
+            .ok_or(Error::NoReference {
+                reference: "any",
+                needs: "a displacement, a pose, a speed over ground, a free wheel, or at least a yaw rate",
+            }),
+    }
+}

@@ -1,0 +1,97 @@
+//! Why a log gives no slip.
+
+/// The result of a replay.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why a log gives no slip.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] grouser_log::Error),
+    /// A file beside it cannot be read.
+    #[error(transparent)]
+    File(#[from] grouser_files::Error),
+    /// The settings cannot be used.
+    #[error(transparent)]
+    Settings(#[from] grouser_slip::Error),
+    /// The column map names a wheel that the robot does not have.
+    #[error("the column map names wheel `{wheel}`, which robot `{robot}` does not have")]
+    UnknownWheel {
+        /// The wheel.
+        wheel: String,
+        /// The robot.
+        robot: String,
+        /// The wheel that was probably meant.
+        meant: Option<String>,
+    },
+    /// The log measures none of the robot's powered wheels.
+    #[error("the log measures no powered wheel of robot `{robot}`")]
+    NoWheels {
+        /// The robot.
+        robot: String,
+    },
+    /// A powered wheel of the robot is not measured.
+    #[error("the log does not measure wheel `{wheel}` by {sensor}")]
+    WheelNotMeasured {
+        /// The wheel.
+        wheel: String,
+        /// The sensor that was chosen for all wheels.
+        sensor: &'static str,
+    },
+    /// The chosen reference is not in the log.
+    #[error("reference `{reference}` needs {needs}, which the log does not hold")]
+    NoReference {
+        /// The reference.
+        reference: &'static str,
+        /// What it needs.
+        needs: &'static str,
+    },
+    /// Counts without a number of ticks per turn.
+    #[error("wheel `{wheel}` is measured by counts, but its description has no `ticks_per_turn`")]
+    NoTicks {
+        /// The wheel.
+        wheel: String,
+    },
+    /// The soil cannot be asked without the wheel's size and load.
+    #[error("wheel `{wheel}` has no `{key}` in the robot file, which the soil model needs")]
+    NoWheelSize {
+        /// The wheel.
+        wheel: String,
+        /// The key that is missing.
+        key: &'static str,
+    },
+    /// The soil model refuses the wheel or the soil.
+    #[error(transparent)]
+    Soil(#[from] grouser_terra::Error),
+    /// Two ways that give no radius.
+    #[error(
+        "{travel_reference} m by the reference over {travel_wheels} m by the wheels gives no \
+             effective radius: the ratio must lie in (0.2, 5)"
+    )]
+    NoCalibration {
+        /// Way by the reference, m.
+        travel_reference: f64,
+        /// Way by the wheels, m.
+        travel_wheels: f64,
+    },
+    /// Whoever takes the rows cannot.
+    #[error(transparent)]
+    Sink(#[from] std::io::Error),
+}
+
+impl Error {
+    /// What to do about it, where that is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Log(error) => error.hint(),
+            Self::File(error) => error.hint(),
+            Self::UnknownWheel {
+                meant: Some(meant), ..
+            } => Some(format!("did you mean `{meant}`?")),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! One log through the estimator.
+
+use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_log::Log;
+use grouser_slip::{Drive, Estimator, Health, Motion, Reference};
+
+use crate::align::gyro_offset;
+use crate::choice;
+use crate::error::Result;
+use crate::quantiles::Quantiles;
+use crate::samples::{sample, wheel_of};
+use crate::summary::{
+    AlongSummary, Shares, Spread, Status, Summary, WheelSummary, YawSummary, overall,
+};
+
+/// What may be asked for beyond what the files say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// What tells how fast the robot travels; `None`: the robot file's, else the best in the log.
+    pub reference: Option<Reference>,
+    /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
+    pub wheel_sensor: Option<WheelSensor>,
+    /// The window of the estimates, s; `None`: the robot file's.
+    pub window_s: Option<f64>,
+    /// What lies before this is left out of rows and summary, s from the log's start.
+    pub from_s: Option<f64>,
+    /// What lies after this is left out, s from the log's start.
+    pub to_s: Option<f64>,
+}
+
+/// One wheel at one time, as a row of the output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<'a> {
+    /// Seconds since the log's start.
+    pub time_s: f64,
+    /// The wheel's index in the robot's order.
+    pub wheel: usize,
+    /// The wheel's name.
+    pub name: &'a str,
+    /// Its slip, where it has one.
+    pub slip: Option<f64>,
+    /// Standard deviation of its error.
+    pub slip_sigma: Option<f64>,
+    /// How it moves, where that is known.
+    pub motion: Option<Motion>,
+    /// How far this can be trusted.
+    pub health: Health,
+}
+
+/// Runs a log through the estimator; `take` gets a row for every wheel whenever that wheel was read.
+///
+/// # Errors
+/// Whatever makes the log useless; an [`Error::Sink`](crate::Error::Sink) of `take`'s own.
+pub fn run(
+    log: &Log,
+    file: &RobotFile,
+    options: &Options,
+    mut take: impl FnMut(&Row<'_>) -> std::io::Result<()>,
+) -> Result<Summary> {
+    let mut replay = Replay::new(log, file, options)?;
+    let shifts = replay.align(log, file)?;
+    for record in log.records(&shifts)? {
+        let record = record?;
+        if replay.group_ns.is_some_and(|group| group != record.time_ns) {
+            replay.close_group(&mut take)?;
+        }
+        replay.group_ns = Some(record.time_ns);
+        replay.start_ns.get_or_insert(record.time_ns);
+        let Some(sample) = sample(&record, &replay.wheels, replay.sensor) else {
+            continue;
+        };
+        // A refused sample is counted by the estimator; its wheel still gets its row.
+        let _refused = replay.estimator.update(sample);
+        if let Some(wheel) = wheel_of(&sample.measurement) {
+            replay.tallies[wheel].was_read = true;
+        }
+    }
+    replay.close_group(&mut take)?;
+    Ok(replay.summary())
+}
+
+struct Replay<'a> {
+    file: &'a RobotFile,
+    wheels: Vec<usize>,
+    sensor: WheelSensor,
+    estimator: Estimator,
+    window: f64,
+    span: (f64, f64),
+    start_ns: Option<i64>,
+    group_ns: Option<i64>,
+    tallies: Vec<Tally>,
+    along: Quantiles,
+    along_until_ns: Option<i64>,
+    /// Ways at the beginning of the span that is asked for.
+    travel_before: Option<(f64, f64)>,
+    travel: (f64, f64),
+    yaw: Quantiles,
+    clock_offset_s: Option<f64>,
+}
+
+/// What is counted of one wheel.
+struct Tally {
+    was_read: bool,
+    slips: Quantiles,
+    shares: Shares,
+    last_ns: Option<i64>,
+}
+
+impl<'a> Replay<'a> {
+    fn new(log: &Log, file: &'a RobotFile, options: &Options) -> Result<Self> {
+        let wheels = choice::wheel_indices(log, file)?;
+        let sensor = choice::wheel_sensor(log, file, options.wheel_sensor)?;
+        let mut settings = file.settings;
+        settings.reference = choice::reference(log, file, sensor, options.reference)?;
+        settings.window = options.window_s.unwrap_or(settings.window);
+        let tally = |_| Tally {
+            was_read: false,
+            slips: Quantiles::new(-1.0, 1.0),
+            shares: Shares::new(),
+            last_ns: None,
+        };
+        Ok(Self {
+            wheels,
+            sensor,
+            estimator: Estimator::new(&file.robot, settings)?,
+            window: settings.window,
+            span: (
+                options.from_s.unwrap_or(f64::NEG_INFINITY),
+                options.to_s.unwrap_or(f64::INFINITY),
+            ),
+            start_ns: None,
+            group_ns: None,
+            tallies: file.robot.wheels().iter().map(tally).collect(),
+            along: Quantiles::new(-1.0, 1.0),
+            along_until_ns: None,
+            travel_before: None,
+            travel: (0.0, 0.0),
+            yaw: Quantiles::new(0.0, 1.0),
+            clock_offset_s: None,
+            file,
+        })
+    }
+
+    /// The shift of each source's clock.
+    fn align(&mut self, log: &Log, file: &RobotFile) -> Result<Vec<i64>> {
+        let unaligned = log.unaligned_sources();
+        let mut shifts = vec![0; log.files().count()];
+        if !unaligned.is_empty() {
+            self.clock_offset_s = gyro_offset(log, file, &self.wheels, self.sensor)?;
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "the offset is at most half a second"
+            )]
+            let shift_ns = (self.clock_offset_s.unwrap_or(0.0) * -1e9).round() as i64;
+            for source in unaligned {
+                shifts[source] = shift_ns;
+            }
+        }
+        Ok(shifts)
+    }
+
+    /// All records of one time have been taken: rows for the wheels that were read.
+    fn close_group(
+        &mut self,
+        take: &mut impl FnMut(&Row<'_>) -> std::io::Result<()>,
+    ) -> Result<()> {
+        let (Some(start), Some(now)) = (self.start_ns, self.group_ns) else {
+            return Ok(());
+        };
+        let time_s = now.saturating_sub(start) as f64 * 1e-9;
+        let wanted = time_s >= self.span.0 && time_s <= self.span.1;
+        let Some(estimate) = self.estimator.latest() else {
+            return Ok(());
+        };
+        for (index, tally) in self.tallies.iter_mut().enumerate() {
+            if !std::mem::take(&mut tally.was_read) {
+                continue;
+            }
+            let last = tally.last_ns.replace(now);
+            if !wanted {
+                continue;
+            }
+            let wheel = &estimate.wheels[index];
+            let row = Row {
+                time_s,
+                wheel: index,
+                name: &self.file.robot.wheels()[index].name,
+                slip: wheel.slip.map(grouser_slip::Slip::value),
+                slip_sigma: wheel.sigma,
+                motion: wheel.motion,
+                health: wheel.health,
+            };
+            if let Some(slip) = row.slip {
+                tally.slips.add(slip);
+            }
+            // A gap in the log is no time in a state.
+            let since = last.map_or(0.0, |last| now.saturating_sub(last) as f64 * 1e-9);
+            tally
+                .shares
+                .add(row.motion, row.health, since.min(self.window));
+            take(&row)?;
+        }
+        let body = estimate.body;
+        if !wanted {
+            if time_s < self.span.0 {
+                self.travel_before = Some((body.travel_wheels, body.travel_reference));
+            }
+            return Ok(());
+        }
+        self.travel = (body.travel_wheels, body.travel_reference);
+        if body.until_ns == self.along_until_ns || body.until_ns.is_none() {
+            return Ok(());
+        }
+        self.along_until_ns = body.until_ns;
+        if let Some(slip) = body.along {
+            self.along.add(slip.value());
+        }
+        let powered = estimate.wheels.iter().zip(self.file.robot.wheels());
+        let rims = powered
+            .filter(|(_, wheel)| wheel.drive == Drive::Powered)
+            .filter_map(|(estimate, _)| Some(estimate.rim_speed?.value.abs()));
+        let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
+        let moving = sum > count * self.estimator.settings().low_speed;
+        if let (true, Some(wheels), Some(gyro)) = (moving, body.wheels_yaw_rate, body.yaw_rate) {
+            self.yaw
+                .add((wheels.value - gyro.value).abs() * self.window);
+        }
+        Ok(())
+    }
+
+    fn summary(self) -> Summary {
+        let robot = &self.file.robot;
+        let reference = self.estimator.settings().reference;
+        let duration_s = match (self.start_ns, self.group_ns) {
+            (Some(start), Some(end)) => end.saturating_sub(start) as f64 * 1e-9,
+            _ => 0.0,
+        };
+        let rejected = self.estimator.rejected();
+        let none = self.tallies.iter().all(|tally| tally.slips.count() == 0);
+        let wheels = robot.wheels().iter().zip(&self.tallies);
+        let before = self.travel_before.unwrap_or_default();
+        let (travel_wheels, travel_reference) =
+            (self.travel.0 - before.0, self.travel.1 - before.1);
+        Summary {
+            status: if none { Status::NoSlip } else { Status::Done },
+            window_s: self.window,
+            reference,
+            wheel_sensor: self.sensor.name(),
+            duration_s,
+            wheels: wheels
+                .map(|(wheel, tally)| WheelSummary {
+                    name: wheel.name.clone(),
+                    is_reference: wheel.drive == Drive::Free && reference == Reference::FreeWheel,
+                    slip: Spread::from(&tally.slips),
+                    states: tally.shares.motions(),
+                    healths: tally.shares.healths(),
+                })
+                .collect(),
+            along: AlongSummary {
+                slip: Spread::from(&self.along),
+                overall: overall(travel_reference, travel_wheels),
+                travel_wheels,
+                travel_reference,
+            },
+            yaw: (self.yaw.count() > 0).then(|| YawSummary {
+                residual: Spread::from(&self.yaw),
+                window: self.window,
+            }),
+            clock_offset_s: self.clock_offset_s,
+            rejected,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What the soil model says of a slip that was measured.
+
+use grouser_slip::{Robot, Wheel};
+use grouser_terra::{Kinematics, LoadStatus, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+
+use crate::error::{Error, Result};
+use crate::summary::{Summary, WheelSummary};
+
+/// The soil model's reading of one wheel's median slip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoilReading {
+    /// The wheel's name.
+    pub wheel: String,
+    /// The slip that was measured: the wheel's median.
+    pub slip: f64,
+    /// The load that the wheel carries, N.
+    pub load: f64,
+    /// How the search for the sinkage ended.
+    pub status: LoadStatus,
+    /// Sinkage, m.
+    pub sinkage: Option<f64>,
+    /// Drawbar pull, N.
+    pub drawbar_pull: Option<f64>,
+    /// Torque, N m.
+    pub torque: Option<f64>,
+    /// Tractive efficiency; `None` where the wheel does not pull.
+    pub efficiency: Option<f64>,
+    /// The slip of best efficiency under this load; `None` where no slip gives any pull.
+    pub best_slip: Option<f64>,
+    /// The efficiency there.
+    pub best_efficiency: Option<f64>,
+    /// How far the measured slip lies above the slip of best efficiency.
+    pub above_best: Option<f64>,
+    /// What to keep in mind, in words.
+    pub cautions: Vec<String>,
+}
+
+/// Puts every wheel with a median slip on `soil`: what its slip means in pull, sinkage and torque, and
+/// how far it is from the slip of best efficiency.
+///
+/// # Errors
+/// [`Error::NoWheelSize`] for a wheel without width or load; [`Error::Soil`] for what the model refuses.
+pub fn soil_readings(summary: &Summary, robot: &Robot, soil: &Soil) -> Result<Vec<SoilReading>> {
+    summary
+        .wheels
+        .iter()
+        .zip(robot.wheels())
+        .filter_map(|(wheel, description)| {
+            let slip = wheel.slip.median?;
+            Some(reading(wheel, description, slip, soil))
+        })
+        .collect()
+}
+
+fn reading(
+    wheel: &WheelSummary,
+    description: &Wheel,
+    median: f64,
+    soil: &Soil,
+) -> Result<SoilReading> {
+    let needs = |key| Error::NoWheelSize {
+        wheel: wheel.name.clone(),
+        key,
+    };
+    let width = description.width.ok_or_else(|| needs("width_m"))?;
+    let load = description.load.ok_or_else(|| needs("load_n"))?;
+    let slip = Slip::new(median)?;
+    let pair = WheelOnSoil::new(
+        RigidWheel::new(description.radius, width)?,
+        *soil,
+        Settings::default(),
+    )?;
+    let solution = pair.under_load(load, &Kinematics::straight(slip))?;
+    let best = pair.slip_of_maximum_efficiency(load)?;
+    let point = solution.point.as_ref();
+    Ok(SoilReading {
+        wheel: wheel.name.clone(),
+        slip: median,
+        load,
+        status: solution.status,
+        sinkage: point.map(|p| p.sinkage),
+        drawbar_pull: point.map(|p| p.forces.drawbar_pull),
+        torque: point.map(|p| p.forces.torque),
+        efficiency: point.and_then(grouser_terra::OperatingPoint::tractive_efficiency),
+        best_slip: best.map(|b| b.slip.value()),
+        best_efficiency: best.map(|b| b.value),
+        above_best: best.map(|b| median - b.slip.value()),
+        cautions: point.map_or_else(Vec::new, |p| {
+            p.cautions
+                .iter()
+                .map(|caution| caution.to_string())
+                .collect()
+        }),
+    })
+}

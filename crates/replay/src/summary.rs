@@ -1,0 +1,168 @@
+//! What a whole log says.
+
+use std::collections::BTreeMap;
+
+use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
+
+use crate::quantiles::Quantiles;
+
+/// Median and the middle 90 % of something; `None` where there was nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// How many values there were.
+    pub count: u64,
+    /// Median.
+    pub median: Option<f64>,
+    /// The value below which 5 % lie.
+    pub p5: Option<f64>,
+    /// The value below which 95 % lie.
+    pub p95: Option<f64>,
+}
+
+impl From<&Quantiles> for Spread {
+    fn from(values: &Quantiles) -> Self {
+        Self {
+            count: values.count(),
+            median: values.at(0.5),
+            p5: values.at(0.05),
+            p95: values.at(0.95),
+        }
+    }
+}
+
+/// What the log says of one wheel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelSummary {
+    /// Its name.
+    pub name: String,
+    /// Is it a free wheel that the others are measured against?
+    pub is_reference: bool,
+    /// Its slip.
+    pub slip: Spread,
+    /// Share of time in each motion, in [`Motion::ALL`]'s order, and under `Unknown` where the motion
+    /// was not known; they add up to 1.
+    pub states: Vec<(&'static str, f64)>,
+    /// Share of time in each health, by its name; they add up to 1.
+    pub healths: BTreeMap<String, f64>,
+}
+
+/// What the log says of the robot along its track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AlongSummary {
+    /// Slip over windows.
+    pub slip: Spread,
+    /// Slip of the whole way: 1 − way by the reference / way by the wheels (or its braking branch).
+    pub overall: Option<f64>,
+    /// The way by the wheels, m: the distance without compensation.
+    pub travel_wheels: f64,
+    /// The way by the reference, m.
+    pub travel_reference: f64,
+}
+
+/// What the log says of the yaw rate: the powered wheels against the gyro.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YawSummary {
+    /// |turn by the wheels − turn by the gyro| in one window while the powered wheels ran faster
+    /// than the robot's `low_speed_m_per_s` on average, rad.
+    pub residual: Spread,
+    /// The window, s.
+    pub window: f64,
+}
+
+/// How a replay ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// With slips.
+    Done,
+    /// Without a slip of any wheel: the log is too short for a window, or nothing moved enough.
+    NoSlip,
+}
+
+impl Status {
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::NoSlip => "no slip",
+        }
+    }
+}
+
+/// What a whole log says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// How the replay ended.
+    pub status: Status,
+    /// The window of the estimates, s.
+    pub window_s: f64,
+    /// What told how fast the robot travels.
+    pub reference: Reference,
+    /// By which sensor the wheels were measured.
+    pub wheel_sensor: &'static str,
+    /// From the first record to the last, s.
+    pub duration_s: f64,
+    /// One per wheel, in the robot's order.
+    pub wheels: Vec<WheelSummary>,
+    /// The robot along its track.
+    pub along: AlongSummary,
+    /// Wheels against gyro, where there is one.
+    pub yaw: Option<YawSummary>,
+    /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
+    /// estimated.
+    pub clock_offset_s: Option<f64>,
+    /// Samples that were refused.
+    pub rejected: Rejected,
+}
+
+/// The states of one wheel over time.
+#[derive(Clone, Debug)]
+pub(crate) struct Shares {
+    motions: [f64; Motion::ALL.len()],
+    unknown: f64,
+    healths: BTreeMap<String, f64>,
+    total: f64,
+}
+
+impl Shares {
+    pub(crate) fn new() -> Self {
+        Self {
+            motions: [0.0; Motion::ALL.len()],
+            unknown: 0.0,
+            healths: BTreeMap::new(),
+            total: 0.0,
+        }
+    }
+
+    pub(crate) fn add(&mut self, motion: Option<Motion>, health: Health, seconds: f64) {
+        match motion.and_then(|motion| Motion::ALL.iter().position(|m| *m == motion)) {
+            Some(index) => self.motions[index] += seconds,
+            None => self.unknown += seconds,
+        }
+        *self.healths.entry(health.to_string()).or_insert(0.0) += seconds;
+        self.total += seconds;
+    }
+
+    pub(crate) fn motions(&self) -> Vec<(&'static str, f64)> {
+        let named = Motion::ALL.iter().zip(self.motions);
+        named
+            .map(|(motion, seconds)| (motion.name(), seconds))
+            .chain([("Unknown", self.unknown)])
+            .filter(|(_, seconds)| *seconds > 0.0)
+            .map(|(name, seconds)| (name, seconds / self.total))
+            .collect()
+    }
+
+    pub(crate) fn healths(&self) -> BTreeMap<String, f64> {
+        let positive = self.healths.iter().filter(|(_, seconds)| **seconds > 0.0);
+        positive
+            .map(|(name, seconds)| (name.clone(), seconds / self.total))
+            .collect()
+    }
+}
+
+/// Slip of a whole way.
+pub(crate) fn overall(reference: f64, wheels: f64) -> Option<f64> {
+    Slip::from_speeds(reference, wheels).ok().map(Slip::value)
+}

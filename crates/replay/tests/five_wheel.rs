@@ -1,0 +1,173 @@
+//! The example that ships, against the truth it was made from.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+mod shipped;
+
+use std::path::PathBuf;
+
+use grouser_replay::{Options, Quantiles, Row, run, soil_readings};
+use grouser_slip::{Health, Motion, Reference};
+use grouser_synthetic::FiveWheel;
+use grouser_terra::catalogue;
+use shipped::{example, root};
+
+fn log() -> PathBuf {
+    root().join("examples/five-wheel/log.csv")
+}
+
+struct Kept {
+    time_s: f64,
+    wheel: usize,
+    slip: f64,
+    sigma: f64,
+    health: Health,
+}
+
+fn rows() -> Vec<Kept> {
+    let five = example("five-wheel");
+    let mut kept = Vec::new();
+    let keep = |row: &Row<'_>| {
+        if let (Some(slip), Some(sigma)) = (row.slip, row.slip_sigma) {
+            kept.push(Kept {
+                time_s: row.time_s,
+                wheel: row.wheel,
+                slip,
+                sigma,
+                health: row.health,
+            });
+        }
+        Ok(())
+    };
+    let summary = run(&five.log(log()), &five.robot, &Options::default(), keep).unwrap();
+    assert_eq!(summary.reference, Reference::FreeWheel);
+    assert_eq!(summary.rejected.total(), 0);
+    kept
+}
+
+#[test]
+fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
+    let truth = FiveWheel::default().generate().truth;
+    let window = 25; // rows of 20 ms
+    let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+    let mut normalised = Quantiles::new(0.0, 20.0);
+    for row in rows().iter().filter(|row| row.health == Health::Ok) {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a row of the log"
+        )]
+        let end = (row.time_s * 50.0).round() as usize;
+        let (a, b) = (&truth[end - window], &truth[end]);
+        let passed = |way: &[f64; 5], from: &[f64; 5], wheel: usize| way[wheel] - from[wheel];
+        let (way, rim) = (
+            passed(&b.way, &a.way, row.wheel),
+            passed(&b.rim, &a.rim, row.wheel),
+        );
+        // P23 takes the free wheel's rim for the way: what it skids is missing from every way.
+        let skid = passed(&b.way, &a.way, 4) - passed(&b.rim, &a.rim, 4);
+        let seen = way - skid;
+        if (seen < 0.0) != (rim < 0.0) {
+            continue;
+        }
+        let expected = if rim.abs() >= seen.abs() {
+            1.0 - seen / rim
+        } else {
+            rim / seen - 1.0
+        };
+        let error = (row.slip - expected).abs();
+        worst = worst.max(error / row.sigma);
+        normalised.add(error / row.sigma);
+        squares += error * error;
+        count += 1.0;
+    }
+    let rmse = f64::sqrt(squares / count);
+    println!(
+        "{count} rows: RMSE {rmse:.4}, |error|/sigma median {:.2}, 95 % {:.2}, worst {worst:.2}",
+        normalised.at(0.5).unwrap(),
+        normalised.at(0.95).unwrap(),
+    );
+    // One tick of the free wheel is 0.63 mm in 75 to 150 mm a window: 0.004 to 0.008 / sqrt 6 each.
+    assert!(rmse < 0.01, "{rmse}");
+    // Errors of differences of two uniform errors stay within sqrt 6 sigma each; three of them add up.
+    assert!(worst < 4.0, "{worst}");
+    // The sigma is neither too small nor a show of caution: half of all errors lie below 0.67 of it.
+    let median = normalised.at(0.5).unwrap();
+    assert!(median > 0.3 && median < 0.9, "{median}");
+}
+
+#[test]
+fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
+    // MODEL.md 7: ignoring the skid s_f biases a slip by −s_f (1 − S).
+    let run = FiveWheel::default();
+    let truth = run.generate().truth;
+    let (mut found, mut true_slip, mut count) = (0.0, 0.0, 0.0);
+    for row in rows()
+        .iter()
+        .filter(|row| row.wheel == 2 && row.time_s > 16.5 && row.time_s < 19.0)
+    {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a row of the log"
+        )]
+        let end = (row.time_s * 50.0).round() as usize;
+        let (a, b) = (&truth[end - 25], &truth[end]);
+        found += row.slip;
+        true_slip += 1.0 - (b.way[2] - a.way[2]) / (b.rim[2] - a.rim[2]);
+        count += 1.0;
+    }
+    let (found, true_slip) = (found / count, true_slip / count);
+    let stated = -run.free_slip.1 * (1.0 - true_slip);
+    println!("bias {:.4}, stated {stated:.4}", found - true_slip);
+    // To first order in s_f: its square, 4e-4, is left; and the gyro's noise on wheels 0.25 m apart.
+    assert!((found - true_slip - stated).abs() < 0.004);
+}
+
+#[test]
+fn the_patch_the_brake_and_the_stops_are_told_apart() {
+    let five = example("five-wheel");
+    let mut motions = Vec::new();
+    let summary = run(&five.log(log()), &five.robot, &Options::default(), |row| {
+        motions.push((row.time_s, row.wheel, row.motion, row.slip));
+        Ok(())
+    })
+    .unwrap();
+    let share = |from: f64, to: f64, motion: Motion| {
+        let within = motions.iter().filter(|m| m.0 > from && m.0 < to && m.1 < 4);
+        let of = within.clone().filter(|m| m.2 == Some(motion)).count();
+        of as f64 / within.count() as f64
+    };
+    assert!(share(0.6, 2.0, Motion::Standstill) > 0.99);
+    assert!(share(4.0, 28.0, Motion::Driving) > 0.99);
+    assert!(share(29.5, 31.5, Motion::Braking) > 0.99);
+    assert!(share(35.7, 37.8, Motion::Driving) > 0.99); // backwards
+    let patch = summary.wheels[2].slip.p95.unwrap();
+    assert!(patch > 0.33 && patch < 0.42, "{patch}");
+    assert!(summary.wheels[4].is_reference && summary.wheels[4].slip.median.is_none());
+    assert!((summary.duration_s - 40.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_soil_says_what_the_slip_means() {
+    let five = example("five-wheel");
+    let summary = five.summary(log(), &Options::default());
+    let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+    let readings = soil_readings(&summary, &five.robot.robot, &soil).unwrap();
+    assert_eq!(readings.len(), 4);
+    for reading in &readings {
+        assert!(reading.sinkage.unwrap() > 0.001 && reading.sinkage.unwrap() < 0.1);
+        assert!(reading.torque.unwrap() > 0.0);
+        let best = reading.best_slip.unwrap();
+        assert!((reading.above_best.unwrap() - (reading.slip - best)).abs() < 1e-15);
+        assert!(
+            reading
+                .efficiency
+                .is_none_or(|own| own <= reading.best_efficiency.unwrap())
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! The robot's planar motion, and what it means at each wheel.
+
+use crate::speed::Measured;
+
+/// A planar motion (v_x, v_y, Ω) of the robot's frame with its covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyMotion {
+    /// Forwards m/s, to the left m/s, turning left rad/s.
+    pub velocity: [f64; 3],
+    /// Covariance of the three.
+    pub covariance: [[f64; 3]; 3],
+}
+
+impl BodyMotion {
+    /// The motion along `row`: for a wheel's [`speed_row`](crate::Wheel::speed_row) the speed of its
+    /// centre along its heading, v_i = e_i · (v_body + Ω × p_i).
+    #[must_use]
+    pub fn along(&self, row: [f64; 3]) -> Measured {
+        let mut variance = 0.0;
+        for (i, line) in self.covariance.iter().enumerate() {
+            variance += row[i] * dot(*line, row);
+        }
+        Measured {
+            value: dot(self.velocity, row),
+            variance: variance.max(0.0),
+        }
+    }
+}
+
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Weighted least squares for a planar motion: what several sensors say of row · (v_x, v_y, Ω),
+/// each with its variance, in information form.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Observations {
+    information: [[f64; 3]; 3],
+    weighted: [f64; 3],
+}
+
+impl Observations {
+    /// Adds one observation; a variance below 1e-12 counts as 1e-12 (a micrometre a second).
+    pub(crate) fn add(&mut self, row: [f64; 3], seen: Measured) {
+        let weight = 1.0 / seen.variance.max(1e-12);
+        for i in 0..3 {
+            for j in 0..3 {
+                self.information[i][j] += weight * row[i] * row[j];
+            }
+            self.weighted[i] += weight * row[i] * seen.value;
+        }
+    }
+
+    /// The most likely motion; `None` when the observations do not fix all three parts.
+    pub(crate) fn solve(&self) -> Option<BodyMotion> {
+        let covariance = inverse(self.information)?;
+        let velocity = [0, 1, 2].map(|i| dot(covariance[i], self.weighted));
+        velocity
+            .iter()
+            .all(|v| v.is_finite())
+            .then_some(BodyMotion {
+                velocity,
+                covariance,
+            })
+    }
+}
+
+/// Inverse of a symmetric positive definite matrix, scaled to a unit diagonal first so that
+/// metres and radians may differ by any factor.
+fn inverse(m: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    let mut scale = [0.0; 3];
+    for i in 0..3 {
+        // `!` so that NaN is refused as well
+        if !(m[i][i] > 0.0 && m[i][i].is_finite()) {
+            return None;
+        }
+        scale[i] = 1.0 / grouser_real::Real::sqrt(m[i][i]);
+    }
+    let (a, b, c) = (
+        m[0][1] * scale[0] * scale[1],
+        m[0][2] * scale[0] * scale[2],
+        m[1][2] * scale[1] * scale[2],
+    );
+    let determinant = 1.0 + 2.0 * a * b * c - a * a - b * b - c * c;
+    if !(determinant > 1e-12) {
+        return None;
+    }
+    let adjugate = [
+        [1.0 - c * c, b * c - a, a * c - b],
+        [b * c - a, 1.0 - b * b, a * b - c],
+        [a * c - b, a * b - c, 1.0 - a * a],
+    ];
+    let mut out = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            out[i][j] = adjugate[i][j] / determinant * scale[i] * scale[j];
+        }
+    }
+    Some(out)
+}

@@ -1,0 +1,134 @@
+//! What is wrong with a sample: it is refused, counted, and changes nothing else.
+
+/// Why a sample was refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A number is NaN or infinite.
+    #[error("{field} is {value}, but must be a finite number of {unit}")]
+    NotFinite {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A number lies outside what its sensor can mean.
+    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    OutOfRange {
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+        /// The unit of all three; `1` for a pure number.
+        unit: &'static str,
+    },
+    /// A sample is not later than the last one of the same sensor.
+    #[error("time {time_ns} ns is not later than {last_ns} ns")]
+    NotLater {
+        /// The sample's time, ns.
+        time_ns: i64,
+        /// The time of the sensor's last sample, ns.
+        last_ns: i64,
+    },
+    /// The robot has no such wheel.
+    #[error("wheel index {index} of a robot with {wheels} wheels")]
+    UnknownWheel {
+        /// What was given.
+        index: usize,
+        /// How many there are.
+        wheels: usize,
+    },
+    /// The wheel's description lacks what this kind of sample needs.
+    #[error("the description of wheel {wheel} has no ticks per turn, which its counts need")]
+    NoTicks {
+        /// The wheel's index.
+        wheel: usize,
+    },
+    /// A sensor jumped faster than the robot can move.
+    #[error("{field} jumped at {value} {unit}, faster than {limit} {unit}")]
+    Jump {
+        /// The field's name.
+        field: &'static str,
+        /// The speed that the jump would mean.
+        value: f64,
+        /// The greatest speed.
+        limit: f64,
+        /// The unit of both.
+        unit: &'static str,
+    },
+}
+
+impl Fault {
+    pub(crate) fn check_finite(
+        field: &'static str,
+        value: f64,
+        unit: &'static str,
+    ) -> Result<(), Self> {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::NotFinite { field, value, unit })
+        }
+    }
+
+    pub(crate) fn check_range(
+        field: &'static str,
+        value: f64,
+        low: f64,
+        high: f64,
+        unit: &'static str,
+    ) -> Result<(), Self> {
+        Self::check_finite(field, value, unit)?;
+        if value >= low && value <= high {
+            Ok(())
+        } else {
+            Err(Self::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+            })
+        }
+    }
+}
+
+/// How many samples were refused, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rejected {
+    /// NaN, infinite, or outside what the sensor can mean.
+    pub bad_value: u64,
+    /// Not later than the last sample of the same sensor.
+    pub not_later: u64,
+    /// Faster than the robot can move.
+    pub jump: u64,
+    /// For a wheel or an encoder that the robot does not have.
+    pub unknown: u64,
+}
+
+impl Rejected {
+    pub(crate) fn count(&mut self, fault: &Fault) {
+        let counter = match fault {
+            Fault::NotFinite { .. } | Fault::OutOfRange { .. } => &mut self.bad_value,
+            Fault::NotLater { .. } => &mut self.not_later,
+            Fault::Jump { .. } => &mut self.jump,
+            Fault::UnknownWheel { .. } | Fault::NoTicks { .. } => &mut self.unknown,
+        };
+        *counter = counter.saturating_add(1);
+    }
+
+    /// All of them.
+    #[must_use]
+    pub const fn total(&self) -> u64 {
+        self.bad_value
+            .saturating_add(self.not_later)
+            .saturating_add(self.jump)
+            .saturating_add(self.unknown)
+    }
+}

@@ -1,0 +1,161 @@
+//! A bounded record of cumulative quantities over time.
+
+use alloc::boxed::Box;
+use alloc::vec;
+
+/// Running totals of `K` quantities at their times, the newest `capacity` of them, linear in between.
+///
+/// Totals, not rates: what passed between two times is then a difference, exact for counters and for
+/// displacements, however unevenly the samples came.
+#[derive(Clone, Debug)]
+pub(crate) struct History<const K: usize> {
+    ring: Box<[Entry<K>]>,
+    start: usize,
+    len: usize,
+    /// Two entries closer than this are merged, so that a fast sensor cannot push the window out.
+    spacing_ns: i64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry<const K: usize> {
+    time_ns: i64,
+    totals: [f64; K],
+}
+
+/// Nanoseconds from `from` to `to` in seconds; saturates instead of overflowing.
+pub(crate) fn seconds_between(from: i64, to: i64) -> f64 {
+    to.saturating_sub(from) as f64 * 1e-9
+}
+
+/// The whole number of a float, towards zero; saturates, and NaN gives 0.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the cast saturates, which is what is wanted"
+)]
+pub(crate) fn whole(value: f64) -> i64 {
+    value as i64
+}
+
+/// Seconds in whole nanoseconds.
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    whole(seconds * 1e9)
+}
+
+impl<const K: usize> History<K> {
+    /// Room for `span_ns` of samples no closer than `span_ns / capacity`.
+    pub(crate) fn new(capacity: usize, span_ns: i64) -> Self {
+        let capacity = capacity.max(4);
+        let empty = Entry {
+            time_ns: 0,
+            totals: [0.0; K],
+        };
+        Self {
+            ring: vec![empty; capacity].into_boxed_slice(),
+            start: 0,
+            len: 0,
+            spacing_ns: span_ns / i64::try_from(capacity - 2).unwrap_or(i64::MAX),
+        }
+    }
+
+    fn entry(&self, index: usize) -> &Entry<K> {
+        &self.ring[(self.start + index) % self.ring.len()]
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    pub(crate) fn newest(&self) -> Option<(i64, [f64; K])> {
+        let last = self.len.checked_sub(1)?;
+        let entry = self.entry(last);
+        Some((entry.time_ns, entry.totals))
+    }
+
+    /// Adds totals at a time later than the newest.
+    pub(crate) fn push(&mut self, time_ns: i64, totals: [f64; K]) {
+        let new = Entry { time_ns, totals };
+        let capacity = self.ring.len();
+        if self.len >= 2 {
+            let before = self.entry(self.len - 2).time_ns;
+            if time_ns.saturating_sub(before) < self.spacing_ns {
+                let last = (self.start + self.len - 1) % capacity;
+                self.ring[last] = new;
+                return;
+            }
+        }
+        if self.len == capacity {
+            self.start = (self.start + 1) % capacity;
+            self.len -= 1;
+        }
+        let slot = (self.start + self.len) % capacity;
+        self.ring[slot] = new;
+        self.len += 1;
+    }
+
+    /// The totals at `time_ns`; `None` outside what is held.
+    pub(crate) fn at(&self, time_ns: i64) -> Option<[f64; K]> {
+        let (newest, totals) = self.newest()?;
+        if time_ns > newest || time_ns < self.entry(0).time_ns {
+            return None;
+        }
+        if time_ns == newest {
+            return Some(totals);
+        }
+        // First entry later than time_ns; it exists and is not the first.
+        let (mut low, mut high) = (0, self.len - 1);
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if self.entry(middle).time_ns > time_ns {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let (a, b) = (self.entry(low), self.entry(high));
+        let share = seconds_between(a.time_ns, time_ns) / seconds_between(a.time_ns, b.time_ns);
+        let mut out = [0.0; K];
+        for (value, (&from, &to)) in out.iter_mut().zip(a.totals.iter().zip(&b.totals)) {
+            *value = from + share * (to - from);
+        }
+        Some(out)
+    }
+
+    /// What was added between two times.
+    pub(crate) fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; K]> {
+        let (mut from, to) = (self.at(from_ns)?, self.at(to_ns)?);
+        for (f, t) in from.iter_mut().zip(&to) {
+            *f = t - *f;
+        }
+        Some(from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn totals_are_linear_between_samples_and_unknown_outside() {
+        let mut history = History::<1>::new(8, 1_000);
+        for (time, total) in [(0, 0.0), (500, 5.0), (1000, 6.0)] {
+            history.push(time, [total]);
+        }
+        assert_eq!(history.at(250), Some([2.5]));
+        assert_eq!(history.between(250, 750), Some([3.0]));
+        assert_eq!(history.at(-1), None);
+        assert_eq!(history.at(1001), None);
+    }
+
+    #[test]
+    fn a_sensor_faster_than_the_capacity_keeps_the_whole_span() {
+        let mut history = History::<1>::new(12, 1_000_000);
+        for time in 0..=5_000_000 {
+            if time % 1_000 == 0 {
+                history.push(time, [time as f64]);
+            }
+        }
+        let held = history.newest().unwrap().0 - history.entry(0).time_ns;
+        assert!(held >= 1_000_000, "{held}");
+        assert_eq!(history.between(4_000_000, 5_000_000), Some([1e6]));
+    }
+}

@@ -1,0 +1,87 @@
+//! What runs on the robot: encoder pulses and counts become speeds, speeds become the slip of every
+//! wheel, each with its sigma and its state. It needs no operating system: time is an argument, and
+//! nothing is allocated after construction.
+//!
+//! A wheel at p_i that drives along e_i travels at v_i = e_i · (v_body + Ω × p_i); its rim runs at
+//! r ω_i; the two make its slip ([`grouser_terra::Slip`]).
+//!
+//! ```
+//! use grouser_slip::{
+//!     CounterWidth, Drive, Encoder, Estimator, Measurement, Reference, Robot, Sample, Settings,
+//!     Shaft, Wheel,
+//! };
+//! use grouser_terra::Angle;
+//!
+//! let encoder = Encoder {
+//!     shaft: Shaft::Wheel,
+//!     gear: 1.0,
+//!     ticks_per_turn: Some(1000.0),
+//!     counter: CounterWidth::new(16)?,
+//!     reversed: false,
+//!     rate_step: 0.0,
+//! };
+//! let wheel = |name: &str, x, drive| Wheel {
+//!     name: name.into(),
+//!     x,
+//!     y: 0.0,
+//!     heading: Angle::from_deg(0.0),
+//!     radius: 0.1,
+//!     drive,
+//!     encoder,
+//!     width: None,
+//!     load: None,
+//! };
+//! let wheels = vec![wheel("drive", 0.3, Drive::Powered), wheel("fifth", -0.3, Drive::Free)];
+//! let robot = Robot::new("bicycle".into(), wheels)?;
+//! let settings = Settings { reference: Reference::FreeWheel, ..Settings::default() };
+//! let mut estimator = Estimator::new(&robot, settings)?;
+//! for step in 0..200_u64 {
+//!     let time_ns = step as i64 * 10_000_000;
+//!     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim.
+//!     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
+//!         estimator.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
+//!     }
+//!     estimator.update(Sample { time_ns, measurement: Measurement::YawRate { rate: 0.0 } })?;
+//! }
+//! let slip = estimator.latest().unwrap().wheels[0].slip.unwrap();
+//! assert!((slip.value() - 0.2).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The primary type is [`Estimator`]. It does not read files, know of soil, or filter: each slip is
+//! that of a window of time, from what was measured in it.
+#![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+mod body;
+mod clock;
+mod counter;
+mod error;
+mod estimate;
+mod estimator;
+mod fault;
+mod history;
+mod measured_slip;
+mod reference_track;
+mod robot;
+mod sample;
+mod settings;
+mod speed;
+mod state;
+mod wheel_track;
+
+pub use body::BodyMotion;
+pub use counter::{Counter, CounterWidth};
+pub use error::{Error, Result};
+pub use estimate::{BodyEstimate, Estimate, WheelEstimate};
+pub use estimator::Estimator;
+pub use fault::{Fault, Rejected};
+pub use grouser_terra::Slip;
+pub use measured_slip::MeasuredSlip;
+pub use robot::{Drive, Encoder, MAX_WHEELS, Robot, Shaft, Wheel};
+pub use sample::{Measurement, Sample};
+pub use settings::{Reference, Settings};
+pub use speed::{CountWindow, Measured, MixedSpeed, PeriodSpeed};
+pub use state::{Degraded, Health, Invalid, Motion};

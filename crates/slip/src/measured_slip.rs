@@ -1,0 +1,99 @@
+//! A slip from two measured speeds, with its sigma and the motion that they show.
+
+use grouser_real::Real;
+use grouser_terra::Slip;
+
+use crate::settings::Settings;
+use crate::speed::Measured;
+use crate::state::{Degraded, Health, Motion};
+
+/// What two measured speeds say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredSlip {
+    /// The slip; `None` where the speeds define none worth a number.
+    pub slip: Option<Slip>,
+    /// Standard deviation of its error.
+    pub sigma: Option<f64>,
+    /// How the wheel moves.
+    pub motion: Motion,
+    /// How far the slip can be trusted.
+    pub health: Health,
+}
+
+impl MeasuredSlip {
+    /// The slip of a wheel that travels at `forward` while its rim runs at `rim`, both in m/s.
+    ///
+    /// A speed within its noise (two sigma, at least `standstill_speed`) may have any sign: both
+    /// within it is a standstill; speeds of opposite sign, both outside it, are a roll-back. With
+    /// q = v/(r ω), driving: σ_s² = (σ_v² + q² σ_u²)/u²; braking: σ_s² = (σ_u² + σ_v²/q²)/v².
+    ///
+    /// Assumes: errors small against the faster speed, which `max_sigma` marks.
+    ///
+    /// ```
+    /// use grouser_slip::{Measured, MeasuredSlip, Settings};
+    /// let speed = |value, sigma: f64| Measured { value, variance: sigma * sigma };
+    /// let s = MeasuredSlip::from_speeds(speed(0.08, 0.002), speed(0.10, 0.001), &Settings::default());
+    /// assert!((s.slip.unwrap().value() - 0.2).abs() < 1e-15);
+    /// assert!((s.sigma.unwrap() - 0.021_541).abs() < 1e-6);
+    /// ```
+    #[must_use]
+    pub fn from_speeds(forward: Measured, rim: Measured, settings: &Settings) -> Self {
+        let floor = settings.standstill_speed;
+        let (noise_v, noise_u) = (
+            (2.0 * forward.sigma()).max(floor),
+            (2.0 * rim.sigma()).max(floor),
+        );
+        let (mut v, mut u) = (forward.value, rim.value);
+        if v.abs() <= noise_v && u.abs() <= noise_u {
+            return Self::without_slip(Motion::Standstill, Health::Ok);
+        }
+        if v * u < 0.0 {
+            if v.abs() <= noise_v {
+                v = 0.0;
+            } else if u.abs() <= noise_u {
+                u = 0.0;
+            } else {
+                return Self::without_slip(Motion::RollBack, Health::Ok);
+            }
+        }
+        let Ok(slip) = Slip::from_speeds(v, u) else {
+            return Self::without_slip(Motion::Standstill, Health::Ok);
+        };
+        let driving = slip.is_driving();
+        let motion = if driving {
+            Motion::Driving
+        } else {
+            Motion::Braking
+        };
+        if v.abs().max(u.abs()) < settings.low_speed {
+            return Self::without_slip(motion, Health::Degraded(Degraded::LowSpeed));
+        }
+        let sigma = if driving {
+            let q = v / u;
+            Real::sqrt(forward.variance + q * q * rim.variance) / u.abs()
+        } else {
+            let inverse_q = u / v;
+            Real::sqrt(rim.variance + inverse_q * inverse_q * forward.variance) / v.abs()
+        };
+        let health = if sigma <= settings.max_sigma {
+            Health::Ok
+        } else {
+            Health::Degraded(Degraded::Quantised)
+        };
+        Self {
+            slip: Some(slip),
+            sigma: Some(sigma),
+            motion,
+            health,
+        }
+    }
+
+    const fn without_slip(motion: Motion, health: Health) -> Self {
+        Self {
+            slip: None,
+            sigma: None,
+            motion,
+            health,
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The robot: its wheels, where they stand and what turns with them.
+
+use alloc::{string::String, vec::Vec};
+
+use grouser_terra::Angle;
+
+use crate::counter::CounterWidth;
+use crate::error::{Error, Result, check_range};
+
+/// The greatest number of wheels.
+pub const MAX_WHEELS: usize = 64;
+
+/// Does a motor turn the wheel?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// A motor turns it.
+    Powered,
+    /// It rolls freely (a "fifth wheel", dead wheel or odometry pod).
+    Free,
+}
+
+/// Which shaft carries the wheel's sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shaft {
+    /// The wheel's own.
+    Wheel,
+    /// The motor's, before the gear.
+    Motor,
+}
+
+/// What turns with a wheel and measures it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// Which shaft it sits on.
+    pub shaft: Shaft,
+    /// Motor turns per wheel turn (1 without a gear).
+    pub gear: f64,
+    /// Ticks per turn of its shaft; `None` where it gives angles or rates without ticks.
+    pub ticks_per_turn: Option<f64>,
+    /// The width of its counter.
+    pub counter: CounterWidth,
+    /// Does it count down when the wheel drives the robot along its heading?
+    pub reversed: bool,
+    /// The step of its rate readings, rad/s of its shaft; 0 where they are continuous.
+    pub rate_step: f64,
+}
+
+/// One wheel. x forwards, y to the left, from the robot's origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wheel {
+    /// Its name in tables and files.
+    pub name: String,
+    /// Position of its centre, forwards, m.
+    pub x: f64,
+    /// Position of its centre, to the left, m.
+    pub y: f64,
+    /// The direction in which it drives, from x towards y.
+    pub heading: Angle,
+    /// Effective rolling radius, m.
+    pub radius: f64,
+    /// Powered or free.
+    pub drive: Drive,
+    /// What measures its rotation.
+    pub encoder: Encoder,
+    /// Width, m, where a soil is to be asked.
+    pub width: Option<f64>,
+    /// Load that it carries, N, where a soil is to be asked.
+    pub load: Option<f64>,
+}
+
+impl Wheel {
+    fn check(&self) -> Result<()> {
+        let (of, e) = (self.name.as_str(), &self.encoder);
+        check_range(of, "x", self.x, (-100.0, 100.0), "m")?;
+        check_range(of, "y", self.y, (-100.0, 100.0), "m")?;
+        check_range(of, "heading", self.heading.rad(), (-7.0, 7.0), "rad")?;
+        check_range(of, "radius", self.radius, (1e-3, 10.0), "m")?;
+        check_range(of, "gear", e.gear, (1e-3, 1e5), "1")?;
+        check_range(of, "rate_step", e.rate_step, (0.0, 1e4), "rad/s")?;
+        if let Some(ticks) = e.ticks_per_turn {
+            check_range(of, "ticks_per_turn", ticks, (1.0, 1e9), "1")?;
+        }
+        if let Some(width) = self.width {
+            check_range(of, "width", width, (1e-3, 10.0), "m")?;
+        }
+        if let Some(load) = self.load {
+            check_range(of, "load", load, (0.0, 1e7), "N")?;
+        }
+        Ok(())
+    }
+
+    /// Rim travel per radian of the sensor's shaft, m/rad, forwards positive.
+    #[must_use]
+    pub fn travel_per_radian(&self) -> f64 {
+        let size = match self.encoder.shaft {
+            Shaft::Wheel => self.radius,
+            Shaft::Motor => self.radius / self.encoder.gear,
+        };
+        if self.encoder.reversed { -size } else { size }
+    }
+
+    /// Rim travel per tick, m, forwards positive; `None` without ticks.
+    #[must_use]
+    pub fn travel_per_tick(&self) -> Option<f64> {
+        let ticks = self.encoder.ticks_per_turn?;
+        Some(self.travel_per_radian() * core::f64::consts::TAU / ticks)
+    }
+
+    /// The row c of v_i = c · (v_x, v_y, Ω): speed of the wheel's centre along its heading,
+    /// e_i · (v_body + Ω × p_i).
+    #[must_use]
+    pub fn speed_row(&self) -> [f64; 3] {
+        let (e_x, e_y) = (self.heading.cos(), self.heading.sin());
+        [e_x, e_y, e_y * self.x - e_x * self.y]
+    }
+}
+
+/// A robot with any number of wheels up to [`MAX_WHEELS`], checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    name: String,
+    wheels: Vec<Wheel>,
+}
+
+impl Robot {
+    /// A robot of these wheels.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a wheel's number outside its limits, [`Error::WheelName`] for a name
+    /// that is empty or used twice, [`Error::WheelCount`] for none or too many.
+    pub fn new(name: String, wheels: Vec<Wheel>) -> Result<Self> {
+        if wheels.is_empty() || wheels.len() > MAX_WHEELS {
+            return Err(Error::WheelCount {
+                count: wheels.len(),
+                limit: MAX_WHEELS,
+            });
+        }
+        for (index, wheel) in wheels.iter().enumerate() {
+            if wheel.name.is_empty() || wheels[..index].iter().any(|w| w.name == wheel.name) {
+                return Err(Error::WheelName {
+                    name: wheel.name.clone(),
+                });
+            }
+            wheel.check()?;
+        }
+        Ok(Self { name, wheels })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its wheels, in the order of its description.
+    #[must_use]
+    pub fn wheels(&self) -> &[Wheel] {
+        &self.wheels
+    }
+
+    /// The index of the wheel of that name.
+    #[must_use]
+    pub fn wheel_index(&self, name: &str) -> Option<usize> {
+        self.wheels.iter().position(|wheel| wheel.name == name)
+    }
+
+    /// The same robot with the radius of every powered wheel times `factor` (the outcome of a
+    /// calibration).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when a radius leaves its limits.
+    pub fn with_radii_scaled(mut self, factor: f64) -> Result<Self> {
+        let powered = |wheel: &&mut Wheel| wheel.drive == Drive::Powered;
+        for wheel in self.wheels.iter_mut().filter(powered) {
+            wheel.radius *= factor;
+        }
+        Self::new(self.name, self.wheels)
+    }
+}

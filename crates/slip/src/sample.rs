@@ -1,0 +1,85 @@
+//! What sensors give: one sample is one reading of one sensor.
+
+/// One reading of one sensor.
+///
+/// Times are nanoseconds on one clock with any zero: integers, so that a clock that counts from 1970
+/// loses nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// When it was taken, ns.
+    pub time_ns: i64,
+    /// What was read.
+    pub measurement: Measurement,
+}
+
+/// What a sensor reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Measurement {
+    /// A tick counter, as the hardware shows it.
+    WheelCount {
+        /// The wheel's index in the robot's description.
+        wheel: usize,
+        /// The counter; bits above its width are ignored, so signed counters are cast.
+        raw: u64,
+    },
+    /// One edge of an encoder, stamped with its own time.
+    WheelEdge {
+        /// The wheel's index.
+        wheel: usize,
+        /// Did it turn forwards?
+        forward: bool,
+    },
+    /// The angle of the sensor's shaft, unwrapped.
+    WheelAngle {
+        /// The wheel's index.
+        wheel: usize,
+        /// rad.
+        angle: f64,
+    },
+    /// The rate of the sensor's shaft, meant to hold since the last reading.
+    WheelRate {
+        /// The wheel's index.
+        wheel: usize,
+        /// rad/s.
+        rate: f64,
+    },
+    /// The robot's yaw rate (a gyro).
+    YawRate {
+        /// rad/s, left positive.
+        rate: f64,
+    },
+    /// How far the robot moved since the last sample of this kind, in its own frame.
+    Displacement {
+        /// Forwards, m.
+        forward: f64,
+        /// To the left, m.
+        left: f64,
+        /// Turn to the left, rad; `None` where it is not measured.
+        turn: Option<f64>,
+    },
+    /// Where the robot is, in a fixed frame.
+    Pose {
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+        /// rad, from x towards y.
+        yaw: f64,
+    },
+    /// The robot's speed over ground, in its own frame.
+    Speed {
+        /// Forwards, m/s.
+        forward: f64,
+        /// To the left, m/s; `None` where it is not measured.
+        left: Option<f64>,
+    },
+    /// The speed that the robot was told to take; it sets the direction along which the robot's slip
+    /// is counted.
+    Command {
+        /// Forwards, m/s.
+        forward: f64,
+        /// To the left, m/s.
+        left: f64,
+    },
+}

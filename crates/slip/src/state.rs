@@ -1,0 +1,138 @@
+//! The state of a wheel: how it moves, and how far the estimate of it can be trusted.
+
+use core::fmt;
+
+/// How a wheel moves. One part of a wheel's state; [`Health`] is the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Motion {
+    /// The rim runs at least as fast as the wheel travels: slip in [0, 1].
+    Driving,
+    /// The wheel travels faster than its rim runs: slip in [−1, 0).
+    Braking,
+    /// Both speeds are below their noise.
+    Standstill,
+    /// The wheel travels against its own rotation.
+    RollBack,
+    /// The wheel spins without load.
+    LiftOff,
+    /// The motor pushes and nothing turns.
+    Stall,
+}
+
+impl Motion {
+    /// Every motion, in the order in which tables list them.
+    pub const ALL: [Self; 6] = [
+        Self::Driving,
+        Self::Braking,
+        Self::Standstill,
+        Self::RollBack,
+        Self::LiftOff,
+        Self::Stall,
+    ];
+
+    /// Its name in tables and files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Driving => "Driving",
+            Self::Braking => "Braking",
+            Self::Standstill => "Standstill",
+            Self::RollBack => "RollBack",
+            Self::LiftOff => "LiftOff",
+            Self::Stall => "Stall",
+        }
+    }
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// How far an estimate can be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Health {
+    /// Not enough has been measured yet.
+    Uninitialised,
+    /// The slip and its sigma hold.
+    Ok,
+    /// There is an estimate, or part of one, with this reservation.
+    Degraded(Degraded),
+    /// There is no estimate, for this reason.
+    Invalid(Invalid),
+}
+
+/// What lowers the trust in an estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Degraded {
+    /// The wheel moves, but too slowly for its slip to mean anything.
+    LowSpeed,
+    /// The sensors' resolution alone makes sigma exceed its limit.
+    Quantised,
+    /// The reference has fallen silent.
+    ReferenceLost,
+    /// The reference says only how the wheels differ, not how fast the robot travels: slip is counted
+    /// from the wheel that grips best.
+    Relative,
+    /// No yaw rate is measured: the robot is taken to drive straight.
+    YawAssumed,
+}
+
+/// What makes an estimate impossible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Invalid {
+    /// The wheel's sensor has fallen silent.
+    Dropout,
+    /// Nothing tells how fast the robot travels.
+    NoReference,
+}
+
+impl Degraded {
+    /// Its name in tables and files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LowSpeed => "LowSpeed",
+            Self::Quantised => "Quantised",
+            Self::ReferenceLost => "ReferenceLost",
+            Self::Relative => "Relative",
+            Self::YawAssumed => "YawAssumed",
+        }
+    }
+}
+
+impl Invalid {
+    /// Its name in tables and files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Dropout => "Dropout",
+            Self::NoReference => "NoReference",
+        }
+    }
+}
+
+impl Health {
+    /// May its slip enter a statistic? True for [`Health::Ok`] and for every [`Health::Degraded`] that
+    /// still carries a slip.
+    #[must_use]
+    pub const fn is_usable(self) -> bool {
+        matches!(self, Self::Ok | Self::Degraded(_))
+    }
+}
+
+impl fmt::Display for Health {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Uninitialised => f.write_str("Uninitialised"),
+            Self::Ok => f.write_str("Ok"),
+            Self::Degraded(reason) => write!(f, "Degraded({})", reason.name()),
+            Self::Invalid(reason) => write!(f, "Invalid({})", reason.name()),
+        }
+    }
+}

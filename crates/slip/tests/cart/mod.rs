@@ -1,0 +1,102 @@
+//! A cart for tests: four powered wheels and a free one, driven by a formula.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::f64::consts::TAU;
+
+use grouser_slip::{
+    CounterWidth, Drive, Encoder, Measurement, Robot, Sample, Settings, Shaft, Wheel,
+};
+use grouser_terra::Angle;
+
+pub(crate) const TICKS: f64 = 4000.0;
+pub(crate) const FREE: usize = 4;
+
+pub(crate) fn encoder(bits: u32) -> Encoder {
+    Encoder {
+        shaft: Shaft::Wheel,
+        gear: 1.0,
+        ticks_per_turn: Some(TICKS),
+        counter: CounterWidth::new(bits).unwrap(),
+        reversed: false,
+        rate_step: 0.0,
+    }
+}
+
+pub(crate) fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> Wheel {
+    Wheel {
+        name: name.into(),
+        x,
+        y,
+        heading: Angle::from_deg(0.0),
+        radius: 0.1,
+        drive,
+        encoder: encoder(bits),
+        width: None,
+        load: None,
+    }
+}
+
+pub(crate) fn robot(bits: u32) -> Robot {
+    let wheels = vec![
+        wheel("fl", (0.3, 0.25), Drive::Powered, bits),
+        wheel("fr", (0.3, -0.25), Drive::Powered, bits),
+        wheel("rl", (-0.3, 0.25), Drive::Powered, bits),
+        wheel("rr", (-0.3, -0.25), Drive::Powered, bits),
+        wheel("fifth", (-0.45, 0.1), Drive::Free, bits),
+    ];
+    Robot::new("cart".into(), wheels).unwrap()
+}
+
+pub(crate) fn settings() -> Settings {
+    Settings {
+        max_speed: 5.0,
+        ..Settings::default()
+    }
+}
+
+/// Speed of the body, m/s, its yaw rate, rad/s, and the slip of the powered wheels, constant.
+#[derive(Clone, Copy)]
+pub(crate) struct Drivers {
+    pub(crate) speed: f64,
+    pub(crate) yaw_rate: f64,
+    pub(crate) slip: f64,
+}
+
+impl Drivers {
+    /// Ticks (whole, since the start) of a wheel at `time`.
+    pub(crate) fn ticks(&self, robot: &Robot, index: usize, time: f64) -> i64 {
+        let wheel = &robot.wheels()[index];
+        let forward = self.speed - self.yaw_rate * wheel.y;
+        let rim = if index == FREE {
+            forward
+        } else if self.slip >= 0.0 {
+            forward / (1.0 - self.slip)
+        } else {
+            forward * (1.0 + self.slip)
+        };
+        #[allow(clippy::cast_possible_truncation, reason = "a few thousand ticks")]
+        let ticks = (rim * time / (TAU * wheel.radius) * TICKS).floor() as i64;
+        ticks
+    }
+
+    /// The samples of one row.
+    pub(crate) fn row(&self, robot: &Robot, time_ns: i64, start: u64) -> Vec<Sample> {
+        let time = time_ns as f64 * 1e-9;
+        let mut out: Vec<Sample> = (0..5)
+            .map(|wheel| Sample {
+                time_ns,
+                measurement: Measurement::WheelCount {
+                    wheel,
+                    raw: start.wrapping_add_signed(self.ticks(robot, wheel, time)),
+                },
+            })
+            .collect();
+        out.push(Sample {
+            time_ns,
+            measurement: Measurement::YawRate {
+                rate: self.yaw_rate,
+            },
+        });
+        out
+    }
+}

@@ -1,0 +1,130 @@
+//! Published soils, each with its source and what is missing in it.
+//!
+//! Moduli keep the units in which such tables print them. A number that its source does not give is
+//! `None` and never a default in silence: [`Entry::soil`] names what has to be completed.
+
+mod table;
+
+use crate::angle::Angle;
+use crate::error::{Error, Result};
+use crate::soil::{Soil, SoilParams};
+
+/// One published soil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Its key, as `--soil` takes it.
+    pub key: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// Sinkage exponent n.
+    pub n: f64,
+    /// Growth of n with driving slip; 0 unless the source gives one.
+    pub n_1: f64,
+    /// k_c, kN/m^(n+1).
+    pub k_c_kn: f64,
+    /// k_phi, kN/m^(n+2).
+    pub k_phi_kn: f64,
+    /// Cohesion, kPa.
+    pub cohesion_kpa: f64,
+    /// Angle of internal friction, degrees.
+    pub phi_deg: f64,
+    /// Shear deformation modulus K, m.
+    pub k_shear: Option<f64>,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_1: Option<f64>,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_2: Option<f64>,
+    /// Where the numbers come from.
+    pub source: &'static str,
+    /// What is second-hand, doubtful or worth knowing.
+    pub note: &'static str,
+}
+
+/// Values that complete or override an entry.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Completion {
+    /// Shear deformation modulus K, m.
+    pub k_shear: Option<f64>,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_1: Option<f64>,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_2: Option<f64>,
+    /// Unit weight, N/m³.
+    pub unit_weight: Option<f64>,
+}
+
+/// Every soil of the catalogue.
+#[must_use]
+pub fn entries() -> &'static [Entry] {
+    table::ENTRIES
+}
+
+/// The soil of a key.
+#[must_use]
+pub fn find(key: &str) -> Option<&'static Entry> {
+    entries().iter().find(|entry| entry.key == key)
+}
+
+impl Completion {
+    /// The soil of `params`, in which NaN stands for a number that is still open, with what this
+    /// completion gives in their place.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] with the first of K, c_1 and c_2 that neither gives; [`Error::OutOfRange`] for a
+    /// bad number.
+    pub fn complete(&self, params: SoilParams) -> Result<Soil> {
+        let need = |field, given: Option<f64>, own: f64| match given {
+            Some(value) => Ok(value),
+            None if own.is_nan() => Err(Error::Missing {
+                field,
+                needed_by: "the stress under a wheel",
+            }),
+            None => Ok(own),
+        };
+        Soil::new(SoilParams {
+            k_shear: need("k_shear", self.k_shear, params.k_shear)?,
+            c_1: need("c_1", self.c_1, params.c_1)?,
+            c_2: need("c_2", self.c_2, params.c_2)?,
+            unit_weight: self.unit_weight.or(params.unit_weight),
+            ..params
+        })
+    }
+}
+
+impl Entry {
+    /// The soil, if the entry is complete.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] with the first of K, c_1 and c_2 that the source does not give.
+    pub fn soil(&self) -> Result<Soil> {
+        self.completed(&Completion::default())
+    }
+
+    /// The soil with what `completion` gives in place of the entry's own or missing numbers.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] with the first number that neither gives; [`Error::OutOfRange`] for a bad one.
+    pub fn completed(&self, completion: &Completion) -> Result<Soil> {
+        let open = |own: Option<f64>| own.unwrap_or(f64::NAN);
+        completion.complete(SoilParams {
+            n_1: self.n_1,
+            cohesion: 1e3 * self.cohesion_kpa,
+            phi: Angle::from_deg(self.phi_deg),
+            k_shear: open(self.k_shear),
+            c_1: open(self.c_1),
+            c_2: open(self.c_2),
+            ..SoilParams::bekker(1e3 * self.k_c_kn, 1e3 * self.k_phi_kn, self.n)
+        })
+    }
+
+    /// The names of the numbers that the source does not give.
+    pub fn missing(&self) -> impl Iterator<Item = &'static str> {
+        [
+            ("k_shear", self.k_shear.is_none()),
+            ("c_1", self.c_1.is_none()),
+            ("c_2", self.c_2.is_none()),
+        ]
+        .into_iter()
+        .filter_map(|(name, missing)| missing.then_some(name))
+    }
+}

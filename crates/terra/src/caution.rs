@@ -1,0 +1,113 @@
+//! What to keep in mind about a result that was computed outside a law's comfortable range.
+
+use core::fmt;
+
+/// A reason to look twice at a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Caution {
+    /// c_1 + c_2 s ≥ 1: the greatest stress would lie at the entry, where there is none; σ ≡ 0.
+    NoNormalStress,
+    /// c_1 + c_2 s < 0: the greatest stress was held at θ = 0.
+    MaximumStressHeld,
+    /// z > D/6, where Bekker's theory is said to lose its grip [Wong08].
+    DeepSinkage,
+    /// For s < 0 the shear changes its sign within the contact by a law beyond the literature.
+    ShearReversal,
+    /// Shear along and across were taken apart; together they exceed the soil's strength.
+    ShearAboveStrength,
+    /// The soil's unit weight is unknown: side force without bulldozing.
+    NoBulldozing,
+    /// More than one sinkage carries the load; this is the lowest on a rising branch.
+    SeveralSinkages,
+    /// The contact gives energy back, which soil cannot.
+    WorkGained,
+}
+
+impl Caution {
+    const ALL: [Self; 8] = [
+        Self::NoNormalStress,
+        Self::MaximumStressHeld,
+        Self::DeepSinkage,
+        Self::ShearReversal,
+        Self::ShearAboveStrength,
+        Self::NoBulldozing,
+        Self::SeveralSinkages,
+        Self::WorkGained,
+    ];
+
+    /// Its name in files and on the wire.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::NoNormalStress => "no-normal-stress",
+            Self::MaximumStressHeld => "maximum-stress-held",
+            Self::DeepSinkage => "deep-sinkage",
+            Self::ShearReversal => "shear-reversal",
+            Self::ShearAboveStrength => "shear-above-strength",
+            Self::NoBulldozing => "no-bulldozing",
+            Self::SeveralSinkages => "several-sinkages",
+            Self::WorkGained => "work-gained",
+        }
+    }
+}
+
+impl fmt::Display for Caution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoNormalStress => {
+                "c_1 + c_2 s reaches 1, so the law gives no normal stress anywhere"
+            }
+            Self::MaximumStressHeld => "c_1 + c_2 s is negative; the greatest stress is held at 0",
+            Self::DeepSinkage => "sinkage is more than a sixth of the wheel's diameter",
+            Self::ShearReversal => {
+                "shear changes its sign within the contact, by a law beyond the literature"
+            }
+            Self::ShearAboveStrength => {
+                "shear along and across together exceed the strength of the soil"
+            }
+            Self::NoBulldozing => {
+                "the soil's unit weight is unknown: side force without bulldozing"
+            }
+            Self::SeveralSinkages => "more than one sinkage carries this load; this is the lowest",
+            Self::WorkGained => "the contact gives energy back, which soil cannot",
+        })
+    }
+}
+
+/// A set of cautions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cautions(u16);
+
+impl Cautions {
+    /// Adds one.
+    pub fn insert(&mut self, caution: Caution) {
+        self.0 |= 1 << caution as u16;
+    }
+
+    /// Adds one if `condition` holds.
+    pub fn insert_if(&mut self, condition: bool, caution: Caution) {
+        if condition {
+            self.insert(caution);
+        }
+    }
+
+    /// Is it there?
+    #[must_use]
+    pub const fn contains(self, caution: Caution) -> bool {
+        self.0 & (1 << caution as u16) != 0
+    }
+
+    /// Is none there?
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Those that are there, in a fixed order.
+    pub fn iter(self) -> impl Iterator<Item = Caution> {
+        Caution::ALL
+            .into_iter()
+            .filter(move |caution| self.contains(*caution))
+    }
+}

@@ -1,0 +1,231 @@
+//! The stresses under one wheel at one operating point: every law put together.
+
+mod angles;
+mod breakpoints;
+mod integrals;
+mod panels;
+
+use grouser_real::{Real, Scalar};
+
+pub use angles::{ContactAngles, entry_angle, sinkage_from_entry_angle};
+pub(crate) use integrals::{Integrals, JacobiRules, Order};
+
+use crate::kinematics::Kinematics;
+use crate::shear::{Displacement, ShearLaw, ShearState, transition_angle_wong_reece};
+use crate::soil::SoilLaws;
+use crate::wheel::RigidWheel;
+
+/// A wheel's sizes as the laws take them, in numbers of any kind, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelSize<R = f64> {
+    /// Radius for slip, forces, torque and the contact angles.
+    pub radius: R,
+    /// Radius for the shear displacement.
+    pub shear_radius: R,
+    /// Radius of the bare rim.
+    pub rim_radius: R,
+    /// Share of the stress that acts at `radius`; the rest acts at `rim_radius`.
+    pub tip_share: R,
+    /// Width.
+    pub width: R,
+}
+
+impl<R: Real> WheelSize<R> {
+    /// A smooth wheel, of which all radii are one.
+    pub fn smooth(radius: R, width: R) -> Self {
+        Self {
+            radius,
+            shear_radius: radius,
+            rim_radius: radius,
+            tip_share: R::ONE,
+            width,
+        }
+    }
+}
+
+impl RigidWheel {
+    /// The sizes as numbers of any kind.
+    #[must_use]
+    pub fn size<R: Real>(&self) -> WheelSize<R> {
+        WheelSize {
+            radius: R::from_f64(self.running_radius()),
+            shear_radius: R::from_f64(self.shear_radius()),
+            rim_radius: R::from_f64(self.radius()),
+            tip_share: R::from_f64(self.tip_share()),
+            width: R::from_f64(self.width()),
+        }
+    }
+}
+
+/// How the wheel moves, in numbers of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<R = f64> {
+    /// Slip s.
+    pub slip: R,
+    /// q_y = v_y/(r ω); for a locked wheel v_y/v_x.
+    pub q_y: R,
+    /// |β|, rad.
+    pub slip_angle: R,
+}
+
+impl Kinematics {
+    /// The motion as numbers of any kind.
+    #[must_use]
+    pub fn motion<R: Real>(&self) -> Motion<R> {
+        Motion {
+            slip: R::from_f64(self.slip().value()),
+            q_y: R::from_f64(self.q_y()),
+            slip_angle: R::from_f64(self.slip_angle().rad().abs()),
+        }
+    }
+}
+
+/// The stresses between a wheel and the soil at one operating point.
+///
+/// Normal stress by two pieces [WR67]: σ(θ) = k (r (cos θ_F − cos θ_1))ⁿ with θ_F = θ in front of θ_m and
+/// θ_F = θ_1 − (θ − θ_2)/(θ_m − θ_2)·(θ_1 − θ_m) behind it; shear stress by a [`ShearLaw`].
+///
+/// Written in u, the arc from the entry in the front piece's measure, σ is the same function in both
+/// pieces, A (cos(θ_1 − u) − cos θ_1)ⁿ, and nothing is divided by θ_1 − θ_m, which may be zero: then σ ≡ 0.
+///
+/// `R` is the kind of number: f64, f32, or a dual number for exact derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<R = f64> {
+    pub(crate) angles: ContactAngles<R>,
+    /// A = k (μ r_sⁿ + (1 − μ) rⁿ), Pa.
+    pub(crate) amplitude: R,
+    pub(crate) n: R,
+    pub(crate) cohesion: R,
+    pub(crate) tan_phi: R,
+    pub(crate) shear: ShearState<R>,
+    pub(crate) size: WheelSize<R>,
+    /// 1/max(1, q): what keeps the energy balance finite for a locked wheel.
+    pub(crate) p: R,
+    /// q/max(1, q).
+    pub(crate) pq: R,
+}
+
+impl<R: Scalar> Contact<R> {
+    /// The contact at the entry angle `theta_1` (rad), for sizes, soil and motion that have been checked
+    /// ([`RigidWheel`], [`Soil`](crate::Soil), [`Kinematics`]).
+    pub fn new(
+        size: &WheelSize<R>,
+        soil: &SoilLaws<R>,
+        law: ShearLaw,
+        motion: &Motion<R>,
+        theta_1: R,
+    ) -> Self {
+        let slip = motion.slip;
+        let driving = slip.value() >= 0.0;
+        let locked = slip.value() <= -1.0;
+        let skid = R::ONE + slip;
+        let (q, one_minus_q, p, pq) = if driving {
+            (R::ONE - slip, slip, R::ONE, R::ONE - slip)
+        } else if locked {
+            (R::ONE, R::ZERO, R::ZERO, R::ONE)
+        } else {
+            (R::ONE / skid, slip / skid, skid, R::ONE)
+        };
+        let angles = ContactAngles::new(theta_1, soil.rebound, soil.c_1 + soil.c_2 * slip);
+        let n = soil.exponent.at(slip);
+        let tips = size.radius.powf(n);
+        let tips = if size.tip_share.value() < 1.0 {
+            size.tip_share * tips + (R::ONE - size.tip_share) * size.rim_radius.powf(n)
+        } else {
+            tips
+        };
+        let displacement = Displacement {
+            theta_1,
+            q,
+            one_minus_q,
+        };
+        let sideways = motion.q_y.value() != 0.0;
+        let restart = (law == ShearLaw::TowedWongReece && !sideways && !locked)
+            .then(|| transition_angle_wong_reece(soil.strength.phi, q))
+            .flatten()
+            .map(|theta_0| theta_1 - theta_0)
+            .filter(|start| start.value() > 0.0)
+            .map(|start| (start, displacement.at(start)));
+        Self {
+            angles,
+            amplitude: soil.modulus(size.width, n) * tips,
+            n,
+            cohesion: soil.strength.cohesion,
+            tan_phi: soil.strength.phi.tan(),
+            shear: ShearState {
+                law,
+                displacement,
+                radius: size.shear_radius,
+                k_shear: soil.k_shear + soil.k_shear_1 * motion.slip_angle,
+                k_side: soil.k_shear_side + soil.k_shear_side_1 * motion.slip_angle,
+                q_y: motion.q_y,
+                locked,
+                sideways,
+                restart,
+            },
+            size: *size,
+            p,
+            pq,
+        }
+    }
+
+    /// The contact angles, rad.
+    pub fn angles(&self) -> ContactAngles<R> {
+        self.angles
+    }
+
+    /// Normal stress σ at `theta` (rad), Pa; 0 outside the contact.
+    pub fn normal_stress(&self, theta: R) -> R {
+        let ContactAngles {
+            theta_1,
+            theta_2,
+            theta_m,
+        } = self.angles;
+        if !(theta.value() >= theta_2.value() && theta.value() <= theta_1.value()) {
+            return R::ZERO;
+        }
+        let length = theta_1 - theta_m;
+        if theta.value() >= theta_m.value() {
+            self.sigma(theta_1 - theta)
+        } else {
+            self.sigma((theta - theta_2) / (theta_m - theta_2) * length)
+        }
+    }
+
+    /// Shear stress along and across the wheel at `theta` (rad), Pa; 0 outside the contact.
+    ///
+    /// Sign: positive along where the soil pushes the rim forwards; across, positive where the rim has
+    /// moved to the left, so that the soil pushes it to the right.
+    pub fn shear_stress(&self, theta: R) -> (R, R) {
+        let ContactAngles {
+            theta_1, theta_2, ..
+        } = self.angles;
+        if !(theta.value() >= theta_2.value() && theta.value() <= theta_1.value()) {
+            return (R::ZERO, R::ZERO);
+        }
+        let strength = self.strength_at(theta);
+        let (along, across) = self.shear.mobilised(theta_1 - theta);
+        (strength * along, strength * across)
+    }
+
+    /// Shear strength c + σ tan φ at `theta` (rad), Pa: T(θ) of (P7).
+    pub fn strength_at(&self, theta: R) -> R {
+        self.cohesion + self.normal_stress(theta) * self.tan_phi
+    }
+}
+
+impl<R: Real> Contact<R> {
+    /// cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2), without cancellation.
+    pub(crate) fn drop(&self, u: R) -> R {
+        let half = R::from_f64(0.5) * u;
+        R::from_f64(2.0) * (self.angles.theta_1 - half).sin() * half.sin()
+    }
+
+    /// σ at the front piece's arc `u` from the entry.
+    pub(crate) fn sigma(&self, u: R) -> R {
+        let drop = self.drop(u);
+        let positive = R::ZERO.lt(drop);
+        let base = R::select(positive, drop, R::ONE);
+        R::select(positive, self.amplitude * base.powf(self.n), R::ZERO)
+    }
+}

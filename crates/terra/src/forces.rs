@@ -1,0 +1,77 @@
+//! Forces and torque on a rigid wheel.
+
+use grouser_real::{Real, Scalar};
+
+use crate::contact::{Contact, Integrals, JacobiRules, Order};
+
+/// What the soil does to the wheel: the stresses integrated over the contact.
+///
+/// ```text
+/// vertical_force = r b ∫(σ cos θ + τ sin θ) dθ
+/// drawbar_pull   = r b ∫(τ cos θ − σ sin θ) dθ = thrust − compaction_resistance
+/// torque         = r² b ∫ τ dθ
+/// ```
+///
+/// Source: Wong & Reece [WR67]. Sign: vertical force upwards, drawbar pull forwards, torque as the motor
+/// gives it (positive when it drives), side force to the left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forces<R = f64> {
+    /// Vertical force, N.
+    pub vertical_force: R,
+    /// Drawbar pull, N.
+    pub drawbar_pull: R,
+    /// Torque, N m.
+    pub torque: R,
+    /// r b ∫ τ cos θ, N.
+    pub thrust: R,
+    /// r b ∫ σ sin θ, N.
+    pub compaction_resistance: R,
+    /// r b ∫ |τ_y|, N: the side force's part from shear, as a magnitude.
+    pub side_shear: R,
+    /// r² b ∫ [τ (p − p q cos θ) + σ p q sin θ + |τ_y| p |q_y|] with p = 1/max(1, q), N m: the work lost
+    /// in the soil per radian of rotation (per radius of travel for a braked wheel). Never negative.
+    pub lost_work: R,
+    /// How much the balance `torque p − drawbar_pull p q r + side_shear p |q_y| r = lost_work` is off,
+    /// N m: rounding.
+    pub energy_residual: R,
+}
+
+impl<R: Scalar> Contact<R> {
+    /// Forces by the standard rule, without a prepared Gauss-Jacobi rule: every derivative is exact, the
+    /// exponent's included.
+    ///
+    /// This is the door for dual numbers and other kinds of number; [`WheelOnSoil`](crate::WheelOnSoil)
+    /// is the one for plain use.
+    pub fn forces(&self) -> Forces<R> {
+        self.forces_by(None, Order::Standard).0
+    }
+
+    pub(crate) fn forces_by(&self, rules: Option<&JacobiRules>, order: Order) -> (Forces<R>, u32) {
+        let (integrals, nodes) = self.integrals(rules, order);
+        (self.assemble(&integrals), nodes)
+    }
+}
+
+impl<R: Real> Contact<R> {
+    pub(crate) fn assemble(&self, i: &Integrals<R>) -> Forces<R> {
+        let r = self.size.radius;
+        let area = r * self.size.width;
+        let thrust = area * i.tau_cos;
+        let compaction_resistance = area * i.sigma_sin;
+        let drawbar_pull = thrust - compaction_resistance;
+        let torque = r * area * i.tau;
+        let side_shear = area * i.tau_side;
+        let lost_work = r * area * i.lost;
+        let balance = torque * self.p - drawbar_pull * self.pq * r + side_shear * self.drift() * r;
+        Forces {
+            vertical_force: area * (i.sigma_cos + i.tau_sin),
+            drawbar_pull,
+            torque,
+            thrust,
+            compaction_resistance,
+            side_shear,
+            lost_work,
+            energy_residual: balance - lost_work,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! How a wheel moves over the ground: its slip along and its drift across.
+
+use grouser_real::Real;
+
+use crate::angle::Angle;
+use crate::error::{Error, Result};
+use crate::slip::{Slip, WheelMotion};
+
+/// The motion of a wheel at one operating point.
+///
+/// y points to the left of travel; the slip angle is β = atan2(v_y, v_x) and q_y = v_y/(r ω) the
+/// lateral counterpart of q, finite where β is 90°.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematics {
+    slip: Slip,
+    slip_angle: f64,
+    q_y: f64,
+    reversed: bool,
+}
+
+impl Kinematics {
+    /// Straight ahead at `slip`.
+    #[must_use]
+    pub const fn straight(slip: Slip) -> Self {
+        Self {
+            slip,
+            slip_angle: 0.0,
+            q_y: 0.0,
+            reversed: false,
+        }
+    }
+
+    /// At `slip` in the wheel's own plane, drifting at the slip angle `beta`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless |β| < 90°: there the forward speed is zero, whatever the drift, so
+    /// the speeds are needed ([`Kinematics::from_speeds`]).
+    pub fn with_slip_angle(slip: Slip, beta: Angle) -> Result<Self> {
+        let limit = 89.9_f64.to_radians();
+        Error::check_range("slip_angle", beta.rad(), -limit, limit, "rad")?;
+        let tangent = beta.tan();
+        let q = slip.speed_ratio();
+        let q_y = if q.is_infinite() {
+            tangent
+        } else {
+            q * tangent
+        };
+        Ok(Self {
+            slip,
+            slip_angle: beta.rad(),
+            q_y,
+            reversed: false,
+        })
+    }
+
+    /// From the speed of the wheel's centre along and across its plane and the speed of its rim, m/s.
+    ///
+    /// # Errors
+    /// [`Error::NoSlip`] at standstill and when the wheel travels against its rotation;
+    /// [`Error::NotFinite`] for NaN and infinity.
+    pub fn from_speeds(v_x: f64, v_y: f64, rim_speed: f64) -> Result<Self> {
+        Error::check_finite("v_y", v_y, "m/s")?;
+        let WheelMotion::Rolling { slip, reversed } =
+            WheelMotion::from_speeds(v_x, rim_speed, 0.0)?
+        else {
+            return Err(Error::NoSlip {
+                forward_speed: v_x,
+                rim_speed,
+            });
+        };
+        // A wheel that rolls backwards is the mirror image of one that rolls forwards; left stays left.
+        let (forward, rim) = (v_x.abs(), rim_speed.abs());
+        let q_y = if rim == 0.0 { v_y / forward } else { v_y / rim };
+        Ok(Self {
+            slip,
+            slip_angle: Real::atan2(v_y, forward),
+            q_y,
+            reversed,
+        })
+    }
+
+    /// Slip in the wheel's plane.
+    #[must_use]
+    pub const fn slip(&self) -> Slip {
+        self.slip
+    }
+
+    /// Slip angle β, positive when the wheel drifts to its left.
+    #[must_use]
+    pub const fn slip_angle(&self) -> Angle {
+        Angle::from_rad(self.slip_angle)
+    }
+
+    /// q_y = v_y/(r ω); for a locked wheel v_y/v_x.
+    #[must_use]
+    pub const fn q_y(&self) -> f64 {
+        self.q_y
+    }
+
+    /// Does the wheel roll backwards?
+    #[must_use]
+    pub const fn is_reversed(&self) -> bool {
+        self.reversed
+    }
+}

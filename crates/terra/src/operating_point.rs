@@ -1,0 +1,94 @@
+//! A solved operating point and what follows from it.
+
+use crate::angle::Angle;
+use crate::caution::Cautions;
+use crate::contact::{Contact, ContactAngles};
+use crate::forces::Forces;
+use crate::kinematics::Kinematics;
+
+/// A wheel at one sinkage and one motion: geometry, stresses, forces and how far to trust them.
+#[derive(Clone, Copy, Debug)]
+pub struct OperatingPoint {
+    /// The motion it was computed for.
+    pub kinematics: Kinematics,
+    /// Sinkage z, m.
+    pub sinkage: f64,
+    /// Contact angles, rad; mirrored (negative entry) for a wheel that rolls backwards.
+    pub angles: ContactAngles,
+    /// Forces and torque; drawbar pull and torque carry the sign of the robot's forward direction.
+    pub forces: Forces,
+    /// Force of the soil on the wheel to the left, N.
+    pub side_force: f64,
+    /// How far any of vertical force, drawbar pull and torque/r may be off by quadrature, N: the
+    /// difference to a finer rule.
+    pub error_estimate: f64,
+    /// What to keep in mind.
+    pub cautions: Cautions,
+    pub(crate) contact: Contact<f64>,
+    pub(crate) radius: f64,
+}
+
+impl OperatingPoint {
+    /// Normal stress at `theta` (rad), Pa.
+    #[must_use]
+    pub fn normal_stress(&self, theta: f64) -> f64 {
+        self.contact.normal_stress(self.mirror(theta))
+    }
+
+    /// Shear stress along and across the wheel at `theta` (rad), Pa: along, positive where the soil
+    /// pushes the rim in the sense of the torque that drives it; across, positive where the rim has moved
+    /// to the left.
+    #[must_use]
+    pub fn shear_stress(&self, theta: f64) -> (f64, f64) {
+        self.contact.shear_stress(self.mirror(theta))
+    }
+
+    /// Tractive efficiency η = DP q r/T: the share of the motor's work that pulls. `None` unless the
+    /// wheel is driven and pulls (T > 0, DP > 0).
+    #[must_use]
+    pub fn tractive_efficiency(&self) -> Option<f64> {
+        let (pull, torque) = (
+            self.mirror(self.forces.drawbar_pull),
+            self.mirror(self.forces.torque),
+        );
+        (torque > 0.0 && pull > 0.0).then(|| pull * self.q() * self.radius / torque)
+    }
+
+    /// Energy that the motor gives per metre of travel, T/(q r), J/m; negative where the wheel brakes a
+    /// motor. `None` for a wheel that spins on the spot.
+    #[must_use]
+    pub fn energy_per_metre(&self) -> Option<f64> {
+        let torque = self.mirror(self.forces.torque);
+        let q = self.q();
+        (q > 0.0).then(|| {
+            if q.is_infinite() {
+                0.0
+            } else {
+                torque / (q * self.radius)
+            }
+        })
+    }
+
+    /// Pull coefficient DP/W. `None` where nothing is carried.
+    #[must_use]
+    pub fn pull_coefficient(&self) -> Option<f64> {
+        (self.forces.vertical_force > 0.0)
+            .then(|| self.forces.drawbar_pull / self.forces.vertical_force)
+    }
+
+    /// The slope on which this pull holds this load: atan(DP/W). `None` where nothing is carried.
+    #[must_use]
+    pub fn gradeability(&self) -> Option<Angle> {
+        self.pull_coefficient()
+            .map(|ratio| Angle::from_rad(grouser_real::Real::atan(ratio)))
+    }
+
+    fn q(&self) -> f64 {
+        self.kinematics.slip().speed_ratio()
+    }
+
+    /// `x` as the forward-rolling twin has it.
+    fn mirror(&self, x: f64) -> f64 {
+        if self.kinematics.is_reversed() { -x } else { x }
+    }
+}

@@ -1,0 +1,19 @@
+//! Laws of pressure against sinkage.
+
+mod bekker;
+mod reece;
+mod slip_sinkage;
+
+pub use bekker::Bekker;
+pub use reece::Reece;
+pub use slip_sinkage::SinkageExponent;
+
+/// The pressure-sinkage law of a soil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Pressure<R = f64> {
+    /// Bekker's, in moduli whose unit depends on n.
+    Bekker(Bekker<R>),
+    /// Reece's, in pure numbers; needs the soil's unit weight.
+    Reece(Reece<R>),
+}

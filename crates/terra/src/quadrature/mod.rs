@@ -1,0 +1,43 @@
+//! Rules of integration on [0, 1], without allocation.
+
+mod jacobi;
+mod legendre;
+
+pub(crate) use jacobi::gauss_jacobi;
+use legendre::gauss_legendre;
+
+/// Nodes and weights on [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rule<const N: usize> {
+    pub(crate) nodes: [f64; N],
+    pub(crate) weights: [f64; N],
+}
+
+impl<const N: usize> Rule<N> {
+    /// The rule as a slice of nodes and one of weights, whatever its length.
+    pub(crate) fn view(&self) -> RuleView<'_> {
+        RuleView {
+            nodes: &self.nodes,
+            weights: &self.weights,
+        }
+    }
+}
+
+/// A rule of any length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RuleView<'a> {
+    pub(crate) nodes: &'a [f64],
+    pub(crate) weights: &'a [f64],
+}
+
+impl RuleView<'_> {
+    /// Pairs of node and weight.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.nodes.iter().copied().zip(self.weights.iter().copied())
+    }
+}
+
+/// The Gauss-Legendre rules in use.
+pub(crate) static LEGENDRE_12: Rule<12> = gauss_legendre();
+pub(crate) static LEGENDRE_16: Rule<16> = gauss_legendre();
+pub(crate) static LEGENDRE_32: Rule<32> = gauss_legendre();

@@ -1,0 +1,25 @@
+//! What a user chooses about the computation.
+
+use crate::bulldozing::Bulldozing;
+use crate::shear::ShearLaw;
+
+/// How a wheel on soil is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// How exactly the integrals are taken.
+    pub accuracy: Accuracy,
+    /// How displacement makes shear stress.
+    pub shear: ShearLaw,
+    /// How ploughed soil enters the side force.
+    pub bulldozing: Bulldozing,
+}
+
+/// How exactly the integrals are taken, relative to max(|W|, |DP|, |T|/r).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Accuracy {
+    /// To 1e-9, as fast as that can be had.
+    #[default]
+    Standard,
+    /// To rounding, 1e-13.
+    Reference,
+}

@@ -1,0 +1,130 @@
+//! The direction and size of the shear stress, along and across the wheel.
+
+use grouser_real::Real;
+
+use super::{Displacement, mobilised_janosi};
+
+/// How displacement along and across the wheel makes shear stress along and across it.
+///
+/// Straight ahead the first three are one law, τ = sign(j) (c + σ tan φ)(1 − e^(−|j|/K)). For s < 0 that
+/// sign(j) is an extension beyond the literature: between velocity reversal and j = 0 the soil gives
+/// work back, so the shear work alone may be negative; the total never is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ShearLaw {
+    /// τ from |j| = hypot(j, j_y) and one K, along the displacement (j, j_y). The default.
+    #[default]
+    Coupled,
+    /// τ from |j| = hypot(j, j_y) and one K, along the slip velocity of the rim, as the
+    /// 3d-terramechanics code of Carnegie Mellon's Robomechanics Lab has it.
+    SlipVelocity,
+    /// τ_x from j with K and τ_y from j_y with K_side, each on its own. The sum may exceed the soil's
+    /// strength by √2, which a caution says. Source: Ishigami et al., J. Field Robotics 24 (2007)
+    /// [Ishigami07].
+    Independent,
+    /// A towed wheel whose displacement starts anew at the transition angle
+    /// ([`transition_angle_wong_reece`](crate::transition_angle_wong_reece)), s < 0 and no slip angle;
+    /// elsewhere as `Coupled`. Source: [WR67] II.
+    TowedWongReece,
+}
+
+/// Everything the shear at one angle depends on, apart from the strength there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShearState<R> {
+    pub(crate) law: ShearLaw,
+    pub(crate) displacement: Displacement<R>,
+    /// Radius whose rim shears the soil, m.
+    pub(crate) radius: R,
+    /// K along (and, but for `Independent`, across), m.
+    pub(crate) k_shear: R,
+    /// K across, m.
+    pub(crate) k_side: R,
+    /// q_y = v_y/(r ω); for a locked wheel the tangent of the slip angle.
+    pub(crate) q_y: R,
+    /// A locked wheel: displacement is infinite and the soil saturated.
+    pub(crate) locked: bool,
+    /// Does anything move sideways?
+    pub(crate) sideways: bool,
+    /// The arc behind the entry at which the displacement starts anew, and j/r there.
+    pub(crate) restart: Option<(R, R)>,
+}
+
+impl<R: Real> ShearState<R> {
+    /// j at the arc `w` behind the entry, m (not for a locked wheel).
+    pub(crate) fn along(&self, w: R) -> R {
+        let j = self.displacement.at(w);
+        let j = match self.restart {
+            Some((start, there)) => j - R::select(start.lt(w), there, R::ZERO),
+            None => j,
+        };
+        self.radius * j
+    }
+
+    /// j_y at the arc `w` behind the entry, m.
+    pub(crate) fn across(&self, w: R) -> R {
+        self.radius * self.q_y * w
+    }
+
+    /// The signed shares of strength mobilised along and across at the arc `w` behind the entry.
+    pub(crate) fn mobilised(&self, w: R) -> (R, R) {
+        if self.locked {
+            return self.mobilised_locked(w);
+        }
+        let along = self.along(w);
+        if !self.sideways {
+            let share = mobilised_janosi(along, self.k_shear);
+            let sign = match self.law {
+                ShearLaw::SlipVelocity => self.displacement.slope(w),
+                _ => along,
+            };
+            return (with_sign(share, sign), R::ZERO);
+        }
+        let across = self.across(w);
+        match self.law {
+            ShearLaw::Independent => (
+                with_sign(mobilised_janosi(along, self.k_shear), along),
+                with_sign(mobilised_janosi(across, self.k_side), across),
+            ),
+            ShearLaw::SlipVelocity => {
+                let share = mobilised_janosi(along.hypot(across), self.k_shear);
+                let speed = self.displacement.slope(w);
+                directed(share, speed, self.q_y)
+            }
+            ShearLaw::Coupled | ShearLaw::TowedWongReece => {
+                let share = mobilised_janosi(along.hypot(across), self.k_shear);
+                directed(share, along, across)
+            }
+        }
+    }
+
+    /// The limit q → ∞: everything mobilised, backwards, along (−(sin θ_1 − sin θ), tan β·w).
+    fn mobilised_locked(&self, w: R) -> (R, R) {
+        if !self.sideways {
+            return (-R::ONE, R::ZERO);
+        }
+        let theta = self.displacement.theta_1 - w;
+        match self.law {
+            ShearLaw::Independent => (-R::ONE, with_sign(R::ONE, self.q_y)),
+            ShearLaw::SlipVelocity => directed(R::ONE, -theta.cos(), self.q_y),
+            ShearLaw::Coupled | ShearLaw::TowedWongReece => {
+                let half = R::from_f64(0.5) * w;
+                let chord =
+                    R::from_f64(2.0) * (self.displacement.theta_1 - half).cos() * half.sin();
+                directed(R::ONE, -chord, self.q_y * w)
+            }
+        }
+    }
+}
+
+/// `share` with the sign of `of`.
+fn with_sign<R: Real>(share: R, of: R) -> R {
+    R::select(of.lt(R::ZERO), -share, share)
+}
+
+/// `share` along the direction (x, y); nothing where there is no direction.
+fn directed<R: Real>(share: R, x: R, y: R) -> (R, R) {
+    let length = x.hypot(y);
+    let known = R::ZERO.lt(length);
+    let scale = R::select(known, share / R::select(known, length, R::ONE), R::ZERO);
+    (scale * x, scale * y)
+}

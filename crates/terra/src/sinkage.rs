@@ -1,0 +1,290 @@
+//! The sinkage at which a wheel carries its load.
+
+use grouser_real::{Dual, Real};
+
+use crate::caution::Caution;
+use crate::contact::sinkage_from_entry_angle;
+use crate::error::{Error, Result};
+use crate::kinematics::Kinematics;
+use crate::operating_point::OperatingPoint;
+use crate::pressure::Pressure;
+use crate::wheel_on_soil::WheelOnSoil;
+
+/// Largest |ln(W/load)| from which one more Newton step lands within rounding: the error of a step is of
+/// the order of its square, and ln W is nearly straight in ln θ_1.
+const LAST_STEP: f64 = 1e-7;
+
+/// Newton steps and bisections before giving up. Newton takes 3 to 5; 80 halvings reach rounding anyway.
+const STEPS: u32 = 80;
+
+/// How a search for the sinkage ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LoadStatus {
+    /// Found, to rounding.
+    Solved,
+    /// No sinkage below the hub carries the load.
+    NoSolution {
+        /// The greatest load that was found to be carried, N.
+        max_load: f64,
+    },
+    /// The search ended without its result.
+    NotConverged,
+}
+
+/// A sinkage, and how it was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SinkageSolution {
+    /// How the search ended.
+    pub status: LoadStatus,
+    /// Sinkage, m; `None` unless solved.
+    pub sinkage: Option<f64>,
+    /// Evaluations of the stress integrals.
+    pub evaluations: u32,
+    /// Does another sinkage carry the same load?
+    pub several: bool,
+    theta_1: f64,
+}
+
+/// A wheel under its load.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadSolution {
+    /// How the search for the sinkage ended.
+    pub status: LoadStatus,
+    /// The operating point; `None` unless solved.
+    pub point: Option<OperatingPoint>,
+    /// Vertical force less load, N.
+    pub residual: Option<f64>,
+    /// Evaluations of the stress integrals.
+    pub evaluations: u32,
+}
+
+/// Bounds of the entry angle between which the wanted load lies, and what was spent on them.
+struct Search {
+    low: f64,
+    high: f64,
+    /// Is the load known to be reached at `high`?
+    proven: bool,
+    evaluations: u32,
+}
+
+impl WheelOnSoil {
+    /// The operating point at which the wheel carries `load` (N).
+    ///
+    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a negative load and for an exponent n(s) outside its range. A load that
+    /// nothing carries is a status, not an error.
+    pub fn under_load(&self, load: f64, kinematics: &Kinematics) -> Result<LoadSolution> {
+        let found = self.sinkage_under(load, kinematics)?;
+        let Some(sinkage) = found.sinkage else {
+            return Ok(LoadSolution {
+                status: found.status,
+                point: None,
+                residual: None,
+                evaluations: found.evaluations,
+            });
+        };
+        let mut point = self.point(found.theta_1, kinematics);
+        point.sinkage = sinkage;
+        point
+            .cautions
+            .insert_if(found.several, Caution::SeveralSinkages);
+        Ok(LoadSolution {
+            status: found.status,
+            residual: Some(point.forces.vertical_force - load),
+            point: Some(point),
+            evaluations: found.evaluations + 1,
+        })
+    }
+
+    /// The sinkage alone: the fast way.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    pub fn sinkage_under(&self, load: f64, kinematics: &Kinematics) -> Result<SinkageSolution> {
+        Error::check_range("load", load, 0.0, 1e12, "N")?;
+        self.check_exponent(kinematics)?;
+        if load == 0.0 {
+            return Ok(SinkageSolution {
+                status: LoadStatus::Solved,
+                sinkage: Some(0.0),
+                evaluations: 0,
+                several: false,
+                theta_1: 0.0,
+            });
+        }
+        let mut search = Search {
+            low: 0.0,
+            high: self.entry_limit(),
+            proven: false,
+            evaluations: 0,
+        };
+        let mut several = false;
+        if self.may_fall(kinematics) {
+            match self.scan(load, kinematics, &mut search) {
+                Ok(more) => several = more,
+                Err(max_load) => return Ok(search.ended(LoadStatus::NoSolution { max_load })),
+            }
+        }
+        Ok(match self.newton(load, kinematics, &mut search) {
+            Ok(theta_1) => SinkageSolution {
+                status: LoadStatus::Solved,
+                sinkage: Some(sinkage_from_entry_angle(theta_1, self.size().radius)),
+                evaluations: search.evaluations,
+                several,
+                theta_1,
+            },
+            Err(status) => search.ended(status),
+        })
+    }
+
+    /// Can the vertical force fall as the wheel sinks? Driving on soil that does not rise behind the
+    /// wheel it cannot: every angle of the contact is positive and every stress grows with θ_1.
+    fn may_fall(&self, kinematics: &Kinematics) -> bool {
+        self.soil().params().rebound > 0.0 || !kinematics.slip().is_driving()
+    }
+
+    /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r.
+    fn entry_limit(&self) -> f64 {
+        let reach = self.soil().params().rebound.max(1.0);
+        2.0 * Real::asin(Real::sqrt(0.5 / reach)) * (1.0 - 1e-12)
+    }
+
+    /// Narrows `search` to the lowest interval of a coarse scan in which the vertical force rises through
+    /// `load`; tells whether there is another. `Err` with the greatest force seen if there is none.
+    fn scan(
+        &self,
+        load: f64,
+        kinematics: &Kinematics,
+        search: &mut Search,
+    ) -> core::result::Result<bool, f64> {
+        const SAMPLES: i32 = 10;
+        let top = search.high;
+        let start = self.bekker_start(load).min(0.5 * top);
+        // a geometric ladder from a tenth of the expected angle to the limit
+        let ratio = Real::powf(top / (0.1 * start), 1.0 / f64::from(SAMPLES));
+        let (mut below, mut found, mut crossings, mut most) = (true, None, 0, f64::NEG_INFINITY);
+        let mut before = 0.0;
+        for i in 0..=SAMPLES {
+            let theta_1 = if i == SAMPLES {
+                top
+            } else {
+                0.1 * start * Real::powi(ratio, i)
+            };
+            let force = self.vertical_force(theta_1, kinematics, &mut search.evaluations);
+            most = most.max(force);
+            let now_below = !(force >= load);
+            if below != now_below {
+                crossings += 1;
+                if below && found.is_none() {
+                    found = Some((before, theta_1));
+                }
+            }
+            below = now_below;
+            before = theta_1;
+        }
+        let (low, high) = found.ok_or(most)?;
+        search.low = low;
+        search.high = high;
+        search.proven = true;
+        Ok(crossings > 1)
+    }
+
+    /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
+    /// rising. Source of the start: Bekker's closed form for a wheel without shear [Bekker69].
+    fn newton(
+        &self,
+        load: f64,
+        kinematics: &Kinematics,
+        search: &mut Search,
+    ) -> core::result::Result<f64, LoadStatus> {
+        let mut theta_1 = self.bekker_start(load);
+        for _ in 0..STEPS {
+            if theta_1 >= search.high && !search.proven {
+                let top = self.vertical_force(search.high, kinematics, &mut search.evaluations);
+                if !(top >= load) {
+                    return Err(LoadStatus::NoSolution { max_load: top });
+                }
+                search.proven = true;
+            }
+            if !(theta_1 > search.low && theta_1 < search.high) {
+                theta_1 = search.middle();
+            }
+            let contact = self.contact(Dual::<1>::variable(theta_1, 0), kinematics);
+            let force = contact
+                .forces_by(self.rules(), self.order())
+                .0
+                .vertical_force;
+            search.evaluations += 1;
+            if force.value >= load {
+                search.high = theta_1;
+                search.proven = true;
+            } else {
+                search.low = theta_1;
+            }
+            let slope = theta_1 * force.gradient[0] / force.value;
+            if force.value > 0.0 && slope > 0.0 {
+                let off = Real::ln(force.value / load);
+                let next = theta_1 * Real::exp(-off / slope);
+                if off.abs() <= LAST_STEP {
+                    return Ok(next);
+                }
+                theta_1 = next;
+            } else {
+                theta_1 = search.middle();
+            }
+            if search.proven && search.high - search.low <= 2.0 * f64::EPSILON * search.high {
+                return Ok(search.high);
+            }
+        }
+        Err(LoadStatus::NotConverged)
+    }
+
+    fn vertical_force(&self, theta_1: f64, kinematics: &Kinematics, evaluations: &mut u32) -> f64 {
+        *evaluations += 1;
+        self.contact(theta_1, kinematics)
+            .forces_by(self.rules(), self.order())
+            .0
+            .vertical_force
+    }
+
+    /// Entry angle by Bekker's z = [3 W/((3 − n) b k √(2r))]^(2/(2n + 1)), held inside the model.
+    fn bekker_start(&self, load: f64) -> f64 {
+        let laws = self.laws();
+        let n = laws.exponent.n_0;
+        let (radius, width) = (self.size().radius, self.size().width);
+        let modulus = match laws.pressure {
+            Pressure::Bekker(law) => law.modulus(width),
+            Pressure::Reece(_) => laws.modulus(width, n),
+        };
+        let shape = (3.0 - n).max(0.5);
+        let base = 3.0 * load / (shape * width * modulus * Real::sqrt(2.0 * radius));
+        let sinkage = Real::powf(base, 2.0 / (2.0 * n + 1.0));
+        let limit = self.entry_limit();
+        let relative = (0.5 * sinkage / radius).min(0.5);
+        (2.0 * Real::asin(Real::sqrt(relative))).clamp(1e-9, 0.9 * limit)
+    }
+}
+
+impl Search {
+    /// The bracket's geometric middle (its upper part while nothing is known below).
+    fn middle(&self) -> f64 {
+        if self.low > 0.0 {
+            Real::sqrt(self.low * self.high)
+        } else {
+            0.1 * self.high
+        }
+    }
+
+    fn ended(&self, status: LoadStatus) -> SinkageSolution {
+        SinkageSolution {
+            status,
+            sinkage: None,
+            evaluations: self.evaluations,
+            several: false,
+            theta_1: 0.0,
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The soil: its parameters, checked once.
+
+use grouser_real::Real;
+
+use crate::angle::Angle;
+use crate::error::{Error, Result};
+use crate::pressure::{Bekker, Pressure, Reece, SinkageExponent};
+use crate::shear::MohrCoulomb;
+
+/// The sinkage exponents that the laws are used with.
+pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
+
+/// Everything a soil is to a wheel; each number is checked by [`Soil::new`].
+///
+/// Start from [`SoilParams::bekker`] and set what differs:
+///
+/// ```
+/// use grouser_terra::{Angle, Soil, SoilParams};
+/// let dry_sand = Soil::new(SoilParams {
+///     cohesion: 1000.0,
+///     phi: Angle::from_deg(30.0),
+///     k_shear: 0.025,
+///     c_1: 0.18,
+///     c_2: 0.32,
+///     ..SoilParams::bekker(0.9e3, 1528.4e3, 1.1)
+/// })?;
+/// assert!(Soil::new(SoilParams { cohesion: f64::NAN, ..*dry_sand.params() }).is_err());
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoilParams {
+    /// Pressure against sinkage.
+    pub pressure: Pressure,
+    /// Sinkage exponent n without slip, in [0.1, 3].
+    pub n: f64,
+    /// Growth of n with driving slip.
+    pub n_1: f64,
+    /// Growth of n with braking slip.
+    pub n_2: f64,
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+    /// Angle of internal friction φ.
+    pub phi: Angle,
+    /// Shear deformation modulus K straight ahead, m.
+    pub k_shear: f64,
+    /// Growth of K with the slip angle, K = K_0 + K_1 |β|, m/rad.
+    pub k_shear_1: f64,
+    /// K across the wheel, m, for laws that take the two directions apart; `None`: as along.
+    pub k_shear_side: Option<f64>,
+    /// Growth of K across with the slip angle, m/rad.
+    pub k_shear_side_1: f64,
+    /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
+    pub c_1: f64,
+    /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
+    pub c_2: f64,
+    /// Rebound ratio λ: the soil behind the wheel rises by λ z; 0 for dry sand.
+    pub rebound: f64,
+    /// Unit weight γ = ρ g, N/m³. Asked for by Reece's law and by bulldozing only.
+    pub unit_weight: Option<f64>,
+}
+
+impl SoilParams {
+    /// Bekker's moduli (N/m^(n+1), N/m^(n+2)) and exponent; everything else NaN where it must be given
+    /// and zero where zero switches it off.
+    #[must_use]
+    pub fn bekker(k_c: f64, k_phi: f64, n: f64) -> Self {
+        Self::new(Pressure::Bekker(Bekker { k_c, k_phi }), n)
+    }
+
+    /// Reece's moduli (pure numbers), exponent and unit weight (N/m³); the rest as in
+    /// [`SoilParams::bekker`].
+    #[must_use]
+    pub fn reece(k_c_prime: f64, k_phi_prime: f64, n: f64, unit_weight: f64) -> Self {
+        Self {
+            unit_weight: Some(unit_weight),
+            ..Self::new(
+                Pressure::Reece(Reece {
+                    k_c_prime,
+                    k_phi_prime,
+                }),
+                n,
+            )
+        }
+    }
+
+    fn new(pressure: Pressure, n: f64) -> Self {
+        Self {
+            pressure,
+            n,
+            n_1: 0.0,
+            n_2: 0.0,
+            cohesion: f64::NAN,
+            phi: Angle::from_rad(f64::NAN),
+            k_shear: f64::NAN,
+            k_shear_1: 0.0,
+            k_shear_side: None,
+            k_shear_side_1: 0.0,
+            c_1: f64::NAN,
+            c_2: f64::NAN,
+            rebound: 0.0,
+            unit_weight: None,
+        }
+    }
+}
+
+/// A soil whose every number has been checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Soil(SoilParams);
+
+impl Soil {
+    /// Checks each parameter.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] or [`Error::NotAbove`] with the field, its value, the limit and the unit;
+    /// NaN is never in range. Reece's law without a unit weight is [`Error::Missing`].
+    pub fn new(params: SoilParams) -> Result<Self> {
+        let p = &params;
+        match p.pressure {
+            Pressure::Bekker(law) => {
+                Error::check_range("k_c", law.k_c, -1e12, 1e12, "N/m^(n+1)")?;
+                Error::check_range("k_phi", law.k_phi, -1e12, 1e12, "N/m^(n+2)")?;
+            }
+            Pressure::Reece(law) => {
+                Error::check_range("k_c_prime", law.k_c_prime, -1e9, 1e9, "1")?;
+                Error::check_range("k_phi_prime", law.k_phi_prime, -1e9, 1e9, "1")?;
+                if p.unit_weight.is_none() {
+                    return Err(Error::Missing {
+                        field: "unit_weight",
+                        needed_by: "Reece's law",
+                    });
+                }
+            }
+        }
+        Error::check_range("n", p.n, EXPONENT.0, EXPONENT.1, "1")?;
+        Error::check_range("n_1", p.n_1, -EXPONENT.1, EXPONENT.1, "1")?;
+        Error::check_range("n_2", p.n_2, -EXPONENT.1, EXPONENT.1, "1")?;
+        Error::check_range("cohesion", p.cohesion, 0.0, 1e8, "Pa")?;
+        // 89°: beyond it tan φ is no soil any more, and degrees taken for radians end here
+        Error::check_range("phi", p.phi.rad(), 0.0, 89_f64.to_radians(), "rad")?;
+        Error::check_range("k_shear", p.k_shear, 1e-6, 10.0, "m")?;
+        Error::check_range("k_shear_1", p.k_shear_1, 0.0, 10.0, "m/rad")?;
+        if let Some(k_side) = p.k_shear_side {
+            Error::check_range("k_shear_side", k_side, 1e-6, 10.0, "m")?;
+        }
+        Error::check_range("k_shear_side_1", p.k_shear_side_1, 0.0, 10.0, "m/rad")?;
+        Error::check_range("c_1", p.c_1, -2.0, 2.0, "1")?;
+        Error::check_range("c_2", p.c_2, -2.0, 2.0, "1")?;
+        Error::check_range("rebound", p.rebound, 0.0, 100.0, "1")?;
+        if let Some(gamma) = p.unit_weight {
+            Error::check_range("unit_weight", gamma, 0.0, 1e6, "N/m^3")?;
+        }
+        Ok(Self(params))
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn params(&self) -> &SoilParams {
+        &self.0
+    }
+
+    /// The same soil with another rebound ratio.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] outside [0, 100].
+    pub fn with_rebound(self, rebound: f64) -> Result<Self> {
+        Self::new(SoilParams { rebound, ..self.0 })
+    }
+
+    /// Does the sinkage exponent depend on slip?
+    #[must_use]
+    pub fn has_slip_sinkage(&self) -> bool {
+        self.0.n_1 != 0.0 || self.0.n_2 != 0.0
+    }
+
+    /// The laws' parameters as numbers of any kind, for example dual numbers whose derivative is
+    /// wanted: take them, replace one by a variable, and put them in a
+    /// [`Contact`](crate::Contact).
+    #[must_use]
+    pub fn laws<R: Real>(&self) -> SoilLaws<R> {
+        let p = &self.0;
+        let r = R::from_f64;
+        SoilLaws {
+            pressure: match p.pressure {
+                Pressure::Bekker(law) => Pressure::Bekker(Bekker {
+                    k_c: r(law.k_c),
+                    k_phi: r(law.k_phi),
+                }),
+                Pressure::Reece(law) => Pressure::Reece(Reece {
+                    k_c_prime: r(law.k_c_prime),
+                    k_phi_prime: r(law.k_phi_prime),
+                }),
+            },
+            exponent: SinkageExponent {
+                n_0: r(p.n),
+                n_1: r(p.n_1),
+                n_2: r(p.n_2),
+            },
+            strength: MohrCoulomb {
+                cohesion: r(p.cohesion),
+                phi: r(p.phi.rad()),
+            },
+            k_shear: r(p.k_shear),
+            k_shear_1: r(p.k_shear_1),
+            k_shear_side: r(p.k_shear_side.unwrap_or(p.k_shear)),
+            k_shear_side_1: r(p.k_shear_side.map_or(p.k_shear_1, |_| p.k_shear_side_1)),
+            c_1: r(p.c_1),
+            c_2: r(p.c_2),
+            rebound: r(p.rebound),
+            unit_weight: r(p.unit_weight.unwrap_or(0.0)),
+        }
+    }
+}
+
+/// A soil's parameters as the laws take them, in numbers of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoilLaws<R = f64> {
+    /// Pressure against sinkage.
+    pub pressure: Pressure<R>,
+    /// The sinkage exponent against slip.
+    pub exponent: SinkageExponent<R>,
+    /// Shear strength.
+    pub strength: MohrCoulomb<R>,
+    /// K along, m.
+    pub k_shear: R,
+    /// Growth of K along with |β|, m/rad.
+    pub k_shear_1: R,
+    /// K across, m.
+    pub k_shear_side: R,
+    /// Growth of K across with |β|, m/rad.
+    pub k_shear_side_1: R,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_1: R,
+    /// θ_m = (c_1 + c_2 s) θ_1.
+    pub c_2: R,
+    /// Rebound ratio λ.
+    pub rebound: R,
+    /// Unit weight, N/m³; 0 where unknown.
+    pub unit_weight: R,
+}
+
+impl<R: Real> SoilLaws<R> {
+    /// The modulus k of p = k zⁿ under a wheel of `width` (m) at the exponent `n`, Pa/mⁿ.
+    pub fn modulus(&self, width: R, n: R) -> R {
+        match &self.pressure {
+            Pressure::Bekker(law) => law.modulus(width),
+            Pressure::Reece(law) => law.modulus(self.strength.cohesion, self.unit_weight, width, n),
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! What a loaded wheel can pull, at which slip, and which slope it holds.
+
+use grouser_real::Real;
+
+use crate::angle::Angle;
+use crate::error::{Error, Result};
+use crate::kinematics::Kinematics;
+use crate::operating_point::OperatingPoint;
+use crate::slip::Slip;
+use crate::wheel_on_soil::WheelOnSoil;
+
+/// Slips at which a curve is sampled before its optimum or its root is refined.
+const SAMPLES: u32 = 33;
+
+/// Relative precision of a refined slip: an optimum is flat, so that its place is known to about the root
+/// of the precision of its height.
+const PRECISION: f64 = 1e-9;
+
+/// The slip at which a quantity is greatest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BestSlip {
+    /// Where.
+    pub slip: Slip,
+    /// How great: N for a pull, a pure number for an efficiency.
+    pub value: f64,
+}
+
+/// What a slope asks of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SlopeOutcome {
+    /// This slip holds it, and none smaller (below it the wheel slides back).
+    Holds {
+        /// The slip demand; negative on a downhill slope or where the wheel is held by its brake.
+        slip: Slip,
+    },
+    /// No slip holds it.
+    Immobilised {
+        /// The greatest drawbar pull there is, N; `None` if the load is carried at no slip.
+        most: Option<f64>,
+        /// The drawbar pull asked for, N.
+        asked: f64,
+    },
+}
+
+impl WheelOnSoil {
+    /// The slip in [0, 1] of the greatest drawbar pull under `load` (N); `None` where no slip carries it.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    pub fn slip_of_maximum_pull(&self, load: f64) -> Result<Option<BestSlip>> {
+        self.best_slip(load, |point| Some(point.forces.drawbar_pull))
+    }
+
+    /// The slip in [0, 1] of the greatest tractive efficiency under `load` (N); `None` where no slip
+    /// gives any pull.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    pub fn slip_of_maximum_efficiency(&self, load: f64) -> Result<Option<BestSlip>> {
+        self.best_slip(load, OperatingPoint::tractive_efficiency)
+    }
+
+    /// The smallest slip at which a wheel of `weight` (N) holds the slope `slope`: W cos α is carried and
+    /// the drawbar pull is W sin α.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`]; [`Error::OutOfRange`] unless |α| < 90°.
+    pub fn slip_demand(&self, weight: f64, slope: Angle) -> Result<SlopeOutcome> {
+        let steep = 89.9_f64.to_radians();
+        Error::check_range("slope", slope.rad(), -steep, steep, "rad")?;
+        Error::check_range("weight", weight, 0.0, 1e12, "N")?;
+        let load = weight * slope.cos();
+        let asked = weight * slope.sin();
+        let pull = |slip: f64| -> Result<Option<f64>> {
+            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+            Ok(solution.point.map(|point| point.forces.drawbar_pull))
+        };
+        let mut before: Option<(f64, f64)> = None;
+        let mut most: Option<f64> = None;
+        for i in 0..=2 * SAMPLES {
+            let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
+            let Some(now) = pull(slip)? else {
+                before = None;
+                continue;
+            };
+            most = Some(most.map_or(now, |m| m.max(now)));
+            if now >= asked {
+                let slip = match before {
+                    Some((low, at_low)) => root((low, at_low - asked), (slip, now - asked), |s| {
+                        Ok(pull(s)?.map(|pull| pull - asked))
+                    })?,
+                    None => slip,
+                };
+                return Ok(SlopeOutcome::Holds {
+                    slip: Slip::new(slip)?,
+                });
+            }
+            before = Some((slip, now));
+        }
+        // Between two samples the pull may still touch what is asked.
+        if let Some(best) = self.slip_of_maximum_pull(load)? {
+            if best.value >= asked {
+                let low = (best.slip.value() - 1.0 / f64::from(SAMPLES)).max(-1.0);
+                if let Some(at_low) = pull(low)? {
+                    let high = (best.slip.value(), best.value - asked);
+                    let slip = root((low, at_low - asked), high, |s| {
+                        Ok(pull(s)?.map(|pull| pull - asked))
+                    })?;
+                    return Ok(SlopeOutcome::Holds {
+                        slip: Slip::new(slip)?,
+                    });
+                }
+            }
+            most = Some(most.map_or(best.value, |m| m.max(best.value)));
+        }
+        Ok(SlopeOutcome::Immobilised { most, asked })
+    }
+
+    /// The skid of a free wheel: the slip at which the soil turns a wheel under `load` (N) against the
+    /// friction `bearing_torque` (N m, not negative) of its bearing, torque = −bearing_torque. `None` where
+    /// the soil cannot: the wheel locks, or is not carried.
+    ///
+    /// A free wheel does not roll without slip, as a fifth wheel that measures speed is assumed to:
+    /// v = r ω/(1 + s).
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`]; [`Error::OutOfRange`] for a negative or non-finite friction.
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    /// let sand = catalogue::find("dry-sand").expect("it is in the catalogue").soil()?;
+    /// let wheel = WheelOnSoil::new(RigidWheel::new(0.05, 0.03)?, sand, Settings::default())?;
+    /// let skid = wheel.free_slip(5.0, 0.0)?.expect("5 N are carried and turn the wheel");
+    /// assert!((skid.value() + 0.095).abs() < 5e-4); // it lags by nearly a tenth
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn free_slip(&self, load: f64, bearing_torque: f64) -> Result<Option<Slip>> {
+        Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
+        let surplus = |slip: f64| -> Result<Option<f64>> {
+            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+            Ok(solution
+                .point
+                .map(|point| point.forces.torque + bearing_torque))
+        };
+        // Torque rises with slip: from the first sample at which it suffices, look back.
+        let mut before: Option<(f64, f64)> = None;
+        for i in 0..=SAMPLES {
+            let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
+            let Some(now) = surplus(slip)? else { continue };
+            if now >= 0.0 {
+                return match before {
+                    Some(low) => Ok(Some(Slip::new(root(low, (slip, now), surplus)?)?)),
+                    None => Ok(None),
+                };
+            }
+            before = Some((slip, now));
+        }
+        Ok(None)
+    }
+
+    /// The steepest slope that a wheel of `weight` (N) holds at any slip in [0, 1]; `None` where it cannot
+    /// even be carried on the level, or cannot pull itself.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    pub fn gradeability(&self, weight: f64) -> Result<Option<Angle>> {
+        let surplus = |alpha: f64| -> Result<Option<f64>> {
+            let angle = Angle::from_rad(alpha);
+            let best = self.slip_of_maximum_pull(weight * angle.cos())?;
+            Ok(best.map(|best| best.value - weight * angle.sin()))
+        };
+        let Some(level) = surplus(0.0)? else {
+            return Ok(None);
+        };
+        if level < 0.0 {
+            return Ok(None);
+        }
+        // The load falls and the demand grows with the slope: one root, well below the vertical.
+        let (mut low, mut high) = (0.0, 85_f64.to_radians());
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if surplus(middle)?.is_some_and(|s| s >= 0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(Some(Angle::from_rad(low)))
+    }
+
+    /// The greatest of `quantity` over slip in [0, 1] by samples and golden section.
+    fn best_slip(
+        &self,
+        load: f64,
+        quantity: impl Fn(&OperatingPoint) -> Option<f64>,
+    ) -> Result<Option<BestSlip>> {
+        let at = |slip: f64| -> Result<f64> {
+            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+            Ok(solution
+                .point
+                .as_ref()
+                .and_then(&quantity)
+                .unwrap_or(f64::NEG_INFINITY))
+        };
+        let step = 1.0 / f64::from(SAMPLES - 1);
+        let mut best = (0.0, f64::NEG_INFINITY);
+        for i in 0..SAMPLES {
+            let slip = f64::from(i) * step;
+            let value = at(slip)?;
+            if value > best.1 {
+                best = (slip, value);
+            }
+        }
+        if best.1 == f64::NEG_INFINITY {
+            return Ok(None);
+        }
+        let (mut a, mut b) = ((best.0 - step).max(0.0), (best.0 + step).min(1.0));
+        let golden = 0.5 * (Real::sqrt(5.0_f64) - 1.0);
+        let mut c = b - golden * (b - a);
+        let mut d = a + golden * (b - a);
+        let (mut f_c, mut f_d) = (at(c)?, at(d)?);
+        while b - a > PRECISION {
+            if f_c > f_d {
+                (b, d, f_d) = (d, c, f_c);
+                c = b - golden * (b - a);
+                f_c = at(c)?;
+            } else {
+                (a, c, f_c) = (c, d, f_d);
+                d = a + golden * (b - a);
+                f_d = at(d)?;
+            }
+        }
+        let refined = if f_c > f_d { (c, f_c) } else { (d, f_d) };
+        let (slip, value) = if refined.1 > best.1 { refined } else { best };
+        Ok(Some(BestSlip {
+            slip: Slip::new(slip)?,
+            value,
+        }))
+    }
+}
+
+/// The root of `f` between two points of opposite sign, by bisection helped by the secant; a point where
+/// `f` has no value counts as below.
+fn root(low: (f64, f64), high: (f64, f64), f: impl Fn(f64) -> Result<Option<f64>>) -> Result<f64> {
+    let ((mut a, mut f_a), (mut b, mut f_b)) = (low, high);
+    for i in 0..100 {
+        if b - a <= 2.0 * f64::EPSILON.max(b.abs() * f64::EPSILON) || f_b == 0.0 {
+            break;
+        }
+        let secant = b - f_b * (b - a) / (f_b - f_a);
+        let c = if i % 3 < 2 && secant > a && secant < b {
+            secant
+        } else {
+            0.5 * (a + b)
+        };
+        match f(c)? {
+            Some(f_c) if f_c >= 0.0 => (b, f_b) = (c, f_c),
+            Some(f_c) => (a, f_a) = (c, f_c),
+            None => a = c,
+        }
+    }
+    Ok(b)
+}

@@ -1,0 +1,125 @@
+//! The wheel.
+
+use crate::error::{Error, Result};
+
+/// The least and greatest radius and width in m: from a toy's castor to a mining truck.
+const SIZE: (f64, f64) = (1e-3, 100.0);
+
+/// A rigid wheel: radius, width and, if it has them, grousers.
+///
+/// ```
+/// use grouser_terra::RigidWheel;
+/// let wheel = RigidWheel::new(0.10, 0.05)?; // radius and width in m
+/// assert!(RigidWheel::new(-0.10, 0.05).is_err());
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidWheel {
+    radius: f64,
+    width: f64,
+    grousers: Option<Grousers>,
+}
+
+/// Bars across the rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grousers {
+    /// How far they stand out from the rim, h_g in m.
+    pub height: f64,
+    /// Which of the wheel's radii each law uses.
+    pub rule: GrouserRule,
+}
+
+/// Which radius serves which law, r being the rim's and r_s = r + h_g the tips'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum GrouserRule {
+    /// r_s everywhere: closely spaced grousers carry the soil between them along like a solid drum.
+    Tips,
+    /// The normal stress is the mean of σ(r_s) and σ(r) by the share of area that tips make up; the
+    /// shear displacement uses r; slip, forces, torque and the contact angles use r_s. As in the
+    /// 3d-terramechanics code of Carnegie Mellon's Robomechanics Lab.
+    AreaShare {
+        /// The share μ of the surface that is grouser tip, in [0, 1].
+        tips: f64,
+    },
+}
+
+impl RigidWheel {
+    /// A smooth wheel of `radius` and `width` in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] outside [0.001, 100] m and for NaN.
+    pub fn new(radius: f64, width: f64) -> Result<Self> {
+        Error::check_range("radius", radius, SIZE.0, SIZE.1, "m")?;
+        Error::check_range("width", width, SIZE.0, SIZE.1, "m")?;
+        Ok(Self {
+            radius,
+            width,
+            grousers: None,
+        })
+    }
+
+    /// The same wheel with grousers.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a height that is negative or above the radius, or a share outside
+    /// [0, 1].
+    pub fn with_grousers(self, grousers: Grousers) -> Result<Self> {
+        Error::check_range("grouser_height", grousers.height, 0.0, self.radius, "m")?;
+        if let GrouserRule::AreaShare { tips } = grousers.rule {
+            Error::check_range("tips", tips, 0.0, 1.0, "1")?;
+        }
+        Ok(Self {
+            grousers: Some(grousers),
+            ..self
+        })
+    }
+
+    /// Radius of the rim, m.
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Width, m.
+    #[must_use]
+    pub const fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// The grousers, if any.
+    #[must_use]
+    pub const fn grousers(&self) -> Option<Grousers> {
+        self.grousers
+    }
+
+    /// The radius that slip, forces, torque and the contact angles refer to, m: r, or r_s = r + h_g.
+    #[must_use]
+    pub fn running_radius(&self) -> f64 {
+        self.radius + self.grousers.map_or(0.0, |g| g.height)
+    }
+
+    /// The radius that the shear displacement refers to, m.
+    #[must_use]
+    pub fn shear_radius(&self) -> f64 {
+        match self.grousers {
+            Some(Grousers {
+                rule: GrouserRule::AreaShare { .. },
+                ..
+            }) => self.radius,
+            _ => self.running_radius(),
+        }
+    }
+
+    /// The share of the stress that acts at the tips' radius; the rest acts at the rim's.
+    #[must_use]
+    pub fn tip_share(&self) -> f64 {
+        match self.grousers {
+            Some(Grousers {
+                rule: GrouserRule::AreaShare { tips },
+                ..
+            }) => tips,
+            _ => 1.0,
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! A wheel on a soil, ready to be asked.
+
+use crate::bulldozing::{Bulldozing, side_resistance};
+use crate::caution::{Caution, Cautions};
+use crate::contact::{
+    Contact, ContactAngles, JacobiRules, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
+};
+use crate::error::{Error, Result};
+use crate::forces::Forces;
+use crate::kinematics::Kinematics;
+use crate::operating_point::OperatingPoint;
+use crate::settings::{Accuracy, Settings};
+use crate::shear::ShearLaw;
+use crate::soil::{EXPONENT, Soil, SoilLaws};
+use crate::wheel::RigidWheel;
+use grouser_real::Scalar;
+
+/// One wheel on one soil: the primary type of the crate.
+///
+/// What depends on the pair alone (Gauss-Jacobi rules of the soil's exponent) is computed once here.
+///
+/// ```
+/// use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil, catalogue};
+/// let soil = catalogue::find("dry-sand").expect("it is in the catalogue").soil()?;
+/// let wheel = RigidWheel::new(0.125, 0.1)?;
+/// let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
+/// let motion = Kinematics::straight(Slip::new(0.2)?);
+/// let solution = pair.under_load(80.0, &motion)?;
+/// let point = solution.point.expect("80 N are carried");
+/// assert!((point.forces.vertical_force - 80.0).abs() < 1e-9);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct WheelOnSoil {
+    wheel: RigidWheel,
+    soil: Soil,
+    settings: Settings,
+    size: WheelSize<f64>,
+    laws: SoilLaws<f64>,
+    rules: Option<JacobiRules>,
+}
+
+impl WheelOnSoil {
+    /// Puts a wheel on a soil.
+    ///
+    /// # Errors
+    /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive.
+    pub fn new(wheel: RigidWheel, soil: Soil, settings: Settings) -> Result<Self> {
+        let laws = soil.laws();
+        let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
+        Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")?;
+        let rules = (!soil.has_slip_sinkage()).then(|| JacobiRules::new(laws.exponent.n_0));
+        Ok(Self {
+            wheel,
+            soil,
+            settings,
+            size: wheel.size(),
+            laws,
+            rules,
+        })
+    }
+
+    /// The wheel.
+    #[must_use]
+    pub const fn wheel(&self) -> &RigidWheel {
+        &self.wheel
+    }
+
+    /// The soil.
+    #[must_use]
+    pub const fn soil(&self) -> &Soil {
+        &self.soil
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Forces at a sinkage (m), and nothing else: the fast way.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a negative sinkage and for an exponent n(s) outside [0.1, 3];
+    /// [`Error::HubBuried`] from z = r on; [`Error::ReboundAboveHub`] from λ z = r on.
+    pub fn forces_at(&self, sinkage: f64, kinematics: &Kinematics) -> Result<Forces> {
+        let theta_1 = self.entry_angle(sinkage)?;
+        self.check_exponent(kinematics)?;
+        let contact = self.contact(theta_1, kinematics);
+        Ok(mirrored(
+            contact.forces_by(self.rules.as_ref(), self.order()).0,
+            kinematics,
+        ))
+    }
+
+    /// The whole operating point at a sinkage (m).
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::forces_at`].
+    pub fn at_sinkage(&self, sinkage: f64, kinematics: &Kinematics) -> Result<OperatingPoint> {
+        let theta_1 = self.entry_angle(sinkage)?;
+        self.check_exponent(kinematics)?;
+        let mut point = self.point(theta_1, kinematics);
+        point.sinkage = sinkage;
+        Ok(point)
+    }
+
+    /// The entry angle of a sinkage inside the model.
+    fn entry_angle(&self, sinkage: f64) -> Result<f64> {
+        let radius = self.size.radius;
+        Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
+        if sinkage >= radius {
+            return Err(Error::HubBuried { sinkage, radius });
+        }
+        let rebound = self.soil.params().rebound;
+        if rebound * sinkage >= radius {
+            return Err(Error::ReboundAboveHub {
+                rebound,
+                sinkage,
+                radius,
+            });
+        }
+        Ok(entry_angle(sinkage, radius))
+    }
+
+    pub(crate) fn check_exponent(&self, kinematics: &Kinematics) -> Result<()> {
+        let n = self.laws.exponent.at(kinematics.slip().value());
+        Error::check_range("n at this slip", n, EXPONENT.0, EXPONENT.1, "1")
+    }
+
+    pub(crate) fn order(&self) -> Order {
+        match self.settings.accuracy {
+            Accuracy::Standard => Order::Standard,
+            Accuracy::Reference => Order::Reference,
+        }
+    }
+
+    pub(crate) fn rules(&self) -> Option<&JacobiRules> {
+        self.rules.as_ref()
+    }
+
+    pub(crate) fn size(&self) -> &WheelSize<f64> {
+        &self.size
+    }
+
+    pub(crate) fn laws(&self) -> &SoilLaws<f64> {
+        &self.laws
+    }
+
+    /// The contact at an entry angle, in numbers of any kind: only the angle may carry a derivative.
+    pub(crate) fn contact<R: Scalar>(&self, theta_1: R, kinematics: &Kinematics) -> Contact<R> {
+        Contact::new(
+            &self.wheel.size(),
+            &self.soil.laws(),
+            self.settings.shear,
+            &kinematics.motion(),
+            theta_1,
+        )
+    }
+
+    /// The whole operating point at an entry angle of the forward-rolling wheel (rad).
+    pub(crate) fn point(&self, theta_1: f64, kinematics: &Kinematics) -> OperatingPoint {
+        let contact = self.contact(theta_1, kinematics);
+        let (forces, _) = contact.forces_by(self.rules.as_ref(), self.order());
+        let finer = match self.settings.accuracy {
+            Accuracy::Standard => Order::Check,
+            Accuracy::Reference => Order::Beyond,
+        };
+        let (check, _) = contact.forces_by(self.rules.as_ref(), finer);
+        let radius = self.size.radius;
+        let error_estimate = (forces.vertical_force - check.vertical_force)
+            .abs()
+            .max((forces.drawbar_pull - check.drawbar_pull).abs())
+            .max((forces.torque - check.torque).abs() / radius);
+        let mut cautions = Cautions::default();
+        let side_force = self.side_force(&contact, &forces, kinematics, &mut cautions);
+        let sinkage = sinkage_from_entry_angle(theta_1, radius);
+        self.add_cautions(&contact, &forces, kinematics, &mut cautions);
+        let angles = contact.angles();
+        let angles = if kinematics.is_reversed() {
+            let ContactAngles {
+                theta_1,
+                theta_2,
+                theta_m,
+            } = angles;
+            ContactAngles {
+                theta_1: -theta_1,
+                theta_2: -theta_2,
+                theta_m: -theta_m,
+            }
+        } else {
+            angles
+        };
+        OperatingPoint {
+            kinematics: *kinematics,
+            sinkage,
+            angles,
+            forces: mirrored(forces, kinematics),
+            side_force,
+            error_estimate,
+            cautions,
+            contact,
+            radius,
+        }
+    }
+
+    /// −sign(v_y) [r b ∫ |τ_y| + κ ∫ R_b (r − h cos θ)], N.
+    fn side_force(
+        &self,
+        contact: &Contact<f64>,
+        forces: &Forces,
+        kinematics: &Kinematics,
+        cautions: &mut Cautions,
+    ) -> f64 {
+        let q_y = kinematics.q_y();
+        if q_y == 0.0 {
+            return 0.0;
+        }
+        let kappa = match self.settings.bulldozing {
+            Bulldozing::Scaled => kinematics.slip_angle().sin().abs(),
+            Bulldozing::Full => 1.0,
+            Bulldozing::Off => 0.0,
+        };
+        let gamma = self.soil.params().unit_weight;
+        cautions.insert_if(kappa > 0.0 && gamma.is_none(), Caution::NoBulldozing);
+        let ploughed = gamma.map_or(0.0, |gamma| {
+            side_resistance(
+                &self.laws.strength,
+                gamma,
+                self.size.radius,
+                &contact.angles(),
+            )
+        });
+        -q_y.signum() * (forces.side_shear + kappa * ploughed)
+    }
+
+    fn add_cautions(
+        &self,
+        contact: &Contact<f64>,
+        forces: &Forces,
+        kinematics: &Kinematics,
+        cautions: &mut Cautions,
+    ) {
+        let angles = contact.angles();
+        let sinkage = sinkage_from_entry_angle(angles.theta_1, self.size.radius);
+        let position = self.laws.c_1 + self.laws.c_2 * kinematics.slip().value();
+        cautions.insert_if(position >= 1.0, Caution::NoNormalStress);
+        cautions.insert_if(position < 0.0, Caution::MaximumStressHeld);
+        cautions.insert_if(sinkage > self.size.radius / 3.0, Caution::DeepSinkage);
+        let arc = angles.theta_1 - angles.theta_2;
+        cautions.insert_if(contact.shear.reverses(arc), Caution::ShearReversal);
+        let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;
+        cautions.insert_if(apart, Caution::ShearAboveStrength);
+        let scale = forces
+            .torque
+            .abs()
+            .max(forces.drawbar_pull.abs() * self.size.radius);
+        // rounding of the balance's terms, which may cancel
+        cautions.insert_if(forces.lost_work < -1e-9 * scale, Caution::WorkGained);
+    }
+}
+
+/// The forces of a wheel that rolls backwards, from those of its forward-rolling twin.
+fn mirrored(forces: Forces, kinematics: &Kinematics) -> Forces {
+    if !kinematics.is_reversed() {
+        return forces;
+    }
+    Forces {
+        drawbar_pull: -forces.drawbar_pull,
+        torque: -forces.torque,
+        thrust: -forces.thrust,
+        compaction_resistance: -forces.compaction_resistance,
+        ..forces
+    }
+}

@@ -1,0 +1,36 @@
+//! Bekker's compaction resistance as the limit of Wong and Reece's: b k z^(n+1)/(n+1) exactly when
+//! θ_m = θ_2 = 0, and less otherwise.
+
+use grouser_terra::{Angle, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil};
+
+fn resistance(c_1: f64, n: f64, sinkage: f64) -> f64 {
+    let soil = Soil::new(SoilParams {
+        cohesion: 1000.0,
+        phi: Angle::from_deg(30.0),
+        k_shear: 0.025,
+        c_1,
+        c_2: 0.0,
+        ..SoilParams::bekker(900.0, 1_528_400.0, n)
+    })
+    .unwrap();
+    let wheel = RigidWheel::new(0.2, 0.1).unwrap();
+    let motion = Kinematics::straight(Slip::new(0.2).unwrap());
+    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    pair.forces_at(sinkage, &motion)
+        .unwrap()
+        .compaction_resistance
+}
+
+#[test]
+fn bekkers_compaction_resistance_is_the_limit() {
+    for n in [0.5_f64, 1.0, 1.1, 1.6] {
+        for z in [0.001_f64, 0.01, 0.05, 0.09] {
+            let bekker = 0.1 * (9000.0 + 1_528_400.0) * z.powf(n + 1.0) / (n + 1.0);
+            assert!(
+                (resistance(0.0, n, z) / bekker - 1.0).abs() < 1e-9,
+                "n {n} z {z}"
+            );
+            assert!(resistance(0.3, n, z) < bekker);
+        }
+    }
+}
