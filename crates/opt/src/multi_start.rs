@@ -93,7 +93,9 @@ pub fn multi_start(
         .map(|start| solve(&problem.from_start(start)?, method, settings))
         .collect::<Result<Vec<Solution>>>()?;
     let mut counts = Counts::default();
-    runs.iter().for_each(|run| counts += run.counts);
+    for run in &runs {
+        counts += run.counts;
+    }
     Ok(MultiStart {
         optima: distinct(&runs, &lower, &upper),
         starts: points,
@@ -125,6 +127,8 @@ fn distinct(runs: &[Solution], lower: &[f64], upper: &[f64]) -> Vec<Optimum> {
             }),
         }
     }
-    optima.iter_mut().for_each(|o| o.reached_by.sort_unstable());
+    for optimum in &mut optima {
+        optimum.reached_by.sort_unstable();
+    }
     optima
 }

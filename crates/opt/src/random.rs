@@ -45,13 +45,6 @@ impl Random {
         // The bias of a 64-bit remainder is below count/2⁶⁴.
         usize::try_from(self.bits() % (count.max(1) as u64)).unwrap_or(0)
     }
-
-    /// In random order.
-    pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
-        for last in (1..items.len()).rev() {
-            items.swap(last, self.below(last + 1));
-        }
-    }
 }
 
 #[cfg(test)]

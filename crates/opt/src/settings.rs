@@ -5,7 +5,8 @@ use crate::error::{Error, Result};
 /// Tolerances and limits of one solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Converged needs ‖∇L‖∞ ≤ this · max(1, max ‖∇f_i‖∞) and complementarity ≤ this · (1 + |γ|).
+    /// Converged needs complementarity ≤ this · (|γ| + F) and ‖∇L‖∞ ≤ this · max(Σ λ_i ‖∇f_i‖∞, G), where
+    /// F is max |f_i| and G is max ‖∇f_i‖∞ at the start, or 1 where that is less.
     pub optimality_tolerance: f64,
     /// A constraint is met when it is violated by no more than this.
     pub constraint_tolerance: f64,

@@ -29,6 +29,9 @@ pub enum Status {
     /// The model of the problem promises no decrease above rounding; the conditions hold less exactly
     /// than asked.
     SmallDirectionalDerivative,
+    /// No step improves on the point, yet the optimality conditions are far from holding: the functions
+    /// have a kink here, or their derivatives are wrong.
+    Stalled,
     /// A budget ran out.
     Limit(Limit),
     /// The caller said stop.
@@ -62,6 +65,7 @@ impl Status {
             Self::Converged => "converged",
             Self::SmallStep => "small_step",
             Self::SmallDirectionalDerivative => "small_directional_derivative",
+            Self::Stalled => "stalled",
             Self::Limit(_) => "limit",
             Self::Stopped => "stopped",
             Self::NoFeasiblePoint(_) => "no_feasible_point",

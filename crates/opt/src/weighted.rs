@@ -29,9 +29,11 @@ impl Sum<'_> {
         for (t, &i) in self.lifted.iter().enumerate() {
             sum += self.weights[i] * x[n + t];
         }
-        for i in self.problem.absolute()..m {
-            if self.weights[i] > 0.0 {
-                sum += self.weights[i] * old[i];
+        let plain = self.problem.absolute()..m;
+        for (weight, value) in self.weights[plain.clone()].iter().zip(&old[plain]) {
+            // An objective that does not count may have no value.
+            if *weight > 0.0 {
+                sum += weight * value;
             }
         }
         new[0] = sum;
@@ -155,15 +157,7 @@ pub(crate) fn solve(
     solution.x.truncate(n);
     problem.model().values(&solution.x, &mut values);
     solution.objectives = values[..m].to_vec();
-    solution.maximum = (0..m)
-        .map(|i| {
-            if i < problem.absolute() {
-                values[i].abs()
-            } else {
-                values[i]
-            }
-        })
-        .fold(f64::NEG_INFINITY, f64::max);
+    solution.maximum = sqp::greatest(problem, &values);
     let total: f64 = weights.iter().sum();
     solution.multipliers.objectives = weights.iter().map(|w| w / total).collect();
     solution.multipliers.hard_goals = vec![0.0; m];

@@ -61,7 +61,9 @@ pub fn hypervolume(points: &[Vec<f64>], reference: &[f64]) -> Result<f64> {
 
 fn area(points: Vec<(f64, f64)>, reference: (f64, f64)) -> f64 {
     let mut staircase = Staircase::default();
-    points.into_iter().for_each(|(a, b)| staircase.insert(a, b));
+    for (a, b) in points {
+        staircase.insert(a, b);
+    }
     staircase.area(reference)
 }
 

@@ -95,7 +95,7 @@ pub(super) fn polish(
         };
         points.push(candidate);
     }
-    Ok(nondominated(points))
+    Ok(nondominated(&points))
 }
 
 /// The objectives at the best point of each objective alone, found from the front's own best.
@@ -140,7 +140,7 @@ fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
 }
 
 /// Without points that another one beats or repeats, to the solver's tolerance.
-fn nondominated(points: Vec<FrontPoint>) -> Vec<FrontPoint> {
+fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
     const SAME: f64 = 1e-9;
     let beats = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = || a.objectives.iter().zip(&b.objectives);

@@ -88,7 +88,7 @@ impl ParetoSettings {
     /// The divisions asked for, or the most that fit the population.
     pub(super) fn divisions_for(&self, objectives: usize) -> usize {
         self.divisions.unwrap_or_else(|| {
-            (1..)
+            (1..=self.population)
                 .take_while(|&d| simplex_size(objectives, d) <= self.population)
                 .last()
                 .unwrap_or(1)

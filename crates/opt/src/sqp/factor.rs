@@ -52,8 +52,8 @@ impl Factor {
         for i in (0..n).rev() {
             y[i] /= self.l[i * n + i];
             let value = y[i];
-            for k in 0..i {
-                y[k] -= self.l[i * n + k] * value;
+            for (y, l) in y.iter_mut().zip(&self.l[i * n..i * n + i]) {
+                *y -= l * value;
             }
         }
         y

@@ -29,6 +29,8 @@ use crate::solution::{Counts, Solution};
 use crate::status::{Limit, Status};
 use crate::watch::{Progress, Watch};
 
+pub(crate) use report::greatest;
+
 use bfgs::Curvature;
 use point::{Evaluator, Point};
 use qp::{Qp, QpSolution, RowKind, Rows};
@@ -46,6 +48,8 @@ enum Phase {
 const FIRST_PRICE: f64 = 10.0;
 /// Beyond this price a violation is not for sale.
 const LAST_PRICE: f64 = 1e12;
+/// Optimality that passes for a solution when rounding allows no further step.
+const NEARLY: f64 = 1e-4;
 /// A level below this is taken for a fall without limit.
 const UNBOUNDED: f64 = -1e30;
 
@@ -58,6 +62,10 @@ struct Sqp<'a, 'w, 'f> {
     price: f64,
     multipliers: Vec<f64>,
     history: Vec<f64>,
+    /// What stationarity is compared with where all gradients vanish.
+    gradient_floor: f64,
+    /// What complementarity is compared with where the level is 0.
+    level_floor: f64,
     watch: &'w mut Watch<'f>,
 }
 
@@ -98,6 +106,8 @@ pub(crate) fn solve(
         price: FIRST_PRICE,
         multipliers: Vec::new(),
         history: Vec::new(),
+        gradient_floor: 1.0,
+        level_floor: 1.0,
         watch,
     }
     .run(point)
@@ -107,6 +117,14 @@ impl Sqp<'_, '_, '_> {
     fn run(mut self, start: Point) -> Solution {
         let mut point = start;
         let jacobian = self.evaluator.derivatives(&mut point);
+        let start = report::gradient_scale(self.program, &jacobian);
+        if start > 0.0 {
+            self.gradient_floor = start.min(1.0);
+        }
+        let size = point.objective_size(self.program);
+        if size > 0.0 {
+            self.level_floor = size.min(1.0);
+        }
         let mut model = Model { point, jacobian };
         let status = self.iterate(&mut model);
         report::solution(
@@ -179,6 +197,8 @@ impl Sqp<'_, '_, '_> {
                     self.scale_curvature(model);
                     continue;
                 }
+                let nearly = self.nearly_stationary(model, &rows, &solution, stationarity);
+                let status = if nearly { status } else { Status::Stalled };
                 if let Some(status) = self.settle(model, feasible, returns, status) {
                     return status;
                 }
@@ -314,8 +334,8 @@ impl Sqp<'_, '_, '_> {
     }
 
     fn subproblem(&mut self, model: &Model, rows: &Rows, warm: &[f64]) -> QpSolution {
-        let lower: Vec<f64> = self.room(&self.program.lower, model);
-        let upper: Vec<f64> = self.room(&self.program.upper, model);
+        let lower: Vec<f64> = Self::room(&self.program.lower, model);
+        let upper: Vec<f64> = Self::room(&self.program.upper, model);
         let factor = self.curvature.factor();
         Qp {
             factor: &factor,
@@ -326,7 +346,7 @@ impl Sqp<'_, '_, '_> {
         .solve(warm)
     }
 
-    fn room(&self, bounds: &[f64], model: &Model) -> Vec<f64> {
+    fn room(bounds: &[f64], model: &Model) -> Vec<f64> {
         bounds
             .iter()
             .zip(&model.point.x)
@@ -351,7 +371,34 @@ impl Sqp<'_, '_, '_> {
         stationarity: f64,
     ) -> bool {
         let tolerance = self.settings.optimality_tolerance;
-        let scale = report::gradient_scale(self.program, &model.jacobian).max(1.0);
+        self.optimality(model, rows, solution, stationarity) <= tolerance
+    }
+
+    /// Do the optimality conditions hold well enough to call a point without a further step a solution?
+    fn nearly_stationary(
+        &self,
+        model: &Model,
+        rows: &Rows,
+        solution: &QpSolution,
+        stationarity: f64,
+    ) -> bool {
+        let tolerance = self.settings.optimality_tolerance.max(NEARLY);
+        self.optimality(model, rows, solution, stationarity) <= tolerance
+    }
+
+    /// How far the optimality conditions are from holding, relative to their sizes.
+    fn optimality(
+        &self,
+        model: &Model,
+        rows: &Rows,
+        solution: &QpSolution,
+        stationarity: f64,
+    ) -> f64 {
+        let scale = self.gradient_floor.max(report::weighted_gradient_scale(
+            self.program,
+            &model.jacobian,
+            &solution.multipliers,
+        ));
         let level = model.point.level(self.program);
         let complementarity = report::complementarity(
             rows,
@@ -360,14 +407,14 @@ impl Sqp<'_, '_, '_> {
             } else {
                 0.0
             },
-            &self.room(&self.program.lower, model),
-            &self.room(&self.program.upper, model),
+            &Self::room(&self.program.lower, model),
+            &Self::room(&self.program.upper, model),
             &solution.multipliers,
         );
         let allowed = match self.phase {
-            Phase::Optimality => 1.0 + level.abs(),
+            Phase::Optimality => self.level_floor + level.abs(),
             Phase::Elastic => 1.0,
         };
-        stationarity <= tolerance * scale && complementarity <= tolerance * allowed
+        (stationarity / scale).max(complementarity / allowed)
     }
 }

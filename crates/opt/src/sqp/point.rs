@@ -24,6 +24,16 @@ impl Point {
             .fold(f64::NEG_INFINITY, |m, (_, &v)| if v > m { v } else { m })
     }
 
+    /// The greatest magnitude of an objective row.
+    pub(super) fn objective_size(&self, program: &Program<'_>) -> f64 {
+        program
+            .rows
+            .iter()
+            .zip(&self.rows)
+            .filter(|(row, _)| row.kind.is_objective())
+            .fold(0.0, |m, (_, v)| v.abs().max(m))
+    }
+
     /// The sum of all violations of rows that are not objectives.
     pub(super) fn total_violation(&self, program: &Program<'_>) -> f64 {
         program

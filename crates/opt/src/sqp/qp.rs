@@ -62,8 +62,6 @@ pub(super) struct Qp<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct QpSolution {
     pub(super) step: Vec<f64>,
-    /// γ; 0 if there is no objective row.
-    pub(super) level: f64,
     /// One per row, then (lower, upper) per variable.
     pub(super) multipliers: Vec<f64>,
     /// Do all rows hold, and every multiplier its sign?
@@ -242,7 +240,6 @@ impl Qp<'_> {
         }
         QpSolution {
             step,
-            level,
             multipliers: u,
             exact,
         }

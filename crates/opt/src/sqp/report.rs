@@ -4,6 +4,7 @@ use super::point::{Evaluator, Point, violation};
 use super::qp::{RowKind, Rows};
 use super::subspace::dot;
 use crate::jacobian::Jacobian;
+use crate::problem::Problem;
 use crate::program::{Kind, Program};
 use crate::settings::Settings;
 use crate::solution::{Kkt, Multipliers, Solution};
@@ -34,6 +35,21 @@ pub(super) fn gradient_scale(program: &Program<'_>, jacobian: &Jacobian) -> f64 
         .filter(|row| row.kind.is_objective())
         .map(|row| jacobian.row_norm(row.function) * row.scale)
         .fold(0.0, f64::max)
+}
+
+/// Σ λ_i ‖∇f_i‖∞: as `gradient_scale`, but steep objectives that carry no weight do not count.
+pub(super) fn weighted_gradient_scale(
+    program: &Program<'_>,
+    jacobian: &Jacobian,
+    u: &[f64],
+) -> f64 {
+    program
+        .rows
+        .iter()
+        .zip(u)
+        .filter(|(row, _)| row.kind.is_objective())
+        .map(|(row, u)| u * jacobian.row_norm(row.function) * row.scale)
+        .sum()
 }
 
 /// The greatest multiplier × distance from binding; `level` is γ.
@@ -90,109 +106,150 @@ pub(super) fn solution(
 ) -> Solution {
     let problem = program.problem;
     let (objectives, inequalities) = (problem.objectives().len(), problem.inequalities().len());
-    let n = program.dimension();
-    let at = |index: usize| u.get(index).copied().unwrap_or(0.0);
-    let mut multipliers = Multipliers {
-        objectives: vec![0.0; objectives],
-        hard_goals: vec![0.0; objectives],
-        inequalities: vec![0.0; inequalities],
-        equalities: vec![0.0; problem.equalities().len()],
-        linear: vec![0.0; program.linear.len()],
-        lower: vec![0.0; n],
-        upper: vec![0.0; n],
-    };
     let level = point.level(program);
-    let mut kkt = Kkt {
-        violation: point.worst_violation(program),
-        ..Kkt::default()
-    };
-    let mut gradient = vec![0.0; n];
-    for (index, (row, &value)) in program.rows.iter().zip(&point.rows).enumerate() {
-        let price = at(index);
-        let slack = match row.kind {
-            Kind::Objective(i) => {
-                multipliers.objectives[i] += price;
-                level - value
-            }
-            Kind::HardGoal(i) => {
-                multipliers.hard_goals[i] += price;
-                (-value).max(0.0)
-            }
-            Kind::Inequality(j) => {
-                multipliers.inequalities[j] = price;
-                (-value).max(0.0)
-            }
-            Kind::Equality(k) => {
-                multipliers.equalities[k] = price;
-                0.0
-            }
-        };
-        kkt.complementarity = kkt.complementarity.max((price * slack).abs());
-        if let Some(jacobian) = jacobian {
-            let slope = price * row.slope();
-            for (sum, g) in gradient.iter_mut().zip(jacobian.row(row.function)) {
-                if slope != 0.0 {
-                    *sum += slope * g;
-                }
-            }
-        }
-    }
-    for (l, row) in program.linear.iter().enumerate() {
-        let price = at(program.rows.len() + l);
-        multipliers.linear[l] = price;
-        let value = dot(&row.coefficients, &point.x) - row.bound;
-        let (off, slack) = if row.equal {
-            (value.abs(), 0.0)
-        } else {
-            (value.max(0.0), (-value).max(0.0))
-        };
-        kkt.violation = kkt.violation.max(off);
-        kkt.complementarity = kkt.complementarity.max((price * slack).abs());
-        for (sum, a) in gradient.iter_mut().zip(&row.coefficients) {
-            *sum += price * a;
-        }
-    }
-    for i in 0..n {
-        let first = program.rows.len() + program.linear.len() + 2 * i;
-        let (low, high) = (at(first), at(first + 1));
-        (multipliers.lower[i], multipliers.upper[i]) = (low, high);
-        gradient[i] += high - low;
-        for (price, slack) in [
-            (low, point.x[i] - program.lower[i]),
-            (high, program.upper[i] - point.x[i]),
-        ] {
-            if price != 0.0 {
-                kkt.complementarity = kkt.complementarity.max((price * slack).abs());
-            }
-        }
-    }
-    kkt.stationarity = gradient.iter().fold(0.0, |m, g| g.abs().max(m));
-    kkt.gradient_scale = jacobian.map_or(0.0, |jacobian| gradient_scale(program, jacobian));
+    let mut sums = Sums::new(program, u);
+    sums.kkt.violation = point.worst_violation(program);
+    sums.kkt.gradient_scale = jacobian.map_or(0.0, |jacobian| gradient_scale(program, jacobian));
+    sums.add_rows(&point, level, jacobian);
+    sums.add_linear(&point);
+    sums.add_bounds(&point);
     let values = &point.functions;
-    let maximum = (0..objectives)
-        .map(|i| {
-            if i < problem.absolute() {
-                values[i].abs()
-            } else {
-                values[i]
-            }
-        })
-        .fold(
-            f64::NEG_INFINITY,
-            |m, v| if v > m || v.is_nan() { v } else { m },
-        );
     Solution {
         status,
-        active: active(program, settings, &point, level, &multipliers),
+        active: active(program, settings, &point, level, &sums.multipliers),
         objectives: values[..objectives].to_vec(),
-        maximum,
+        maximum: greatest(problem, values),
         utility: level,
         inequalities: values[objectives..objectives + inequalities].to_vec(),
         equalities: values[objectives + inequalities..].to_vec(),
-        multipliers,
-        kkt,
+        kkt: Kkt {
+            stationarity: sums.gradient.iter().fold(0.0, |m, g| g.abs().max(m)),
+            ..sums.kkt
+        },
+        multipliers: sums.multipliers,
         counts: evaluator.counts,
         x: point.x,
+    }
+}
+
+/// The greatest objective, |f| where absolute; NaN if one has no value.
+pub(crate) fn greatest(problem: &Problem<'_>, values: &[f64]) -> f64 {
+    let sized = |(i, f): (usize, &f64)| if i < problem.absolute() { f.abs() } else { *f };
+    values[..problem.objectives().len()]
+        .iter()
+        .enumerate()
+        .map(sized)
+        .fold(
+            f64::NEG_INFINITY,
+            |m, v| {
+                if v > m || v.is_nan() { v } else { m }
+            },
+        )
+}
+
+/// Sorts the solver's multipliers by what they belong to, and adds up the optimality conditions.
+struct Sums<'a> {
+    program: &'a Program<'a>,
+    u: &'a [f64],
+    multipliers: Multipliers,
+    kkt: Kkt,
+    gradient: Vec<f64>,
+}
+
+impl<'a> Sums<'a> {
+    fn new(program: &'a Program<'a>, u: &'a [f64]) -> Self {
+        let problem = program.problem;
+        let objectives = problem.objectives().len();
+        let n = program.dimension();
+        Self {
+            program,
+            u,
+            multipliers: Multipliers {
+                objectives: vec![0.0; objectives],
+                hard_goals: vec![0.0; objectives],
+                inequalities: vec![0.0; problem.inequalities().len()],
+                equalities: vec![0.0; problem.equalities().len()],
+                linear: vec![0.0; program.linear.len()],
+                lower: vec![0.0; n],
+                upper: vec![0.0; n],
+            },
+            kkt: Kkt::default(),
+            gradient: vec![0.0; n],
+        }
+    }
+
+    fn at(&self, index: usize) -> f64 {
+        self.u.get(index).copied().unwrap_or(0.0)
+    }
+
+    fn add_slack(&mut self, price: f64, slack: f64) {
+        if price != 0.0 {
+            self.kkt.complementarity = self.kkt.complementarity.max((price * slack).abs());
+        }
+    }
+
+    fn add_gradient(&mut self, weight: f64, gradient: &[f64]) {
+        if weight != 0.0 {
+            for (sum, g) in self.gradient.iter_mut().zip(gradient) {
+                *sum += weight * g;
+            }
+        }
+    }
+
+    fn add_rows(&mut self, point: &Point, level: f64, jacobian: Option<&Jacobian>) {
+        for (index, (row, &value)) in self.program.rows.iter().zip(&point.rows).enumerate() {
+            let price = self.at(index);
+            let parts = &mut self.multipliers;
+            let slack = match row.kind {
+                Kind::Objective(i) => {
+                    parts.objectives[i] += price;
+                    level - value
+                }
+                Kind::HardGoal(i) => {
+                    parts.hard_goals[i] += price;
+                    (-value).max(0.0)
+                }
+                Kind::Inequality(j) => {
+                    parts.inequalities[j] = price;
+                    (-value).max(0.0)
+                }
+                Kind::Equality(k) => {
+                    parts.equalities[k] = price;
+                    0.0
+                }
+            };
+            self.add_slack(price, slack);
+            if let Some(jacobian) = jacobian {
+                self.add_gradient(price * row.slope(), jacobian.row(row.function));
+            }
+        }
+    }
+
+    fn add_linear(&mut self, point: &Point) {
+        for (l, row) in self.program.linear.iter().enumerate() {
+            let price = self.at(self.program.rows.len() + l);
+            self.multipliers.linear[l] = price;
+            let value = dot(&row.coefficients, &point.x) - row.bound;
+            let (off, slack) = if row.equal {
+                (value.abs(), 0.0)
+            } else {
+                (value.max(0.0), (-value).max(0.0))
+            };
+            self.kkt.violation = self.kkt.violation.max(off);
+            self.add_slack(price, slack);
+            self.add_gradient(price, &row.coefficients);
+        }
+    }
+
+    fn add_bounds(&mut self, point: &Point) {
+        let first = self.program.rows.len() + self.program.linear.len();
+        for (i, &x) in point.x.iter().enumerate() {
+            let (low, high) = (self.at(first + 2 * i), self.at(first + 2 * i + 1));
+            (self.multipliers.lower[i], self.multipliers.upper[i]) = (low, high);
+            self.gradient[i] += high - low;
+            self.add_slack(low, x - self.program.lower[i]);
+            self.add_slack(high, self.program.upper[i] - x);
+        }
     }
 }
 
@@ -206,7 +263,9 @@ fn active(
     multipliers: &Multipliers,
 ) -> Vec<String> {
     let problem = program.problem;
-    let near = |slack: f64, size: f64| slack <= 10.0 * settings.constraint_tolerance * (1.0 + size);
+    let near = |slack: f64, size: f64| {
+        slack.is_finite() && slack <= 10.0 * settings.constraint_tolerance * (1.0 + size)
+    };
     let mut names: Vec<String> = Vec::new();
     for (row, &value) in program.rows.iter().zip(&point.rows) {
         let binds = match row.kind {

@@ -163,7 +163,9 @@ impl<'a> Subspace<'a> {
             direction[base] = -objectives;
         }
         if slope < 0.0 {
-            direction.iter_mut().for_each(|v| *v = -*v);
+            for v in &mut direction {
+                *v = -*v;
+            }
         }
         Outcome::Dependent { direction }
     }

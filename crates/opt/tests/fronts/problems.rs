@@ -4,7 +4,7 @@ use grouser_opt::{Exact, Functions, ParetoSettings, Problem, ProblemParams, Vari
 use grouser_real::Scalar;
 
 /// ZDT1 (Zitzler, Deb & Thiele 2000): front f2 = 1 − √f1.
-pub struct Zdt1;
+pub(crate) struct Zdt1;
 impl Functions for Zdt1 {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         let mut sum = R::ZERO;
@@ -18,7 +18,7 @@ impl Functions for Zdt1 {
 }
 
 /// DTLZ2 (Deb, Thiele, Laumanns & Zitzler 2005) with three objectives: the front is the unit sphere.
-pub struct Dtlz2;
+pub(crate) struct Dtlz2;
 impl Functions for Dtlz2 {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         let mut g = R::ZERO;
@@ -48,7 +48,7 @@ fn unit_box(n: usize, m: usize, model: impl Functions + 'static) -> Problem<'sta
     .expect("a published problem")
 }
 
-pub fn zdt1() -> (Problem<'static>, ParetoSettings) {
+pub(crate) fn zdt1() -> (Problem<'static>, ParetoSettings) {
     let settings = ParetoSettings {
         population: 100,
         generations: 250,
@@ -57,7 +57,7 @@ pub fn zdt1() -> (Problem<'static>, ParetoSettings) {
     (unit_box(30, 2, Zdt1), settings)
 }
 
-pub fn dtlz2() -> (Problem<'static>, ParetoSettings) {
+pub(crate) fn dtlz2() -> (Problem<'static>, ParetoSettings) {
     let settings = ParetoSettings {
         population: 92,
         generations: 250,

@@ -20,7 +20,7 @@ impl Functions for Wong2 {
 }
 
 /// As in the unconstrained set, with the linear constraints of HS 113 kept as such.
-pub fn wong2() -> ProblemParams<'static> {
+pub(crate) fn wong2() -> ProblemParams<'static> {
     ProblemParams {
         linear: vec![
             at_most(1, 10, &[(0, 4.0), (1, 5.0), (6, -3.0), (7, 9.0)], 105.0),
@@ -40,7 +40,7 @@ impl Functions for Mad1 {
     }
 }
 
-pub fn mad1() -> ProblemParams<'static> {
+pub(crate) fn mad1() -> ProblemParams<'static> {
     ProblemParams {
         linear: vec![at_most(1, 2, &[(0, -1.0), (1, -1.0)], -0.5)],
         ..plain(&[1.0, 2.0], 3, Mad1)
@@ -56,7 +56,7 @@ impl Functions for Mad4 {
     }
 }
 
-pub fn mad4() -> ProblemParams<'static> {
+pub(crate) fn mad4() -> ProblemParams<'static> {
     let mut params = ProblemParams {
         linear: vec![at_most(1, 2, &[(0, -0.05), (1, 1.0)], 0.5)],
         ..plain(&[-1.0, 0.01], 3, Mad4)
@@ -75,7 +75,7 @@ impl Functions for Pentagon {
 }
 
 /// Three points in a regular pentagon, as far apart as can be.
-pub fn pentagon() -> ProblemParams<'static> {
+pub(crate) fn pentagon() -> ProblemParams<'static> {
     let mut linear = Vec::new();
     for point in 0..3 {
         for side in 0..5 {
@@ -106,7 +106,7 @@ impl Functions for Antenna {
 }
 
 /// An antenna array: the last element fixed, two of them one wavelength apart, the others at least 0.4.
-pub fn mad6() -> ProblemParams<'static> {
+pub(crate) fn mad6() -> ProblemParams<'static> {
     let start: Vec<f64> = (1..=7).map(|i| 0.5 * f64::from(i)).collect();
     let mut linear: Vec<_> = (0..6)
         .map(|i| at_most(i + 1, 7, &[(i, 1.0), (i + 1, -1.0)], -0.4))

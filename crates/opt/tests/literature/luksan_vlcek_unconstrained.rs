@@ -16,7 +16,7 @@ impl Functions for Spiral {
     }
 }
 
-pub fn spiral() -> ProblemParams<'static> {
+pub(crate) fn spiral() -> ProblemParams<'static> {
     plain(&[1.418_31, -4.794_62], 2, Spiral)
 }
 
@@ -35,7 +35,7 @@ impl Functions for RosenSuzuki {
     }
 }
 
-pub fn rosen_suzuki() -> ProblemParams<'static> {
+pub(crate) fn rosen_suzuki() -> ProblemParams<'static> {
     plain(&[0.0; 4], 4, RosenSuzuki)
 }
 
@@ -52,7 +52,7 @@ impl Functions for Pbc3 {
     }
 }
 
-pub fn pbc3() -> ProblemParams<'static> {
+pub(crate) fn pbc3() -> ProblemParams<'static> {
     absolute(&[1.0; 3], 21, Pbc3)
 }
 
@@ -79,7 +79,7 @@ impl Functions for KowalikOsborne {
     }
 }
 
-pub fn kowalik_osborne() -> ProblemParams<'static> {
+pub(crate) fn kowalik_osborne() -> ProblemParams<'static> {
     absolute(&[0.25, 0.39, 0.415, 0.39], 11, KowalikOsborne)
 }
 
@@ -95,7 +95,7 @@ impl Functions for Davidon2 {
     }
 }
 
-pub fn davidon_2() -> ProblemParams<'static> {
+pub(crate) fn davidon_2() -> ProblemParams<'static> {
     absolute(&[25.0, 5.0, -5.0, -1.0], 20, Davidon2)
 }
 
@@ -110,7 +110,7 @@ impl Functions for Oet5 {
     }
 }
 
-pub fn oet5() -> ProblemParams<'static> {
+pub(crate) fn oet5() -> ProblemParams<'static> {
     absolute(&[1.0; 4], 21, Oet5)
 }
 
@@ -126,7 +126,7 @@ impl Functions for RationalExp {
     }
 }
 
-pub fn exp() -> ProblemParams<'static> {
+pub(crate) fn exp() -> ProblemParams<'static> {
     absolute(&[0.5, 0.0, 0.0, 0.0, 0.0], 21, RationalExp)
 }
 
@@ -146,7 +146,7 @@ impl Functions for Evd61 {
     }
 }
 
-pub fn evd61() -> ProblemParams<'static> {
+pub(crate) fn evd61() -> ProblemParams<'static> {
     absolute(&[2.0, 2.0, 7.0, 0.0, -2.0, 1.0], 51, Evd61)
 }
 
@@ -179,7 +179,7 @@ impl Functions for Filter {
     }
 }
 
-pub fn filter() -> ProblemParams<'static> {
+pub(crate) fn filter() -> ProblemParams<'static> {
     absolute(
         &[0.0, 1.0, 0.0, -0.15, 0.0, -0.68, 0.0, -0.72, 0.37],
         41,
@@ -188,7 +188,7 @@ pub fn filter() -> ProblemParams<'static> {
 }
 
 /// Hock & Schittkowski's problem 113: its objective, five nonlinear constraints, three linear ones.
-pub fn hs113<R: Scalar>(x: &[R]) -> (R, [R; 5], [R; 3]) {
+pub(crate) fn hs113<R: Scalar>(x: &[R]) -> (R, [R; 5], [R; 3]) {
     let c = R::from_f64;
     let from = |i: usize, centre: f64| (x[i] - c(centre)).square();
     let objective = x[0].square() + x[1].square() + x[0] * x[1] - c(14.0) * x[0] - c(16.0) * x[1]
@@ -219,7 +219,7 @@ pub fn hs113<R: Scalar>(x: &[R]) -> (R, [R; 5], [R; 3]) {
     (objective, curved, linear)
 }
 
-pub const WONG_START: [f64; 10] = [2.0, 3.0, 5.0, 5.0, 1.0, 2.0, 7.0, 3.0, 6.0, 10.0];
+pub(crate) const WONG_START: [f64; 10] = [2.0, 3.0, 5.0, 5.0, 1.0, 2.0, 7.0, 3.0, 6.0, 10.0];
 
 struct Wong2;
 impl Functions for Wong2 {
@@ -232,7 +232,7 @@ impl Functions for Wong2 {
     }
 }
 
-pub fn wong2() -> ProblemParams<'static> {
+pub(crate) fn wong2() -> ProblemParams<'static> {
     plain(&WONG_START, 9, Wong2)
 }
 
@@ -250,6 +250,6 @@ impl Functions for Polak3 {
     }
 }
 
-pub fn polak3() -> ProblemParams<'static> {
+pub(crate) fn polak3() -> ProblemParams<'static> {
     plain(&[1.0; 11], 10, Polak3)
 }

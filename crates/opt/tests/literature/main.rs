@@ -1,9 +1,16 @@
 //! The published minimax problems, each from its published start.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first surprise, and prints what it measured"
+)]
 
 mod luksan_vlcek_linear;
 mod luksan_vlcek_unconstrained;
 mod other;
 mod suite;
+
+use std::fmt::Write as _;
 
 use grouser_opt::{Method, Problem, Settings, Solution, Status, solve};
 
@@ -25,8 +32,8 @@ fn stationarity(problem: &Problem<'_>, solution: &Solution) -> (f64, f64) {
         .derivatives(&solution.x, &mut values, &mut jacobian);
     let mut sum = vec![0.0; n];
     let mut scale = 0.0_f64;
-    for i in 0..m {
-        let sign = if i < problem.absolute() && values[i] < 0.0 {
+    for (i, &value) in values.iter().enumerate() {
+        let sign = if i < problem.absolute() && value < 0.0 {
             -1.0
         } else {
             1.0
@@ -119,13 +126,14 @@ fn effort() {
     let mut total = 0;
     for case in all() {
         let (_, solution) = solved(&case);
-        let line = format!(
-            "{:<15} jacobians {:>3}  values {:>3}\n",
-            case.name, solution.counts.jacobians, solution.counts.values
+        let counts = solution.counts;
+        let _ = writeln!(
+            table,
+            "{:<15} jacobians {:>3}  values {:>3}",
+            case.name, counts.jacobians, counts.values
         );
-        table.push_str(&line);
         total += solution.counts.jacobians;
     }
-    table.push_str(&format!("together        jacobians {total}"));
+    let _ = write!(table, "together        jacobians {total}");
     insta::assert_snapshot!(table);
 }

@@ -15,7 +15,7 @@ impl Functions for Cb2 {
     }
 }
 
-pub fn cb2() -> ProblemParams<'static> {
+pub(crate) fn cb2() -> ProblemParams<'static> {
     plain(&[2.0, 2.0], 3, Cb2)
 }
 
@@ -32,6 +32,6 @@ impl Functions for MatlabPage {
 }
 
 /// The optimum (4, 4) is local: f2 falls without limit, but the others hold the maximum up.
-pub fn matlab_page() -> ProblemParams<'static> {
+pub(crate) fn matlab_page() -> ProblemParams<'static> {
     plain(&[0.1, 0.1], 5, MatlabPage)
 }

@@ -4,15 +4,15 @@ use grouser_opt::{Exact, Functions, LinearConstraint, ProblemParams, Relation};
 
 use crate::{luksan_vlcek_linear, luksan_vlcek_unconstrained, other};
 
-pub struct Case {
-    pub name: &'static str,
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
     /// The best value published.
-    pub optimum: f64,
-    pub params: fn() -> ProblemParams<'static>,
+    pub(crate) optimum: f64,
+    pub(crate) params: fn() -> ProblemParams<'static>,
 }
 
 /// The eighteen problems, in the order of the reference table.
-pub fn all() -> Vec<Case> {
+pub(crate) fn all() -> Vec<Case> {
     use luksan_vlcek_linear as lin;
     use luksan_vlcek_unconstrained as lv;
     let case = |name, optimum, params| Case {
@@ -43,12 +43,20 @@ pub fn all() -> Vec<Case> {
 }
 
 /// max f_i over m objectives.
-pub fn plain(start: &[f64], m: usize, f: impl Functions + 'static) -> ProblemParams<'static> {
+pub(crate) fn plain(
+    start: &[f64],
+    m: usize,
+    f: impl Functions + 'static,
+) -> ProblemParams<'static> {
     ProblemParams::new(start, m, Exact(f))
 }
 
 /// max |f_i| over m objectives.
-pub fn absolute(start: &[f64], m: usize, f: impl Functions + 'static) -> ProblemParams<'static> {
+pub(crate) fn absolute(
+    start: &[f64],
+    m: usize,
+    f: impl Functions + 'static,
+) -> ProblemParams<'static> {
     ProblemParams {
         absolute: m,
         ..plain(start, m, f)
@@ -56,7 +64,12 @@ pub fn absolute(start: &[f64], m: usize, f: impl Functions + 'static) -> Problem
 }
 
 /// Σ coefficient · x\[index\] ≤ bound, as row number `number`.
-pub fn at_most(number: usize, n: usize, terms: &[(usize, f64)], bound: f64) -> LinearConstraint {
+pub(crate) fn at_most(
+    number: usize,
+    n: usize,
+    terms: &[(usize, f64)],
+    bound: f64,
+) -> LinearConstraint {
     let mut coefficients = vec![0.0; n];
     for &(index, coefficient) in terms {
         coefficients[index] = coefficient;

@@ -1,0 +1,141 @@
+//! Robust design: the same problem under many possible worlds at once.
+//!
+//! Each world (a soil sample, a load case) is a [`Model`] with the same functions. [`robust`] joins K of them
+//! into one problem, whose objectives are what a [`Measure`] makes of the m·K partial functions.
+//! Constraints must hold in every world.
+
+mod cvar;
+mod measure;
+mod normal;
+mod samples;
+mod spread;
+mod worst_case;
+
+use crate::error::{Error, Result};
+use crate::jacobian::Jacobian;
+use crate::model::Model;
+use crate::problem::{Problem, ProblemParams};
+
+pub use measure::Measure;
+pub use samples::{Uncertainty, sample};
+
+/// A problem under many worlds.
+pub struct Robust<'a> {
+    problem: Problem<'a>,
+    variables: usize,
+}
+
+impl<'a> Robust<'a> {
+    /// The problem to solve. Its first variables are the problem's own; after them may come helpers.
+    #[must_use]
+    pub fn problem(&self) -> &Problem<'a> {
+        &self.problem
+    }
+
+    /// The problem's own variables out of a point of [`Robust::problem`].
+    #[must_use]
+    pub fn own<'x>(&self, x: &'x [f64]) -> &'x [f64] {
+        &x[..self.variables.min(x.len())]
+    }
+}
+
+/// Joins `worlds` into one problem. `params` describes it; its own model is one world more only if it is
+/// among them, and is not used otherwise.
+///
+/// # Errors
+/// No worlds, a measure's parameter outside its range, and what [`Problem::new`] refuses.
+///
+/// ```
+/// use grouser_opt::{Differences, Measure, Method, Model, ProblemParams, Settings, robust, solve};
+///
+/// // (x − a)² for a = 0, 1, 4: the best worst case lies half-way between the extremes.
+/// let world = |a: f64| -> Box<dyn Model> {
+///     Box::new(Differences::new(move |x: &[f64], f: &mut [f64]| f[0] = (x[0] - a).powi(2)))
+/// };
+/// let params = ProblemParams::new(&[0.5], 1, world(0.0));
+/// let joint = robust(params, vec![world(0.0), world(1.0), world(4.0)], Measure::WorstCase)?;
+/// let solution = solve(joint.problem(), &Method::Minimax, &Settings::default())?;
+/// assert!((joint.own(&solution.x)[0] - 2.0).abs() < 1e-6);
+/// assert!((solution.multipliers.objectives[0] - 0.5).abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
+pub fn robust<'a>(
+    params: ProblemParams<'a>,
+    worlds: Vec<Box<dyn Model + 'a>>,
+    measure: Measure,
+) -> Result<Robust<'a>> {
+    if worlds.is_empty() {
+        return Err(Error::Empty { what: "worlds" });
+    }
+    measure.check()?;
+    let variables = params.variables.len();
+    let worlds = Worlds {
+        n: variables,
+        m: params.objectives.len(),
+        functions: params.objectives.len() + params.inequalities.len() + params.equalities.len(),
+        absolute: params.absolute,
+        models: worlds,
+    };
+    let problem = match measure {
+        Measure::WorstCase => worst_case::problem(params, worlds)?,
+        Measure::MeanPlusDeviations { kappa } => spread::problem(params, worlds, kappa)?,
+        Measure::ConditionalValueAtRisk { alpha } => cvar::problem(params, worlds, alpha)?,
+    };
+    Ok(Robust { problem, variables })
+}
+
+/// K models with the same functions over the same variables.
+struct Worlds<'a> {
+    n: usize,
+    m: usize,
+    functions: usize,
+    absolute: usize,
+    models: Vec<Box<dyn Model + 'a>>,
+}
+
+impl Worlds<'_> {
+    fn count(&self) -> usize {
+        self.models.len()
+    }
+
+    /// One list of function values per world.
+    fn values(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        self.models
+            .iter()
+            .map(|world| {
+                let mut values = vec![f64::NAN; self.functions];
+                world.values(&x[..self.n], &mut values);
+                values
+            })
+            .collect()
+    }
+
+    /// The same with gradients.
+    fn derivatives(&self, x: &[f64]) -> Vec<(Vec<f64>, Jacobian)> {
+        self.models
+            .iter()
+            .map(|world| {
+                let mut values = vec![f64::NAN; self.functions];
+                let mut jacobian = Jacobian::zeros(self.functions, self.n);
+                world.derivatives(&x[..self.n], &mut values, &mut jacobian);
+                (values, jacobian)
+            })
+            .collect()
+    }
+
+    /// `name @ world`, for every world, for every name: the order of all joint lists.
+    fn names(&self, names: &[String]) -> Vec<String> {
+        names
+            .iter()
+            .flat_map(|name| (1..=self.count()).map(move |world| format!("{name} @ {world}")))
+            .collect()
+    }
+}
+
+/// Copies a gradient over the problem's own variables into a row that may be longer.
+fn set_row(row: &mut [f64], gradient: &[f64]) {
+    row.fill(0.0);
+    for (out, g) in row.iter_mut().zip(gradient) {
+        *out = *g;
+    }
+}
