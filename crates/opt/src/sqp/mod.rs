@@ -62,6 +62,8 @@ struct Sqp<'a, 'w, 'f> {
     price: f64,
     multipliers: Vec<f64>,
     history: Vec<f64>,
+    /// Steps in a row that promised no more than rounding.
+    quiet: usize,
     /// What stationarity is compared with where all gradients vanish.
     gradient_floor: f64,
     /// What complementarity is compared with where the level is 0.
@@ -106,6 +108,7 @@ pub(crate) fn solve(
         price: FIRST_PRICE,
         multipliers: Vec::new(),
         history: Vec::new(),
+        quiet: 0,
         gradient_floor: 1.0,
         level_floor: 1.0,
         watch,

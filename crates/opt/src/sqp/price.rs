@@ -4,7 +4,7 @@
 
 use super::point::violation;
 use super::qp::{QpSolution, RowKind, Rows};
-use super::{FIRST_PRICE, LAST_PRICE, Model, Phase, Sqp, subspace};
+use super::{LAST_PRICE, Model, Phase, Sqp, subspace};
 use crate::program::Program;
 
 /// A tenfold price must lower the linearised violation at least to this share to be worth it.
@@ -15,7 +15,7 @@ impl Sqp<'_, '_, '_> {
     pub(super) fn priced_step(&mut self, model: &Model) -> (Rows, QpSolution) {
         let price = match self.phase {
             Phase::Optimality => self.price,
-            Phase::Elastic => FIRST_PRICE,
+            Phase::Elastic => 1.0,
         };
         let mut rows = self.linearise(model, price);
         let warm = std::mem::take(&mut self.multipliers);

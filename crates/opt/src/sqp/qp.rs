@@ -81,9 +81,16 @@ impl Qp<'_> {
     }
 
     fn kind(&self, row: usize) -> RowKind {
-        match self.rows.kinds.get(row) {
-            Some(&kind) => kind,
-            None => RowKind::Inequality { cap: f64::INFINITY },
+        if let Some(&kind) = self.rows.kinds.get(row) {
+            return kind;
+        }
+        // The two bounds of a fixed variable are one equality, kept in the place of the lower one.
+        let cap = f64::INFINITY;
+        let (variable, sign) = self.bound_row(row);
+        match (self.lower[variable] == self.upper[variable], sign < 0.0) {
+            (false, _) => RowKind::Inequality { cap },
+            (true, true) => RowKind::Equality { cap },
+            (true, false) => RowKind::Ignored,
         }
     }
 
@@ -142,7 +149,8 @@ impl Qp<'_> {
         } else {
             let (variable, sign) = self.bound_row(row);
             let (d, b) = (sign * step[variable], self.offset(row));
-            (d + b, d.abs() + b.abs())
+            let size = step.iter().fold(b.abs(), |m, d| m.max(d.abs()));
+            (d + b, size)
         }
     }
 
@@ -165,9 +173,9 @@ impl Qp<'_> {
         let (mut step, mut level) = (vec![0.0; self.n()], 0.0);
         let mut exact = false;
         let mut rounds = 0;
+        let mut entered = None;
         while rounds < limit {
             // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
-            let mut entered = members.last().map(|m| m.row);
             loop {
                 rounds += 1;
                 let outcome = Subspace::new(&members, &held, &u, self.n()).solve();
@@ -196,18 +204,22 @@ impl Qp<'_> {
                     }
                     break;
                 }
+                let mut moved = false;
                 for (member, change) in members.iter().zip(&direction) {
-                    u[member.row] += length * change;
+                    let change = length * change;
+                    u[member.row] += change;
+                    moved |= change.abs() > ROUNDING * u[member.row].abs();
+                }
+                if moved {
+                    barred.clear();
                 }
                 let Some((index, bound)) = blocking else {
                     break;
                 };
                 let left = members.remove(index);
                 u[left.row] = bound;
-                if entered == Some(left.row) && length == 0.0 {
+                if entered == Some(left.row) && !moved {
                     barred.push(left.row);
-                } else if length > 0.0 {
-                    barred.clear();
                 }
                 if bound != 0.0 {
                     held.push(left);
@@ -234,14 +246,25 @@ impl Qp<'_> {
             };
             held.retain(|m| m.row != entering);
             members.push(self.member(entering));
+            entered = Some(entering);
         }
         for (d, (low, high)) in step.iter_mut().zip(self.lower.iter().zip(self.upper)) {
             *d = d.clamp(*low, *high);
         }
+        self.split_fixed(&mut u);
         QpSolution {
             step,
             multipliers: u,
             exact,
+        }
+    }
+
+    /// Gives the negative part of a fixed variable's multiplier to its upper bound.
+    fn split_fixed(&self, u: &mut [f64]) {
+        for (variable, pair) in u[self.rows.kinds.len()..].chunks_exact_mut(2).enumerate() {
+            if self.lower[variable] == self.upper[variable] {
+                (pair[0], pair[1]) = (pair[0].max(0.0), (-pair[0]).max(0.0));
+            }
         }
     }
 
@@ -250,7 +273,10 @@ impl Qp<'_> {
         let mut u: Vec<f64> = (0..self.count())
             .map(|row| {
                 let (low, high) = self.kind(row).range();
-                let start = warm.get(row).copied().unwrap_or(0.0);
+                let mut start = warm.get(row).copied().unwrap_or(0.0);
+                if row >= self.rows.kinds.len() && low < 0.0 {
+                    start -= warm.get(row + 1).copied().unwrap_or(0.0);
+                }
                 if start.is_finite() {
                     start.clamp(low, high)
                 } else {

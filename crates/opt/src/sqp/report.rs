@@ -52,7 +52,8 @@ pub(super) fn weighted_gradient_scale(
         .sum()
 }
 
-/// The greatest multiplier × distance from binding; `level` is γ.
+/// The greatest multiplier × distance from binding; `level` is γ. A violated row binds at its cap: what its
+/// multiplier lacks there counts times the violation.
 pub(super) fn complementarity(
     rows: &Rows,
     level: f64,
@@ -61,11 +62,18 @@ pub(super) fn complementarity(
     multipliers: &[f64],
 ) -> f64 {
     let mut worst = 0.0_f64;
-    for ((kind, &offset), &u) in rows.kinds.iter().zip(&rows.offsets).zip(multipliers) {
+    for ((&kind, &offset), &u) in rows.kinds.iter().zip(&rows.offsets).zip(multipliers) {
         let slack = match kind {
             RowKind::Objective => level - offset,
-            // A violated row at its cap is not slack: it is the violation's business.
+            RowKind::Inequality { cap } if offset > 0.0 && cap.is_finite() => {
+                worst = worst.max((cap - u) * offset);
+                0.0
+            }
             RowKind::Inequality { .. } => (-offset).max(0.0),
+            RowKind::Equality { cap } if cap.is_finite() => {
+                worst = worst.max((cap - u.abs()) * offset.abs());
+                0.0
+            }
             RowKind::Equality { .. } | RowKind::Ignored => 0.0,
         };
         worst = worst.max((u * slack).abs());

@@ -17,6 +17,10 @@ use super::{Model, Phase, Sqp, subspace};
 const SHARE: f64 = 1e-4;
 /// So many past merits may stand in for the current one.
 const MEMORY: usize = 3;
+/// So many steps in a row may promise no more than rounding: they can still improve the multipliers.
+const QUIET: usize = 4;
+/// ‖d̂ − d‖² may be at most this share of ‖d‖².
+const LONGEST_BEND: f64 = 0.5;
 /// Shortest fraction of a step that is tried.
 const SHORTEST: f64 = 1e-14;
 
@@ -74,9 +78,16 @@ impl Sqp<'_, '_, '_> {
 
     pub(super) fn search(&mut self, model: &Model, rows: &Rows, solution: &QpSolution) -> Outcome {
         let merit = self.merit(&model.point);
-        let promise = merit - self.linear_merit(rows, solution);
         let rounding = 16.0 * f64::EPSILON * merit.abs().max(f64::MIN_POSITIVE);
-        if !(promise > 0.0) || self.curvature.energy(&solution.step) == 0.0 {
+        // The subproblem's optimality gives Δ ≥ dᵀB d; near the end the difference of merits is noise.
+        let energy = self.curvature.energy(&solution.step);
+        let promise = (merit - self.linear_merit(rows, solution)).max(energy);
+        self.quiet = if promise > rounding {
+            0
+        } else {
+            self.quiet + 1
+        };
+        if !(energy > 0.0) || self.quiet > QUIET {
             return Outcome::NoDecrease;
         }
         self.history.push(merit);
@@ -142,7 +153,7 @@ impl Sqp<'_, '_, '_> {
             .zip(&solution.step)
             .map(|(a, b)| (b * b, (a - b) * (a - b)))
             .fold((0.0, 0.0), |s, t| (s.0 + t.0, s.1 + t.1));
-        // A correction longer than the step corrects nothing.
-        (corrected.exact && bend <= d).then_some(corrected.step)
+        // A correction about as long as the step is no correction: it may even lead back to the start.
+        (corrected.exact && bend <= LONGEST_BEND * d).then_some(corrected.step)
     }
 }
