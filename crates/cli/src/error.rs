@@ -42,6 +42,26 @@ pub(crate) enum Error {
         /// What to do about it.
         hint: Option<String>,
     },
+    /// One of our own files says something wrong; its message begins with the place.
+    #[error("{0}")]
+    Described(#[source] grouser_files::Error),
+}
+
+impl From<grouser_files::Error> for Error {
+    fn from(error: grouser_files::Error) -> Self {
+        use grouser_files::Error as FileError;
+        match error {
+            FileError::Unreadable { file, source } => Self::file("read", Path::new(&file), &source),
+            FileError::NotAFile { file, what } => Self::File {
+                action: "read",
+                path: PathBuf::from(file),
+                reason: format!("it is {what}"),
+                hint: (what == "a pipe")
+                    .then(|| "`-` reads standard input where a verb takes it".to_owned()),
+            },
+            error => Self::Described(error),
+        }
+    }
 }
 
 impl Error {
@@ -72,10 +92,11 @@ impl Error {
     }
 
     /// What to do about it, where there is something to say.
-    pub(crate) fn hint(&self) -> Option<&str> {
+    pub(crate) fn hint(&self) -> Option<String> {
         match self {
+            Self::Described(error) => error.hint(),
             Self::Usage { hint, .. } | Self::Content { hint, .. } | Self::File { hint, .. } => {
-                hint.as_deref()
+                hint.clone()
             }
         }
     }

@@ -27,6 +27,7 @@
 //! machines in `aria-label`.
 
 mod chart;
+mod choose;
 mod draw_chart;
 mod draw_scene;
 mod geometry;

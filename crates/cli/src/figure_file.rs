@@ -1,6 +1,5 @@
 //! Figures as files, by the ending of their name.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use crate::error::{Error, Result, shown};
@@ -49,18 +48,13 @@ impl Target {
     }
 
     /// Draws the figure and puts the file in its place; gives a line that says so.
-    pub(crate) fn write(mut self, figure: &Figure) -> Result<String> {
+    pub(crate) fn write(self, figure: &Figure) -> Result<String> {
         let bytes = match self.format {
             Format::Svg => figure.svg().into_bytes(),
             Format::Png => figure.png(DOTS_PER_INCH).ok_or_else(|| {
                 Error::usage_without_hint("the figure is too large for a picture")
             })?,
         };
-        let path = self.file.path().to_owned();
-        self.file
-            .write_all(&bytes)
-            .map_err(|error| Error::file("write", &path, &error))?;
-        self.file.finish()?;
-        Ok(format!("wrote {}\n", shown(&path)))
+        self.file.write_whole(&bytes)
     }
 }

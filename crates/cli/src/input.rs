@@ -1,12 +1,12 @@
 //! Input files: regular files only, hashed while they are read.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use grouser_files::regular;
 use sha2::{Digest as _, Sha256};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// The name that stands for standard input.
 pub(crate) const STANDARD_INPUT: &str = "-";
@@ -28,25 +28,9 @@ impl Input {
         let (source, length): (Box<dyn Read + Send>, _) = if path == Path::new(STANDARD_INPUT) {
             (Box::new(io::stdin()), None)
         } else {
-            let refuse = |error: io::Error| Error::file("read", path, &error);
-            let found = std::fs::metadata(path).map_err(refuse)?;
-            if !found.is_file() {
-                let kind = if found.is_dir() {
-                    "it is a directory"
-                } else {
-                    "it is not a regular file"
-                };
-                return Err(Error::File {
-                    action: "read",
-                    path: path.to_owned(),
-                    reason: kind.to_owned(),
-                    hint: (!found.is_dir()).then(|| "`-` reads standard input".to_owned()),
-                });
-            }
-            (
-                Box::new(File::open(path).map_err(refuse)?),
-                Some(found.len()),
-            )
+            let file = regular::open(path)?;
+            let length = file.metadata().ok().map(|found| found.len());
+            (Box::new(file), length)
         };
         Ok(Self {
             source,
@@ -66,16 +50,25 @@ impl Input {
         self.length
     }
 
-    /// Its name and the SHA-256 of what was read, in hexadecimal.
+    /// Its name and the SHA-256 of what was read.
     pub(crate) fn digest(self) -> (String, String) {
-        use std::fmt::Write as _;
-        let mut hex = String::with_capacity(64);
-        for byte in self.hash.finalize() {
-            // Writing to a string cannot fail.
-            let _ = write!(hex, "{byte:02x}");
-        }
-        (self.path.display().to_string(), hex)
+        (self.path.display().to_string(), hexadecimal(self.hash))
     }
+}
+
+/// The SHA-256 of `bytes`.
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    hexadecimal(Sha256::new_with_prefix(bytes))
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    use std::fmt::Write as _;
+    let mut hex = String::with_capacity(64);
+    for byte in hash.finalize() {
+        // Writing to a string cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+    }
+    hex
 }
 
 impl Read for Input {

@@ -1,12 +1,9 @@
 //! The command `grouser`: arguments in, tables, files and figures out. It computes nothing about wheels
 //! itself.
 //!
-//! A verb is one file in `verbs/`: its arguments (clap), a function that runs it in a [`Session`] and
-//! gives a [`Report`], and nothing else. Whatever a verb shares with the others stands once:
+//! A verb is one file in `verbs/`: its arguments (clap), a function that runs it in a session and gives a
+//! report, and nothing else. Whatever a verb shares with the others stands once:
 //! errors and exit codes in `error`, the JSON envelope in `report`, files in `input` and `output`.
-//!
-//! [`Session`]: session::Session
-//! [`Report`]: report::Report
 #![forbid(unsafe_code)]
 
 mod command;
@@ -21,6 +18,7 @@ mod lines;
 mod number;
 mod operation;
 mod output;
+mod output_choice;
 mod progress;
 mod report;
 mod session;

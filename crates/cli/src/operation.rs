@@ -14,6 +14,16 @@ pub(crate) enum Asked {
     Sinkage(f64),
 }
 
+impl Asked {
+    /// The load, if it is asked for by one.
+    pub(crate) fn load(self) -> Option<f64> {
+        match self {
+            Self::Load(load) => Some(load),
+            Self::Sinkage(_) => None,
+        }
+    }
+}
+
 /// An operating point, or why there is none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answer {

@@ -78,6 +78,15 @@ impl OutputFile {
         }
     }
 
+    /// Writes all of a file and puts it in its place; gives a line that says so.
+    pub(crate) fn write_whole(mut self, content: &[u8]) -> Result<String> {
+        self.write_all(content)
+            .map_err(|error| Error::file("write", &self.target, &error))?;
+        let line = format!("wrote {}\n", shown(&self.target));
+        self.finish()?;
+        Ok(line)
+    }
+
     /// Puts the complete file in its place.
     pub(crate) fn finish(mut self) -> Result<()> {
         let written = self.close();

@@ -16,11 +16,6 @@ impl Progress {
         Self::new(total, template)
     }
 
-    /// Of a job of `total` steps.
-    pub(crate) fn of_steps(total: u64) -> Self {
-        Self::new(Some(total), "{wide_bar} {pos}/{len}  {eta} left")
-    }
-
     fn new(total: Option<u64>, template: &str) -> Self {
         let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(5));
         if let Ok(style) = ProgressStyle::with_template(template) {

@@ -1,12 +1,12 @@
 //! One run of the command: what was read, and how the result is printed.
 
-use std::path::Path;
-
+use grouser_files::Document;
 use serde_json::Value;
 
 use crate::error::{Outcome, Result};
-use crate::input::Input;
+use crate::input::{self, Input};
 use crate::report::{Object, Report};
+use crate::soil_choice::{Chosen, Overrides};
 use crate::terminal;
 
 /// The run: remembers what went into the result.
@@ -15,7 +15,7 @@ pub(crate) struct Session {
     json: bool,
     seed: Option<u64>,
     input_sha256: Object,
-    soil: Option<(String, String)>,
+    soil: Option<Object>,
 }
 
 impl Session {
@@ -44,14 +44,26 @@ impl Session {
         self.seed = Some(seed);
     }
 
-    /// A soil entered the result.
-    pub(crate) fn used_soil(&mut self, key: impl Into<String>, source: impl Into<String>) {
-        self.soil = Some((key.into(), source.into()));
+    /// A file was read as a whole.
+    pub(crate) fn used_document(&mut self, document: &Document) {
+        let digest = input::digest(document.text().as_bytes());
+        self.input_sha256
+            .insert(document.name().to_owned(), Value::from(digest));
     }
 
-    /// Opens an input file.
-    pub(crate) fn open(&self, path: &Path) -> Result<Input> {
-        Input::open(path)
+    /// A soil entered the result, with what completes or overrides it.
+    pub(crate) fn used_soil(&mut self, chosen: &Chosen, overrides: &Overrides) {
+        let given = overrides
+            .given()
+            .map(|(column, value)| (column.to_owned(), Value::from(value)));
+        self.soil = Some(Object::from_iter([
+            ("key".to_owned(), Value::from(chosen.name.as_str())),
+            ("source".to_owned(), Value::from(chosen.source.as_str())),
+            ("overrides".to_owned(), given.collect::<Object>().into()),
+        ]));
+        if let Some(document) = &chosen.document {
+            self.used_document(document);
+        }
     }
 
     /// Prints the report, as JSON or as text, and its warnings.
@@ -79,12 +91,6 @@ impl Session {
     }
 
     fn provenance(&self) -> Object {
-        let soil = self.soil.as_ref().map(|(key, source)| {
-            Object::from_iter([
-                ("key".to_owned(), Value::from(key.as_str())),
-                ("source".to_owned(), Value::from(source.as_str())),
-            ])
-        });
         Object::from_iter([
             ("version".to_owned(), Value::from(env!("CARGO_PKG_VERSION"))),
             (
@@ -96,7 +102,7 @@ impl Session {
                 "input_sha256".to_owned(),
                 Value::Object(self.input_sha256.clone()),
             ),
-            ("soil".to_owned(), Value::from(soil)),
+            ("soil".to_owned(), Value::from(self.soil.clone())),
         ])
     }
 }

@@ -1,13 +1,16 @@
 //! `--soil` and the flags that complete or override it.
 
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
-use grouser_terra::Soil;
+use grouser_files::Document;
 use grouser_terra::catalogue::{self, Completion, Entry};
+use grouser_terra::{Error as LawError, Soil};
 
 use crate::error::{Error, Result};
 use crate::law_error::Names;
 use crate::number::parse_finite;
+use crate::session::Session;
 
 /// Above the flags of [`Overrides`] in the help.
 const HEADING: &str = "Soil (completes or overrides what --soil gives)";
@@ -33,6 +36,18 @@ pub(crate) struct Overrides {
 }
 
 impl Overrides {
+    /// What was given, by column.
+    pub(crate) fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        [
+            ("k_shear_m", self.k_shear_m),
+            ("c_1", self.c_1),
+            ("c_2", self.c_2),
+            ("unit_weight_n_per_m3", self.unit_weight),
+        ]
+        .into_iter()
+        .filter_map(|(column, value)| Some((column, value?)))
+    }
+
     fn completion(&self) -> Completion {
         Completion {
             k_shear: self.k_shear_m,
@@ -54,53 +69,71 @@ pub(crate) struct SoilArguments {
 }
 
 /// A soil and where it comes from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Chosen {
     /// The catalogue's key, or the file.
     pub(crate) name: String,
     /// Where its numbers come from.
     pub(crate) source: String,
     pub(crate) soil: Soil,
+    /// The file that was read.
+    pub(crate) document: Option<Document>,
 }
 
 impl SoilArguments {
     /// The soil, its source noted in the session.
-    pub(crate) fn choose(&self, session: &mut crate::session::Session) -> Result<Chosen> {
+    pub(crate) fn choose(&self, session: &mut Session) -> Result<Chosen> {
         let chosen = choose(&self.soil, &self.overrides)?;
-        session.used_soil(&chosen.name, &chosen.source);
+        session.used_soil(&chosen, &self.overrides);
         Ok(chosen)
     }
 }
 
-/// The soil of a key, completed.
+/// The soil of a key or a file, completed.
 pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
+    let completion = overrides.completion();
+    if is_path(name) {
+        let document = Document::read(Path::new(name))?;
+        let file = grouser_files::soil::parse(&document)?;
+        let name = document.name().to_owned();
+        let soil = file
+            .completed(&completion)
+            .map_err(|error| refused(&error, &name, file.missing(), &completion))?;
+        let document = Some(document);
+        return Ok(Chosen {
+            name,
+            source: file.source,
+            soil,
+            document,
+        });
+    }
     let entry = find(name)?;
     let soil = entry
-        .completed(&overrides.completion())
-        .map_err(|error| match error {
-            grouser_terra::Error::Missing { .. } => incomplete(entry, overrides),
-            _ => Names::Flags.error(&error),
-        })?;
+        .completed(&completion)
+        .map_err(|error| refused(&error, entry.key, entry.missing(), &completion))?;
+    let (name, source) = (entry.key.to_owned(), entry.source.to_owned());
     Ok(Chosen {
-        name: entry.key.to_owned(),
-        source: entry.source.to_owned(),
+        name,
+        source,
         soil,
+        document: None,
     })
+}
+
+/// A name with a slash or a dot in it is a file's.
+fn is_path(name: &OsStr) -> bool {
+    name.as_encoded_bytes()
+        .iter()
+        .any(|byte| matches!(byte, b'/' | b'.'))
 }
 
 /// The entry of a key, or the nearest one as a hint.
 pub(crate) fn find(name: &OsStr) -> Result<&'static Entry> {
     let shown = name.to_string_lossy();
     name.to_str().and_then(catalogue::find).ok_or_else(|| {
-        let alike = |entry: &&Entry| strsim::jaro_winkler(entry.key, &shown);
-        let nearest = catalogue::entries()
-            .iter()
-            .max_by(|a, b| alike(a).total_cmp(&alike(b)));
-        let hint = match nearest.filter(|entry| alike(entry) > 0.8) {
-            Some(entry) => format!(
-                "did you mean `{}`? `grouser soils` lists the catalogue",
-                entry.key
-            ),
+        let keys = catalogue::entries().iter().map(|entry| entry.key);
+        let hint = match grouser_files::nearest(&shown, keys) {
+            Some(key) => format!("did you mean `{key}`? `grouser soils` lists the catalogue"),
             None => {
                 "`grouser soils` lists the catalogue; a file's name contains `/` or `.`".to_owned()
             }
@@ -109,25 +142,30 @@ pub(crate) fn find(name: &OsStr) -> Result<&'static Entry> {
     })
 }
 
-/// All that is missing in one message, by the flags that give it.
-fn incomplete(entry: &Entry, overrides: &Overrides) -> Error {
-    let given = overrides.completion();
-    let is_given = |field: &str| match field {
-        "k_shear" => given.k_shear.is_some(),
-        "c_1" => given.c_1.is_some(),
-        "c_2" => given.c_2.is_some(),
-        _ => false,
+/// All that is missing in one message, by the flags that give it; what is wrong otherwise.
+fn refused(
+    error: &LawError,
+    name: &str,
+    missing: impl Iterator<Item = &'static str>,
+    given: &Completion,
+) -> Error {
+    if !matches!(error, LawError::Missing { .. }) {
+        return Names::Flags.error(error);
+    }
+    let is_open = |field: &&str| match *field {
+        "k_shear" => given.k_shear.is_none(),
+        "c_1" => given.c_1.is_none(),
+        "c_2" => given.c_2.is_none(),
+        _ => true,
     };
-    let flags: Vec<String> = entry
-        .missing()
-        .filter(|field| !is_given(field))
+    let flags: Vec<String> = missing
+        .filter(is_open)
         .map(|field| Names::Flags.of(field))
         .collect();
     Error::usage(
         format!(
-            "missing {} for soil `{}`, whose source does not give it",
-            flags.join(", "),
-            entry.key
+            "missing {} for soil `{name}`, whose source does not give it",
+            flags.join(", ")
         ),
         "give the numbers yourself; there is no default that would hold for every soil",
     )

@@ -21,7 +21,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
 pub(crate) fn complain(error: &Error) -> ExitCode {
     say("error", RED, &error.to_string());
     if let Some(hint) = error.hint() {
-        say("hint", CYAN, hint);
+        say("hint", CYAN, &hint);
     }
     ExitCode::from(BAD_INPUT)
 }

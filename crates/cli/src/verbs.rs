@@ -6,9 +6,17 @@ mod batch;
 mod batch_columns;
 mod curve;
 mod curve_figure;
+mod curve_output;
+mod estimate;
+mod estimate_calibration;
+mod estimate_figure;
+mod estimate_object;
+mod estimate_output;
+mod estimate_text;
 mod slip_model;
 mod slip_model_figure;
 mod slip_model_grid;
+mod slip_model_output;
 mod soils;
 mod wheel;
 mod wheel_figure;
@@ -25,6 +33,7 @@ pub(crate) enum Verb {
     Curve(curve::Arguments),
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
+    Estimate(estimate::Arguments),
 }
 
 /// Runs the verb.
@@ -35,5 +44,6 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Curve(arguments) => curve::run(&arguments, session),
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
+        Verb::Estimate(arguments) => estimate::run(&arguments, session),
     }
 }

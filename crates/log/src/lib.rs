@@ -5,20 +5,20 @@
 //! where their time belongs. Whatever is wrong ends the log with an error that names line and column:
 //! a log is read whole or not at all.
 //!
-//! ```no_run
+//! ```
 //! use grouser_files::columns;
 //! use grouser_log::{Log, Reading};
 //!
-//! let map = columns::read("examples/robotino/columns.toml".as_ref())?;
-//! let log = Log::find(&["table.csv.gz".into()], map)?;
+//! let example = std::path::Path::new("../../examples/five-wheel");
+//! let map = columns::read(&example.join("columns.toml"))?;
+//! let log = Log::find(&[example.join("log.csv")], map)?;
+//! let mut turn = 0.0;
 //! for record in log.records(&[])? {
-//!     let record = record?;
-//!     if let Reading::WheelRate { wheel, rate } = record.reading {
-//!         let name = &log.wheels()[wheel];
-//!         // …
-//! #       let _ = (name, rate, record.time_ns);
+//!     if let Reading::YawRate { rate } = record?.reading {
+//!         turn += rate * 0.02; // 50 Hz
 //!     }
 //! }
+//! assert!((turn - 0.94).abs() < 0.01); // 0.15 rad/s for 6 s, and the gyro's bias of 0.001 for 40 s
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -32,7 +32,7 @@ mod order;
 mod record;
 mod source;
 
-pub use csv::{CsvReader, LINE_LIMIT};
+pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use record::{Reading, Record};

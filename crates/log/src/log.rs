@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use grouser_files::columns::{ColumnMap, Meaning};
 
@@ -16,6 +18,8 @@ pub struct Log {
     files: Vec<(PathBuf, usize)>,
     unused: Vec<PathBuf>,
     wheels: Vec<String>,
+    /// Bytes read of the files, by all readers together.
+    read: Arc<AtomicU64>,
 }
 
 impl Log {
@@ -74,12 +78,26 @@ impl Log {
             files,
             unused,
             wheels,
+            read: Arc::default(),
         })
     }
 
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(|(path, _)| path.as_path())
+    }
+
+    /// How many bytes the files hold, as they stand (compressed or not).
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let sizes = self.files().filter_map(|path| fs::metadata(path).ok());
+        sizes.map(|file| file.len()).sum()
+    }
+
+    /// How many of them have been read since the log was found, twice if it was read twice.
+    #[must_use]
+    pub fn bytes_read(&self) -> u64 {
+        self.read.load(Ordering::Relaxed)
     }
 
     /// The files that fit no table of the column map.
@@ -131,7 +149,12 @@ impl Log {
     pub fn records(&self, shift_ns: &[i64]) -> Result<Records> {
         let mut readers = Vec::new();
         for (source, (path, table)) in self.files.iter().enumerate() {
-            let reader = CsvReader::open(path, &self.map.tables[*table], source, &self.wheels)?;
+            let reader = CsvReader::open(
+                path,
+                &self.map.tables[*table],
+                source,
+                (&self.wheels, &self.read),
+            )?;
             readers.push(Shifted {
                 reader: Box::new(reader),
                 shift_ns: shift_ns.get(source).copied().unwrap_or(0),

@@ -1,8 +1,10 @@
 //! A file as a stream of bytes, decompressed where it is compressed.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use flate2::bufread::MultiGzDecoder;
 use grouser_files::regular;
@@ -12,9 +14,28 @@ use crate::error::{Cell, Error, Result};
 const BUFFER: usize = 1 << 16;
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// Opens a regular file; gzip is known by its first bytes, whatever the name.
-pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead + Send>> {
-    let mut file = BufReader::with_capacity(BUFFER, regular::open(path)?);
+/// A file whose bytes are counted as they are read.
+struct Counted {
+    file: File,
+    count: Arc<AtomicU64>,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.file.read(buffer)?;
+        self.count.fetch_add(length as u64, Ordering::Relaxed);
+        Ok(length)
+    }
+}
+
+/// Opens a regular file; gzip is known by its first bytes, whatever the name. What is read of it is
+/// added to `count`.
+pub(crate) fn open(path: &Path, count: &Arc<AtomicU64>) -> Result<Box<dyn BufRead + Send>> {
+    let file = Counted {
+        file: regular::open(path)?,
+        count: Arc::clone(count),
+    };
+    let mut file = BufReader::with_capacity(BUFFER, file);
     let start = first_bytes(&mut file).map_err(|source| Error::Unreadable {
         at: Cell {
             file: path.display().to_string(),
@@ -32,7 +53,7 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn BufRead + Send>> {
     }
 }
 
-fn first_bytes(file: &mut BufReader<File>) -> std::io::Result<[u8; 2]> {
+fn first_bytes(file: &mut impl BufRead) -> io::Result<[u8; 2]> {
     let buffer = file.fill_buf()?;
     Ok(match buffer {
         [a, b, ..] => [*a, *b],

@@ -66,3 +66,34 @@ impl Quantiles {
         Some(self.low + BINS as f64 * self.width)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_the_sorted_values_to_a_bin() {
+        let mut values = Quantiles::new(-1.0, 1.0);
+        let mut sorted = Vec::new();
+        for i in 0..10_001_u32 {
+            // A permutation of an uneven grid.
+            let value = (f64::from(i * 7919 % 10_001) / 10_001.0).powi(2) - 0.3;
+            values.add(value);
+            sorted.push(value);
+        }
+        sorted.sort_by(f64::total_cmp);
+        for (share, rank) in [(0.05, 500), (0.5, 5000), (0.95, 9500)] {
+            assert!((values.at(share).unwrap() - sorted[rank]).abs() < 3e-4);
+        }
+    }
+
+    #[test]
+    fn nothing_has_no_quantile_and_ends_hold_what_lies_outside() {
+        let mut values = Quantiles::new(0.0, 1.0);
+        assert_eq!(values.at(0.5), None);
+        values.add(f64::NAN);
+        assert_eq!(values.count(), 0);
+        values.add(7.0);
+        assert!((values.at(0.5).unwrap() - 1.0).abs() < 1e-4);
+    }
+}

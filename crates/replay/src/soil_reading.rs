@@ -31,6 +31,10 @@ pub struct SoilReading {
     pub best_efficiency: Option<f64>,
     /// How far the measured slip lies above the slip of best efficiency.
     pub above_best: Option<f64>,
+    /// The slip if the free wheel that was the reference skids as the model says on this soil
+    /// (MODEL.md 7), where its size and load are known; the truth lies between this and `slip` if the
+    /// soil is right.
+    pub slip_with_skid: Option<f64>,
     /// What to keep in mind, in words.
     pub cautions: Vec<String>,
 }
@@ -41,22 +45,53 @@ pub struct SoilReading {
 /// # Errors
 /// [`Error::NoWheelSize`] for a wheel without width or load; [`Error::Soil`] for what the model refuses.
 pub fn soil_readings(summary: &Summary, robot: &Robot, soil: &Soil) -> Result<Vec<SoilReading>> {
+    let skid = reference_skid(summary, robot, soil)?;
     summary
         .wheels
         .iter()
         .zip(robot.wheels())
         .filter_map(|(wheel, description)| {
             let slip = wheel.slip.median?;
-            Some(reading(wheel, description, slip, soil))
+            Some(reading(wheel, description, slip, (soil, skid)))
         })
         .collect()
+}
+
+/// The skid of the free wheels that were the reference, by the soil model: their mean. `None` where there
+/// are none, or their width or load is not known, or the soil does not turn them.
+///
+/// Assumes: no friction in their bearings.
+///
+/// # Errors
+/// [`Error::Soil`] for what the model refuses.
+pub fn reference_skid(summary: &Summary, robot: &Robot, soil: &Soil) -> Result<Option<f64>> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    let wheels = summary.wheels.iter().zip(robot.wheels());
+    for (_, wheel) in wheels.filter(|(summary, _)| summary.is_reference) {
+        let (Some(width), Some(load)) = (wheel.width, wheel.load) else {
+            return Ok(None);
+        };
+        let rigid = RigidWheel::new(wheel.radius, width)?;
+        let pair = WheelOnSoil::new(rigid, *soil, Settings::default())?;
+        let Some(skid) = pair.free_slip(load, 0.0)? else {
+            return Ok(None);
+        };
+        sum += skid.value();
+        count += 1.0;
+    }
+    Ok((count > 0.0).then(|| sum / count))
+}
+
+/// The slip against a reference that itself skids by `skid`: v = v_seen/(1 + s_f).
+fn with_skid(slip: Slip, skid: f64) -> Result<f64> {
+    Ok(Slip::from_speed_ratio(slip.speed_ratio() / (1.0 + skid))?.value())
 }
 
 fn reading(
     wheel: &WheelSummary,
     description: &Wheel,
     median: f64,
-    soil: &Soil,
+    (soil, skid): (&Soil, Option<f64>),
 ) -> Result<SoilReading> {
     let needs = |key| Error::NoWheelSize {
         wheel: wheel.name.clone(),
@@ -85,6 +120,7 @@ fn reading(
         best_slip: best.map(|b| b.slip.value()),
         best_efficiency: best.map(|b| b.value),
         above_best: best.map(|b| median - b.slip.value()),
+        slip_with_skid: skid.map(|skid| with_skid(slip, skid)).transpose()?,
         cautions: point.map_or_else(Vec::new, |p| {
             p.cautions
                 .iter()

@@ -39,7 +39,7 @@ pub struct WheelSummary {
     pub is_reference: bool,
     /// Its slip.
     pub slip: Spread,
-    /// Share of time in each motion, in [`Motion::ALL`]'s order, and under `Unknown` where the motion
+    /// Share of time in each motion, in [`Motion::ALL`]'s order, and under [`UNKNOWN`] where the motion
     /// was not known; they add up to 1.
     pub states: Vec<(&'static str, f64)>,
     /// Share of time in each health, by its name; they add up to 1.
@@ -68,6 +68,9 @@ pub struct YawSummary {
     /// The window, s.
     pub window: f64,
 }
+
+/// What [`WheelSummary::states`] calls a motion that is not known.
+pub const UNKNOWN: &str = "Unknown";
 
 /// How a replay ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,7 +151,7 @@ impl Shares {
         let named = Motion::ALL.iter().zip(self.motions);
         named
             .map(|(motion, seconds)| (motion.name(), seconds))
-            .chain([("Unknown", self.unknown)])
+            .chain([(UNKNOWN, self.unknown)])
             .filter(|(_, seconds)| *seconds > 0.0)
             .map(|(name, seconds)| (name, seconds / self.total))
             .collect()

@@ -91,7 +91,7 @@ fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
         normalised.at(0.5).unwrap(),
         normalised.at(0.95).unwrap(),
     );
-    // One tick of the free wheel is 0.63 mm in 75 to 150 mm a window: 0.004 to 0.008 / sqrt 6 each.
+    // One tick of any wheel is 0.63 mm in 75 to 150 mm a window: 0.004 to 0.008 / sqrt 6 each.
     assert!(rmse < 0.01, "{rmse}");
     // Errors of differences of two uniform errors stay within sqrt 6 sigma each; three of them add up.
     assert!(worst < 4.0, "{worst}");
@@ -169,5 +169,34 @@ fn the_soil_says_what_the_slip_means() {
                 .efficiency
                 .is_none_or(|own| own <= reading.best_efficiency.unwrap())
         );
+    }
+}
+
+#[test]
+fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
+    // The example's free wheel skids as the model says on dry sand while it is in the patch.
+    let five = example("five-wheel");
+    let truth = FiveWheel::default().generate().truth;
+    // All wheels are in the patch from 16.5 to 19 s.
+    let options = Options {
+        from_s: Some(17.0),
+        to_s: Some(19.0),
+        ..Options::default()
+    };
+    let summary = five.summary(log(), &options);
+    let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+    let readings = soil_readings(&summary, &five.robot.robot, &soil).unwrap();
+    for (index, reading) in readings.iter().enumerate().skip(2) {
+        let (a, b) = (&truth[825], &truth[950]);
+        let slip = 1.0 - (b.way[index] - a.way[index]) / (b.rim[index] - a.rim[index]);
+        let (plain, corrected) = (reading.slip - slip, reading.slip_with_skid.unwrap() - slip);
+        println!(
+            "{}: bias {plain:.4}, with the skid {corrected:.4}",
+            reading.wheel
+        );
+        // Uncorrected: 0.016 × 0.65 = 0.010. Both: the gyro's bias, 0.001 × 0.25/0.2 = 0.001, and the
+        // median of a slip that wanders by 0.02 over four correlation times, 0.006.
+        assert!(corrected.abs() < plain.abs());
+        assert!(corrected.abs() < 0.01, "{corrected}");
     }
 }

@@ -101,17 +101,6 @@ impl Counter {
         step
     }
 
-    /// Starts anew at `raw` without counting the step (the counter was reset).
-    pub fn rebase(&mut self, raw: u64) {
-        self.last = Some(raw);
-    }
-
-    /// Its width.
-    #[must_use]
-    pub const fn width(&self) -> CounterWidth {
-        self.width
-    }
-
     /// Ticks since the first reading.
     #[must_use]
     pub const fn total(&self) -> i128 {

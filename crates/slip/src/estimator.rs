@@ -34,7 +34,7 @@ const STRAIGHT: f64 = 0.05;
 /// heading by the [`Reference`]: v_i = e_i · (v_body + Ω × p_i), s_i from v_i and r ω_i.
 ///
 /// [`Estimator::update`] takes one sample of one sensor. It never panics, allocates, blocks or reads a
-/// clock; its cost is bounded by the number of wheels; a refused sample is counted and changes nothing.
+/// clock; its cost is bounded by the number of wheels; a refused sample is counted and enters no estimate.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     settings: Settings,
@@ -95,7 +95,7 @@ impl Estimator {
     /// Takes one sample and gives what is known after it.
     ///
     /// # Errors
-    /// A [`Fault`] refuses the sample: it is counted, and nothing else changes.
+    /// A [`Fault`] refuses the sample: it is counted and enters no estimate.
     pub fn update(&mut self, sample: Sample) -> core::result::Result<Estimate<'_>, Fault> {
         let taken = match sample.measurement {
             Measurement::WheelCount { wheel, .. }
@@ -184,6 +184,8 @@ impl Estimator {
         let reference_until = self.reference_until(now);
         let silent = |time: i64| seconds_between(time, now) > self.settings.dropout;
         let reference_lost = reference_until.is_some_and(silent);
+        // Wheels that are read together share their window.
+        let mut last: Option<(i64, Option<BodyMotion>)> = None;
         for index in 0..self.wheels.len() {
             let wheel = &self.wheels[index];
             let mut estimate = WheelEstimate::NOTHING;
@@ -197,9 +199,13 @@ impl Estimator {
             } else if let (Some(own), Some(reference)) = (own, reference_until) {
                 let until = own.min(reference);
                 let from = until.saturating_sub(window_ns);
-                if let Some(found) = self.evaluate_wheel(wheel, from, until) {
-                    estimate = found;
-                }
+                let body = match last {
+                    Some((same, body)) if same == until => body,
+                    _ => self.reference_motion(from, until),
+                };
+                last = Some((until, body));
+                let found = body.and_then(|body| self.evaluate_wheel(wheel, &body, from, until));
+                estimate = found.unwrap_or(estimate);
             }
             if estimate.health == Health::Ok {
                 self.wheels[index].last_good_ns = Some(now);
@@ -222,9 +228,14 @@ impl Estimator {
         self.wheels.iter().all(|w| w.drive != needed)
     }
 
-    fn evaluate_wheel(&self, wheel: &Tracked, from: i64, until: i64) -> Option<WheelEstimate> {
+    fn evaluate_wheel(
+        &self,
+        wheel: &Tracked,
+        body: &BodyMotion,
+        from: i64,
+        until: i64,
+    ) -> Option<WheelEstimate> {
         let rim = wheel.track.speed(from, until)?;
-        let body = self.reference_motion(from, until)?;
         let forward = body.along(wheel.row);
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.settings);
         let mut estimate = WheelEstimate {
@@ -258,7 +269,8 @@ impl Estimator {
     /// The robot's mean motion over a window by the reference.
     fn reference_motion(&self, from: i64, until: i64) -> Option<BodyMotion> {
         let mut seen = Observations::default();
-        let lateral = if self.one_way {
+        // What is measured needs no assumption.
+        let lateral = if self.one_way && !self.reference.measures_displacement() {
             self.settings.lateral_sigma
         } else {
             UNKNOWN
@@ -322,10 +334,14 @@ impl Estimator {
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
         seen.add(self.sideways(), prior(lateral));
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN));
-        for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Powered) {
+        // All wheels weigh the same, as the least resolved of them: what differs is their slip.
+        let powered = || self.wheels.iter().filter(|w| w.drive == Drive::Powered);
+        let mut variance = 1e-8_f64;
+        for wheel in powered() {
+            variance = variance.max(wheel.track.speed(from, until)?.variance);
+        }
+        for wheel in powered() {
             let rim = wheel.track.speed(from, until)?;
-            // All wheels weigh the same, whatever their resolution: what differs is their slip.
-            let variance = rim.variance.max(1e-8);
             seen.add(wheel.row, Measured { variance, ..rim });
         }
         seen.solve()

@@ -23,6 +23,8 @@ pub(crate) struct ReferenceTrack {
     /// Does the displacement carry a turn of its own?
     turns: bool,
     last_pose: Option<[f64; 3]>,
+    /// A displacement was refused, so that a part of the way is unknown: the next one starts anew.
+    has_hole: bool,
     yaw: Track<1>,
     last_rate: f64,
     /// Unit vector of the last command that asked for motion.
@@ -72,6 +74,7 @@ impl ReferenceTrack {
             displacement: Track::new(settings, gap),
             turns: false,
             last_pose: None,
+            has_hole: false,
             yaw: Track::new(settings, gap),
             last_rate: 0.0,
             command: None,
@@ -80,7 +83,7 @@ impl ReferenceTrack {
     }
 
     /// Is this reference one that measures the robot's displacement directly?
-    fn measures_displacement(&self) -> bool {
+    pub(crate) fn measures_displacement(&self) -> bool {
         matches!(
             self.settings.reference,
             Reference::Displacement | Reference::Pose | Reference::Speed
@@ -104,11 +107,13 @@ impl ReferenceTrack {
                 forward,
                 left,
                 turn,
-            } if reference == Reference::Displacement => self.take_displacement(
-                time_ns,
-                [forward, left, turn.unwrap_or(0.0)],
-                turn.is_some(),
-            ),
+            } if reference == Reference::Displacement => {
+                let passed = [forward, left, turn.unwrap_or(0.0)];
+                let taken = self.take_displacement(time_ns, passed, turn.is_some());
+                // The same way told twice is no hole.
+                self.has_hole |= taken.is_err() && !matches!(taken, Err(Fault::NotLater { .. }));
+                taken
+            }
             Measurement::Pose { x, y, yaw } if reference == Reference::Pose => {
                 self.take_pose(time_ns, [x, y, yaw])
             }
@@ -140,9 +145,12 @@ impl ReferenceTrack {
         Fault::check_finite("displacement forward", passed[0], "m")?;
         Fault::check_finite("displacement left", passed[1], "m")?;
         Fault::check_range("displacement turn", passed[2], -7.0, 7.0, "rad")?;
-        let step = self.displacement.clock.accept(time_ns, self.gap)?;
+        let mut step = self.displacement.clock.accept(time_ns, self.gap)?;
         if let Step::After(elapsed) = step {
             self.check_jump(passed, elapsed)?;
+        }
+        if core::mem::take(&mut self.has_hole) {
+            step = Step::Start;
         }
         self.turns = turns;
         self.displacement.add(time_ns, step, passed);
@@ -173,13 +181,14 @@ impl ReferenceTrack {
         // The robot's frame halfway through the step.
         let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
         let (dx, dy) = (pose[0] - last[0], pose[1] - last[1]);
-        self.take_displacement(
-            time_ns,
-            [cos * dx + sin * dy, cos * dy - sin * dx, turn],
-            true,
-        )?;
-        self.last_pose = Some(pose);
-        Ok(())
+        let passed = [cos * dx + sin * dy, cos * dy - sin * dx, turn];
+        let taken = self.take_displacement(time_ns, passed, true);
+        if !matches!(taken, Err(Fault::NotLater { .. })) {
+            // After a jump the robot is where it says it is; how it got there is unknown.
+            self.last_pose = Some(pose);
+            self.has_hole |= taken.is_err();
+        }
+        taken
     }
 
     fn take_speed(&mut self, time_ns: i64, forward: f64, left: f64) -> Result<(), Fault> {

@@ -117,15 +117,6 @@ impl Invalid {
     }
 }
 
-impl Health {
-    /// May its slip enter a statistic? True for [`Health::Ok`] and for every [`Health::Degraded`] that
-    /// still carries a slip.
-    #[must_use]
-    pub const fn is_usable(self) -> bool {
-        matches!(self, Self::Ok | Self::Degraded(_))
-    }
-}
-
 impl fmt::Display for Health {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use crate::clock::{Clock, Step};
-use crate::counter::Counter;
+use crate::counter::CounterWidth;
 use crate::fault::Fault;
 use crate::history::{History, nanoseconds, seconds_between, whole};
 use crate::robot::Wheel;
@@ -27,7 +27,7 @@ pub(crate) struct WheelTrack {
     max_speed: f64,
     gap: f64,
     clock: Clock,
-    counter: Counter,
+    width: CounterWidth,
     /// Last accepted reading and its time.
     last: Option<(i64, Reading)>,
     /// A reading that jumped and its time: if the next one follows it, the sensor was reset.
@@ -67,7 +67,7 @@ impl WheelTrack {
             max_speed: settings.max_speed,
             gap,
             clock: Clock::default(),
-            counter: Counter::new(wheel.encoder.counter),
+            width: wheel.encoder.counter,
             last: None,
             suspect: None,
             travel: History::new(settings.history, nanoseconds(gap)),
@@ -117,9 +117,6 @@ impl WheelTrack {
         self.travel.push(time_ns, self.totals);
         self.speed = 0.0;
         self.suspect = None;
-        if let Some(Reading::Count(raw)) = reading {
-            self.counter.rebase(raw);
-        }
         self.last = reading.map(|reading| (time_ns, reading));
     }
 
@@ -132,9 +129,6 @@ impl WheelTrack {
         let elapsed = seconds_between(last_ns, time_ns);
         let travel = self.travel_between(last, reading, elapsed);
         if travel.abs() <= self.max_speed * elapsed {
-            if let (Reading::Count(raw), Some(tick)) = (reading, self.per_tick) {
-                self.counter.advance_near(raw, self.expected(tick, elapsed));
-            }
             self.last = Some((time_ns, reading));
             self.suspect = None;
             self.add(time_ns, travel, 0.0, elapsed);
@@ -160,7 +154,7 @@ impl WheelTrack {
     /// How many ticks the counter should have gone, where it may have gone round unseen; else 0, which
     /// means the shortest way.
     fn expected(&self, per_tick: f64, elapsed: f64) -> i64 {
-        let half_range = 0.5 * grouser_real::Real::powi(2.0_f64, self.width_bits());
+        let half_range = 0.5 * grouser_real::Real::powi(2.0_f64, self.width.bits().cast_signed());
         if self.max_speed * elapsed >= half_range * per_tick.abs() {
             whole(self.speed * elapsed / per_tick)
         } else {
@@ -168,15 +162,11 @@ impl WheelTrack {
         }
     }
 
-    fn width_bits(&self) -> i32 {
-        self.counter.width().bits().cast_signed()
-    }
-
     fn travel_between(&self, from: Reading, to: Reading, elapsed: f64) -> f64 {
         match (from, to, self.per_tick) {
             (Reading::Count(from), Reading::Count(to), Some(tick)) => {
                 let expected = self.expected(tick, elapsed);
-                self.counter.width().step_near(from, to, expected) as f64 * tick
+                self.width.step_near(from, to, expected) as f64 * tick
             }
             (Reading::Angle(from), Reading::Angle(to), _) => (to - from) * self.per_radian,
             // Another kind of reading than before: nothing links the two.

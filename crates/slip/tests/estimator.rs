@@ -420,6 +420,75 @@ fn displacement_pose_and_speed_agree() {
 }
 
 #[test]
+fn c7_a_refused_displacement_leaves_no_wrong_slip_and_a_pose_that_jumps_is_followed() {
+    let robot = robot(32);
+    let drivers = Drivers {
+        speed: 0.4,
+        yaw_rate: 0.0,
+        slip: 0.3,
+    };
+    for (reference, bad) in [
+        (Reference::Displacement, f64::NAN),
+        (Reference::Displacement, 50.0),
+        (Reference::Pose, f64::NAN),
+        (Reference::Pose, 50.0),
+    ] {
+        let settings = Settings {
+            reference,
+            ..settings()
+        };
+        let mut estimator = Estimator::new(&robot, settings).unwrap();
+        let mut found = 0;
+        for row in 0..200 {
+            // From row 100 on the pose is off by `bad` for good; of displacements only one is bad.
+            let forward = 0.008;
+            let measurement = match reference {
+                Reference::Pose if bad.is_nan() && row == 100 => Measurement::Pose {
+                    x: bad,
+                    y: 0.0,
+                    yaw: 0.0,
+                },
+                Reference::Pose => Measurement::Pose {
+                    x: forward * row as f64
+                        + if row >= 100 && !bad.is_nan() {
+                            bad
+                        } else {
+                            0.0
+                        },
+                    y: 0.0,
+                    yaw: 0.0,
+                },
+                _ => Measurement::Displacement {
+                    forward: if row == 100 { bad } else { forward },
+                    left: 0.0,
+                    turn: None,
+                },
+            };
+            let time_ns = row * ROW;
+            let refused = estimator
+                .update(Sample {
+                    time_ns,
+                    measurement,
+                })
+                .is_err();
+            assert_eq!(refused, row == 100, "{reference:?} {bad} {row}");
+            for sample in drivers.row(&robot, time_ns, 0) {
+                estimator.update(sample).unwrap();
+            }
+            if let Some(slip) = slip_of(&estimator, 0) {
+                found += 1;
+                assert!(
+                    (slip - 0.3).abs() < 2e-3,
+                    "{reference:?} {bad} {row} {slip}"
+                );
+            }
+        }
+        // Two windows of 25 rows each are lost at most.
+        assert!(found >= 148, "{reference:?} {bad} {found}");
+    }
+}
+
+#[test]
 fn edges_give_the_slip_that_counts_give() {
     let robot = robot(32);
     let drivers = Drivers {

@@ -51,7 +51,8 @@ pub struct FiveWheel {
     pub drive_slip: (f64, f64),
     /// Slip of a braking powered wheel on firm ground and in the patch.
     pub brake_slip: (f64, f64),
-    /// Skid of the free wheel on firm ground and in the patch.
+    /// Skid of the free wheel on firm ground and in the patch. The example's is what the soil model gives
+    /// a free wheel of radius 0.1 m, width 0.05 m and load 2 N on sandy loam and on dry sand.
     pub free_slip: (f64, f64),
     /// Standard deviation of the powered wheels' slip about these, wandering within half a second.
     pub slip_sigma: f64,
@@ -125,8 +126,8 @@ impl Default for FiveWheel {
                 Wheel {
                     x: -0.45,
                     y: 0.0,
-                    radius: 0.05,
-                    ticks: 500.0,
+                    radius: 0.1,
+                    ticks: 1000.0,
                     count_at_start: 64_000,
                     free: true,
                 },
@@ -154,7 +155,7 @@ impl Default for FiveWheel {
             patch: (2.7, 4.5),
             drive_slip: (0.05, 0.35),
             brake_slip: (-0.12, -0.3),
-            free_slip: (-0.005, -0.02),
+            free_slip: (-0.002, -0.016),
             slip_sigma: 0.02,
             gyro_sigma: 0.003,
             gyro_bias: 0.001,

@@ -74,6 +74,14 @@ pub enum Error {
         /// The wheel's running radius, m.
         radius: f64,
     },
+    /// Slices that belong together differ in length.
+    #[error("a slice holds {found} points, but {expected} are asked for")]
+    Lengths {
+        /// The length of the output.
+        expected: usize,
+        /// The length found.
+        found: usize,
+    },
     /// The two speeds define no slip: standstill, or a wheel rolling against its rotation.
     #[error("forward speed {forward_speed} m/s and rim speed {rim_speed} m/s define no slip")]
     NoSlip {
@@ -95,7 +103,7 @@ impl Error {
             | Self::Missing { field, .. } => Some(*field),
             Self::HubBuried { .. } => Some("sinkage"),
             Self::ReboundAboveHub { .. } => Some("rebound"),
-            Self::NoSlip { .. } => None,
+            Self::NoSlip { .. } | Self::Lengths { .. } => None,
         }
     }
 

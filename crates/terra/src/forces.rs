@@ -2,7 +2,7 @@
 
 use grouser_real::{Real, Scalar};
 
-use crate::contact::{Contact, Integrals, JacobiRules, Order};
+use crate::contact::{Contact, ExponentTables, Integrals, Order};
 
 /// What the soil does to the wheel: the stresses integrated over the contact.
 ///
@@ -46,7 +46,11 @@ impl<R: Scalar> Contact<R> {
         self.forces_by(None, Order::Standard).0
     }
 
-    pub(crate) fn forces_by(&self, rules: Option<&JacobiRules>, order: Order) -> (Forces<R>, u32) {
+    pub(crate) fn forces_by(
+        &self,
+        rules: Option<&ExponentTables>,
+        order: Order,
+    ) -> (Forces<R>, u32) {
         let (integrals, nodes) = self.integrals(rules, order);
         (self.assemble(&integrals), nodes)
     }

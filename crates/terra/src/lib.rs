@@ -1,6 +1,7 @@
 //! The wheel in the soil.
 #![cfg_attr(not(feature = "std"), no_std)]
-#![forbid(unsafe_code)]
+// denied in the workspace; `lanes::dispatch` alone allows it
+#![deny(unsafe_code)]
 
 mod angle;
 mod bulldozing;
@@ -11,6 +12,7 @@ mod contact;
 mod error;
 mod forces;
 mod kinematics;
+mod lanes;
 mod operating_point;
 mod pressure;
 mod quadrature;
@@ -34,6 +36,7 @@ pub use contact::{
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
+pub use lanes::{BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent};
 pub use settings::{Accuracy, Settings};

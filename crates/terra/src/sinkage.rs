@@ -214,7 +214,7 @@ impl WheelOnSoil {
             }
             let contact = self.contact(Dual::<1>::variable(theta_1, 0), kinematics);
             let force = contact
-                .forces_by(self.rules(), self.order())
+                .forces_by(self.tables(), self.order())
                 .0
                 .vertical_force;
             search.evaluations += 1;
@@ -245,7 +245,7 @@ impl WheelOnSoil {
     fn vertical_force(&self, theta_1: f64, kinematics: &Kinematics, evaluations: &mut u32) -> f64 {
         *evaluations += 1;
         self.contact(theta_1, kinematics)
-            .forces_by(self.rules(), self.order())
+            .forces_by(self.tables(), self.order())
             .0
             .vertical_force
     }

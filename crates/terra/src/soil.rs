@@ -3,6 +3,7 @@
 use grouser_real::Real;
 
 use crate::angle::Angle;
+use crate::contact::ExponentTables;
 use crate::error::{Error, Result};
 use crate::pressure::{Bekker, Pressure, Reece, SinkageExponent};
 use crate::shear::MohrCoulomb;
@@ -103,9 +104,13 @@ impl SoilParams {
     }
 }
 
-/// A soil whose every number has been checked.
+/// A soil whose every number has been checked, and what its sinkage exponent prepares for the integrals.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Soil(SoilParams);
+pub struct Soil {
+    params: SoilParams,
+    /// `None` where the exponent depends on slip.
+    tables: Option<ExponentTables>,
+}
 
 impl Soil {
     /// Checks each parameter.
@@ -149,13 +154,17 @@ impl Soil {
         if let Some(gamma) = p.unit_weight {
             Error::check_range("unit_weight", gamma, 0.0, 1e6, "N/m^3")?;
         }
-        Ok(Self(params))
+        let constant = p.n_1 == 0.0 && p.n_2 == 0.0;
+        Ok(Self {
+            params,
+            tables: constant.then(|| ExponentTables::new(p.n)),
+        })
     }
 
     /// The parameters.
     #[must_use]
     pub const fn params(&self) -> &SoilParams {
-        &self.0
+        &self.params
     }
 
     /// The same soil with another rebound ratio.
@@ -163,13 +172,25 @@ impl Soil {
     /// # Errors
     /// [`Error::OutOfRange`] outside [0, 100].
     pub fn with_rebound(self, rebound: f64) -> Result<Self> {
-        Self::new(SoilParams { rebound, ..self.0 })
+        Error::check_range("rebound", rebound, 0.0, 100.0, "1")?;
+        Ok(Self {
+            params: SoilParams {
+                rebound,
+                ..self.params
+            },
+            ..self
+        })
+    }
+
+    /// What the exponent prepares; `None` where it depends on slip.
+    pub(crate) const fn tables(&self) -> Option<&ExponentTables> {
+        self.tables.as_ref()
     }
 
     /// Does the sinkage exponent depend on slip?
     #[must_use]
     pub fn has_slip_sinkage(&self) -> bool {
-        self.0.n_1 != 0.0 || self.0.n_2 != 0.0
+        self.tables.is_none()
     }
 
     /// The laws' parameters as numbers of any kind, for example dual numbers whose derivative is
@@ -177,7 +198,7 @@ impl Soil {
     /// [`Contact`](crate::Contact).
     #[must_use]
     pub fn laws<R: Real>(&self) -> SoilLaws<R> {
-        let p = &self.0;
+        let p = &self.params;
         let r = R::from_f64;
         SoilLaws {
             pressure: match p.pressure {

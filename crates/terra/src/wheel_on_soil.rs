@@ -3,7 +3,7 @@
 use crate::bulldozing::{Bulldozing, side_resistance};
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
-    Contact, ContactAngles, JacobiRules, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
+    Contact, ContactAngles, ExponentTables, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
 use crate::forces::Forces;
@@ -16,8 +16,6 @@ use crate::wheel::RigidWheel;
 use grouser_real::Scalar;
 
 /// One wheel on one soil: the primary type of the crate.
-///
-/// What depends on the pair alone (Gauss-Jacobi rules of the soil's exponent) is computed once here.
 ///
 /// ```
 /// use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil, catalogue};
@@ -37,7 +35,6 @@ pub struct WheelOnSoil {
     settings: Settings,
     size: WheelSize<f64>,
     laws: SoilLaws<f64>,
-    rules: Option<JacobiRules>,
 }
 
 impl WheelOnSoil {
@@ -49,14 +46,12 @@ impl WheelOnSoil {
         let laws = soil.laws();
         let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
         Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")?;
-        let rules = (!soil.has_slip_sinkage()).then(|| JacobiRules::new(laws.exponent.n_0));
         Ok(Self {
             wheel,
             soil,
             settings,
             size: wheel.size(),
             laws,
-            rules,
         })
     }
 
@@ -88,7 +83,7 @@ impl WheelOnSoil {
         self.check_exponent(kinematics)?;
         let contact = self.contact(theta_1, kinematics);
         Ok(mirrored(
-            contact.forces_by(self.rules.as_ref(), self.order()).0,
+            contact.forces_by(self.tables(), self.order()).0,
             kinematics,
         ))
     }
@@ -135,8 +130,8 @@ impl WheelOnSoil {
         }
     }
 
-    pub(crate) fn rules(&self) -> Option<&JacobiRules> {
-        self.rules.as_ref()
+    pub(crate) fn tables(&self) -> Option<&ExponentTables> {
+        self.soil.tables()
     }
 
     pub(crate) fn size(&self) -> &WheelSize<f64> {
@@ -161,12 +156,12 @@ impl WheelOnSoil {
     /// The whole operating point at an entry angle of the forward-rolling wheel (rad).
     pub(crate) fn point(&self, theta_1: f64, kinematics: &Kinematics) -> OperatingPoint {
         let contact = self.contact(theta_1, kinematics);
-        let (forces, _) = contact.forces_by(self.rules.as_ref(), self.order());
+        let (forces, _) = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {
             Accuracy::Standard => Order::Check,
             Accuracy::Reference => Order::Beyond,
         };
-        let (check, _) = contact.forces_by(self.rules.as_ref(), finer);
+        let (check, _) = contact.forces_by(self.tables(), finer);
         let radius = self.size.radius;
         let error_estimate = (forces.vertical_force - check.vertical_force)
             .abs()

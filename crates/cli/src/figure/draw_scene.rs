@@ -51,7 +51,7 @@ fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area
     let free = corners
         .iter()
         .flatten()
-        .find(|block| obstacles.leave_free(block));
+        .find(|block| obstacles.leave_free(block, 2.4));
     let block = *free.unwrap_or(&corners[0][0]);
     for (index, line) in lines.iter().enumerate() {
         let at = [block.left, block.top + LABEL_SIZE + index as f64 * LEADING];

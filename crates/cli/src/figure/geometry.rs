@@ -144,6 +144,18 @@ pub(super) fn nearest_on_segment(point: Point, from: Point, to: Point) -> Point 
     [from[0] + share * along[0], from[1] + share * along[1]]
 }
 
+/// Do two segments come nearer than half a point?
+pub(super) fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
+    let side = |from: Point, to: Point, point: Point| {
+        (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
+    };
+    let parted = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
+    let near = |point: Point, from: Point, to: Point| {
+        distance(point, nearest_on_segment(point, from, to)) < 0.5
+    };
+    !parted || near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

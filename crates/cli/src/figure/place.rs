@@ -4,20 +4,20 @@
 //! is none. The labels of a panel are then chosen together, so that no two touch, by branch and bound.
 //! The effort is bounded and the answer depends on nothing but the input.
 
-use super::geometry::{Point, Rect, distance, nearest_on_segment};
+use super::choose::{Candidate, Side, choose};
+use super::geometry::{Point, Rect, cross, distance};
 
-/// Free space between a label and any line, and between two labels, in points.
-pub(super) const GAP: f64 = 2.4;
+/// Free space between a label and any line, and between two labels, in points: as a rule, and where
+/// curves stand close.
+const GAPS: [f64; 2] = [2.4, 1.6];
 /// A label this near to a strange line might seem to name it.
 const AMBIGUOUS: f64 = 9.0;
 /// Candidates kept for each label.
 const KEPT: usize = 64;
-/// Nodes visited at most.
-const EFFORT: usize = 200_000;
 /// What a leader costs before its length counts.
 const LEADER_COST: f64 = 6.0;
-/// What standing on another side than a neighbour costs.
-const OTHER_SIDE: f64 = 0.35;
+/// Leaders tried from one place, the shortest first.
+const LEADERS: usize = 8;
 /// The longest leader, in points.
 const LONGEST_LEADER: f64 = 90.0;
 
@@ -32,9 +32,9 @@ pub(super) struct Obstacles {
 
 impl Obstacles {
     /// Does nothing come nearer to the box than the gap?
-    pub(super) fn leave_free(&self, rect: &Rect) -> bool {
+    pub(super) fn leave_free(&self, rect: &Rect, gap: f64) -> bool {
         // A hair less than the gap, which the candidates keep exactly.
-        let gap = GAP - 1e-6;
+        let gap = gap - 1e-6;
         !self
             .boxes
             .iter()
@@ -74,51 +74,44 @@ pub(super) struct Placed {
     pub(super) leader: Option<[Point; 2]>,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    placed: Placed,
-    cost: f64,
-    side: Side,
-}
-
-/// On which side of its target a label stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    Above,
-    Below,
-    Left,
-    Right,
-    /// At a spot, or in free space with a leader.
-    Free,
-}
-
 /// A place for each label inside `frame`, or `None` when there is none for all.
 pub(super) fn place(frame: Rect, obstacles: &Obstacles, wanted: &[Wanted]) -> Option<Vec<Placed>> {
+    for gap in GAPS {
+        let search = Search {
+            frame,
+            obstacles,
+            wanted,
+            gap,
+        };
+        let beside: Vec<Vec<Candidate>> = wanted.iter().map(|label| search.beside(label)).collect();
+        if let Some(chosen) = choose(&beside, gap) {
+            return Some(chosen);
+        }
+    }
+    let gap = GAPS[0];
     let search = Search {
         frame,
         obstacles,
         wanted,
+        gap,
     };
-    let beside: Vec<Vec<Candidate>> = wanted.iter().map(|label| search.beside(label)).collect();
-    if let Some(chosen) = choose(&beside) {
-        return Some(chosen);
-    }
     let with_leaders: Vec<Vec<Candidate>> = wanted
         .iter()
-        .zip(beside)
-        .map(|(label, mut candidates)| {
+        .map(|label| {
+            let mut candidates = search.beside(label);
             candidates.truncate(KEPT / 2);
             candidates.extend(search.with_leader(label));
             candidates
         })
         .collect();
-    choose(&with_leaders)
+    choose(&with_leaders, gap)
 }
 
 struct Search<'a> {
     frame: Rect,
     obstacles: &'a Obstacles,
     wanted: &'a [Wanted],
+    gap: f64,
 }
 
 impl Search<'_> {
@@ -127,9 +120,9 @@ impl Search<'_> {
         let mut candidates: Vec<Candidate> = match label.target {
             Target::Line(index) => {
                 let (points, half) = &self.obstacles.lines[index];
-                self.along(points, *half + GAP, label)
+                self.along(points, *half + self.gap, label)
             }
-            Target::Spot(at, radius) => around(at, radius + GAP, label),
+            Target::Spot(at, radius) => around(at, radius + self.gap, label),
         }
         .into_iter()
         .filter_map(|(rect, cost, side)| {
@@ -202,9 +195,9 @@ impl Search<'_> {
             Target::Spot(at, _) => vec![at],
         };
         let mut candidates = Vec::new();
-        let mut top = self.frame.top + GAP;
+        let mut top = self.frame.top + self.gap;
         while top + label.height < self.frame.bottom {
-            let mut left = self.frame.left + GAP;
+            let mut left = self.frame.left + self.gap;
             while left + label.width < self.frame.right {
                 let rect = Rect::at([left, top], label.width, label.height);
                 left += STEP;
@@ -232,15 +225,18 @@ impl Search<'_> {
 
     /// The shortest line from the box to one of `ends` that crosses nothing but its own target.
     fn leader(&self, rect: &Rect, ends: &[Point], target: Target) -> Option<([Point; 2], f64)> {
-        let mut best: Option<([Point; 2], f64)> = None;
-        for end in ends {
-            let start = rect.grown(1.0).nearest(*end);
-            let length = distance(start, *end);
-            if length > best.map_or(LONGEST_LEADER, |(_, length)| length) {
-                continue;
-            }
+        let start = |end: Point| rect.grown(1.0).nearest(end);
+        let length = |end: Point| distance(start(end), end);
+        let mut near: Vec<Point> = ends
+            .iter()
+            .copied()
+            .filter(|end| length(*end) <= LONGEST_LEADER)
+            .collect();
+        near.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
+        near.truncate(LEADERS);
+        let crosses_nothing = |end: &Point| {
             let strange = |index: usize| target != Target::Line(index);
-            let crosses = self
+            !self
                 .obstacles
                 .lines
                 .iter()
@@ -249,13 +245,11 @@ impl Search<'_> {
                     strange(index)
                         && line
                             .windows(2)
-                            .any(|part| cross(start, *end, part[0], part[1]))
-                });
-            if !crosses {
-                best = Some(([start, *end], length));
-            }
-        }
-        best
+                            .any(|part| cross(start(*end), *end, part[0], part[1]))
+                })
+        };
+        let end = near.into_iter().find(crosses_nothing)?;
+        Some(([start(end), end], length(end)))
     }
 
     /// What the neighbours cost; `None` when the box touches something or seems to name another line.
@@ -283,97 +277,7 @@ impl Search<'_> {
     }
 
     fn is_free(&self, rect: &Rect) -> bool {
-        self.frame.grown(-GAP).contains(rect) && self.obstacles.leave_free(rect)
-    }
-}
-
-/// The best choice of one candidate for each label such that no two touch.
-fn choose(candidates: &[Vec<Candidate>]) -> Option<Vec<Placed>> {
-    // The label with the fewest candidates first.
-    let mut order: Vec<usize> = (0..candidates.len()).collect();
-    order.sort_by_key(|index| candidates[*index].len());
-    let mut least_rest = vec![0.0; order.len() + 1];
-    for (depth, index) in order.iter().enumerate().rev() {
-        least_rest[depth] = least_rest[depth + 1] + candidates[*index].first()?.cost;
-    }
-    let mut choice = Choice {
-        candidates,
-        order,
-        least_rest,
-        best: None,
-        effort: EFFORT,
-    };
-    choice.descend(&mut Vec::new(), 0.0);
-    let (_, picked) = choice.best?;
-    let mut placed: Vec<(usize, Placed)> = choice
-        .order
-        .iter()
-        .zip(picked)
-        .map(|(index, pick)| (*index, candidates[*index][pick].placed))
-        .collect();
-    placed.sort_by_key(|(index, _)| *index);
-    Some(placed.into_iter().map(|(_, placed)| placed).collect())
-}
-
-struct Choice<'a> {
-    candidates: &'a [Vec<Candidate>],
-    order: Vec<usize>,
-    /// The least that the labels from a depth on must cost.
-    least_rest: Vec<f64>,
-    best: Option<(f64, Vec<usize>)>,
-    effort: usize,
-}
-
-impl Choice<'_> {
-    fn descend(&mut self, picked: &mut Vec<usize>, cost: f64) {
-        let depth = picked.len();
-        if depth == self.order.len() {
-            self.best = Some((cost, picked.clone()));
-            return;
-        }
-        for pick in 0..self.candidates[self.order[depth]].len() {
-            let candidate = self.candidates[self.order[depth]][pick];
-            let bound = self.best.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
-            if cost + candidate.cost + self.least_rest[depth + 1] >= bound || self.effort == 0 {
-                return; // the candidates after this one cost more
-            }
-            self.effort -= 1;
-            if let Some(company) = self.company_cost(picked, &candidate) {
-                picked.push(pick);
-                self.descend(picked, cost + candidate.cost + company);
-                picked.pop();
-            }
-        }
-    }
-
-    /// What standing with the labels already picked costs; `None` when they touch.
-    fn company_cost(&self, picked: &[usize], candidate: &Candidate) -> Option<f64> {
-        let mut cost = 0.0;
-        let rect = &candidate.placed.rect;
-        for (depth, pick) in picked.iter().enumerate() {
-            let others = &self.candidates[self.order[depth]][*pick];
-            let other = &others.placed;
-            let touch = |leader: Option<[Point; 2]>, rect: &Rect| {
-                leader.is_some_and(|[from, to]| rect.distance_to_segment(from, to) < GAP)
-            };
-            let leaders_cross = match (candidate.placed.leader, other.leader) {
-                (Some([a, b]), Some([c, d])) => cross(a, b, c, d),
-                _ => false,
-            };
-            if rect.grown(GAP).overlaps(&other.rect)
-                || touch(other.leader, rect)
-                || touch(candidate.placed.leader, &other.rect)
-                || leaders_cross
-            {
-                return None;
-            }
-            // Labels in one column, on the same side of their curves, read best.
-            cost += (rect.centre()[0] - other.rect.centre()[0]).abs() / 400.0;
-            if candidate.side != others.side {
-                cost += OTHER_SIDE;
-            }
-        }
-        Some(cost)
+        self.frame.grown(-self.gap).contains(rect) && self.obstacles.leave_free(rect, self.gap)
     }
 }
 
@@ -476,14 +380,99 @@ fn could_meet(rect: &Rect, part: &[Point]) -> bool {
         && a[1].max(b[1]) >= rect.top
 }
 
-/// Do two segments come nearer than half a point?
-fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
-    let side = |from: Point, to: Point, point: Point| {
-        (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FRAME: Rect = Rect {
+        left: 0.0,
+        top: 0.0,
+        right: 220.0,
+        bottom: 150.0,
     };
-    let parted = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
-    let near = |point: Point, from: Point, to: Point| {
-        distance(point, nearest_on_segment(point, from, to)) < 0.5
-    };
-    !parted || near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b)
+
+    /// Smooth curves of all sorts: a sum of a line, a rise that saturates, and a wave.
+    fn curve() -> impl Strategy<Value = Vec<Point>> {
+        (
+            0.0..150.0_f64,
+            -1.0..1.0_f64,
+            -80.0..80.0_f64,
+            0.0..30.0_f64,
+            0.01..0.1_f64,
+        )
+            .prop_map(|(start, slope, rise, wave, rate)| {
+                let y = |x: f64| {
+                    start
+                        + slope * x
+                        + rise * (1.0 - (-rate * x).exp())
+                        + wave * (rate * 3.0 * x).sin()
+                };
+                (0..=110)
+                    .map(|i| 2.0 * f64::from(i))
+                    .map(|x| [x, y(x)])
+                    .collect()
+            })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn no_label_touches_a_curve_a_box_a_label_or_the_frame(
+            curves in prop::collection::vec(curve(), 1..7),
+            spots in prop::collection::vec((5.0..215.0_f64, 5.0..145.0_f64), 0..3),
+            width in 12.0..60.0_f64,
+        ) {
+            let marker = |(x, y): &(f64, f64)| Rect::at([x - 2.0, y - 2.0], 4.0, 4.0);
+            let obstacles = Obstacles {
+                lines: curves.iter().map(|curve| (curve.clone(), 0.6)).collect(),
+                boxes: spots.iter().map(marker).collect(),
+            };
+            let lines = (0..curves.len()).map(Target::Line);
+            let marks = spots.iter().map(|(x, y)| Target::Spot([*x, *y], 2.0));
+            let wanted: Vec<Wanted> = lines
+                .chain(marks)
+                .map(|target| Wanted { target, width, height: 7.0 })
+                .collect();
+            let Some(placed) = place(FRAME, &obstacles, &wanted) else {
+                return Ok(()); // no room: the labels go outside the frame
+            };
+            prop_assert_eq!(placed.len(), wanted.len());
+            // Tested point by point along each curve, not by the distances that the search uses.
+            for (i, label) in placed.iter().enumerate() {
+                let rect = label.rect;
+                prop_assert!(FRAME.contains(&rect));
+                for part in curves.iter().flat_map(|curve| curve.windows(2)) {
+                    for step in 0..=20 {
+                        let share = f64::from(step) / 20.0;
+                        let at = [0, 1].map(|k| part[0][k] + share * (part[1][k] - part[0][k]));
+                        let inside = at[0] > rect.left && at[0] < rect.right
+                            && at[1] > rect.top && at[1] < rect.bottom;
+                        prop_assert!(!inside, "{rect:?} over {at:?}");
+                    }
+                }
+                prop_assert!(!obstacles.boxes.iter().any(|marker| marker.overlaps(&rect)));
+                for other in &placed[..i] {
+                    prop_assert!(!rect.overlaps(&other.rect), "{rect:?} {other:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lone_curve_gets_its_label_above_it_on_the_right() {
+        let line = vec![[0.0, 100.0], [220.0, 90.0]];
+        let obstacles = Obstacles {
+            lines: vec![(line, 0.6)],
+            boxes: Vec::new(),
+        };
+        let wanted = [Wanted {
+            target: Target::Line(0),
+            width: 40.0,
+            height: 7.0,
+        }];
+        let placed = place(FRAME, &obstacles, &wanted).unwrap()[0];
+        assert!(placed.leader.is_none() && placed.rect.bottom < 100.0);
+        assert!(placed.rect.centre()[0] > 110.0);
+    }
 }

@@ -115,7 +115,7 @@ fn outline(path: &Path) -> Option<tiny_skia::Path> {
 }
 
 fn side(pixels: f64) -> Option<u32> {
-    if pixels >= 1.0 && pixels <= LARGEST_SIDE {
+    if (1.0..=LARGEST_SIDE).contains(&pixels) {
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

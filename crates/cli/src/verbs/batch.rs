@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::batch_columns::{Columns, Row};
 use crate::error::{Error, Result, shown};
+use crate::input::Input;
 use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::number::exact;
@@ -61,7 +62,7 @@ struct Counts {
 type Soils = BTreeMap<String, (Soil, String)>;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let input = session.open(&arguments.input)?;
+    let input = Input::open(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
     let mut lines = Lines::of(input);
     let columns = Columns::read(lines.next()?, &arguments.input)?;
@@ -85,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         }
         let rows: Vec<Row> = chunk.iter().map(|line| columns.row(line)).collect();
         for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
-            add_soil(&mut soils, &row.soil, &arguments.overrides);
+            add_soil(&mut soils, &row.soil, &arguments.overrides, session);
         }
         for (name, (_, source)) in &soils {
             if used.len() < SOILS && !used.contains_key(name) {
@@ -139,13 +140,16 @@ fn next_chunk(lines: &mut Lines) -> Result<Vec<Line>> {
 }
 
 /// Keeps a soil that can be had; what cannot is told in its rows.
-fn add_soil(soils: &mut Soils, name: &str, overrides: &Overrides) {
+fn add_soil(soils: &mut Soils, name: &str, overrides: &Overrides, session: &mut Session) {
     if soils.contains_key(name) {
         return;
     }
     if let Ok(chosen) = soil_choice::choose(OsStr::new(name), overrides) {
         if soils.len() >= SOILS {
             soils.pop_first();
+        }
+        if let Some(document) = &chosen.document {
+            session.used_document(document);
         }
         soils.insert(name.to_owned(), (chosen.soil, chosen.source));
     }
@@ -257,6 +261,7 @@ impl Counts {
     }
 
     fn words(&self) -> String {
+        use std::fmt::Write as _;
         let mut words = format!("{} rows, {} solved", self.rows, self.ok);
         for (count, what) in [
             (self.no_solution, "without a solution"),
@@ -264,7 +269,7 @@ impl Counts {
             (self.bad_input, "bad (see their status)"),
         ] {
             if count > 0 {
-                words.push_str(&format!(", {count} {what}"));
+                let _ = write!(words, ", {count} {what}"); // to a string: it cannot fail
             }
         }
         words

@@ -1,22 +1,19 @@
 //! `slip-model`: the analytical slip model of the paper, at a point or over a range.
 
-use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
 
-use grouser_terra::{Angle, Mobilised, ModelOutcome, ModelSlip, slip_model};
-use serde_json::Value;
+use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip, slip_model};
 
 use super::slip_model_figure;
 use super::slip_model_grid::{Axes, Values};
-use crate::error::{Error, Outcome, Result, shown as shown_path};
-use crate::figure_file::{self, ending};
+use super::slip_model_output;
+use crate::error::{Error, Outcome, Result};
 use crate::law_error::Names;
-use crate::number::{exact, parse_finite, short, shown};
-use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::number::{parse_finite, shown};
+use crate::output_choice::Output;
+use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{Overrides, choose};
-use crate::table::Table;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -62,16 +59,11 @@ pub(super) struct Point {
     pub(super) theta_deg: f64,
     pub(super) sinkage_m: f64,
     pub(super) radius_m: f64,
-    pub(super) outcome: ModelOutcome,
-}
-
-enum Output {
-    Table(OutputFile),
-    Figure(figure_file::Target),
+    pub(super) outcome: std::result::Result<ModelOutcome, LawError>,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let outputs: Vec<Output> = arguments.output.iter().map(open).collect::<Result<_>>()?;
+    let outputs = Output::begin(&arguments.output)?;
     let mobilised = mobilised(arguments, session)?;
     let axes = Axes::new(
         &arguments.theta_deg,
@@ -79,28 +71,28 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         &arguments.radius_m,
         arguments.points,
     )?;
-    let points: Vec<Point> = axes
-        .points()
-        .map(|at| evaluate(at, mobilised))
-        .collect::<Result<_>>()?;
+    let points: Vec<Point> = axes.points().map(|at| evaluate(at, mobilised)).collect();
+    // A sweep may run out of the model; a job that is outside as a whole was asked wrongly.
+    if let [first, ..] = points.as_slice()
+        && let Err(error) = &first.outcome
+        && points.iter().all(|point| point.outcome.is_err())
+    {
+        return Err(Names::Flags.error(error));
+    }
     let reached = points.iter().any(|point| point.slip().is_some());
-    let failure = (!reached).then(|| match points.first().map(|point| point.outcome) {
-        Some(ModelOutcome::Unreachable { most }) => format!(
-            "`--mobilised` is {}, but even a wheel that spins on the spot mobilises {} there",
-            crate::number::told(arguments.mobilised),
-            shown(most)
-        ),
-        _ => "the model has no slip for any of the points".to_owned(),
-    });
+    let failure = (!reached).then(|| failure(&points, arguments.mobilised));
 
     let mut text = match points.as_slice() {
-        [point] => single(point, arguments.mobilised),
-        points if outputs.is_empty() => table(points),
+        [point] => slip_model_output::single(point, arguments.mobilised),
+        points if outputs.is_empty() => slip_model_output::table(points),
         points => format!("{} points\n", points.len()),
     };
     for output in outputs {
         text.push_str(&match output {
-            Output::Table(file) => write_csv(file, &points, arguments.mobilised)?,
+            Output::Table(file) => {
+                let table = slip_model_output::csv(&points, arguments.mobilised);
+                file.write_whole(table.as_bytes())?
+            }
             Output::Figure(target) => target.write(&slip_model_figure::draw(
                 &axes,
                 &points,
@@ -114,25 +106,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: object(&points, mobilised),
+        object: slip_model_output::object(&points, mobilised),
         text,
         failure,
         warnings: Vec::new(),
     })
-}
-
-fn open(path: &PathBuf) -> Result<Output> {
-    match ending(path).as_deref() {
-        Some("csv") => Ok(Output::Table(OutputFile::create(path)?)),
-        Some("svg" | "png") => figure_file::Target::of(path).map(Output::Figure),
-        _ => Err(Error::usage(
-            format!(
-                "{} does not end in `.csv`, `.svg` or `.png`",
-                shown_path(path)
-            ),
-            "the ending of the output's name chooses its format",
-        )),
-    }
 }
 
 /// The share with the K that it needs: of a flag, else of the soil.
@@ -144,17 +122,25 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
             crate::number::told(share)
         )));
     }
-    // Only K enters; a soil that lacks c_1 and c_2 serves as well.
+    // Only K enters, and that only when something is mobilised: a soil that lacks the rest serves as well.
     let soil = match &arguments.soil {
         Some(name) => {
-            let unused = |given: Option<f64>| given.or(Some(0.0));
+            let or = |given: Option<f64>, unused: f64| given.or(Some(unused));
             let overrides = Overrides {
-                c_1: unused(arguments.overrides.c_1),
-                c_2: unused(arguments.overrides.c_2),
+                c_1: or(arguments.overrides.c_1, 0.0),
+                c_2: or(arguments.overrides.c_2, 0.0),
                 ..arguments.overrides
             };
+            let overrides = if share > 0.0 {
+                overrides
+            } else {
+                Overrides {
+                    k_shear_m: or(overrides.k_shear_m, 1.0),
+                    ..overrides
+                }
+            };
             let chosen = choose(name, &overrides)?;
-            session.used_soil(&chosen.name, &chosen.source);
+            session.used_soil(&chosen, &arguments.overrides);
             Some(chosen.soil)
         }
         None => None,
@@ -175,189 +161,51 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
     }
 }
 
-fn evaluate(
-    [theta_deg, sinkage_m, radius_m]: [f64; 3],
-    mobilised: Option<Mobilised>,
-) -> Result<Point> {
-    let theta = Angle::from_deg(theta_deg);
-    let outcome = slip_model(theta, sinkage_m, radius_m, mobilised)
-        .map_err(|error| Names::Flags.error(&error))?;
-    Ok(Point {
+fn failure(points: &[Point], share: f64) -> String {
+    let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
+    format!(
+        "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
+        crate::number::told(share),
+        shown(most)
+    )
+}
+
+fn evaluate([theta_deg, sinkage_m, radius_m]: [f64; 3], mobilised: Option<Mobilised>) -> Point {
+    let outcome = slip_model(Angle::from_deg(theta_deg), sinkage_m, radius_m, mobilised);
+    Point {
         theta_deg,
         sinkage_m,
         radius_m,
         outcome,
-    })
+    }
 }
 
 impl Point {
     pub(super) fn slip(&self) -> Option<ModelSlip> {
         match self.outcome {
-            ModelOutcome::Slip(slip) => Some(slip),
+            Ok(ModelOutcome::Slip(slip)) => Some(slip),
             _ => None,
         }
     }
 
-    fn status(&self) -> &'static str {
-        if self.slip().is_some() {
-            "ok"
-        } else {
-            "unreachable"
+    /// The greatest share that can be mobilised, where that asked for cannot.
+    pub(super) fn most(&self) -> Option<f64> {
+        match self.outcome {
+            Ok(ModelOutcome::Unreachable { most }) => Some(most),
+            _ => None,
         }
     }
 
-    fn cautions(&self) -> Vec<&'static str> {
+    pub(super) fn status(&self) -> &'static str {
+        match self.outcome {
+            Ok(ModelOutcome::Slip(_)) => "ok",
+            Ok(_) => "unreachable",
+            Err(_) => "outside-model",
+        }
+    }
+
+    pub(super) fn cautions(&self) -> Vec<&'static str> {
         let outside = self.slip().is_some_and(|slip| !slip.in_contact);
         outside.then_some("outside-contact").into_iter().collect()
     }
-
-    fn object(&self) -> Object {
-        let slip = self.slip();
-        let number = |f: fn(&ModelSlip) -> f64| Value::from(slip.as_ref().map(f));
-        let most = match self.outcome {
-            ModelOutcome::Unreachable { most } => Some(most),
-            _ => None,
-        };
-        [
-            ("theta_deg", Value::from(self.theta_deg)),
-            ("sinkage_m", Value::from(self.sinkage_m)),
-            ("radius_m", Value::from(self.radius_m)),
-            ("status", Value::from(self.status())),
-            ("slip", number(|slip| slip.driving_formula)),
-            ("slip_magnitude", number(|slip| slip.driving_formula.abs())),
-            ("slip_ratio", number(|slip| slip.slip.value())),
-            ("theta_1_deg", number(|slip| slip.theta_1.deg())),
-            ("in_contact", Value::from(slip.map(|slip| slip.in_contact))),
-            ("most_mobilised", Value::from(most)),
-            ("cautions", Value::from(self.cautions())),
-        ]
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect()
-    }
-}
-
-/// One point has its keys at the top; several stand in `points`.
-fn object(points: &[Point], mobilised: Option<Mobilised>) -> Object {
-    let mut object = Object::from_iter([
-        (
-            "model".to_owned(),
-            Value::from("Ani et al. 2012, S = 1 - v/(r w)"),
-        ),
-        (
-            "mobilised".to_owned(),
-            Value::from(mobilised.map_or(0.0, |mobilised| mobilised.share)),
-        ),
-        (
-            "k_shear_m".to_owned(),
-            Value::from(mobilised.map(|mobilised| mobilised.k_shear)),
-        ),
-    ]);
-    match points {
-        [point] => object.extend(point.object()),
-        points => {
-            let points = points
-                .iter()
-                .map(|point| Value::Object(point.object()))
-                .collect();
-            object.insert("points".to_owned(), points);
-        }
-    }
-    object
-}
-
-fn single(point: &Point, share: f64) -> String {
-    let mut text = format!(
-        "θ {} deg, sinkage {} mm, radius {} mm, {} of the strength mobilised\n",
-        shown(point.theta_deg),
-        shown(1e3 * point.sinkage_m),
-        shown(1e3 * point.radius_m),
-        if share == 0.0 {
-            "none".to_owned()
-        } else {
-            shown(share)
-        }
-    );
-    if let Some(slip) = point.slip() {
-        let mut table = Table::new().text("").number("").text("");
-        for (name, value, unit) in [
-            ("slip S = 1 − v/(r ω)", slip.driving_formula, ""),
-            ("its magnitude", slip.driving_formula.abs(), ""),
-            ("as a slip ratio s", slip.slip.value(), ""),
-            ("entry angle", slip.theta_1.deg(), "deg"),
-        ] {
-            table.row([name, &shown(value), unit]);
-        }
-        text.push_str(&table.render_body());
-        if !slip.in_contact {
-            let entry = shown(slip.theta_1.deg());
-            let _ = writeln!(
-                text,
-                "caution: θ lies outside the contact, which ends at {entry} deg"
-            );
-        }
-    }
-    text
-}
-
-fn table(points: &[Point]) -> String {
-    let mut table = Table::new()
-        .number("θ deg")
-        .number("z mm")
-        .number("r mm")
-        .number("S")
-        .number("|S|")
-        .number("s")
-        .text("");
-    for point in points {
-        let slip = point.slip();
-        let number =
-            |f: fn(&ModelSlip) -> f64| slip.as_ref().map(f).map_or_else(|| "–".to_owned(), shown);
-        let remark = match slip {
-            None => "unreachable",
-            Some(slip) if !slip.in_contact => "outside the contact",
-            Some(_) => "",
-        };
-        table.row([
-            shown(point.theta_deg),
-            shown(1e3 * point.sinkage_m),
-            shown(1e3 * point.radius_m),
-            number(|slip| slip.driving_formula),
-            number(|slip| slip.driving_formula.abs()),
-            number(|slip| slip.slip.value()),
-            remark.to_owned(),
-        ]);
-    }
-    table.render()
-}
-
-fn write_csv(mut file: OutputFile, points: &[Point], share: f64) -> Result<String> {
-    use std::io::Write as _;
-    let path = file.path().to_owned();
-    let mut lines = String::from(
-        "theta_deg,sinkage_m,radius_m,mobilised,slip,slip_magnitude,slip_ratio,theta_1_deg,in_contact,status\n",
-    );
-    for point in points {
-        let slip = point.slip();
-        let number =
-            |f: fn(&ModelSlip) -> f64| slip.as_ref().map(f).map_or_else(String::new, exact);
-        let _ = writeln!(
-            lines,
-            "{},{},{},{},{},{},{},{},{},{}",
-            short(point.theta_deg),
-            short(point.sinkage_m),
-            short(point.radius_m),
-            short(share),
-            number(|slip| slip.driving_formula),
-            number(|slip| slip.driving_formula.abs()),
-            number(|slip| slip.slip.value()),
-            number(|slip| slip.theta_1.deg()),
-            slip.map_or_else(String::new, |slip| slip.in_contact.to_string()),
-            point.status()
-        );
-    }
-    file.write_all(lines.as_bytes())
-        .map_err(|error| Error::file("write", &path, &error))?;
-    file.finish()?;
-    Ok(format!("wrote {}\n", shown_path(&path)))
 }

@@ -3,7 +3,7 @@
 use super::slip_model::Point;
 use super::slip_model_grid::{Axes, Quantity};
 use crate::error::{Error, Result};
-use crate::figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
+use crate::figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
 use crate::number::rounded;
 
 /// Draws the sweep: |S_0|, as the paper apparently shows it, or S where strength is mobilised.
@@ -54,53 +54,52 @@ fn add_run(
         [x, if share == 0.0 { slip.abs() } else { slip }]
     };
     let style = Style::numbered(index);
-    let inside = |point: &Point| point.slip().is_some_and(|slip| slip.in_contact);
-    // A thin line under the whole run; over it, within the contact, the line that is meant.
+    // Outside the contact the line is thin.
     let thin = Style {
         width: 0.5,
         ..style
     };
     let mut chart = chart;
-    let pieces = run.chunk_by(|a, b| inside(a) == inside(b));
-    let (mut start, mut labelled) = (0, false);
-    for piece in pieces {
+    let mut start = 0;
+    let last = run.iter().rposition(|point| point.slip().is_some());
+    let touches = run.iter().any(|point| contact(point) == Some(true));
+    for piece in run.chunk_by(|a, b| contact(a) == contact(b)) {
         let end = start + piece.len();
-        let within = piece.first().is_some_and(inside);
+        let Some(within) = piece.first().and_then(contact) else {
+            start = end;
+            continue;
+        };
         // Each piece reaches to the first point of the next, so that the line is unbroken.
         let points = run[start..run.len().min(end + 1)].iter().map(place);
         let mut curve = Curve::new(points).style(if within { style } else { thin });
-        if within && !labelled {
-            curve = curve.label(label(axes, run));
-            labelled = true;
+        if last == Some(end - 1) {
+            curve = curve.label(label(axes, run, touches));
+        }
+        if let Some(next) = run.get(end)
+            && contact(next) == Some(!within)
+        {
+            let entry = if within { &run[end - 1] } else { next };
+            let mark = Mark::new(place(entry)).look(Marker::Circle, style.colour);
+            let first = index == 0 && start == 0;
+            chart = chart.mark(if first {
+                mark.label("*θ* = *θ*_{1}")
+            } else {
+                mark
+            });
         }
         chart = chart.curve(curve);
-        if end < run.len() {
-            let entry = if within { &run[end - 1] } else { &run[end] };
-            chart = chart.mark(Mark::new(place(entry)).look(Marker::Circle, style.colour));
-        }
         start = end;
     }
-    if labelled {
-        chart
-    } else {
-        chart.curve(unlabelled(axes, run, &place, thin))
-    }
+    chart
 }
 
-/// A run that lies outside the contact as a whole still has its name.
-fn unlabelled(
-    axes: &Axes,
-    run: &[Point],
-    place: &dyn Fn(&Point) -> [f64; 2],
-    style: Style,
-) -> Curve {
-    Curve::new(run.iter().map(place))
-        .style(style)
-        .label(label(axes, run))
+/// Does the point lie in the contact? `None` where the model has no slip.
+fn contact(point: &Point) -> Option<bool> {
+    point.slip().map(|slip| slip.in_contact)
 }
 
 /// What tells this run from the others.
-fn label(axes: &Axes, run: &[Point]) -> String {
+fn label(axes: &Axes, run: &[Point], touches: bool) -> String {
     let Some(point) = run.first() else {
         return String::new();
     };
@@ -127,5 +126,9 @@ fn label(axes: &Axes, run: &[Point]) -> String {
             varies(quantity)
         }
     });
-    said.map(|(_, part)| part).collect::<Vec<_>>().join(", ")
+    let mut said: Vec<String> = said.map(|(_, part)| part).collect();
+    if !touches {
+        said.push("outside the contact".to_owned());
+    }
+    said.join(", ")
 }

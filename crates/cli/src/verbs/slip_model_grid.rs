@@ -100,17 +100,24 @@ impl Axes {
 
     /// (θ in degrees, sinkage, radius): the swept quantity runs fastest.
     pub(super) fn points(&self) -> impl Iterator<Item = [f64; 3]> {
-        let [theta, sinkage, radius] = &self.values;
-        // Put the swept quantity last, walk, and put it back.
-        let (order, back): ([&Vec<f64>; 3], fn([f64; 3]) -> [f64; 3]) = match self.swept {
-            Some(Quantity::Theta) => ([sinkage, radius, theta], |[z, r, t]| [t, z, r]),
-            Some(Quantity::Sinkage) => ([theta, radius, sinkage], |[t, r, z]| [t, z, r]),
-            Some(Quantity::Radius) | None => ([theta, sinkage, radius], |point| point),
+        // The quantities from the slowest to the fastest.
+        let order = match self.swept {
+            Some(Quantity::Theta) => [1, 2, 0],
+            Some(Quantity::Sinkage) => [0, 2, 1],
+            Some(Quantity::Radius) | None => [0, 1, 2],
         };
-        let [a, b, c] = order;
-        a.iter().flat_map(move |x| {
-            b.iter()
-                .flat_map(move |y| c.iter().map(move |z| back([*x, *y, *z])))
+        let lengths = order.map(|quantity| self.values[quantity].len());
+        (0..lengths.iter().product()).map(move |index: usize| {
+            let places = [
+                index / lengths[2] / lengths[1],
+                index / lengths[2] % lengths[1],
+                index % lengths[2],
+            ];
+            let mut point = [0.0; 3];
+            for (quantity, place) in order.into_iter().zip(places) {
+                point[quantity] = self.values[quantity][place];
+            }
+            point
         })
     }
 

@@ -35,10 +35,6 @@ impl Lines {
         }
     }
 
-    pub(crate) fn number(&self) -> u64 {
-        self.line
-    }
-
     /// Moves to the next line: true if there is one.
     ///
     /// A line ends with LF or CR LF; a byte-order mark of UTF-8 before the first is left out.

@@ -7,4 +7,4 @@ mod reader;
 mod row;
 
 pub use lines::LINE_LIMIT;
-pub use reader::CsvReader;
+pub(crate) use reader::CsvReader;

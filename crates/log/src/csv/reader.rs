@@ -1,6 +1,8 @@
 //! The reader of one table.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use grouser_files::columns::Table;
 use grouser_files::nearest;
@@ -22,7 +24,7 @@ const SHOWN: usize = 64;
 /// Records of one table in the order of time.
 ///
 /// It reads line by line: memory does not grow with the file. The first error ends it.
-pub struct CsvReader {
+pub(crate) struct CsvReader {
     lines: Lines,
     names: Vec<String>,
     plan: Plan,
@@ -36,13 +38,15 @@ pub struct CsvReader {
 
 impl CsvReader {
     /// Opens a table and reads its header. `source` becomes [`Record::source`]; `wheels` are the
-    /// log's wheels, to which the records' indices refer.
-    ///
-    /// # Errors
-    /// What is wrong with the file or its header.
-    pub fn open(path: &Path, table: &Table, source: usize, wheels: &[String]) -> Result<Self> {
+    /// log's wheels, to which the records' indices refer; bytes read are added to `count`.
+    pub(crate) fn open(
+        path: &Path,
+        table: &Table,
+        source: usize,
+        (wheels, count): (&[String], &Arc<AtomicU64>),
+    ) -> Result<Self> {
         let file = path.display().to_string();
-        let mut lines = Lines::new(source::open(path)?, file.clone());
+        let mut lines = Lines::new(source::open(path, count)?, file.clone());
         let mut names: Vec<String> = Vec::new();
         let mut header = lines.cell();
         let mut fields = Vec::new();
@@ -138,12 +142,6 @@ impl CsvReader {
             .map_err(bad)?;
         self.rows += 1;
         Ok(true)
-    }
-
-    /// The line that was read last, counted from 1.
-    #[must_use]
-    pub fn line(&self) -> u64 {
-        self.lines.number()
     }
 }
 

@@ -2,8 +2,9 @@
 
 use grouser_real::{Real, Scalar};
 
+use super::ladder::{ExponentTables, Step};
 use super::{Contact, ContactAngles};
-use crate::quadrature::{LEGENDRE_12, LEGENDRE_16, LEGENDRE_32, Rule, RuleView, gauss_jacobi};
+use crate::quadrature::RuleView;
 
 /// Stress integrals over the contact, Pa·rad (per radius and width of the wheel).
 #[derive(Clone, Copy, Debug)]
@@ -24,24 +25,6 @@ pub(crate) struct Integrals<R> {
     pub(crate) lost: R,
 }
 
-/// The Gauss-Jacobi rules of one sinkage exponent.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct JacobiRules {
-    few: Rule<8>,
-    more: Rule<12>,
-    many: Rule<24>,
-}
-
-impl JacobiRules {
-    pub(crate) fn new(n: f64) -> Self {
-        Self {
-            few: gauss_jacobi(n),
-            more: gauss_jacobi(n),
-            many: gauss_jacobi(n),
-        }
-    }
-}
-
 /// How finely to integrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
@@ -55,18 +38,12 @@ pub(crate) enum Order {
     Beyond,
 }
 
-/// Greatest stiffness ([`ShearState::stiffness`]) at which each smooth rule is good to 1e-9: beyond it,
-/// over 200 000 random contacts, the first errors of 1e-9 appear at 5.0, 16 and 100.
-const SMOOTH_FEW: f64 = 5.0;
-const SMOOTH_MORE: f64 = 16.0;
-const SMOOTH_MANY: f64 = 90.0;
-
 impl<R: Scalar> Contact<R> {
     /// Integrates with the rule that `order` and the stiffness of the shear ask for; `rules` are those
     /// of this contact's exponent, if it is a constant. Returns the number of nodes too.
     pub(crate) fn integrals(
         &self,
-        rules: Option<&JacobiRules>,
+        rules: Option<&ExponentTables>,
         order: Order,
     ) -> (Integrals<R>, u32) {
         let smooth = match (rules, order) {
@@ -87,7 +64,7 @@ impl<R: Scalar> Contact<R> {
     /// The (friction, cohesion) rules where the integrand is smooth over each piece.
     fn smooth_rules<'a>(
         &self,
-        rules: &'a JacobiRules,
+        tables: &'a ExponentTables,
         order: Order,
     ) -> Option<(RuleView<'a>, RuleView<'static>)> {
         let arc = self.arc();
@@ -100,16 +77,13 @@ impl<R: Scalar> Contact<R> {
         } else {
             self.shear.stiffness(arc)
         };
-        let ladder = [
-            (SMOOTH_FEW, rules.few.view(), LEGENDRE_12.view()),
-            (SMOOTH_MORE, rules.more.view(), LEGENDRE_16.view()),
-            (SMOOTH_MANY, rules.many.view(), LEGENDRE_32.view()),
-        ];
-        let step = ladder.iter().position(|(limit, ..)| stiffness <= *limit)?;
-        let step = step + usize::from(order == Order::Check);
-        ladder
-            .get(step)
-            .map(|(_, friction, cohesion)| (*friction, *cohesion))
+        let step = Step::for_stiffness(stiffness, self.angles.theta_1.value())?;
+        let step = if order == Order::Check {
+            step.finer()?
+        } else {
+            step
+        };
+        Some(tables.rules(step))
     }
 
     /// Length of the contact, rad.

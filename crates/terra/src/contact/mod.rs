@@ -3,12 +3,15 @@
 mod angles;
 mod breakpoints;
 mod integrals;
+pub(crate) mod ladder;
+pub(crate) mod lean;
 mod panels;
 
 use grouser_real::{Real, Scalar};
 
 pub use angles::{ContactAngles, entry_angle, sinkage_from_entry_angle};
-pub(crate) use integrals::{Integrals, JacobiRules, Order};
+pub(crate) use integrals::{Integrals, Order};
+pub(crate) use ladder::ExponentTables;
 
 use crate::kinematics::Kinematics;
 use crate::shear::{Displacement, ShearLaw, ShearState, transition_angle_wong_reece};

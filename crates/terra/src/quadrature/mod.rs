@@ -38,6 +38,8 @@ impl RuleView<'_> {
 }
 
 /// The Gauss-Legendre rules in use.
-pub(crate) static LEGENDRE_12: Rule<12> = gauss_legendre();
+pub(crate) static LEGENDRE_8: Rule<8> = gauss_legendre();
+pub(crate) static LEGENDRE_10: Rule<10> = gauss_legendre();
 pub(crate) static LEGENDRE_16: Rule<16> = gauss_legendre();
+pub(crate) static LEGENDRE_20: Rule<20> = gauss_legendre();
 pub(crate) static LEGENDRE_32: Rule<32> = gauss_legendre();

@@ -1,0 +1,270 @@
+//! Forces, sinkage and slip curve: lanes against the naive program, medians of interleaved rounds.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use grouser_terra::{
+    Accuracy, BatchForces, BatchKernel, BatchOutcome, BatchPoints, Kinematics, RigidWheel,
+    Settings, Slip, WheelOnSoil, entry_angle,
+};
+
+use crate::naive::{Naive, Table};
+use crate::points::{Points, points};
+
+const BATCH: usize = 4096;
+const ROUNDS: usize = 41;
+const CURVE: usize = 101;
+
+/// Every round's time of one job, ns a point.
+struct Timing(Vec<f64>);
+
+impl Timing {
+    fn median(&mut self) -> f64 {
+        self.0.sort_by(f64::total_cmp);
+        self.0[self.0.len() / 2]
+    }
+}
+
+/// What one job gave: its time and the sum of its outputs, which no compiler may drop.
+fn timed(points: usize, timing: &mut Timing, check: &mut f64, job: impl FnOnce() -> f64) {
+    let start = Instant::now();
+    let sum = job();
+    timing
+        .0
+        .push(start.elapsed().as_secs_f64() * 1e9 / points as f64);
+    *check = black_box(sum);
+}
+
+fn batch(points: &Points) -> BatchPoints<'_> {
+    BatchPoints {
+        radius: &points.radius,
+        width: &points.width,
+        rebound: &points.rebound,
+        slip: &points.slip,
+    }
+}
+
+fn done(outcome: &BatchOutcome) -> BatchForces {
+    match outcome {
+        BatchOutcome::Done(forces) => *forces,
+        other => panic!("every point of the bench has an answer: {other:?}"),
+    }
+}
+
+fn naive(points: &Points, i: usize) -> Naive {
+    let p = points.soil.params();
+    let grouser_terra::Pressure::Bekker(law) = p.pressure else {
+        unreachable!("the catalogue's law")
+    };
+    Naive {
+        k_c: law.k_c,
+        k_phi: law.k_phi,
+        n: p.n,
+        cohesion: p.cohesion,
+        phi: p.phi.rad(),
+        k_shear: p.k_shear,
+        c_1: p.c_1,
+        c_2: p.c_2,
+        radius: points.radius[i],
+        width: points.width[i],
+    }
+}
+
+/// Worst error over max(|W|, |DP|, |T|/r) of forces against the reference mode.
+fn worst(sets: &[Points], forces: impl Fn(&Points, usize) -> [f64; 3]) -> f64 {
+    let mut worst = 0.0_f64;
+    for set in sets {
+        for i in 0..set.slip.len() {
+            let exact = Settings {
+                accuracy: Accuracy::Reference,
+                ..Settings::default()
+            };
+            let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
+            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
+            let f = pair.forces_at(set.sinkage[i], &motion).expect("forces");
+            let r = set.radius[i];
+            let exact = [f.vertical_force, f.drawbar_pull, f.torque / r];
+            let [w, pull, torque] = forces(set, i);
+            let got = [w, pull, torque / r];
+            let size = exact.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let off = exact
+                .iter()
+                .zip(got)
+                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            worst = worst.max(off / size);
+        }
+    }
+    worst
+}
+
+pub fn run(json: bool) {
+    let sets = points(BATCH);
+    let kernels: Vec<BatchKernel> = sets.iter().map(|set| BatchKernel::new(set.soil)).collect();
+    let table = Table::new();
+    let mut outs: Vec<Vec<BatchOutcome>> = sets
+        .iter()
+        .map(|set| vec![BatchOutcome::default(); set.slip.len()])
+        .collect();
+    // loads: what the sinkages carry
+    let loads: Vec<Vec<f64>> = sets
+        .iter()
+        .zip(&kernels)
+        .zip(&mut outs)
+        .map(|((set, kernel), out)| {
+            kernel
+                .forces(&batch(set), &set.sinkage, out)
+                .expect("equal lengths");
+            out.iter().map(|f| done(f).vertical_force).collect()
+        })
+        .collect();
+    // one curve a soil: the middle of the wheels
+    let curves: Vec<Points> = sets
+        .iter()
+        .map(|set| Points {
+            key: set.key,
+            soil: set.soil,
+            radius: vec![0.2; CURVE],
+            width: vec![0.15; CURVE],
+            rebound: vec![0.0; CURVE],
+            slip: (0..CURVE)
+                .map(|i| 0.9 * i as f64 / (CURVE - 1) as f64)
+                .collect(),
+            sinkage: vec![0.02; CURVE],
+        })
+        .collect();
+    let curve_loads: Vec<Vec<f64>> = curves
+        .iter()
+        .map(|curve| vec![naive(curve, 0).forces(&table, entry_angle(0.02, 0.2), 0.2)[0]; CURVE])
+        .collect();
+    let mut curve_out = vec![BatchOutcome::default(); CURVE];
+
+    let mut timings: [Timing; 6] = std::array::from_fn(|_| Timing(Vec::new()));
+    let mut checks = [0.0; 6];
+    for _ in 0..ROUNDS {
+        let [eval, solve, curve, naive_eval, naive_solve, naive_curve] = &mut timings;
+        timed(BATCH, eval, &mut checks[0], || {
+            let mut sum = 0.0;
+            for ((set, kernel), out) in sets.iter().zip(&kernels).zip(&mut outs) {
+                kernel
+                    .forces(&batch(set), &set.sinkage, out)
+                    .expect("equal lengths");
+                sum += out.iter().map(|f| done(f).drawbar_pull).sum::<f64>();
+            }
+            sum
+        });
+        timed(BATCH, solve, &mut checks[1], || {
+            let mut sum = 0.0;
+            for (((set, kernel), out), load) in sets.iter().zip(&kernels).zip(&mut outs).zip(&loads)
+            {
+                kernel
+                    .under_load(&batch(set), load, out)
+                    .expect("equal lengths");
+                sum += out.iter().map(|f| done(f).sinkage).sum::<f64>();
+            }
+            sum
+        });
+        timed(curves.len(), curve, &mut checks[2], || {
+            let mut sum = 0.0;
+            for ((set, kernel), load) in curves.iter().zip(&kernels).zip(&curve_loads) {
+                kernel
+                    .under_load(&batch(set), load, &mut curve_out)
+                    .expect("equal lengths");
+                sum += curve_out.iter().map(|f| done(f).drawbar_pull).sum::<f64>();
+            }
+            sum
+        });
+        timed(BATCH, naive_eval, &mut checks[3], || {
+            let mut sum = 0.0;
+            for set in &sets {
+                for i in 0..set.slip.len() {
+                    let theta_1 = (1.0 - set.sinkage[i] / set.radius[i]).acos();
+                    sum += naive(set, i).forces(&table, theta_1, set.slip[i])[1];
+                }
+            }
+            sum
+        });
+        // The slow rivals on a sixteenth of the points a round.
+        let part = |n: usize| (0..n).step_by(16);
+        let count: usize = sets.iter().map(|set| part(set.slip.len()).count()).sum();
+        timed(count, naive_solve, &mut checks[4], || {
+            let mut sum = 0.0;
+            for (set, load) in sets.iter().zip(&loads) {
+                for i in part(set.slip.len()) {
+                    let theta_1 = naive(set, i).solve(&table, load[i], set.slip[i]);
+                    sum += set.radius[i] * (1.0 - theta_1.cos());
+                }
+            }
+            sum
+        });
+        timed(1, naive_curve, &mut checks[5], || {
+            let (set, load) = (&curves[0], &curve_loads[0]);
+            (0..CURVE)
+                .map(|i| {
+                    let wheel = naive(set, i);
+                    let theta_1 = wheel.solve(&table, load[i], set.slip[i]);
+                    wheel.forces(&table, theta_1, set.slip[i])[1]
+                })
+                .sum()
+        });
+    }
+    let [eval, solve, curve, naive_eval, naive_solve, naive_curve] =
+        timings.each_mut().map(Timing::median);
+    let lanes_error = worst(&sets, |set, i| {
+        let place = sets
+            .iter()
+            .position(|other| other.key == set.key)
+            .expect("one of them");
+        let mut out = [BatchOutcome::default()];
+        let one = BatchPoints {
+            radius: &set.radius[i..=i],
+            width: &set.width[i..=i],
+            rebound: &set.rebound[i..=i],
+            slip: &set.slip[i..=i],
+        };
+        kernels[place]
+            .forces(&one, &set.sinkage[i..=i], &mut out)
+            .expect("equal lengths");
+        let f = done(&out[0]);
+        [f.vertical_force, f.drawbar_pull, f.torque]
+    });
+    let naive_error = worst(&sets, |set, i| {
+        naive(set, i).forces(
+            &table,
+            entry_angle(set.sinkage[i], set.radius[i]),
+            set.slip[i],
+        )
+    });
+    if json {
+        println!(
+            "{}",
+            serde_json::json!({
+                "eval_ns": eval, "solve_ns": solve, "curve_us": curve / 1e3,
+                "naive_eval_ns": naive_eval, "naive_solve_ns": naive_solve,
+                "naive_curve_us": naive_curve / 1e3,
+                "worst_error": lanes_error, "naive_worst_error": naive_error,
+                "instructions": kernels[0].instructions(), "check_sums": checks,
+            })
+        );
+        return;
+    }
+    println!(
+        "lanes: {}; worst error {lanes_error:.1e}, naive {naive_error:.1e}",
+        kernels[0].instructions()
+    );
+    println!(
+        "three forces      {eval:9.1} ns   naive {naive_eval:10.1} ns   {:6.0} x",
+        naive_eval / eval
+    );
+    println!(
+        "sinkage of a load {solve:9.1} ns   naive {naive_solve:10.1} ns   {:6.0} x",
+        naive_solve / solve
+    );
+    println!(
+        "101-point curve   {:9.2} us   naive {:10.1} us   {:6.0} x",
+        curve / 1e3,
+        naive_curve / 1e3,
+        naive_curve / curve
+    );
+    println!("check sums {checks:?}");
+}

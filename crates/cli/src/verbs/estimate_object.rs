@@ -1,0 +1,113 @@
+//! The JSON object of `estimate`.
+
+use grouser_log::Log;
+use grouser_replay::{SoilReading, Spread, Summary};
+use serde_json::{Value, json};
+
+use crate::report::Object;
+
+pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
+    let wheels: Object = summary
+        .wheels
+        .iter()
+        .map(|wheel| {
+            let mut one = spread(&wheel.slip);
+            one.insert(
+                "states".to_owned(),
+                shares(wheel.states.iter().map(|(n, s)| (*n, *s))),
+            );
+            let healths = wheel
+                .healths
+                .iter()
+                .map(|(name, share)| (name.as_str(), *share));
+            one.insert("healths".to_owned(), shares(healths));
+            one.insert("is_reference".to_owned(), wheel.is_reference.into());
+            let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
+            one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
+            (wheel.name.clone(), Value::Object(one))
+        })
+        .collect();
+    let mut along = spread(&summary.along.slip);
+    along.insert("overall".to_owned(), summary.along.overall.into());
+    along.insert(
+        "travel_wheels_m".to_owned(),
+        summary.along.travel_wheels.into(),
+    );
+    along.insert(
+        "travel_reference_m".to_owned(),
+        summary.along.travel_reference.into(),
+    );
+    let yaw = summary.yaw.map(|yaw| {
+        json!({
+            "residual_median_rad": yaw.residual.median,
+            "residual_p5_rad": yaw.residual.p5,
+            "residual_p95_rad": yaw.residual.p95,
+            "clock_offset_s": summary.clock_offset_s,
+        })
+    });
+    let rejected = summary.rejected;
+    let files = |paths: &mut dyn Iterator<Item = &std::path::Path>| -> Value {
+        paths
+            .map(|path| Value::from(path.display().to_string()))
+            .collect()
+    };
+    [
+        ("status", Value::from(summary.status.name())),
+        ("reference", Value::from(summary.reference.name())),
+        ("wheel_sensor", Value::from(summary.wheel_sensor)),
+        ("duration_s", Value::from(summary.duration_s)),
+        ("window_s", Value::from(summary.window_s)),
+        ("wheels", Value::Object(wheels)),
+        ("along", Value::Object(along)),
+        ("yaw", yaw.unwrap_or(Value::Null)),
+        (
+            "rejected",
+            json!({
+                "bad_value": rejected.bad_value,
+                "not_later": rejected.not_later,
+                "jump": rejected.jump,
+                "unknown": rejected.unknown,
+            }),
+        ),
+        ("files", files(&mut log.files())),
+        (
+            "unused_files",
+            files(&mut log.unused().iter().map(std::path::PathBuf::as_path)),
+        ),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_owned(), value))
+    .collect()
+}
+
+fn spread(spread: &Spread) -> Object {
+    [
+        ("median", spread.median),
+        ("p5", spread.p5),
+        ("p95", spread.p95),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_owned(), value.into()))
+    .collect()
+}
+
+fn shares<'a>(shares: impl Iterator<Item = (&'a str, f64)>) -> Value {
+    let named = shares.map(|(name, share)| (name.to_owned(), Value::from(share)));
+    Value::Object(named.collect())
+}
+
+fn soil(reading: &SoilReading) -> Value {
+    json!({
+        "slip": reading.slip,
+        "load_n": reading.load,
+        "sinkage_m": reading.sinkage,
+        "drawbar_pull_n": reading.drawbar_pull,
+        "torque_nm": reading.torque,
+        "tractive_efficiency": reading.efficiency,
+        "slip_of_best_efficiency": reading.best_slip,
+        "best_efficiency": reading.best_efficiency,
+        "slip_above_best": reading.above_best,
+        "slip_with_reference_skid": reading.slip_with_skid,
+        "cautions": reading.cautions,
+    })
+}

@@ -1,0 +1,269 @@
+//! `batch` against the reference cases, and what it does with rows that cannot be solved.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::Stdio;
+
+use super::program::{Folder, grouser, start, wait};
+
+/// The cases that the laws are tested with: 30-digit quadrature of MODEL.md's formulas.
+const REFERENCE: &str = include_str!("../../../terra/tests/oracle/wheel_cases.csv");
+
+type Table = Vec<BTreeMap<String, String>>;
+
+fn table(text: &str) -> Table {
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        let fields = line.split(',').map(str::to_owned);
+        header
+            .iter()
+            .map(|name| (*name).to_owned())
+            .zip(fields)
+            .collect()
+    };
+    lines.map(row).collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap()
+}
+
+fn solve(folder: &Folder, text: &str) -> (Table, String) {
+    let (input, output) = (folder.file("in.csv", text), folder.path("out.csv"));
+    let arguments = [
+        PathBuf::from("batch"),
+        input,
+        PathBuf::from("-o"),
+        output.clone(),
+    ];
+    grouser(arguments).assert_done();
+    let text = std::fs::read_to_string(output).unwrap();
+    (table(&text), text)
+}
+
+#[test]
+fn every_reference_case_comes_out_to_1e_9() {
+    let reference = table(REFERENCE);
+    assert!(reference.len() > 200);
+    let mut text = String::from("kind,soil,radius_m,width_m,rebound,slip,sinkage_m,load_n\n");
+    for case in &reference {
+        let by_sinkage = case["kind"] == "forces";
+        let column = |name: &str, wanted: bool| {
+            if wanted {
+                case[name].clone()
+            } else {
+                String::new()
+            }
+        };
+        let shared = ["kind", "soil", "radius_m", "width_m", "rebound", "slip"]
+            .map(|name| case[name].clone());
+        writeln!(
+            text,
+            "{},{},{}",
+            shared.join(","),
+            column("sinkage_m", by_sinkage),
+            column("vertical_force_n", !by_sinkage)
+        )
+        .unwrap();
+    }
+    let (solved, _) = solve(&Folder::new(), &text);
+    assert_eq!(solved.len(), reference.len());
+    let mut worst: f64 = 0.0;
+    for (case, row) in reference.iter().zip(&solved) {
+        assert_eq!(row["status"], "ok");
+        // Columns of the input stand as they stood.
+        assert_eq!(row["radius_m"], case["radius_m"]);
+        let radius = number(case, "radius_m");
+        let [w, dp, t] = ["vertical_force_n", "drawbar_pull_n", "torque_nm"]
+            .map(|column| (number(case, column), number(row, column)));
+        let scale = w.0.abs().max(dp.0.abs()).max(t.0.abs() / radius);
+        for (off, scale) in [
+            (w.1 - w.0, scale),
+            (dp.1 - dp.0, scale),
+            (t.1 - t.0, scale * radius),
+        ] {
+            worst = worst.max(off.abs() / scale);
+        }
+        let [there, here] = [case, row].map(|row| number(row, "sinkage_m"));
+        worst = worst.max((here / there - 1.0).abs());
+    }
+    println!(
+        "worst relative error of {} cases: {worst:.1e}",
+        reference.len()
+    );
+    assert!(worst < 1e-9, "{worst:e}");
+}
+
+#[test]
+fn numbers_survive_a_second_reading() {
+    let (rows, _) = solve(
+        &Folder::new(),
+        "soil,radius_m,width_m,slip,sinkage_m,load_n\nlunar,0.1,0.1,0.2,,40\n",
+    );
+    for column in [
+        "sinkage_m",
+        "vertical_force_n",
+        "drawbar_pull_n",
+        "torque_nm",
+    ] {
+        let text = &rows[0][column];
+        let value: f64 = text.parse().unwrap();
+        assert_eq!(format!("{value:.16e}").parse::<f64>().unwrap(), value);
+        let digits = text
+            .trim_start_matches(['-', '0', '.'])
+            .bytes()
+            .filter(u8::is_ascii_digit)
+            .count();
+        assert!(digits <= 17, "{text}");
+    }
+}
+
+#[test]
+fn a_bad_row_stops_nothing() {
+    let folder = Folder::new();
+    let bad = [
+        (
+            "moon,0.1,0.1,0.2,,40",
+            "bad-input: soil `moon` is not in the catalogue",
+        ),
+        ("lunar,nan,0.1,0.2,,40", "bad-input: `radius_m` is `nan`"),
+        ("lunar,-0.1,0.1,0.2,,40", "bad-input: `radius_m` is -0.1 m"),
+        ("lunar,0.1,0.1,2,,40", "bad-input: `slip` is 2"),
+        (
+            "lunar,0.1,0.1,0.2,0.01,40",
+            "bad-input: both `sinkage_m` and `load_n`",
+        ),
+        (
+            "lunar,0.1,0.1,0.2,,",
+            "bad-input: neither `sinkage_m` nor `load_n`",
+        ),
+        ("lunar,0.1,0.1,0.2,,1e400", "bad-input: `load_n` is `1e400`"),
+        ("lunar,0.1,0.1,0.2,0.2,", "bad-input: `sinkage_m` is 0.2 m"),
+        ("lunar,0.1,0.1,0.2", "bad-input: 4 fields"),
+        ("lunar,0.1,0.1,0.2,,40,7,8", "bad-input: 8 fields"),
+        (
+            "\"lunar,0.1,0.1,0.2,,40",
+            "bad-input: a quotation mark is not closed",
+        ),
+        ("lunar,0.1,0.1,0.2,,1e11", "no-solution"),
+        ("hit-lss1,0.1,0.1,0.2,,40", "bad-input: missing `--c-1`"),
+    ];
+    let good = "lunar,0.1,0.1,0.2,,40";
+    let rows: Vec<&str> = bad.iter().flat_map(|(row, _)| [*row, good]).collect();
+    let text = format!(
+        "soil,radius_m,width_m,slip,sinkage_m,load_n\n{}\n",
+        rows.join("\r\n")
+    );
+    let (_, out) = solve(&folder, &text);
+    let lines: Vec<&str> = out.lines().skip(1).collect();
+    assert_eq!(lines.len(), 2 * bad.len());
+    for (pair, (row, status)) in lines.chunks(2).zip(bad) {
+        // The status is the last field, in quotation marks where it holds a comma.
+        let found = pair[0].rsplit_once(",\"").map_or_else(
+            || pair[0].rsplit(',').next().unwrap().to_owned(),
+            |(_, quoted)| quoted.trim_end_matches('"').to_owned(),
+        );
+        assert!(found.starts_with(status), "{row}: {found}");
+        assert!(pair[1].ends_with(",ok"), "{}", pair[1]);
+    }
+}
+
+#[test]
+fn what_is_no_table_is_refused_with_its_place() {
+    let folder = Folder::new();
+    for (text, place) in [
+        ("", "line 1: the file is empty"),
+        (
+            "soil,radius_m,width_m,slip,load_n\n",
+            "line 2: there is a header but no row",
+        ),
+        (
+            "soil;radius_m;width_m;slip;load_n\nlunar;0,1;0,1;0,2;40\n",
+            "line 1: there is no column `soil`",
+        ),
+        (
+            "soil,radius_m,width_m,slip\nlunar,1,1,0\n",
+            "line 1: there is neither",
+        ),
+        (
+            "soil,soil,radius_m,width_m,slip,load_n\n",
+            "line 1: column 2 is `soil`",
+        ),
+        ("\"soil,radius_m\n", "line 1: a quotation mark"),
+        (
+            "soil,radius_m,width_m,load_n\nlunar,1,1,1\n",
+            "line 1: there is no column `slip`",
+        ),
+    ] {
+        let arguments = [
+            PathBuf::from("batch"),
+            folder.file("in.csv", text),
+            PathBuf::from("-o"),
+            folder.path("out.csv"),
+        ];
+        let said = grouser(arguments);
+        said.assert_refused(text);
+        assert!(said.err.contains(place), "{text:?}: {said:?}");
+        assert_eq!(folder.names(), ["in.csv"], "{text:?}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_and_other_columns_do_no_harm() {
+    let (rows, text) = solve(
+        &Folder::new(),
+        "\u{feff}id,soil,radius_m,width_m,slip,load_n,note\r\n7,lunar,0.1,0.1,0.2,40,\"fine\"\r\n",
+    );
+    assert!(
+        text.starts_with("id,soil,radius_m,width_m,slip,load_n,note,sinkage_m,vertical_force_n,")
+    );
+    assert_eq!(
+        (rows[0]["id"].as_str(), rows[0]["note"].as_str()),
+        ("7", "\"fine\"")
+    );
+    assert!(number(&rows[0], "sinkage_m") > 0.0);
+}
+
+#[test]
+fn standard_input_is_streamed_and_an_endless_line_is_refused() {
+    let folder = Folder::new();
+    let output = folder.path("out.csv");
+    let arguments = ["batch".into(), "-".into(), "-o".into(), output.clone()];
+    let mut child = start(&arguments, Stdio::piped());
+    let mut pipe = child.stdin.take().unwrap();
+    pipe.write_all(b"soil,radius_m,width_m,slip,load_n\n")
+        .unwrap();
+    // The program may refuse and go while we still write.
+    let _ = pipe.write_all(&vec![b'7'; 3 << 20]);
+    drop(pipe);
+    let said = wait(child);
+    said.assert_refused("a line of 3 MiB");
+    assert!(
+        said.err
+            .contains("line 2 is longer than the limit of 1 MiB"),
+        "{said:?}"
+    );
+    assert!(folder.names().is_empty());
+
+    let mut child = start(&arguments, Stdio::piped());
+    let mut pipe = child.stdin.take().unwrap();
+    pipe.write_all(b"soil,radius_m,width_m,slip,load_n\n")
+        .unwrap();
+    for i in 1..=10_000 {
+        writeln!(pipe, "lunar,0.1,0.1,0.2,{i}").unwrap();
+    }
+    drop(pipe);
+    assert_eq!(wait(child).code, Some(0));
+    let rows = table(&std::fs::read_to_string(output).unwrap());
+    let loads: Vec<u32> = rows
+        .iter()
+        .map(|row| row["load_n"].parse().unwrap())
+        .collect();
+    assert!(
+        loads.iter().copied().eq(1..=10_000),
+        "the order of the rows is kept"
+    );
+}

@@ -1,0 +1,9 @@
+//! Drives the built program as a user does.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod batch;
+mod contract;
+mod figures;
+mod hostile;
+mod interrupted;
+mod program;

@@ -1,0 +1,330 @@
+//! The verb `estimate` from outside: its keys, columns, exit codes, and what bad input gets.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const LOG: &str = "examples/five-wheel/log.csv";
+const ROBOT: &str = "examples/five-wheel/robot.toml";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn grouser(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .current_dir(root())
+        .arg("estimate")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    let text = std::str::from_utf8(&output.stdout).unwrap();
+    assert!(!text.contains("NaN") && !text.contains("inf"));
+    serde_json::from_str(text).unwrap()
+}
+
+fn refused(arguments: &[&str], message: &str) {
+    let arguments = [arguments, &["--json"]].concat();
+    let output = grouser(&arguments);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert!(
+        told.starts_with("error: ") && told.contains(message),
+        "{arguments:?}: {told}"
+    );
+}
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path =
+            std::env::temp_dir().join(format!("grouser-estimate-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        fs::write(self.0.join(name), text).unwrap();
+        self.path(name)
+    }
+
+    fn is_empty(&self) -> bool {
+        fs::read_dir(&self.0).unwrap().next().is_none()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn the_keys_of_the_contract_are_there_in_the_robots_order() {
+    let output = grouser(&[LOG, "--robot", ROBOT, "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let found = json(&output);
+    assert_eq!(found["reference"], "free-wheel");
+    assert!((found["duration_s"].as_f64().unwrap() - 40.0).abs() < 1e-9);
+    let wheels = found["wheels"].as_object().unwrap();
+    let names: Vec<&String> = wheels.keys().collect();
+    assert_eq!(
+        names,
+        [
+            "front_left",
+            "front_right",
+            "rear_left",
+            "rear_right",
+            "fifth"
+        ]
+    );
+    for (name, wheel) in wheels {
+        let states = wheel["states"].as_object().unwrap();
+        let total: f64 = states.values().map(|share| share.as_f64().unwrap()).sum();
+        assert!((total - 1.0).abs() < 1e-9, "{name}");
+        for key in ["median", "p5", "p95"] {
+            assert_eq!(wheel[key].is_null(), name == "fifth", "{name} {key}");
+        }
+    }
+    // Half of the time on firm ground at 0.05, plus the free wheel's skid and the wander of 0.02.
+    let along = found["along"]["median"].as_f64().unwrap();
+    assert!((along - 0.06).abs() < 0.01, "{along}");
+    let hashes = found["provenance"]["input_sha256"].as_object().unwrap();
+    for file in [LOG, ROBOT, "examples/five-wheel/columns.toml"] {
+        assert_eq!(hashes[file].as_str().unwrap().len(), 64, "{file}");
+    }
+}
+
+#[test]
+fn the_table_has_the_columns_of_the_contract_and_every_wheel() {
+    let folder = Folder::new("table");
+    let table = folder.path("slip.csv");
+    let output = grouser(&[LOG, "--robot", ROBOT, "-o", &table]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = fs::read_to_string(&table).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("time_s,wheel,slip,slip_sigma,motion,health")
+    );
+    let mut count = 0;
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), 6, "{line}");
+        assert!(fields[0].parse::<f64>().unwrap() >= 0.0);
+        assert_eq!(fields[2].is_empty(), fields[3].is_empty());
+        if !fields[2].is_empty() {
+            assert!(fields[2].parse::<f64>().unwrap().abs() <= 1.0);
+            assert!(fields[3].parse::<f64>().unwrap() > 0.0);
+        }
+        assert_eq!(fields[4].is_empty(), fields[5] == "Uninitialised", "{line}");
+        count += 1;
+    }
+    assert_eq!(count, 5 * 2001);
+}
+
+#[test]
+fn figures_are_drawn_in_both_formats() {
+    let folder = Folder::new("figures");
+    let (svg, png) = (folder.path("slip.svg"), folder.path("slip.png"));
+    let output = grouser(&[LOG, "--robot", ROBOT, "-o", &svg, "-o", &png]);
+    assert_eq!(output.status.code(), Some(0));
+    let svg = fs::read_to_string(svg).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Slip against time of five wheels"));
+    assert!(fs::read(png).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_soil_says_what_the_slip_means() {
+    let in_the_patch = [
+        "--from-s", "16.5", "--to-s", "19", "--soil", "dry-sand", "--json",
+    ];
+    let found = json(&grouser(
+        &[&[LOG, "--robot", ROBOT], &in_the_patch[..]].concat(),
+    ));
+    assert_eq!(found["provenance"]["soil"]["key"], "dry-sand");
+    let soil = &found["wheels"]["rear_left"]["soil"];
+    let number = |key: &str| soil[key].as_f64().unwrap();
+    // The same by `wheel`, the other door to the model.
+    let wheel = Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .args([
+            "wheel",
+            "--soil",
+            "dry-sand",
+            "--radius-m",
+            "0.1",
+            "--width-m",
+            "0.1",
+        ])
+        .args([
+            "--load-n",
+            "60",
+            "--slip",
+            &number("slip").to_string(),
+            "--json",
+        ])
+        .output()
+        .unwrap();
+    let wheel = json(&wheel);
+    for key in ["sinkage_m", "drawbar_pull_n", "torque_nm"] {
+        let other = wheel[key].as_f64().unwrap();
+        assert!((number(key) - other).abs() <= 1e-12 * other.abs(), "{key}");
+    }
+    assert!(number("slip_of_best_efficiency") > number("slip"));
+    assert!(number("slip_with_reference_skid") < number("slip"));
+    assert!(found["wheels"]["fifth"]["soil"].is_null());
+    let missing = [LOG, "--robot", ROBOT, "--soil", "hit-lss1"];
+    refused(&missing, "`--c-1`");
+    refused(
+        &[
+            LOG,
+            "--robot",
+            "examples/robotino/robot.toml",
+            "--soil",
+            "dry-sand",
+        ],
+        "examples/five-wheel/log.csv",
+    );
+}
+
+#[test]
+fn a_log_without_motion_ends_with_1_and_its_status() {
+    let folder = Folder::new("still");
+    let header = fs::read_to_string(root().join(LOG)).unwrap();
+    let header = header.lines().next().unwrap();
+    let rows: Vec<String> = (0..100)
+        .map(|i| format!("{},5,5,5,5,5,0", 20 * i))
+        .collect();
+    let log = folder.file("log.csv", &format!("{header}\n{}\n", rows.join("\n")));
+    let output = grouser(&[&log, "--robot", ROBOT, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found = json(&output);
+    assert_eq!(found["status"], "no slip");
+    assert!(
+        found["wheels"]["front_left"]["median"].is_null() && found["along"]["median"].is_null()
+    );
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: "));
+}
+
+#[test]
+fn a_radius_is_calibrated_into_a_robot_file_that_works() {
+    let folder = Folder::new("calibrate");
+    let robot = folder.path("robot.toml");
+    let firm = ["--from-s", "4", "--to-s", "10.5"];
+    let calibrate = [
+        &[LOG, "--robot", ROBOT, "--calibrate-radius", &robot],
+        &firm[..],
+        &["--json"],
+    ];
+    let found = json(&grouser(&calibrate.concat()));
+    let factor = found["radius_factor"].as_f64().unwrap();
+    assert!((factor - 0.95).abs() < 0.02, "{factor}");
+    let again = [
+        &[
+            LOG,
+            "--robot",
+            &robot,
+            "--map",
+            "examples/five-wheel/columns.toml",
+        ],
+        &firm[..],
+        &["--json"],
+    ];
+    let found = json(&grouser(&again.concat()));
+    let overall = found["along"]["overall"].as_f64().unwrap();
+    assert!(overall.abs() < 0.001, "{overall}");
+    // The free wheel's own radius stays.
+    assert!(
+        fs::read_to_string(&robot)
+            .unwrap()
+            .contains("radius_m = 0.1\nwidth_m = 0.05")
+    );
+}
+
+#[test]
+fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
+    let folder = Folder::new("refused");
+    let table = folder.path("slip.csv");
+    let with = |log: &str, robot: &str, message: &str| {
+        refused(&[log, "--robot", robot, "-o", &table], message);
+    };
+    with("no/such/log.csv", ROBOT, "no/such/log.csv");
+    with("no-such-log.csv", ROBOT, "no-such-log.csv");
+    with(LOG, "no/such/robot.toml", "no/such/robot.toml");
+    with("examples", ROBOT, "no file fits the column map");
+    with("/dev/zero", ROBOT, "/dev/zero");
+    with(LOG, "/dev/zero", "is a device");
+    with(LOG, "examples", "is a directory");
+    with(LOG, LOG, "log.csv:1:");
+    with("", ROBOT, "");
+    refused(&[LOG], "--robot");
+    refused(&["--robot", ROBOT], "LOG");
+    for (flag, value, message) in [
+        ("--window-s", "nan", "finite"),
+        ("--window-s", "0", "window"),
+        ("--window-s", "-1", "window"),
+        ("--window-s", "1e300", "window"),
+        ("--from-s", "inf", "finite"),
+        ("--reference", "pose", "columns of a pose"),
+        ("--reference", "moon", "must be one of"),
+        ("--wheel-sensor", "angle", "by angle"),
+        ("--wheel-sensor", "", "must be one of"),
+        ("--map", ROBOT, "no key `table`"),
+        ("--map", "/dev/null", "is a device"),
+        ("--soil", "moon-dust", "not in the catalogue"),
+        ("-o", "slip.xlsx", "does not end in"),
+        ("-o", "no/such/folder/slip.csv", "no/such/folder"),
+    ] {
+        refused(&[LOG, "--robot", ROBOT, "-o", &table, flag, value], message);
+    }
+    // Broken in the middle: nothing is left of the table that was begun.
+    let whole = fs::read_to_string(root().join(LOG)).unwrap();
+    let sick = Folder::new("sick");
+    let log = sick.file("log.csv", &whole.replacen("\n39000,", "\n39000,x", 1));
+    with(&log, ROBOT, "line 1952, column 2 `front_left_ticks`");
+    assert!(folder.is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_as_a_log_does_not_hang() {
+    let folder = Folder::new("pipe");
+    let pipe = folder.path("log.csv");
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    refused(&[&pipe, "--robot", ROBOT], "is a pipe");
+}
+
+#[test]
+fn a_wide_window_of_time_or_none_of_it_is_no_panic() {
+    for (from, to, code) in [
+        ("0", "1e9", 0),
+        ("-5", "100", 0),
+        ("50", "60", 1),
+        ("20", "10", 1),
+    ] {
+        let output = grouser(&[
+            LOG, "--robot", ROBOT, "--from-s", from, "--to-s", to, "--json",
+        ]);
+        assert_eq!(output.status.code(), Some(code), "{from} {to}");
+        json(&output);
+    }
+}

@@ -1,0 +1,186 @@
+//! The floors of the workspace, held against `cargo metadata`: what a crate may import, where threads may
+//! live, which crates stay without the standard library, and who may write `unsafe`.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Each crate and the ones of ours that it may use (dev-dependencies aside). A new crate needs a line here
+/// and one in DESIGN.md.
+const FLOORS: &[(&str, &[&str])] = &[
+    ("grouser-real", &[]),
+    ("grouser-terra", &["grouser-real"]),
+    ("grouser-opt", &["grouser-real"]),
+    ("grouser-slip", &["grouser-real", "grouser-terra"]),
+    ("grouser-files", &["grouser-terra", "grouser-slip"]),
+    ("grouser-log", &["grouser-files"]),
+    (
+        "grouser-replay",
+        &[
+            "grouser-terra",
+            "grouser-slip",
+            "grouser-files",
+            "grouser-log",
+        ],
+    ),
+    (
+        "grouser-design",
+        &[
+            "grouser-real",
+            "grouser-terra",
+            "grouser-opt",
+            "grouser-files",
+        ],
+    ),
+    ("grouser-synthetic", &["grouser-terra", "grouser-slip"]),
+    (
+        "grouser",
+        &[
+            "grouser-real",
+            "grouser-terra",
+            "grouser-opt",
+            "grouser-slip",
+            "grouser-files",
+            "grouser-log",
+            "grouser-replay",
+            "grouser-design",
+        ],
+    ),
+];
+
+/// Where threads may live.
+const THREADED: &[&str] = &["grouser-opt", "grouser"];
+
+/// Crates that build without the standard library, on bare metal.
+const BARE: &[&str] = &["grouser-real", "grouser-terra", "grouser-slip"];
+
+/// The only file that may allow `unsafe`: the dispatch of the lanes.
+const UNSAFE_FILES: &[&str] = &["crates/terra/src/lanes/dispatch.rs"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap()
+        .to_owned()
+}
+
+fn cargo(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO"))
+        .current_dir(root())
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Each crate of ours with the names of all its dependencies but dev-dependencies.
+fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let text = cargo(&["metadata", "--no-deps", "--format-version", "1"]);
+    let metadata: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let name = |value: &serde_json::Value| value["name"].as_str().unwrap().to_owned();
+    let list = metadata["packages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|package| {
+            let all = package["dependencies"].as_array().unwrap();
+            let used = all
+                .iter()
+                .filter(|dependency| dependency["kind"].as_str() != Some("dev"));
+            (name(package), used.map(name).collect())
+        });
+    list.collect()
+}
+
+#[test]
+fn each_crate_imports_only_what_stands_below_it() {
+    let floors: BTreeMap<&str, &[&str]> = FLOORS.iter().copied().collect();
+    for (package, used) in dependencies() {
+        let allowed = floors
+            .get(package.as_str())
+            .unwrap_or_else(|| panic!("{package} has no floor"));
+        for ours in used.iter().filter(|name| name.starts_with("grouser")) {
+            assert!(
+                allowed.contains(&ours.as_str()),
+                "{package} may not use {ours}"
+            );
+        }
+    }
+}
+
+#[test]
+fn threads_live_only_where_they_may() {
+    for (package, used) in dependencies() {
+        let threaded = used.contains("rayon") || used.contains("tokio");
+        assert!(
+            !threaded || THREADED.contains(&package.as_str()),
+            "{package} has threads"
+        );
+    }
+}
+
+#[test]
+fn bare_crates_pull_in_no_standard_library() {
+    for package in BARE {
+        let tree = cargo(&[
+            "tree",
+            "--package",
+            package,
+            "--no-default-features",
+            "--edges",
+            "normal,features",
+            "--prefix",
+            "none",
+        ]);
+        for line in tree.lines() {
+            assert!(
+                !line.contains("feature \"std\""),
+                "{package} enables {line}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_file_but_the_lanes_dispatch_may_be_unsafe() {
+    for (package, _) in dependencies() {
+        let folder = if package == "grouser" {
+            "cli"
+        } else {
+            &package["grouser-".len()..]
+        };
+        let source = root().join("crates").join(folder).join("src");
+        let text = std::fs::read_to_string(source.join("lib.rs")).unwrap();
+        if folder != "terra" {
+            assert!(
+                text.contains("#![forbid(unsafe_code)]"),
+                "{package} does not forbid unsafe code"
+            );
+        }
+        check_folder(&source);
+    }
+}
+
+fn check_folder(folder: &Path) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            check_folder(&path);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let allowed = UNSAFE_FILES.iter().any(|file| path.ends_with(file));
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(
+                allowed || !text.contains("allow(unsafe_code"),
+                "{} allows unsafe",
+                path.display()
+            );
+        }
+    }
+}

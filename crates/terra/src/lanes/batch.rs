@@ -1,0 +1,235 @@
+//! Batches: many operating points on one soil, eight at a time.
+
+use crate::contact::ladder::Step;
+use crate::error::{Error, Result};
+use crate::kinematics::Kinematics;
+use crate::settings::Settings;
+use crate::sinkage::LoadStatus;
+use crate::slip::Slip;
+use crate::soil::Soil;
+use crate::wheel::RigidWheel;
+use crate::wheel_on_soil::WheelOnSoil;
+
+use super::dispatch::Level;
+use super::plan::{Plan, Prepared};
+
+/// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
+pub(super) const CHUNK: usize = 256;
+
+/// Operating points side by side: one slice a quantity, all of one length.
+#[derive(Clone, Copy, Debug)]
+pub struct BatchPoints<'a> {
+    /// Wheel radius, m.
+    pub radius: &'a [f64],
+    /// Wheel width, m.
+    pub width: &'a [f64],
+    /// Rebound ratio λ of the soil behind the wheel.
+    pub rebound: &'a [f64],
+    /// Slip.
+    pub slip: &'a [f64],
+}
+
+/// What a batch gives for a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BatchForces {
+    /// Sinkage, m.
+    pub sinkage: f64,
+    /// Vertical force, N.
+    pub vertical_force: f64,
+    /// Drawbar pull, N.
+    pub drawbar_pull: f64,
+    /// Torque, N m.
+    pub torque: f64,
+}
+
+/// How a point of a batch ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BatchOutcome {
+    /// Computed.
+    Done(BatchForces),
+    /// No sinkage carries the load, or the search for it ended without its result.
+    NoSolution(LoadStatus),
+    /// The point is no operating point.
+    Bad(Error),
+}
+
+/// One soil, ready for batches.
+///
+/// Points that drive straight ahead with a sinkage of at most half the radius run on lanes: on AVX2 with
+/// fused multiply-add or AVX-512 where the machine has it (chosen at run time, feature `std`), otherwise in
+/// plain vector code. All others run one at a time through [`WheelOnSoil`], to the same accuracy. A bad
+/// point never touches another: a good one gives the same bits as alone.
+///
+/// ```
+/// use grouser_terra::{BatchKernel, BatchOutcome, BatchPoints, catalogue};
+/// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
+/// let points =
+///     BatchPoints { radius: &[0.1, 0.1], width: &[0.05, 0.05], rebound: &[0.0, 0.0], slip: &[0.2, 7.0] };
+/// let mut out = [BatchOutcome::default(); 2];
+/// kernel.forces(&points, &[0.01, 0.01], &mut out)?;
+/// assert!(matches!(out[0], BatchOutcome::Done(_)));
+/// assert!(matches!(out[1], BatchOutcome::Bad(_))); // slip 7
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct BatchKernel {
+    soil: Soil,
+    prepared: Option<Prepared>,
+    level: Level,
+}
+
+impl Default for BatchOutcome {
+    fn default() -> Self {
+        Self::NoSolution(LoadStatus::NotConverged)
+    }
+}
+
+impl BatchKernel {
+    /// Prepares a soil. Its own rebound ratio does not count: each point brings one.
+    #[must_use]
+    pub fn new(soil: Soil) -> Self {
+        Self {
+            soil,
+            prepared: Prepared::new(&soil),
+            level: Level::best(),
+        }
+    }
+
+    /// The same kernel without the machine's vector instructions, to compare.
+    #[must_use]
+    pub fn portable(mut self) -> Self {
+        self.level = Level::Portable;
+        self
+    }
+
+    /// The instructions that the lanes run on: `avx512`, `avx2` or `portable`.
+    #[must_use]
+    pub const fn instructions(&self) -> &'static str {
+        self.level.name()
+    }
+
+    /// The soil.
+    #[must_use]
+    pub const fn soil(&self) -> &Soil {
+        &self.soil
+    }
+
+    /// Forces at given sinkages (m).
+    ///
+    /// # Errors
+    /// [`Error::Lengths`] if the slices differ in length. A bad point is an outcome.
+    pub fn forces(
+        &self,
+        points: &BatchPoints<'_>,
+        sinkage: &[f64],
+        out: &mut [BatchOutcome],
+    ) -> Result<()> {
+        self.run(points, sinkage, out, false)
+    }
+
+    /// Sinkages and forces under given loads (N).
+    ///
+    /// # Errors
+    /// As [`BatchKernel::forces`].
+    pub fn under_load(
+        &self,
+        points: &BatchPoints<'_>,
+        load: &[f64],
+        out: &mut [BatchOutcome],
+    ) -> Result<()> {
+        self.run(points, load, out, true)
+    }
+
+    fn run(
+        &self,
+        points: &BatchPoints<'_>,
+        given: &[f64],
+        out: &mut [BatchOutcome],
+        solve: bool,
+    ) -> Result<()> {
+        let n = out.len();
+        for len in [
+            points.radius,
+            points.width,
+            points.rebound,
+            points.slip,
+            given,
+        ]
+        .map(<[f64]>::len)
+        {
+            if len != n {
+                return Err(Error::Lengths {
+                    expected: n,
+                    found: len,
+                });
+            }
+        }
+        let mut from = 0;
+        while from < n {
+            let range = from..n.min(from + CHUNK);
+            from = range.end;
+            let part = BatchPoints {
+                radius: &points.radius[range.clone()],
+                width: &points.width[range.clone()],
+                rebound: &points.rebound[range.clone()],
+                slip: &points.slip[range.clone()],
+            };
+            self.chunk(&part, &given[range.clone()], &mut out[range], solve);
+        }
+        Ok(())
+    }
+
+    fn chunk(
+        &self,
+        points: &BatchPoints<'_>,
+        given: &[f64],
+        out: &mut [BatchOutcome],
+        solve: bool,
+    ) {
+        let plan = Plan::new(self.prepared.as_ref(), points, given, solve);
+        if let Some(prepared) = &self.prepared {
+            for step in 0..Step::COUNT {
+                let step = Step::at(step);
+                for group in plan.groups(step) {
+                    self.level
+                        .run(prepared, points, given, (step, group), solve, out);
+                }
+            }
+        }
+        // What the lanes do not take, and what they gave back.
+        for i in 0..out.len() {
+            if plan.is_single(i)
+                || matches!(out[i], BatchOutcome::NoSolution(LoadStatus::NotConverged))
+            {
+                out[i] = self.single(points, given[i], i, solve);
+            }
+        }
+    }
+
+    /// One point through the general kernel.
+    fn single(&self, points: &BatchPoints<'_>, given: f64, i: usize, solve: bool) -> BatchOutcome {
+        let solved = || -> Result<BatchOutcome> {
+            let soil = self.soil.with_rebound(points.rebound[i])?;
+            let wheel = RigidWheel::new(points.radius[i], points.width[i])?;
+            let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
+            let motion = Kinematics::straight(Slip::new(points.slip[i])?);
+            let sinkage = if solve {
+                let found = pair.sinkage_under(given, &motion)?;
+                match found.sinkage {
+                    Some(sinkage) => sinkage,
+                    None => return Ok(BatchOutcome::NoSolution(found.status)),
+                }
+            } else {
+                given
+            };
+            let f = pair.forces_at(sinkage, &motion)?;
+            Ok(BatchOutcome::Done(BatchForces {
+                sinkage,
+                vertical_force: f.vertical_force,
+                drawbar_pull: f.drawbar_pull,
+                torque: f.torque,
+            }))
+        };
+        solved().unwrap_or_else(BatchOutcome::Bad)
+    }
+}

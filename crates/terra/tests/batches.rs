@@ -1,0 +1,254 @@
+//! Lanes against one at a time, and a lane against its neighbours (faults D13 and D14).
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_terra::{
+    Accuracy, BatchForces, BatchKernel, BatchOutcome, BatchPoints, Kinematics, RigidWheel,
+    Settings, Slip, Soil, SoilParams, WheelOnSoil, catalogue,
+};
+use proptest::prelude::*;
+
+/// radius, width, rebound, slip, sinkage over radius
+type Point = (f64, f64, f64, f64, f64);
+
+fn point() -> impl Strategy<Value = Point> {
+    let slip = prop_oneof![8 => 0.0..=1.0_f64, 1 => -1.0..0.0_f64, 1 => Just(0.0)];
+    let rebound = prop_oneof![4 => Just(0.0), 1 => 0.0..1.0_f64];
+    let z = prop_oneof![9 => (-3.3..-0.302_f64).prop_map(|x| 10_f64.powf(x)), 1 => 0.0..0.99_f64];
+    (0.02..0.6_f64, 0.02..0.5_f64, rebound, slip, z)
+}
+
+fn soil() -> impl Strategy<Value = Soil> {
+    (
+        0..5_usize,
+        0.1..2.5_f64,
+        -3.5..-1.0_f64,
+        prop_oneof![Just(0.0), 0.0..2e4_f64],
+    )
+        .prop_map(|(key, n, log_k, cohesion)| {
+            let key = ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"][key];
+            let params = *catalogue::find(key).unwrap().soil().unwrap().params();
+            Soil::new(SoilParams {
+                n,
+                k_shear: 10_f64.powf(log_k),
+                cohesion,
+                ..params
+            })
+            .unwrap()
+        })
+}
+
+struct Columns {
+    radius: Vec<f64>,
+    width: Vec<f64>,
+    rebound: Vec<f64>,
+    slip: Vec<f64>,
+    sinkage: Vec<f64>,
+}
+
+impl Columns {
+    fn new(points: &[Point]) -> Self {
+        Self {
+            radius: points.iter().map(|p| p.0).collect(),
+            width: points.iter().map(|p| p.1).collect(),
+            rebound: points.iter().map(|p| p.2).collect(),
+            slip: points.iter().map(|p| p.3).collect(),
+            sinkage: points.iter().map(|p| p.4 * p.0).collect(),
+        }
+    }
+    fn points(&self) -> BatchPoints<'_> {
+        BatchPoints {
+            radius: &self.radius,
+            width: &self.width,
+            rebound: &self.rebound,
+            slip: &self.slip,
+        }
+    }
+    fn forces(&self, kernel: &BatchKernel) -> Vec<BatchOutcome> {
+        let mut out = vec![BatchOutcome::default(); self.slip.len()];
+        kernel
+            .forces(&self.points(), &self.sinkage, &mut out)
+            .unwrap();
+        out
+    }
+    fn under_load(&self, kernel: &BatchKernel, load: &[f64]) -> Vec<BatchOutcome> {
+        let mut out = vec![BatchOutcome::default(); self.slip.len()];
+        kernel.under_load(&self.points(), load, &mut out).unwrap();
+        out
+    }
+}
+
+fn done(outcome: &BatchOutcome) -> BatchForces {
+    match outcome {
+        BatchOutcome::Done(forces) => *forces,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn pair(soil: &Soil, p: Point) -> WheelOnSoil {
+    let exact = Settings {
+        accuracy: Accuracy::Reference,
+        ..Settings::default()
+    };
+    let soil = soil.with_rebound(p.2).unwrap();
+    WheelOnSoil::new(RigidWheel::new(p.0, p.1).unwrap(), soil, exact).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+
+    #[test]
+    fn lanes_are_good_to_1e_9(soil in soil(), points in prop::collection::vec(point(), 1..40)) {
+        let columns = Columns::new(&points);
+        for kernel in [BatchKernel::new(soil), BatchKernel::new(soil).portable()] {
+            for (p, outcome) in points.iter().zip(columns.forces(&kernel)) {
+                let motion = Kinematics::straight(Slip::new(p.3).unwrap());
+                let f = pair(&soil, *p).forces_at(p.4 * p.0, &motion).unwrap();
+                let got = done(&outcome);
+                let size = f.vertical_force.abs().max(f.drawbar_pull.abs()).max(f.torque.abs() / p.0);
+                let off = (f.vertical_force - got.vertical_force).abs()
+                    .max((f.drawbar_pull - got.drawbar_pull).abs())
+                    .max((f.torque - got.torque).abs() / p.0);
+                prop_assert!(off <= 1e-9 * size, "{:e} at {:?}", off / size, p);
+            }
+        }
+    }
+
+    #[test]
+    fn loads_come_back(soil in soil(), points in prop::collection::vec(point(), 1..40)) {
+        let columns = Columns::new(&points);
+        let kernel = BatchKernel::new(soil);
+        let load: Vec<f64> =
+            columns.forces(&kernel).iter().map(|f| done(f).vertical_force.abs().max(1e-3)).collect();
+        for ((p, load), outcome) in points.iter().zip(&load).zip(columns.under_load(&kernel, &load)) {
+            if let BatchOutcome::Done(got) = outcome {
+                prop_assert!((got.vertical_force / load - 1.0).abs() < 2e-9);
+                let motion = Kinematics::straight(Slip::new(p.3).unwrap());
+                let exact = pair(&soil, *p).sinkage_under(*load, &motion).unwrap();
+                let exact = exact.sinkage.unwrap();
+                prop_assert!((got.sinkage / exact - 1.0).abs() < 1e-8, "{} {exact}", got.sinkage);
+            } else {
+                prop_assert!(p.4 > 0.9 || p.2 > 0.0 || p.3 < 0.0, "{outcome:?} at {p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn d14_a_lane_gives_the_same_bits_in_any_company(
+        soil in soil(),
+        points in prop::collection::vec(point(), 1..30),
+        bad in prop::collection::vec(0..30_usize, 0..4),
+    ) {
+        let kernel = BatchKernel::new(soil);
+        let mut columns = Columns::new(&points);
+        for &i in &bad {
+            if i < points.len() {
+                columns.slip[i] = [f64::NAN, 7.0, f64::INFINITY, -2.0][i % 4];
+            }
+        }
+        let together = columns.forces(&kernel);
+        let loads: Vec<f64> = together.iter().map(|f| match f {
+            BatchOutcome::Done(f) => f.vertical_force.abs() + 0.1,
+            _ => f64::NAN,
+        }).collect();
+        let solved = columns.under_load(&kernel, &loads);
+        for i in 0..points.len() {
+            let alone = Columns {
+                radius: vec![columns.radius[i]],
+                width: vec![columns.width[i]],
+                rebound: vec![columns.rebound[i]],
+                slip: vec![columns.slip[i]],
+                sinkage: vec![columns.sinkage[i]],
+            };
+            let is_bad = bad.contains(&i);
+            prop_assert_eq!(matches!(together[i], BatchOutcome::Bad(_)), is_bad);
+            // by their text, so that a NaN inside an error equals itself
+            prop_assert_eq!(format!("{:?}", &alone.forces(&kernel)[0]), format!("{:?}", &together[i]));
+            prop_assert_eq!(
+                format!("{:?}", &alone.under_load(&kernel, &loads[i..=i])[0]),
+                format!("{:?}", &solved[i])
+            );
+        }
+    }
+}
+
+#[test]
+fn d14_batches_of_every_small_length() {
+    let soil = catalogue::find("lunar").unwrap().soil().unwrap();
+    let kernel = BatchKernel::new(soil);
+    for n in [0, 1, 3, 5, 7, 8, 9, 255, 256, 257, 1000] {
+        let points: Vec<Point> = (0..n)
+            .map(|i| (0.1, 0.05, 0.0, f64::from(i) / 1000.0, 0.1))
+            .collect();
+        let out = Columns::new(&points).forces(&kernel);
+        assert_eq!(out.len(), points.len());
+        assert!(out.iter().all(|f| done(f).vertical_force > 0.0));
+    }
+    // all but one lane bad
+    let mut columns = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 8]);
+    for (i, radius) in columns.radius.iter_mut().enumerate() {
+        if i != 5 {
+            *radius = [0.0, -1.0, f64::NAN, 1e300, f64::INFINITY, 0.0, 5e-324, -0.0][i];
+        }
+    }
+    for (i, outcome) in columns.forces(&kernel).iter().enumerate() {
+        assert_eq!(
+            matches!(outcome, BatchOutcome::Done(_)),
+            i == 5,
+            "{i}: {outcome:?}"
+        );
+    }
+}
+
+#[test]
+fn d13_continuous_where_the_lanes_end() {
+    // Slip, sinkage and rebound through every limit of the lanes: from one rule to the next and from the
+    // lanes to the general kernel, which agree to their accuracy.
+    let soil = catalogue::find("clayey-soil").unwrap().soil().unwrap();
+    let kernel = BatchKernel::new(soil);
+    let along = |at: &dyn Fn(f64) -> Point| {
+        let points: Vec<Point> = (0..4001).map(|i| at(f64::from(i) / 4000.0)).collect();
+        let nudged: Vec<Point> = (0..4001)
+            .map(|i| at(f64::from(i) / 4000.0 + 1e-12))
+            .collect();
+        let (a, b) = (
+            Columns::new(&points).forces(&kernel),
+            Columns::new(&nudged).forces(&kernel),
+        );
+        for (a, b) in a.iter().zip(&b) {
+            let (a, b) = (done(a), done(b));
+            assert!(
+                (a.drawbar_pull - b.drawbar_pull).abs() < 1e-9 * a.vertical_force.abs().max(1e-9)
+            );
+        }
+    };
+    along(&|x| (0.1, 0.05, 0.0, 0.3, 0.4 + 0.2 * x));
+    along(&|x| (0.1, 0.05, 0.0, 0.3, 4e-4 + 1e-4 * x));
+    along(&|x| (0.1, 0.05, 0.0, 0.9 * x, 0.2));
+    // from a rebound of 0.05 on: the exit angle starts as its square root
+    along(&|x| (0.1, 0.05, 0.05 + 0.9 * x, 0.2, 0.4));
+}
+
+#[test]
+fn slices_of_unequal_length_are_refused() {
+    let kernel = BatchKernel::new(catalogue::find("lunar").unwrap().soil().unwrap());
+    let columns = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 3]);
+    let mut out = [BatchOutcome::default(); 2];
+    assert!(
+        kernel
+            .forces(&columns.points(), &columns.sinkage, &mut out)
+            .is_err()
+    );
+}
+
+#[test]
+fn a_soil_that_digs_with_slip_runs_one_at_a_time() {
+    let soil = catalogue::find("mars-sim-sand").unwrap();
+    let completion = grouser_terra::catalogue::Completion {
+        c_1: Some(0.3),
+        c_2: Some(0.2),
+        ..Default::default()
+    };
+    let soil = soil.completed(&completion).unwrap();
+    let out = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 3]).forces(&BatchKernel::new(soil));
+    assert!(out.iter().all(|f| done(f).vertical_force > 0.0));
+}

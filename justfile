@@ -1,0 +1,19 @@
+# The recipes that `.ci/run` and CONTRIBUTING.md name. The README's two commands need no `just`.
+
+# everything that a change must pass
+ci:
+    bash .ci/run
+
+# format, lint, document
+check:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
+
+# the README's test command
+test:
+    cargo test --workspace
+
+# write the five-wheel example anew (a test compares it byte for byte)
+example:
+    cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
