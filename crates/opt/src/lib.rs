@@ -63,7 +63,7 @@ pub use pareto::{
     inverted_generational_distance, knee, pareto,
 };
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
-pub use robust::{Measure, Robust, Uncertainty, robust, sample};
+pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};
 pub use settings::Settings;
 pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};

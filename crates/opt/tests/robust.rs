@@ -2,17 +2,17 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_opt::{
-    Differences, Error, Exact, Functions, Measure, Method, Model, ProblemParams, Settings, Sobol,
-    Solution, Uncertainty, check_derivatives, robust, sample, solve,
+    Differences, Error, Exact, Functions, Measure, Method, ProblemParams, Settings, Sobol,
+    Solution, Uncertainty, World, check_derivatives, robust, sample, solve,
 };
 use grouser_real::Scalar;
 
 /// (x − a)², with x ≤ limit as an inequality if asked for.
-struct World {
+struct Bowl {
     a: f64,
     limit: Option<f64>,
 }
-impl Functions for World {
+impl Functions for Bowl {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         f[0] = (x[0] - R::from_f64(self.a)).square();
         if let Some(limit) = self.limit {
@@ -22,14 +22,14 @@ impl Functions for World {
 }
 
 fn best(places: &[f64], measure: Measure) -> (f64, Solution) {
-    let worlds: Vec<Box<dyn Model>> = places
+    let worlds: Vec<World<'_>> = places
         .iter()
-        .map(|&a| Box::new(Exact(World { a, limit: None })) as Box<dyn Model>)
+        .map(|&a| World::new(a.to_string(), Exact(Bowl { a, limit: None })))
         .collect();
     let params = ProblemParams::new(
         &[0.3],
         1,
-        Exact(World {
+        Exact(Bowl {
             a: 0.0,
             limit: None,
         }),
@@ -102,13 +102,6 @@ fn conditional_value_at_risk_is_the_mean_of_the_worst() {
 
 #[test]
 fn constraints_hold_in_every_world() {
-    let worlds: Vec<Box<dyn Model>> = [2.0, 1.2, 5.0]
-        .iter()
-        .map(|&limit| {
-            let limit = Some(limit);
-            Box::new(Exact(World { a: 4.0, limit })) as Box<dyn Model>
-        })
-        .collect();
     for measure in [
         Measure::WorstCase,
         Measure::MeanPlusDeviations { kappa: 2.0 },
@@ -119,21 +112,24 @@ fn constraints_hold_in_every_world() {
             ..ProblemParams::new(
                 &[0.3],
                 1,
-                Exact(World {
+                Exact(Bowl {
                     a: 0.0,
                     limit: Some(0.0),
                 }),
             )
         };
-        let worlds = worlds
-            .iter()
-            .map(|w| Box::new(w) as Box<dyn Model>)
-            .collect();
-        let joint = robust(params, worlds, measure).unwrap();
+        let worlds = [2.0, 1.2, 5.0].map(|limit| {
+            let limit = Some(limit);
+            World::new(
+                limit.map_or(String::new(), |l: f64| l.to_string()),
+                Exact(Bowl { a: 4.0, limit }),
+            )
+        });
+        let joint = robust(params, worlds.into(), measure).unwrap();
         let solution = solve(joint.problem(), &Method::Minimax, &Settings::default()).unwrap();
         near(joint.own(&solution.x)[0], 1.2);
         assert!(
-            solution.active.iter().any(|name| name == "limit @ 2"),
+            solution.active.iter().any(|name| name == "limit @ 1.2"),
             "{:?}",
             solution.active
         );
@@ -145,10 +141,13 @@ fn no_worlds_and_bad_measures_are_errors() {
     let params = || ProblemParams::new(&[0.3], 1, Differences::new(|_: &[f64], _: &mut [f64]| {}));
     let none = robust(params(), Vec::new(), Measure::WorstCase);
     assert!(matches!(none, Err(Error::Empty { what: "worlds" })));
-    let one: Vec<Box<dyn Model>> = vec![Box::new(Exact(World {
-        a: 0.0,
-        limit: None,
-    }))];
+    let one = vec![World::new(
+        "one",
+        Exact(Bowl {
+            a: 0.0,
+            limit: None,
+        }),
+    )];
     let bad = robust(
         params(),
         one,

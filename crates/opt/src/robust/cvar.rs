@@ -126,15 +126,19 @@ pub(super) fn problem<'a>(
         // At the worst value no world exceeds η: a feasible start.
         let worst = if worst.is_finite() { worst } else { 0.0 };
         variables.push(Variable::free(format!("eta of {name}"), worst));
-        for k in 1..=count {
-            let helper = format!("excess of {name} @ {k}");
+        for world in &worlds.list {
+            let helper = format!("excess of {name} @ {}", world.name);
             variables.push(Variable::bounded(helper, 0.0, 0.0, f64::INFINITY));
             let signs: &[&str] = if i < worlds.absolute {
                 &["+", "-"]
             } else {
                 &["+"]
             };
-            excesses.extend(signs.iter().map(|sign| format!("{sign}{name} @ {k}")));
+            excesses.extend(
+                signs
+                    .iter()
+                    .map(|sign| format!("{sign}{name} @ {}", world.name)),
+            );
         }
     }
     excesses.extend(worlds.names(&params.inequalities));

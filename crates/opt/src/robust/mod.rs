@@ -19,6 +19,24 @@ use crate::problem::{Problem, ProblemParams};
 pub use measure::Measure;
 pub use samples::{Uncertainty, sample};
 
+/// One possible world.
+pub struct World<'a> {
+    /// Its name in reports: `objective @ name`.
+    pub name: String,
+    /// The functions as they are in it.
+    pub model: Box<dyn Model + 'a>,
+}
+
+impl<'a> World<'a> {
+    /// A world and its name.
+    pub fn new(name: impl Into<String>, model: impl Model + 'a) -> Self {
+        Self {
+            name: name.into(),
+            model: Box::new(model),
+        }
+    }
+}
+
 /// A problem under many worlds.
 pub struct Robust<'a> {
     problem: Problem<'a>,
@@ -46,14 +64,13 @@ impl<'a> Robust<'a> {
 /// No worlds, a measure's parameter outside its range, and what [`Problem::new`] refuses.
 ///
 /// ```
-/// use grouser_opt::{Differences, Measure, Method, Model, ProblemParams, Settings, robust, solve};
+/// use grouser_opt::{Differences, Measure, Method, ProblemParams, Settings, World, robust, solve};
 ///
 /// // (x − a)² for a = 0, 1, 4: the best worst case lies half-way between the extremes.
-/// let world = |a: f64| -> Box<dyn Model> {
-///     Box::new(Differences::new(move |x: &[f64], f: &mut [f64]| f[0] = (x[0] - a).powi(2)))
-/// };
-/// let params = ProblemParams::new(&[0.5], 1, world(0.0));
-/// let joint = robust(params, vec![world(0.0), world(1.0), world(4.0)], Measure::WorstCase)?;
+/// let at = |a: f64| Differences::new(move |x: &[f64], f: &mut [f64]| f[0] = (x[0] - a).powi(2));
+/// let params = ProblemParams::new(&[0.5], 1, at(0.0));
+/// let worlds = [0.0, 1.0, 4.0].map(|a| World::new(a.to_string(), at(a)));
+/// let joint = robust(params, worlds.into(), Measure::WorstCase)?;
 /// let solution = solve(joint.problem(), &Method::Minimax, &Settings::default())?;
 /// assert!((joint.own(&solution.x)[0] - 2.0).abs() < 1e-6);
 /// assert!((solution.multipliers.objectives[0] - 0.5).abs() < 1e-6);
@@ -61,7 +78,7 @@ impl<'a> Robust<'a> {
 /// ```
 pub fn robust<'a>(
     params: ProblemParams<'a>,
-    worlds: Vec<Box<dyn Model + 'a>>,
+    worlds: Vec<World<'a>>,
     measure: Measure,
 ) -> Result<Robust<'a>> {
     if worlds.is_empty() {
@@ -74,7 +91,7 @@ pub fn robust<'a>(
         m: params.objectives.len(),
         functions: params.objectives.len() + params.inequalities.len() + params.equalities.len(),
         absolute: params.absolute,
-        models: worlds,
+        list: worlds,
     };
     let problem = match measure {
         Measure::WorstCase => worst_case::problem(params, worlds)?,
@@ -90,21 +107,21 @@ struct Worlds<'a> {
     m: usize,
     functions: usize,
     absolute: usize,
-    models: Vec<Box<dyn Model + 'a>>,
+    list: Vec<World<'a>>,
 }
 
 impl Worlds<'_> {
     fn count(&self) -> usize {
-        self.models.len()
+        self.list.len()
     }
 
     /// One list of function values per world.
     fn values(&self, x: &[f64]) -> Vec<Vec<f64>> {
-        self.models
+        self.list
             .iter()
             .map(|world| {
                 let mut values = vec![f64::NAN; self.functions];
-                world.values(&x[..self.n], &mut values);
+                world.model.values(&x[..self.n], &mut values);
                 values
             })
             .collect()
@@ -112,12 +129,14 @@ impl Worlds<'_> {
 
     /// The same with gradients.
     fn derivatives(&self, x: &[f64]) -> Vec<(Vec<f64>, Jacobian)> {
-        self.models
+        self.list
             .iter()
             .map(|world| {
                 let mut values = vec![f64::NAN; self.functions];
                 let mut jacobian = Jacobian::zeros(self.functions, self.n);
-                world.derivatives(&x[..self.n], &mut values, &mut jacobian);
+                world
+                    .model
+                    .derivatives(&x[..self.n], &mut values, &mut jacobian);
                 (values, jacobian)
             })
             .collect()
@@ -127,7 +146,10 @@ impl Worlds<'_> {
     fn names(&self, names: &[String]) -> Vec<String> {
         names
             .iter()
-            .flat_map(|name| (1..=self.count()).map(move |world| format!("{name} @ {world}")))
+            .flat_map(|name| {
+                let worlds = self.list.iter();
+                worlds.map(move |world| format!("{name} @ {}", world.name))
+            })
             .collect()
     }
 }
