@@ -1,6 +1,6 @@
 //! The wheel in the soil.
 #![cfg_attr(not(feature = "std"), no_std)]
-// denied in the workspace; `lanes::dispatch` alone allows it
+// denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]
 
 mod angle;

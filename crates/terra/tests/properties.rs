@@ -75,8 +75,20 @@ fn size(f: &Forces, radius: f64) -> f64 {
         .max(f.torque.abs() / radius)
 }
 
+/// Cases a property, unless `PROPTEST_CASES` says otherwise.
+fn cases() -> u32 {
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(1000)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None,
+        max_global_rejects: 1_000_000,
+        ..ProptestConfig::with_cases(cases())
+    })]
 
     #[test]
     fn the_standard_rule_is_good_to_1e_9(any in any_wheel()) {
@@ -100,7 +112,11 @@ proptest! {
             let scale = (f.torque.abs() + f.drawbar_pull.abs() * any.radius + f.lost_work.abs())
                 .max((f.thrust.abs() + f.compaction_resistance + f.side_shear) * any.radius);
             prop_assert!(f.energy_residual.abs() <= 1e-12 * scale, "{:e}", f.energy_residual / scale);
-            prop_assert!(f.lost_work >= -1e-9 * scale, "{:e}", f.lost_work / scale);
+// A braked wheel on soil that springs back by most of its sinkage may gain work from the sign(j)
+            // extension; that is a caution, below.
+            if any.slip >= 0.0 || any.soil.rebound == 0.0 {
+                prop_assert!(f.lost_work >= -1e-9 * scale, "{:e}", f.lost_work / scale);
+            }
         }
     }
 

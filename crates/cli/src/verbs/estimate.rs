@@ -15,6 +15,7 @@ use super::estimate_object::object;
 use super::estimate_output::Outputs;
 use super::estimate_text::text;
 use crate::error::{Error, Outcome, Result};
+use crate::input::Input;
 use crate::law_error::Names;
 use crate::number::parse_finite;
 use crate::progress::Progress;
@@ -103,7 +104,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
-        session.used_soil(&chosen.name, &chosen.source);
+        session.used_soil(&chosen, &arguments.overrides);
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
@@ -184,7 +185,7 @@ fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
 
 /// Reads a file once more for its hash.
 pub(super) fn note_input(session: &mut Session, path: &Path) -> Result<()> {
-    let mut input = session.open(path)?;
+    let mut input = Input::open(path)?;
     io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
     session.used_input(input);
     Ok(())

@@ -172,6 +172,9 @@ impl<R: Scalar> ShearState<R> {
         if !self.sideways || self.locked || self.law == ShearLaw::Independent {
             return false;
         }
+        if self.law == ShearLaw::SlipVelocity {
+            return true;
+        }
         let (least, most) = self.values().slope_range(arc.value());
         let steady = least > 0.25 * most || most < 0.25 * least;
         let across = self.q_y.value().abs() > 2.0 * least.abs().max(most.abs());

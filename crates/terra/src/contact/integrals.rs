@@ -78,6 +78,12 @@ impl<R: Scalar> Contact<R> {
             self.shear.stiffness(arc)
         };
         let step = Step::for_stiffness(stiffness, self.angles.theta_1.value())?;
+        // A stress whose direction turns along the contact is less smooth than its growth tells.
+        let step = if self.shear.sideways {
+            step.finer()?
+        } else {
+            step
+        };
         let step = if order == Order::Check {
             step.finer()?
         } else {

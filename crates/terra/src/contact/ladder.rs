@@ -3,7 +3,8 @@
 use grouser_real::Real;
 
 use crate::quadrature::{
-    LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32, Rule, RuleView, gauss_jacobi,
+    LEGENDRE_6, LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32, Rule, RuleView,
+    gauss_jacobi,
 };
 
 /// Greatest stiffness of the shear (`ShearState::stiffness`) at which each step of the ladder is good to
@@ -25,8 +26,12 @@ impl Step {
     /// The least step that serves; `None` where no fixed rule does.
     pub(crate) fn for_stiffness(stiffness: f64, theta_1: f64) -> Option<Self> {
         let least = usize::from(theta_1 > SHALLOW);
-        let step = LIMITS.iter().position(|limit| stiffness <= *limit)?;
-        Some(Self(step.max(least)))
+        // counted without a branch: in a batch the answer is as good as random
+        let step = LIMITS
+            .iter()
+            .map(|limit| usize::from(!(stiffness <= *limit)))
+            .sum::<usize>();
+        (step < Self::COUNT).then_some(Self(step.max(least)))
     }
 
     /// The next finer one.
@@ -51,6 +56,7 @@ pub(crate) const POWER_TERMS: usize = 13;
 /// What one sinkage exponent prepares: Gauss-Jacobi rules and the power of the lean kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExponentTables {
+    coarse: (Rule<4>, Rule<5>),
     rules: (Rule<6>, Rule<8>, Rule<12>, Rule<16>, Rule<24>),
     /// ((y + 3)/4)ⁿ in powers of y = 4·ratio − 3 for ratio in [½, 1]. In the raw ratio the coefficients
     /// would alternate and lose digits.
@@ -60,6 +66,7 @@ pub(crate) struct ExponentTables {
 impl ExponentTables {
     pub(crate) fn new(n: f64) -> Self {
         Self {
+            coarse: (gauss_jacobi(n), gauss_jacobi(n)),
             rules: (
                 gauss_jacobi(n),
                 gauss_jacobi(n),
@@ -68,6 +75,15 @@ impl ExponentTables {
                 gauss_jacobi(n),
             ),
             power: power_polynomial(n),
+        }
+    }
+
+    /// Coarser rules for the beginning of a search: good to some 1e-5 of the forces.
+    pub(crate) fn coarse_rules(&self, step: Step) -> (RuleView<'_>, RuleView<'static>) {
+        match step.0 {
+            0 => (self.coarse.0.view(), LEGENDRE_6.view()),
+            1 => (self.coarse.1.view(), LEGENDRE_8.view()),
+            finer => self.rules(Step(finer - 1)),
         }
     }
 

@@ -133,7 +133,7 @@ impl<R: Short> LeanContact<R> {
         let half = R::from_f64(0.5);
         let front = self.node(t * self.front * half);
         let ratio = front.shape * self.inverse_sin_1;
-        let sigma = weight * horner(ratio.mul_add(R::from_f64(4.0), R::from_f64(-3.0)), power);
+        let sigma = weight * estrin(ratio.mul_add(R::from_f64(4.0), R::from_f64(-3.0)), power);
         sums.stress(&front, sigma * self.front, self.tan_phi);
         let rear = self.node((self.front + self.rear - t * self.rear) * half);
         sums.stress(&rear, sigma * self.rear, self.tan_phi);
@@ -178,7 +178,7 @@ impl<R: Real> LeanSums<R> {
     }
 }
 
-/// Σ c_k xᵏ.
+/// Σ c_k xᵏ by Horner's rule: the fewest operations.
 #[inline(always)]
 fn horner<R: Real>(x: R, coefficients: &[f64]) -> R {
     let mut sum = R::ZERO;
@@ -190,4 +190,33 @@ fn horner<R: Real>(x: R, coefficients: &[f64]) -> R {
         };
     }
     sum
+}
+
+/// Σ c_k xᵏ by Estrin's scheme: neighbours first, then pairs, so that a long polynomial waits for four
+/// results and not for twelve.
+#[inline(always)]
+pub(crate) fn estrin<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> R {
+    let mut terms = [R::ZERO; 8];
+    let mut count = N.div_ceil(2);
+    for (k, term) in terms.iter_mut().enumerate().take(count) {
+        let low = R::from_f64(coefficients[2 * k]);
+        *term = match coefficients.get(2 * k + 1) {
+            Some(&high) => R::from_f64(high).mul_add(x, low),
+            None => low,
+        };
+    }
+    let mut power = x;
+    while count > 1 {
+        power = power * power;
+        let half = count.div_ceil(2);
+        for k in 0..half {
+            terms[k] = if 2 * k + 1 < count {
+                terms[2 * k + 1].mul_add(power, terms[2 * k])
+            } else {
+                terms[2 * k]
+            };
+        }
+        count = half;
+    }
+    terms[0]
 }

@@ -10,8 +10,8 @@ use crate::soil::Soil;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
-use super::dispatch::Level;
-use super::plan::{Plan, Prepared};
+use super::machine::Level;
+use super::plan::{Given, Plan, Prepared};
 
 /// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
 pub(super) const CHUNK: usize = 256;
@@ -186,13 +186,24 @@ impl BatchKernel {
         out: &mut [BatchOutcome],
         solve: bool,
     ) {
-        let plan = Plan::new(self.prepared.as_ref(), points, given, solve);
+        let mut expected = [f64::NAN; CHUNK];
+        let expected = &mut expected[..given.len()];
+        let known = if solve {
+            if let Some(prepared) = &self.prepared {
+                self.level.expected(prepared, points, given, expected);
+            }
+            Given::Load {
+                load: given,
+                expected,
+            }
+        } else {
+            Given::Sinkage(given)
+        };
+        let plan = Plan::new(self.prepared.as_ref(), points, known);
         if let Some(prepared) = &self.prepared {
-            for step in 0..Step::COUNT {
-                let step = Step::at(step);
+            for step in (0..Step::COUNT).map(Step::at) {
                 for group in plan.groups(step) {
-                    self.level
-                        .run(prepared, points, given, (step, group), solve, out);
+                    self.level.run(prepared, points, known, (step, group), out);
                 }
             }
         }

@@ -5,11 +5,12 @@ use grouser_real::Real;
 use crate::contact::ladder::Step;
 use crate::contact::lean::{GREATEST_SINKAGE, LEAST_SINKAGE, LeanContact};
 use crate::pressure::Pressure;
+use crate::quadrature::RuleView;
 use crate::sinkage::LoadStatus;
 
-use super::Lanes;
 use super::batch::{BatchForces, BatchOutcome, BatchPoints};
-use super::plan::{Group, Prepared};
+use super::plan::{Given, Group, Prepared};
+use super::vector::Vector;
 
 /// arcsin x/x in x² for 0 ≤ x ≤ ½ by interpolation at Chebyshev's points; relative error 4e-15.
 const ARCSINE: [f64; 11] = [
@@ -26,45 +27,52 @@ const ARCSINE: [f64; 11] = [
     0.031_500_978_582_855_19,
 ];
 
-/// Residual ln(W/load) at which a lane's search has ended: a tenth of what the rule is good for.
-const CLOSE: f64 = 1e-10;
-/// Passes of the search. Three or four are what it takes.
-const PASSES: usize = 8;
+/// Residual ln(W/load) at which a lane's search has ended, below what the rule is good for.
+const CLOSE: f64 = 2e-10;
+/// Residual at which the coarse part of the search has ended: one more step leads to the coarse solution.
+const COARSELY: f64 = 1e-4;
+/// Most passes of the search by the coarse and by the fine rule; two to four of each are what it takes.
+const COARSE_PASSES: usize = 6;
+const FINE_PASSES: usize = 8;
 
 /// The part of eight operating points that does not depend on sinkage.
-struct Eight<const FUSED: bool> {
-    radius: Lanes<FUSED>,
-    width: Lanes<FUSED>,
-    rebound: Lanes<FUSED>,
-    slip: Lanes<FUSED>,
-    modulus: Lanes<FUSED>,
+struct Eight<V: Vector> {
+    radius: V,
+    width: V,
+    rebound: V,
+    slip: V,
+    modulus: V,
     /// clamp(c_1 + c_2 s, 0, 1)
-    position: Lanes<FUSED>,
+    position: V,
 }
 
 /// Vertical force, drawbar pull and torque of eight points.
 #[derive(Clone, Copy)]
-struct Three<const FUSED: bool> {
-    vertical_force: Lanes<FUSED>,
-    drawbar_pull: Lanes<FUSED>,
-    torque: Lanes<FUSED>,
+struct Three<V: Vector> {
+    vertical_force: V,
+    drawbar_pull: V,
+    torque: V,
 }
 
 #[inline(always)]
-fn gather<const FUSED: bool>(values: &[f64], group: &Group) -> Lanes<FUSED> {
-    Lanes(group.places.map(|place| values[place]))
+fn gather<V: Vector>(values: &[f64], group: &Group) -> V {
+    V::from_array(group.places.map(|place| values[place]))
 }
 
-impl<const FUSED: bool> Eight<FUSED> {
+impl<V: Vector> Eight<V> {
     #[inline(always)]
     fn new(prepared: &Prepared, points: &BatchPoints<'_>, group: &Group) -> Self {
-        let splat = Lanes::<FUSED>::splat;
-        let width = gather(points.width, group);
-        let slip = gather(points.slip, group);
+        let splat = V::from_f64;
+        let width: V = gather(points.width, group);
+        let slip: V = gather(points.slip, group);
         let modulus = match prepared.laws.pressure {
             Pressure::Bekker(law) => splat(law.k_c) / width + splat(law.k_phi),
             // powers of the width, one by one: the price of a law that is rare in catalogues
-            Pressure::Reece(_) => Lanes(width.0.map(|b| prepared.laws.modulus(b, prepared.n))),
+            Pressure::Reece(_) => V::from_array(
+                width
+                    .to_array()
+                    .map(|b| prepared.laws.modulus(b, prepared.n)),
+            ),
         };
         let position = slip.mul_add(splat(prepared.laws.c_2), splat(prepared.laws.c_1));
         Self {
@@ -79,14 +87,14 @@ impl<const FUSED: bool> Eight<FUSED> {
 
     /// The forces at a sinkage over radius.
     #[inline(always)]
-    fn forces(&self, prepared: &Prepared, step: Step, z_over_r: Lanes<FUSED>) -> Three<FUSED> {
-        let splat = Lanes::<FUSED>::splat;
+    fn forces(
+        &self,
+        prepared: &Prepared,
+        rules: (RuleView<'_>, RuleView<'_>),
+        z_over_r: V,
+    ) -> Three<V> {
+        let splat = V::from_f64;
         let one = splat(1.0);
-        // sin²(θ/2) = z/2r on both sides of the wheel
-        let angle = |x: Lanes<FUSED>| {
-            let y = splat(0.5) * x;
-            splat(2.0) * y.sqrt() * y.polynomial(&ARCSINE)
-        };
         let theta_1 = angle(z_over_r);
         let behind = angle(self.rebound * z_over_r);
         let cos_1 = one - z_over_r;
@@ -100,11 +108,10 @@ impl<const FUSED: bool> Eight<FUSED> {
             front,
             rear: theta_m + behind,
             q: one - self.slip,
-            minus_r_over_k: self.radius * splat(-1.0 / prepared.laws.k_shear),
+            minus_r_over_k: self.radius * splat(-prepared.inverse_k_shear),
             tan_phi: splat(prepared.tan_phi),
         };
-        let (friction, cohesion) =
-            contact.sums(prepared.tables.rules(step), &prepared.tables.power);
+        let (friction, cohesion) = contact.sums(rules, &prepared.tables.power);
         let area = self.radius * self.width;
         // A (L sin θ_1)ⁿ = k (r L sin θ_1)ⁿ
         let stress = self.modulus * (self.radius * front * sin_1).powf(splat(prepared.n));
@@ -117,98 +124,160 @@ impl<const FUSED: bool> Eight<FUSED> {
         }
     }
 
-    /// The sinkage over radius under a load, the forces there and the residual ln(W/load): the secant
-    /// method in (ln z, ln W), which is nearly a straight line of slope n + ½. A lane that has ended stays
-    /// as it is, so that its result does not depend on the others.
+    /// Expected z/r under a load by Bekker's closed form, z = [3 W/((3 − n) k b √(2r))]^(2/(2n + 1)).
     #[inline(always)]
-    fn solve(
-        &self,
-        prepared: &Prepared,
-        step: Step,
-        load: Lanes<FUSED>,
-        start: Lanes<FUSED>,
-    ) -> (Lanes<FUSED>, Three<FUSED>, Lanes<FUSED>) {
-        let splat = Lanes::<FUSED>::splat;
-        let (low, high) = (
-            splat(Real::ln(LEAST_SINKAGE)),
-            splat(Real::ln(GREATEST_SINKAGE)),
-        );
-        let inverse_load = splat(1.0) / load;
+    fn expected(&self, prepared: &Prepared, load: V) -> V {
+        let c = V::from_f64;
+        let shape = (3.0 - prepared.n).max(0.5);
+        let root = (c(2.0) * self.radius).sqrt();
+        let base = c(3.0) * load / (c(shape) * self.width * self.modulus * root);
+        base.powf(c(2.0 / (2.0 * prepared.n + 1.0))) / self.radius
+    }
+
+    /// The sinkage over radius under a load, the forces there and the residual ln(W/load): the secant
+    /// method in (ln z, ln W), which is nearly a straight line of slope n + ½.
+    ///
+    /// A coarse rule leads it to the place where the coarse force carries the load; from there the fine
+    /// rule has only the small difference of the two rules to go, along a slope that is known by then. A
+    /// lane that has ended stays as it is, so that its result does not depend on the others.
+    #[inline(always)]
+    fn solve(&self, prepared: &Prepared, step: Step, load: V, start: V) -> (V, Three<V>, V) {
+        let c = V::from_f64;
+        let (low, high) = (c(Real::ln(LEAST_SINKAGE)), c(Real::ln(GREATEST_SINKAGE)));
+        let inverse_load = V::ONE / load;
+        let coarse = prepared.tables.coarse_rules(step);
         let mut x = start.ln();
-        let mut per_slope = splat(1.0 / (prepared.n + 0.5));
         let mut z = start;
-        let mut f = self.forces(prepared, step, z);
-        let mut off = (f.vertical_force * inverse_load).ln();
-        for _ in 1..PASSES {
-            let open = splat(CLOSE).lt(off.abs());
-            if open.0 == [false; 8] {
+        let mut per_slope = c(1.0 / (prepared.n + 0.5));
+        let mut off = (self.forces(prepared, coarse, z).vertical_force * inverse_load).ln();
+        for _ in 1..COARSE_PASSES {
+            let open = c(COARSELY).lt(off.abs());
+            if !V::any(open) {
                 break;
             }
             let next = (x - off * per_slope).clamp(low, high);
             let z_next = next.exp();
-            let f_next = self.forces(prepared, step, z_next);
+            let force = self.forces(prepared, coarse, z_next).vertical_force;
+            let off_next = (force * inverse_load).ln();
+            per_slope = V::select(open, secant(next - x, off_next - off, per_slope), per_slope);
+            x = V::select(open, next, x);
+            z = V::select(open, z_next, z);
+            off = V::select(open, off_next, off);
+        }
+        // The last coarse residual is still to be gone; the fine rule starts from there.
+        x = (x - off * per_slope).clamp(low, high);
+        z = x.exp();
+        let rules = prepared.tables.rules(step);
+        let mut f = self.forces(prepared, rules, z);
+        off = (f.vertical_force * inverse_load).ln();
+        for pass in 1..FINE_PASSES {
+            let open = c(CLOSE).lt(off.abs());
+            if !V::any(open) {
+                break;
+            }
+            let next = (x - off * per_slope).clamp(low, high);
+            let z_next = next.exp();
+            let f_next = self.forces(prepared, rules, z_next);
             let off_next = (f_next.vertical_force * inverse_load).ln();
-            let secant = (next - x) / (off_next - off);
-            let usable = splat(0.0).lt(secant);
-            per_slope = Lanes::select(usable, secant, per_slope);
-            x = Lanes::select(open, next, x);
-            z = Lanes::select(open, z_next, z);
-            off = Lanes::select(open, off_next, off);
+            if pass > 1 {
+                per_slope = V::select(open, secant(next - x, off_next - off, per_slope), per_slope);
+            }
+            x = V::select(open, next, x);
+            z = V::select(open, z_next, z);
+            off = V::select(open, off_next, off);
             f = Three {
-                vertical_force: Lanes::select(open, f_next.vertical_force, f.vertical_force),
-                drawbar_pull: Lanes::select(open, f_next.drawbar_pull, f.drawbar_pull),
-                torque: Lanes::select(open, f_next.torque, f.torque),
+                vertical_force: V::select(open, f_next.vertical_force, f.vertical_force),
+                drawbar_pull: V::select(open, f_next.drawbar_pull, f.drawbar_pull),
+                torque: V::select(open, f_next.torque, f.torque),
             };
         }
         (z, f, off)
     }
 }
 
-/// Computes a group and puts its outcomes in place. A lane whose search left its range is given back as
-/// not converged.
+/// 2 arcsin √(x/2): the angle of a sinkage or a rise over the radius.
 #[inline(always)]
-pub(super) fn run<const FUSED: bool>(
+fn angle<V: Vector>(x: V) -> V {
+    let y = V::from_f64(0.5) * x;
+    V::from_f64(2.0) * y.sqrt() * y.polynomial(&ARCSINE)
+}
+
+/// dx/dy of a secant where it rises, else what was known before.
+#[inline(always)]
+fn secant<V: Vector>(dx: V, dy: V, before: V) -> V {
+    let slope = dx / dy;
+    V::select(V::ZERO.lt(slope), slope, before)
+}
+
+/// The expected z/r of a whole chunk under its loads.
+#[inline(always)]
+pub(super) fn expected<V: Vector>(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: &[f64],
+    load: &[f64],
+    out: &mut [f64],
+) {
+    for first in (0..load.len()).step_by(8) {
+        let last = load.len() - 1;
+        let places = core::array::from_fn(|k| (first + k).min(last));
+        let group = Group {
+            places,
+            count: 8.min(load.len() - first),
+        };
+        let eight = Eight::<V>::new(prepared, points, &group);
+        let found = eight.expected(prepared, gather(load, &group)).to_array();
+        out[first..first + group.count].copy_from_slice(&found[..group.count]);
+    }
+}
+
+/// Computes a group and puts its outcomes in place. `given` holds sinkages, or loads with the expected
+/// z/r beside them. A lane whose search left its range is given back as not converged.
+#[inline(always)]
+pub(super) fn run<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    given: Given<'_>,
     (step, group): (Step, Group),
-    solve: bool,
     out: &mut [BatchOutcome],
 ) {
-    let eight = Eight::<FUSED>::new(prepared, points, &group);
-    let given: Lanes<FUSED> = gather(given, &group);
-    let (z_over_r, f, off) = if solve {
-        let start = Lanes(core::array::from_fn(|k| {
-            prepared.expected(eight.radius.0[k], eight.width.0[k], given.0[k])
-        }));
-        eight.solve(prepared, step, given, start)
-    } else {
-        let z_over_r = given / eight.radius;
-        (
-            z_over_r,
-            eight.forces(prepared, step, z_over_r),
-            Lanes::splat(0.0),
-        )
+    let eight = Eight::<V>::new(prepared, points, &group);
+    let radius = eight.radius.to_array();
+    let (z_over_r, f, off) = match given {
+        Given::Sinkage(sinkage) => {
+            let z_over_r = gather::<V>(sinkage, &group) / eight.radius;
+            (
+                z_over_r,
+                eight.forces(prepared, prepared.tables.rules(step), z_over_r),
+                V::ZERO,
+            )
+        }
+        Given::Load { load, expected } => eight.solve(
+            prepared,
+            step,
+            gather(load, &group),
+            gather(expected, &group),
+        ),
     };
+    let (z_over_r, off) = (z_over_r.to_array(), off.to_array());
+    let vertical_force = f.vertical_force.to_array();
+    let (drawbar_pull, torque) = (f.drawbar_pull.to_array(), f.torque.to_array());
     for (k, &place) in group.places.iter().enumerate().take(group.count) {
-        let fits = !solve || {
-            let (radius, slip) = (eight.radius.0[k], eight.slip.0[k]);
-            let (stiffness, _) = prepared.stiffness(radius, 0.0, slip, z_over_r.0[k]);
-            off.0[k].abs() <= CLOSE
-                && Step::for_stiffness(stiffness, 1.0).is_some_and(|needed| needed <= step)
-        };
-        let forces = BatchForces {
-            sinkage: if solve {
-                z_over_r.0[k] * eight.radius.0[k]
-            } else {
-                given.0[k]
-            },
-            vertical_force: f.vertical_force.0[k],
-            drawbar_pull: f.drawbar_pull.0[k],
-            torque: f.torque.0[k],
+        let (fits, sinkage) = match given {
+            Given::Sinkage(sinkage) => (true, sinkage[place]),
+            Given::Load { .. } => {
+                let (stiffness, _) =
+                    prepared.stiffness(radius[k], 0.0, points.slip[place], z_over_r[k]);
+                let served = Step::for_stiffness(stiffness, 1.0).is_some_and(|least| least <= step);
+                (off[k].abs() <= CLOSE && served, z_over_r[k] * radius[k])
+            }
         };
         out[place] = if fits {
-            BatchOutcome::Done(forces)
+            BatchOutcome::Done(BatchForces {
+                sinkage,
+                vertical_force: vertical_force[k],
+                drawbar_pull: drawbar_pull[k],
+                torque: torque[k],
+            })
         } else {
             BatchOutcome::NoSolution(LoadStatus::NotConverged)
         };

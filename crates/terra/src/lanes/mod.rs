@@ -1,11 +1,11 @@
 //! Many operating points at once: eight lanes of f64.
 
 mod batch;
-mod dispatch;
-mod functions;
 mod group;
-mod number;
+mod machine;
 mod plan;
+mod portable;
+mod vector;
 
 pub use batch::{BatchForces, BatchKernel, BatchOutcome, BatchPoints};
-pub use number::{LaneMask, Lanes};
+pub use portable::{LaneMask, Lanes};

@@ -4,9 +4,30 @@ use grouser_real::Real;
 
 use crate::contact::ladder::{ExponentTables, Step};
 use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE};
+use crate::pressure::Pressure;
 use crate::soil::{Soil, SoilLaws};
 
 use super::batch::{BatchPoints, CHUNK};
+
+/// The step of a point that runs by itself.
+const SINGLE: u8 = 5;
+const _: () = assert!(
+    SINGLE as usize == Step::COUNT && CHUNK <= 1 << 16,
+    "counts fit their types"
+);
+
+/// What is known of the points of a chunk.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Given<'a> {
+    /// Their sinkages, m.
+    Sinkage(&'a [f64]),
+    /// Their loads, N.
+    Load {
+        load: &'a [f64],
+        /// z/r that these loads are expected to sink to.
+        expected: &'a [f64],
+    },
+}
 
 /// A soil as the lanes take it.
 #[derive(Clone, Debug)]
@@ -15,6 +36,7 @@ pub(super) struct Prepared {
     pub(super) laws: SoilLaws<f64>,
     pub(super) n: f64,
     pub(super) tan_phi: f64,
+    pub(super) inverse_k_shear: f64,
 }
 
 impl Prepared {
@@ -25,21 +47,22 @@ impl Prepared {
             tables: *tables,
             n: laws.exponent.n_0,
             tan_phi: Real::tan(laws.strength.phi),
+            inverse_k_shear: 1.0 / laws.k_shear,
             laws,
         })
+    }
+
+    /// Is the pressure-sinkage modulus positive under this width? (Without a division where it can be.)
+    fn carries(&self, width: f64) -> bool {
+        match self.laws.pressure {
+            Pressure::Bekker(law) => law.k_phi * width + law.k_c > 0.0,
+            Pressure::Reece(_) => self.laws.modulus(width, self.n) > 0.0,
+        }
     }
 
     /// c_1 + c_2 s.
     pub(super) fn position(&self, slip: f64) -> f64 {
         self.laws.c_1 + self.laws.c_2 * slip
-    }
-
-    /// Expected z/r under a load by Bekker's closed form, z = [3 W/((3 − n) k b √(2r))]^(2/(2n + 1)).
-    pub(super) fn expected(&self, radius: f64, width: f64, load: f64) -> f64 {
-        let modulus = self.laws.modulus(width, self.n);
-        let shape = (3.0 - self.n).max(0.5);
-        let base = 3.0 * load / (shape * width * modulus * Real::sqrt(2.0 * radius));
-        Real::powf(base, 2.0 / (2.0 * self.n + 1.0)) / radius
     }
 
     /// r·arc·max|1 − q cos θ|/K and the arc at a sinkage over radius; as `ShearState::stiffness`.
@@ -54,9 +77,9 @@ impl Prepared {
         // An upper bound of 2 asin √(z/2r) is enough: chord ≤ arc ≤ chord·π/3 up to 60°.
         let arc = |x: f64| 1.048 * Real::sqrt(2.0 * x);
         let behind = rebound * z_over_r;
-        let total = arc(z_over_r) + arc(behind);
+        let total = arc(z_over_r) + if rebound > 0.0 { arc(behind) } else { 0.0 };
         let fastest = 1.0 - q * (1.0 - z_over_r.max(behind));
-        (radius * total * fastest / self.laws.k_shear, total)
+        (radius * total * fastest * self.inverse_k_shear, total)
     }
 }
 
@@ -77,14 +100,16 @@ pub(super) struct Group {
 }
 
 impl Plan {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "both counts are asserted to fit"
+    )]
     pub(super) fn new(
         prepared: Option<&Prepared>,
         points: &BatchPoints<'_>,
-        given: &[f64],
-        solve: bool,
+        given: Given<'_>,
     ) -> Self {
-        const SINGLE: u8 = Step::COUNT as u8;
-        let n = given.len();
+        let n = points.slip.len();
         let mut plan = Self {
             steps: [SINGLE; CHUNK],
             order: [0; CHUNK],
@@ -92,7 +117,7 @@ impl Plan {
         };
         if let Some(prepared) = prepared {
             for (i, step) in plan.steps.iter_mut().enumerate().take(n) {
-                if let Some(found) = step_of(prepared, points, given[i], i, solve) {
+                if let Some(found) = step_of(prepared, points, given, i) {
                     *step = found.index() as u8;
                 }
             }
@@ -134,38 +159,31 @@ impl Plan {
 fn step_of(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: f64,
+    given: Given<'_>,
     i: usize,
-    solve: bool,
 ) -> Option<Step> {
     let (radius, width) = (points.radius[i], points.width[i]);
     let (rebound, slip) = (points.rebound[i], points.slip[i]);
     let sound = (1e-3..=100.0).contains(&radius)
         && (1e-3..=100.0).contains(&width)
         && (0.0..=1.0).contains(&slip)
-        && prepared.laws.modulus(width, prepared.n) > 0.0
+        && prepared.carries(width)
         && prepared.position(slip) < 1.0;
     if !sound {
         return None;
     }
-    let z_over_r = if solve {
+    let z_over_r = match given {
         // With a rebound the force may fall with sinkage: that search is not for lanes. The guess is taken
         // a third deeper, so that the rule still serves where the search ends.
-        if rebound != 0.0 || !(given > 0.0) {
-            return None;
+        Given::Load { load, expected } => {
+            let inside = (1.3 * LEAST_SINKAGE..=0.7 * GREATEST_SINKAGE).contains(&expected[i]);
+            (inside && rebound == 0.0 && load[i] > 0.0).then_some(1.35 * expected[i])?
         }
-        let expected = prepared.expected(radius, width, given);
-        (1.3 * LEAST_SINKAGE..=0.7 * GREATEST_SINKAGE)
-            .contains(&expected)
-            .then_some(1.35 * expected)?
-    } else {
-        if !(0.0..=100.0).contains(&rebound) {
-            return None;
+        Given::Sinkage(sinkage) => {
+            let z_over_r = sinkage[i] / radius;
+            let inside = (LEAST_SINKAGE..=GREATEST_SINKAGE).contains(&z_over_r);
+            (inside && (0.0..=100.0).contains(&rebound)).then_some(z_over_r)?
         }
-        let z_over_r = given / radius;
-        (LEAST_SINKAGE..=GREATEST_SINKAGE)
-            .contains(&z_over_r)
-            .then_some(z_over_r)?
     };
     let (stiffness, arc) = prepared.stiffness(radius, rebound, slip, z_over_r);
     (arc <= 2.0 * HALF_ARC && rebound * z_over_r <= GREATEST_SINKAGE)

@@ -34,3 +34,25 @@ fn bekkers_compaction_resistance_is_the_limit() {
         }
     }
 }
+
+#[test]
+fn a_braked_wheel_on_springy_soil_may_gain_work_and_says_so() {
+    // The sign(j) law below zero slip with λ = 0.93: found by search. The soil behind the wheel pushes
+    // forwards with nearly all that the soil in front took, and shear gives work back besides.
+    let soil = Soil::new(SoilParams {
+        cohesion: 0.0,
+        phi: Angle::from_rad(0.754_662),
+        k_shear: 0.1,
+        c_1: 0.0,
+        c_2: 0.0,
+        rebound: 0.930_564,
+        ..SoilParams::bekker(0.0, 50_000.0, 1.617_213)
+    })
+    .unwrap();
+    let wheel = RigidWheel::new(0.281_316, 0.02).unwrap();
+    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let motion = Kinematics::straight(Slip::new(-0.233_552).unwrap());
+    let point = pair.at_sinkage(0.891_25 * 0.281_316, &motion).unwrap();
+    assert!(point.forces.lost_work < 0.0);
+    assert!(point.cautions.contains(grouser_terra::Caution::WorkGained));
+}

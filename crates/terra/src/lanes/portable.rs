@@ -4,17 +4,17 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 
 use grouser_real::Real;
 
-/// Eight numbers, computed lane by lane: no lane sees another.
+use super::vector::Vector;
+use crate::contact::lean::Short;
+
+/// Eight numbers, computed lane by lane in plain code that every machine has: no lane sees another.
 ///
-/// `FUSED` says whether a product and a sum are rounded once (fused multiply-add): only code that is
-/// compiled for a machine that has the instruction may set it, anywhere else it would be a slow call.
-///
-/// Every operation is a plain loop over an array that the compiler turns into vector instructions, as long
-/// as all of it is inlined into a function compiled for them. Eight lanes are two AVX registers; sixteen
-/// were tried elsewhere and fell apart into memory traffic.
+/// Every operation is a loop over an array, which the compiler turns into the target's baseline vectors
+/// where it can. A product and a sum are rounded one by one, since a fused multiply-add is a slow call on a
+/// machine without the instruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes<const FUSED: bool>(pub [f64; 8]);
+pub struct Lanes(pub [f64; 8]);
 
 /// One truth a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,13 +53,7 @@ impl Not for LaneMask {
     }
 }
 
-impl<const FUSED: bool> Lanes<FUSED> {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub const fn splat(x: f64) -> Self {
-        Self([x; 8])
-    }
-
+impl Lanes {
     #[inline(always)]
     fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
         for x in &mut self.0 {
@@ -84,32 +78,18 @@ impl<const FUSED: bool> Lanes<FUSED> {
         }
         LaneMask(mask)
     }
-
-    /// Σ c_k xᵏ by Horner's rule.
-    #[inline(always)]
-    pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
-        let mut sum = Self::splat(0.0);
-        for (i, &c) in coefficients.iter().rev().enumerate() {
-            sum = if i == 0 {
-                Self::splat(c)
-            } else {
-                sum.mul_add(self, Self::splat(c))
-            };
-        }
-        sum
-    }
 }
 
 macro_rules! lane_operator {
     ($trait:ident, $name:ident, $assign:ident, $assign_name:ident, $op:tt) => {
-        impl<const FUSED: bool> $trait for Lanes<FUSED> {
+        impl $trait for Lanes {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
                 self.with(other, |a, b| a $op b)
             }
         }
-        impl<const FUSED: bool> $assign for Lanes<FUSED> {
+        impl $assign for Lanes {
             #[inline(always)]
             fn $assign_name(&mut self, other: Self) {
                 *self = *self $op other;
@@ -121,14 +101,14 @@ lane_operator!(Add, add, AddAssign, add_assign, +);
 lane_operator!(Sub, sub, SubAssign, sub_assign, -);
 lane_operator!(Mul, mul, MulAssign, mul_assign, *);
 
-impl<const FUSED: bool> Div for Lanes<FUSED> {
+impl Div for Lanes {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         self.with(other, |a, b| a / b)
     }
 }
-impl<const FUSED: bool> Neg for Lanes<FUSED> {
+impl Neg for Lanes {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -146,15 +126,15 @@ macro_rules! one_by_one {
     )*};
 }
 
-impl<const FUSED: bool> Real for Lanes<FUSED> {
+impl Real for Lanes {
     type Mask = LaneMask;
-    const ZERO: Self = Self::splat(0.0);
-    const ONE: Self = Self::splat(1.0);
-    const PI: Self = Self::splat(core::f64::consts::PI);
+    const ZERO: Self = Self([0.0; 8]);
+    const ONE: Self = Self([1.0; 8]);
+    const PI: Self = Self([core::f64::consts::PI; 8]);
 
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
-        Self::splat(x)
+        Self([x; 8])
     }
     #[inline(always)]
     fn lt(self, other: Self) -> LaneMask {
@@ -175,7 +155,7 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     #[inline(always)]
     fn mul_add(mut self, a: Self, b: Self) -> Self {
         for ((x, a), b) in self.0.iter_mut().zip(a.0).zip(b.0) {
-            *x = fused_or_not::<FUSED>(*x, a, b);
+            *x = *x * a + b;
         }
         self
     }
@@ -189,11 +169,11 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        super::functions::exp(self)
+        super::vector::exp(self)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        super::functions::ln(self)
+        super::vector::ln(self)
     }
     #[inline(always)]
     fn powf(self, n: Self) -> Self {
@@ -212,12 +192,43 @@ impl<const FUSED: bool> Real for Lanes<FUSED> {
     }
 }
 
-/// a b + c, rounded once if `FUSED`.
-#[inline(always)]
-fn fused_or_not<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    #[cfg(feature = "std")]
-    if FUSED {
-        return f64::mul_add(a, b, c);
+impl Short for Lanes {
+    #[inline(always)]
+    fn exp_short(self) -> Self {
+        super::vector::exp_short(self)
     }
-    a * b + c
 }
+
+impl Vector for Lanes {
+    #[inline(always)]
+    fn from_array(array: [f64; 8]) -> Self {
+        Self(array)
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; 8] {
+        self.0
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        self.each(|x| f64::from_bits(x.to_bits().wrapping_add(1023) << 52))
+    }
+    #[inline(always)]
+    fn exponent_and_mantissa(self) -> (Self, Self) {
+        const MANTISSA: u64 = 0x000f_ffff_ffff_ffff;
+        const ONE: u64 = 0x3ff0_0000_0000_0000;
+        let exponent = self.each(|x| f64::from_bits((x.to_bits() >> 52) | TWO_52) - EXPONENT_BIAS);
+        (
+            exponent,
+            self.each(|x| f64::from_bits((x.to_bits() & MANTISSA) | ONE)),
+        )
+    }
+    #[inline(always)]
+    fn any(mask: LaneMask) -> bool {
+        mask.0.contains(&true)
+    }
+}
+
+/// The bits of 2⁵²: a small whole number in its low bits reads 2⁵² plus that number.
+pub(super) const TWO_52: u64 = 0x4330_0000_0000_0000;
+/// 2⁵² and the bias of an exponent.
+pub(super) const EXPONENT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;

@@ -1,15 +1,23 @@
-//! Which instructions the lanes run on. The only place with `unsafe` code: a function compiled for more
-//! than the baseline may be called only on a machine that has it.
-#![allow(
-    unsafe_code,
-    reason = "calls functions compiled for instructions found at run time"
-)]
+//! Which instructions the lanes run on, and the lanes made of them. The only place with `unsafe` code: an
+//! instruction beyond the baseline may run only on a machine that has it.
+#![allow(unsafe_code, reason = "instructions found at run time")]
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+mod avx2;
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+mod avx512;
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+mod lanes_of;
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+use lanes_of::lanes_of;
 
 use crate::contact::ladder::Step;
 
+use super::Lanes;
 use super::batch::{BatchOutcome, BatchPoints};
 use super::group;
-use super::plan::{Group, Prepared};
+use super::plan::{Given, Group, Prepared};
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -55,24 +63,42 @@ impl Level {
         }
     }
 
+    /// The expected z/r of a chunk under its loads.
+    pub(super) fn expected(
+        self,
+        prepared: &Prepared,
+        points: &BatchPoints<'_>,
+        load: &[f64],
+        out: &mut [f64],
+    ) {
+        match self {
+            Self::Portable => group::expected::<Lanes>(prepared, points, load, out),
+            // SAFETY: as in `run`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { expected_avx2(prepared, points, load, out) },
+            // SAFETY: as in `run`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { expected_avx512(prepared, points, load, out) },
+        }
+    }
+
     /// One group on these instructions.
     pub(super) fn run(
         self,
         prepared: &Prepared,
         points: &BatchPoints<'_>,
-        given: &[f64],
+        given: Given<'_>,
         part: (Step, Group),
-        solve: bool,
         out: &mut [BatchOutcome],
     ) {
         match self {
-            Self::Portable => group::run::<false>(prepared, points, given, part, solve, out),
+            Self::Portable => group::run::<Lanes>(prepared, points, given, part, out),
             // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { run_avx2(prepared, points, given, part, solve, out) },
+            Self::Avx2 => unsafe { run_avx2(prepared, points, given, part, out) },
             // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { run_avx512(prepared, points, given, part, solve, out) },
+            Self::Avx512 => unsafe { run_avx512(prepared, points, given, part, out) },
         }
     }
 }
@@ -82,12 +108,11 @@ impl Level {
 fn run_avx2(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: &[f64],
+    given: Given<'_>,
     part: (Step, Group),
-    solve: bool,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<true>(prepared, points, given, part, solve, out);
+    group::run::<avx2::Avx2>(prepared, points, given, part, out);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -95,10 +120,21 @@ fn run_avx2(
 fn run_avx512(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: &[f64],
+    given: Given<'_>,
     part: (Step, Group),
-    solve: bool,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<true>(prepared, points, given, part, solve, out);
+    group::run::<avx512::Avx512>(prepared, points, given, part, out);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn expected_avx2(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
+    group::expected::<avx2::Avx2>(prepared, points, load, out);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn expected_avx512(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
+    group::expected::<avx512::Avx512>(prepared, points, load, out);
 }
