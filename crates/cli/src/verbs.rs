@@ -13,6 +13,11 @@ mod estimate_figure;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod optimize;
+mod optimize_csv;
+mod optimize_figure;
+mod optimize_object;
+mod optimize_text;
 mod slip_model;
 mod slip_model_figure;
 mod slip_model_grid;
@@ -34,6 +39,7 @@ pub(crate) enum Verb {
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
+    Optimize(optimize::Arguments),
 }
 
 /// Runs the verb.
@@ -45,5 +51,6 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
+        Verb::Optimize(arguments) => optimize::run(&arguments, session),
     }
 }

@@ -112,6 +112,8 @@ pub struct Design {
     /// The catalogue's key of the soil, if one is used.
     pub soil: Option<String>,
     pub(crate) measure: Measure,
+    /// Are the worlds drawn at random?
+    pub(crate) sampled: bool,
     pub(crate) worlds: Vec<WorldInputs>,
     pub(crate) linear: Vec<LinearConstraint>,
     pub(crate) constraints: Vec<Constraint>,
@@ -220,6 +222,12 @@ impl Design {
     #[must_use]
     pub fn worlds(&self) -> Vec<&str> {
         self.worlds.iter().map(|w| w.name.as_str()).collect()
+    }
+
+    /// Does the answer depend on the seed: several starts, a front, or sampled worlds?
+    #[must_use]
+    pub fn draws(&self) -> bool {
+        self.starts > 1 || self.task == Task::Pareto || self.sampled
     }
 
     /// The measure over several worlds.

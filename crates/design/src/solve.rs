@@ -38,6 +38,8 @@ pub struct Optimum {
     pub attainment: Option<f64>,
     /// The local trade-off between the (scaled) objectives; sums to 1.
     pub objective_multipliers: Vec<(String, f64)>,
+    /// The scale of each, as the file gives it.
+    pub objective_scales: Vec<f64>,
     /// What each constraint costs; hard goals by their objective's name.
     pub constraint_multipliers: Vec<(String, f64)>,
     /// What the bounds of each variable cost: (lower, upper).
@@ -251,6 +253,7 @@ impl Design {
             utility: solution.utility,
             attainment: (self.task == Task::Attain).then_some(solution.utility),
             objectives: listed(&values),
+            objective_scales: places.iter().map(|&i| self.scale_of(problem, i)).collect(),
             objective_multipliers: listed(&parts.objectives),
             constraint_multipliers,
             bound_multipliers: parts.lower[..n]

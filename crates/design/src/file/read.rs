@@ -7,7 +7,7 @@ use grouser_files::{Document, Section};
 use grouser_opt::{Algorithm, LinearConstraint, ParetoSettings, Settings};
 
 use super::objectives::{RawConstraint, read_constraints, read_objectives};
-use super::soils::{read_fixed, read_worlds};
+use super::soils::{Worlds, read_fixed, read_worlds};
 use super::variables::read_variables;
 use crate::design::{Constraint, Design, Program, Slot, Task};
 use crate::error::{Error, Result};
@@ -49,7 +49,11 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
     }
     let scope = Scope::new(variables.iter().map(|v| v.name.clone()).collect());
     let (soil, fixed) = read_fixed(root, &scope)?;
-    let (measure, worlds) = read_worlds(root, &scope, fixed, seed.unsigned_abs())?;
+    let Worlds {
+        measure,
+        list: worlds,
+        sampled,
+    } = read_worlds(root, &scope, fixed, seed.unsigned_abs())?;
     let objectives = root
         .section("objectives", |section| {
             read_objectives(section, &scope, task, absolute)
@@ -102,6 +106,7 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
         settings,
         soil,
         measure,
+        sampled,
         worlds,
         linear,
         constraints,

@@ -88,13 +88,21 @@ fn fill_from_catalogue(
     Ok(())
 }
 
+/// The worlds that a design must stand.
+pub(super) struct Worlds {
+    pub(super) measure: Measure,
+    pub(super) list: Vec<WorldInputs>,
+    /// Are they drawn at random?
+    pub(super) sampled: bool,
+}
+
 /// `[robust]`: a measure, and several soils or ranges of numbers.
 pub(super) fn read_worlds(
     root: &Section<'_>,
     scope: &Scope,
     fixed: Fixed,
     seed: u64,
-) -> Result<(Measure, Vec<WorldInputs>)> {
+) -> Result<Worlds> {
     let robust = root.section("robust", |section| {
         let worst = Measure::WorstCase;
         let measure = match section.choice(
@@ -152,14 +160,23 @@ pub(super) fn read_worlds(
                 })
                 .collect::<Result<Vec<_>>>()?
         };
-        Ok::<_, Error>((measure, worlds))
+        let sampled = soils.is_empty();
+        Ok::<_, Error>(Worlds {
+            measure,
+            list: worlds,
+            sampled,
+        })
     })?;
     Ok(robust.unwrap_or_else(|| {
         let world = WorldInputs {
             name: String::new(),
             fixed,
         };
-        (Measure::WorstCase, vec![world])
+        Worlds {
+            measure: Measure::WorstCase,
+            list: vec![world],
+            sampled: false,
+        }
     }))
 }
 

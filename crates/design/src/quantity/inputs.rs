@@ -41,7 +41,7 @@ impl<R: Scalar> Inputs<R> {
         WheelSize::smooth(self.radius(), self.get(Parameter::Width))
     }
 
-    pub(super) fn motion(&self, slip: R) -> Motion<R> {
+    pub(super) fn motion(slip: R) -> Motion<R> {
         Motion {
             slip,
             q_y: R::ZERO,

@@ -55,7 +55,7 @@ fn contact<R: Scalar>(inputs: &Inputs<R>, slip: R, theta_1: R) -> Contact<R> {
         &inputs.size(),
         &inputs.laws(),
         ShearLaw::default(),
-        &inputs.motion(slip),
+        &Inputs::motion(slip),
         theta_1,
     )
 }

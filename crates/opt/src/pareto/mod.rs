@@ -39,7 +39,8 @@ pub struct FrontPoint {
     pub x: Vec<f64>,
     /// The objectives, |f| where absolute.
     pub objectives: Vec<f64>,
-    /// The prices at this point, where the polishing solve converged.
+    /// The prices at this point, where the polishing solve converged: those of the objectives sum to 1, and
+    /// Σ price_i df_i = 0 along the front.
     pub multipliers: Option<Multipliers>,
 }
 

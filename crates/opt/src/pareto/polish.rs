@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
-use crate::solution::{Counts, Solution};
+use crate::solution::{Counts, Multipliers, Solution};
 use crate::solve::solve;
 
 /// A direction's least component: along 0 a goal would be a hard limit that nothing can move.
@@ -62,18 +62,18 @@ pub(super) fn polish(
     let polished = targets
         .par_iter()
         .map(|(point, direction)| {
+            let weights: Vec<f64> = direction
+                .iter()
+                .zip(&scale)
+                .map(|(d, s)| d.max(LEAST_WEIGHT) * s)
+                .collect();
             let method = Method::Attain {
                 goals: ideal.clone(),
-                weights: direction
-                    .iter()
-                    .zip(&scale)
-                    .map(|(d, s)| d.max(LEAST_WEIGHT) * s)
-                    .collect(),
+                weights: weights.clone(),
             };
-            Ok((
-                *point,
-                solve(&problem.from_start(&point.x)?, &method, settings)?,
-            ))
+            let mut solution = solve(&problem.from_start(&point.x)?, &method, settings)?;
+            per_objective(&mut solution.multipliers, &weights);
+            Ok((*point, solution))
         })
         .collect::<Result<Vec<(&Individual, Solution)>>>()?;
     let mut points: Vec<FrontPoint> = Vec::new();
@@ -96,6 +96,37 @@ pub(super) fn polish(
         points.push(candidate);
     }
     Ok(nondominated(&points))
+}
+
+/// From multipliers of (f_i − ideal_i)/w_i to those of f_i, which say what one costs in the other; again
+/// with the sum 1.
+fn per_objective(multipliers: &mut Multipliers, weights: &[f64]) {
+    for (price, weight) in multipliers.objectives.iter_mut().zip(weights) {
+        *price /= weight;
+    }
+    let sum: f64 = multipliers.objectives.iter().sum();
+    let Multipliers {
+        objectives,
+        hard_goals,
+        inequalities,
+        equalities,
+        linear,
+        lower,
+        upper,
+    } = multipliers;
+    for list in [
+        objectives,
+        hard_goals,
+        inequalities,
+        equalities,
+        linear,
+        lower,
+        upper,
+    ] {
+        for price in list.iter_mut() {
+            *price /= sum;
+        }
+    }
 }
 
 /// The objectives at the best point of each objective alone, found from the front's own best.
