@@ -15,6 +15,8 @@ pub struct Start {
     pub x: Vec<f64>,
     /// The greatest objective there, without scaling.
     pub maximum: f64,
+    /// What was minimised, with scaling.
+    pub utility: f64,
     /// How it ended.
     pub status: Status,
 }
@@ -200,6 +202,7 @@ impl Design {
         Start {
             x: problem.own(&solution.x).to_vec(),
             maximum: self.maximum(problem, &self.unscaled(problem, &solution.objectives)),
+            utility: solution.utility,
             status: solution.status.clone(),
         }
     }

@@ -2,12 +2,12 @@
 
 use grouser_design::{Answer, Design, Optimum, Trade};
 
-use crate::figure::{
-    Area, Axis, Chart, Colour, Curve, Figure, Mark, Marker, Points, Rule, Style, plain,
-};
+use crate::figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Points, Rule, Style, plain};
 
 /// More panels than this are no picture any more.
 const MOST_PANELS: usize = 6;
+/// More names than this are no reading any more.
+const MOST_NAMES: usize = 16;
 
 pub(super) fn draw(design: &Design, answer: &Answer) -> Figure {
     match answer {
@@ -20,37 +20,33 @@ pub(super) fn draw(design: &Design, answer: &Answer) -> Figure {
     }
 }
 
-/// Bars from 0, one per name, numbered from 1.
-fn bars(title: &str, names: &[String], values: &[f64], colour: Colour) -> Chart {
+/// A line from 0 to each value with the name at its end.
+fn lines(title: &str, names: &[String], values: &[f64], colour: Colour) -> Chart {
     let count = values.len() as f64;
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = finite().fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    let width = if high > low { high - low } else { 1.0 };
+    // Room for the names at both ends.
     let mut chart = Chart::new(
-        Axis::new("Objective number").range(0.4, count + 0.6),
-        Axis::new(title),
+        Axis::new(title).range(low - 0.08 * width, high + 0.45 * width),
+        Axis::new("Objective number").range(0.3, count + 0.7),
     );
-    for (i, value) in values.iter().enumerate() {
-        if !value.is_finite() {
-            continue;
-        }
-        let x = i as f64 + 1.0;
-        chart =
-            chart.area(Area::under([[x - 0.3, *value], [x + 0.3, *value]]).colour(colour, 0.35));
-        let outline = [
-            [x - 0.3, 0.0],
-            [x - 0.3, *value],
-            [x + 0.3, *value],
-            [x + 0.3, 0.0],
-        ];
-        let mut curve = Curve::new(outline).style(Style {
-            colour,
-            width: 0.8,
-            ..Style::numbered(0)
+    let style = Style {
+        colour,
+        width: 1.6,
+        ..Style::numbered(0)
+    };
+    for (i, value) in values.iter().enumerate().filter(|(_, v)| v.is_finite()) {
+        let y = i as f64 + 1.0;
+        let mark = Mark::new([*value, y]).look(Marker::Disc, colour);
+        chart = chart.curve(Curve::new([[0.0, y], [*value, y]]).style(style));
+        chart = chart.mark(if values.len() <= MOST_NAMES {
+            mark.label(plain(&names[i]))
+        } else {
+            mark
         });
-        if values.len() <= 12 {
-            curve = curve.label(plain(&names[i]));
-        }
-        chart = chart.curve(curve);
     }
-    chart.rule(Rule::at_y(0.0).style(Style::thin(Colour::INK, crate::figure::Dash::Solid)))
+    chart.rule(Rule::at_x(0.0))
 }
 
 /// Scaled objectives against the level they are held at, and who holds it.
@@ -78,8 +74,8 @@ fn compromise(design: &Design, optimum: &Optimum) -> Figure {
         design.file
     );
     Figure::new(description)
-        .panel(bars(title, &names, &values, Colour::BLUE))
-        .panel(bars(
+        .panel(lines(title, &names, &values, Colour::BLUE))
+        .panel(lines(
             "Multiplier (share of the decision)",
             &names,
             &shares,
