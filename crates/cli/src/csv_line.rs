@@ -55,6 +55,15 @@ fn quoted_end(text: &str) -> Result<usize, Broken> {
     Err(Broken::OpenQuote)
 }
 
+/// A name as a field: in quotation marks where it needs them.
+pub(crate) fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_owned()
+    }
+}
+
 /// What a field says: without its quotation marks and the blanks around it.
 pub(crate) fn content(field: &str) -> Cow<'_, str> {
     match field

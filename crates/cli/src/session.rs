@@ -1,6 +1,7 @@
 //! One run of the command: what was read, and how the result is printed.
 
 use grouser_files::Document;
+use grouser_terra::catalogue;
 use serde_json::Value;
 
 use crate::error::{Outcome, Result};
@@ -36,10 +37,6 @@ impl Session {
     }
 
     /// A random stream was drawn from `seed`.
-    #[allow(
-        dead_code,
-        reason = "no verb of this stage draws random numbers; `optimize` and `drive` do"
-    )]
     pub(crate) fn used_seed(&mut self, seed: u64) {
         self.seed = Some(seed);
     }
@@ -49,6 +46,16 @@ impl Session {
         let digest = input::digest(document.text().as_bytes());
         self.input_sha256
             .insert(document.name().to_owned(), Value::from(digest));
+    }
+
+    /// A soil of the catalogue entered the result, named by a file.
+    pub(crate) fn used_catalogue_soil(&mut self, key: &str) {
+        let source = catalogue::find(key).map(|entry| entry.source);
+        self.soil = Some(Object::from_iter([
+            ("key".to_owned(), Value::from(key)),
+            ("source".to_owned(), Value::from(source)),
+            ("overrides".to_owned(), Value::Null),
+        ]));
     }
 
     /// A soil entered the result, with what completes or overrides it.

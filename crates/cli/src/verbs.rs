@@ -14,6 +14,16 @@ mod estimate_figure;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod optimize;
+mod optimize_csv;
+mod optimize_figure;
+mod optimize_object;
+mod optimize_text;
+mod paper;
+mod paper_figures;
+mod paper_page;
+mod paper_problem;
+mod paper_statements;
 mod slip_model;
 mod slip_model_figure;
 mod slip_model_grid;
@@ -35,6 +45,8 @@ pub(crate) enum Verb {
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
+    Optimize(optimize::Arguments),
+    Paper(paper::Arguments),
 }
 
 /// Runs the verb.
@@ -46,5 +58,7 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
+        Verb::Optimize(arguments) => optimize::run(&arguments, session),
+        Verb::Paper(arguments) => paper::run(&arguments, session),
     }
 }

@@ -1,6 +1,6 @@
 //! One reader for every TOML file: limits, places, types, ranges, unknown keys.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::Path;
 
@@ -71,14 +71,40 @@ impl Document {
     /// # Errors
     /// [`Error::Syntax`], [`Error::TooDeep`], [`Error::Format`], [`Error::UnknownKey`], and what `read`
     /// finds.
-    pub fn parse<T>(&self, read: impl FnOnce(&Section<'_>) -> Result<T>) -> Result<T> {
+    pub fn parse<T, E: From<Error>>(
+        &self,
+        read: impl FnOnce(&Section<'_>) -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
+        self.parse_format(None, read)
+    }
+
+    /// As [`Document::parse`], for a kind of file whose format may be left out and is then `default`.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_or_format<T, E: From<Error>>(
+        &self,
+        default: i64,
+        read: impl FnOnce(&Section<'_>) -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
+        self.parse_format(Some(default), read)
+    }
+
+    fn parse_format<T, E: From<Error>>(
+        &self,
+        default: Option<i64>,
+        read: impl FnOnce(&Section<'_>) -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
         let root = DeTable::parse(&self.text).map_err(|error| self.syntax(&error))?;
         // The parser itself stops at a depth of 80, so that this recursion is bounded.
         for value in root.get_ref().values() {
             self.check_depth(value, 2)?;
         }
         let section = Section::new(self, String::from("the file"), root.get_ref(), root.span());
-        let format = section.integer("format")?;
+        let format = match (section.optional_integer("format")?, default) {
+            (Some(given), _) | (None, Some(given)) => given,
+            (None, None) => section.integer("format")?,
+        };
         if format != FORMAT {
             let at = section.place_of("format");
             if format > FORMAT {
@@ -86,7 +112,8 @@ impl Document {
                     at,
                     found: format,
                     newest: FORMAT,
-                });
+                }
+                .into());
             }
             return Err(Error::OutOfRange {
                 at,
@@ -94,7 +121,8 @@ impl Document {
                 value: format as f64,
                 low: 1.0,
                 high: FORMAT as f64,
-            });
+            }
+            .into());
         }
         let out = read(&section)?;
         section.finish()?;
@@ -148,6 +176,8 @@ pub struct Section<'a> {
     table: &'a DeTable<'a>,
     span: Range<usize>,
     known: RefCell<Vec<&'static str>>,
+    /// Are all keys allowed, because users invent them?
+    open: Cell<bool>,
 }
 
 impl<'a> Section<'a> {
@@ -163,7 +193,25 @@ impl<'a> Section<'a> {
             table,
             span,
             known: RefCell::default(),
+            open: Cell::new(false),
         }
+    }
+
+    pub(crate) fn table(&self) -> &'a DeTable<'a> {
+        self.table
+    }
+
+    pub(crate) fn allow_any_key(&self) {
+        self.open.set(true);
+    }
+
+    pub(crate) fn place_at(&self, offset: usize) -> Place {
+        self.document.place(offset)
+    }
+
+    /// The table `name` below this one.
+    pub(crate) fn below(&self, name: &str, table: &'a DeTable<'a>, span: Range<usize>) -> Self {
+        Self::new(self.document, format!("`{name}`"), table, span)
     }
 
     fn find(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -213,7 +261,12 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &'static str) -> Error {
+    pub(crate) fn wrong_type(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        expected: &'static str,
+    ) -> Error {
         Error::WrongType {
             at: self.document.place(value.span().start),
             key: key.into(),
@@ -239,9 +292,19 @@ impl<'a> Section<'a> {
         key: &'static str,
         (low, high): (f64, f64),
     ) -> Result<Option<f64>> {
-        let Some(value) = self.find(key) else {
-            return Ok(None);
-        };
+        match self.find(key) {
+            None => Ok(None),
+            Some(value) => self.number_of(key, value, (low, high)).map(Some),
+        }
+    }
+
+    /// `value` as a number in [low, high].
+    pub(crate) fn number_of(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        (low, high): (f64, f64),
+    ) -> Result<f64> {
         let digits: String = match value.get_ref() {
             DeValue::Float(float) => float.as_str().replace('_', ""),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
@@ -251,7 +314,7 @@ impl<'a> Section<'a> {
             .parse()
             .map_err(|_| self.wrong_type(key, value, "a number"))?;
         if number >= low && number <= high {
-            Ok(Some(number))
+            Ok(number)
         } else {
             Err(Error::OutOfRange {
                 at: self.document.place(value.span().start),
@@ -391,16 +454,16 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::UnknownKey`], and what `read` finds.
-    pub fn section<T>(
+    pub fn section<T, E: From<Error>>(
         &self,
         key: &'static str,
-        read: impl FnOnce(&Section<'a>) -> Result<T>,
-    ) -> Result<Option<T>> {
+        read: impl FnOnce(&Section<'a>) -> std::result::Result<T, E>,
+    ) -> std::result::Result<Option<T>, E> {
         let Some(value) = self.find(key) else {
             return Ok(None);
         };
         let DeValue::Table(table) = value.get_ref() else {
-            return Err(self.wrong_type(key, value, "a table"));
+            return Err(self.wrong_type(key, value, "a table").into());
         };
         let section = Section::new(self.document, format!("[{key}]"), table, value.span());
         let out = read(&section)?;
@@ -437,7 +500,10 @@ impl<'a> Section<'a> {
     }
 
     /// Refuses a key that was never asked for.
-    fn finish(&self) -> Result<()> {
+    pub(crate) fn finish(&self) -> Result<()> {
+        if self.open.get() {
+            return Ok(());
+        }
         let known = self.known.borrow();
         let unknown = self
             .table

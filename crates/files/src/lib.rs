@@ -33,6 +33,7 @@
 
 pub mod columns;
 mod document;
+mod entries;
 mod error;
 pub mod regular;
 pub mod robot;
@@ -41,5 +42,6 @@ mod suggestion;
 pub mod unit;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
+pub use entries::Entry;
 pub use error::{Error, Place, Result};
 pub use suggestion::nearest;

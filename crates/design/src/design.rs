@@ -1,0 +1,310 @@
+//! A problem as its file says it, checked, and the functions it asks the solver to work on.
+
+use std::sync::Arc;
+
+use grouser_opt::{
+    DerivativeCheck, Exact, Functions, LinearConstraint, Measure, ParetoSettings, Problem,
+    ProblemParams, Robust, Settings, Variable, World, check_derivatives, robust,
+};
+use grouser_real::Scalar;
+
+use crate::error::{Error, Result};
+use crate::formula::Formula;
+use crate::quantity::{Parameter, Quantity};
+use crate::scope::{Scope, by_name};
+
+/// What is asked of the objectives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// The best worst case.
+    Minimax,
+    /// Goals, as nearly as their weights allow.
+    Attain,
+    /// The least weighted sum.
+    Weighted,
+    /// The least weighted distance from the goals.
+    Chebyshev,
+    /// The whole front.
+    Pareto,
+}
+
+impl Task {
+    /// Every task by its name in files.
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("minimax", Self::Minimax),
+        ("attain", Self::Attain),
+        ("weighted", Self::Weighted),
+        ("chebyshev", Self::Chebyshev),
+        ("pareto", Self::Pareto),
+    ];
+
+    /// Its name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
+/// An objective of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Objective {
+    /// Its name.
+    pub name: String,
+    /// Its formula as written.
+    pub text: String,
+    /// The solver sees scale · f.
+    pub scale: f64,
+    /// What is to be reached, in the objective's own unit.
+    pub goal: Option<f64>,
+    /// How much it counts.
+    pub weight: f64,
+    /// Does |f| count?
+    pub absolute: bool,
+    pub(crate) formula: Formula,
+}
+
+/// A nonlinear constraint, as f ≤ 0 or f = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Constraint {
+    pub(crate) name: String,
+    pub(crate) formula: Formula,
+    pub(crate) equal: bool,
+}
+
+/// A constraint of the file: its name, and its place among the solver's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slot {
+    Linear(usize),
+    Inequality(usize),
+    Equality(usize),
+}
+
+/// A world that the design must stand.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WorldInputs {
+    pub(crate) name: String,
+    pub(crate) fixed: [f64; Parameter::COUNT],
+}
+
+/// A problem file, checked and ready to be solved.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// The file as it was named.
+    pub file: String,
+    /// A title, if the file gives one.
+    pub title: Option<String>,
+    /// What is asked.
+    pub task: Task,
+    /// The variables, in the order of the file.
+    pub variables: Vec<Variable>,
+    /// The unit of each variable; empty if the file gives none.
+    pub units: Vec<String>,
+    /// The objectives, in the order of the file.
+    pub objectives: Vec<Objective>,
+    /// How many starts.
+    pub starts: usize,
+    /// The seed of everything random.
+    pub seed: u64,
+    /// How exactly to solve.
+    pub settings: Settings,
+    /// How to search for a front.
+    pub pareto: ParetoSettings,
+    /// The catalogue's key of the soil, if one is used.
+    pub soil: Option<String>,
+    pub(crate) measure: Measure,
+    /// Are the worlds drawn at random?
+    pub(crate) sampled: bool,
+    pub(crate) worlds: Vec<WorldInputs>,
+    pub(crate) linear: Vec<LinearConstraint>,
+    pub(crate) constraints: Vec<Constraint>,
+    /// The constraints by name, in the order of the file.
+    pub(crate) slots: Vec<(String, Slot)>,
+    pub(crate) program: Arc<Program>,
+}
+
+/// The formulas in the solver's order, and what they need.
+#[derive(Clone, Debug)]
+pub(crate) struct Program {
+    pub(crate) scope: Scope,
+    /// (formula, scale), objectives first, those that count by magnitude before the others.
+    pub(crate) rows: Vec<(Formula, f64)>,
+    pub(crate) quantities: Vec<Quantity>,
+    /// Do the formulas use variables alone?
+    pub(crate) plain: bool,
+}
+
+/// The program in one world.
+struct InWorld {
+    program: Arc<Program>,
+    fixed: [f64; Parameter::COUNT],
+}
+
+impl Functions for InWorld {
+    fn evaluate<R: Scalar>(&self, x: &[R], out: &mut [R]) {
+        let program = &self.program;
+        let numbers;
+        let at = if program.plain {
+            x
+        } else {
+            numbers = program.scope.numbers(x, &self.fixed, &program.quantities);
+            &numbers
+        };
+        for ((formula, scale), out) in program.rows.iter().zip(out) {
+            let value = formula.evaluate(at);
+            *out = if *scale == 1.0 {
+                value
+            } else {
+                value * R::from_f64(*scale)
+            };
+        }
+    }
+}
+
+impl Design {
+    /// The objectives' places in the file, in the solver's order: those that count by magnitude first.
+    #[must_use]
+    pub fn solver_order(&self) -> Vec<usize> {
+        let of = |absolute: bool| {
+            let all = self.objectives.iter().enumerate();
+            all.filter(move |(_, o)| o.absolute == absolute)
+                .map(|(i, _)| i)
+        };
+        of(true).chain(of(false)).collect()
+    }
+
+    fn params(&self) -> ProblemParams<'static> {
+        let named = |equal: bool| {
+            let own = self.constraints.iter().filter(move |c| c.equal == equal);
+            own.map(|c| c.name.clone()).collect::<Vec<_>>()
+        };
+        let order = self.solver_order();
+        ProblemParams {
+            variables: self.variables.clone(),
+            objectives: order
+                .iter()
+                .map(|&i| self.objectives[i].name.clone())
+                .collect(),
+            inequalities: named(false),
+            equalities: named(true),
+            linear: self.linear.clone(),
+            absolute: self.objectives.iter().filter(|o| o.absolute).count(),
+            model: Box::new(self.in_world(0)),
+        }
+    }
+
+    fn in_world(&self, world: usize) -> Exact<InWorld> {
+        Exact(InWorld {
+            program: Arc::clone(&self.program),
+            fixed: self.worlds[world].fixed,
+        })
+    }
+
+    /// The problem that the solver gets.
+    pub(crate) fn problem(&self) -> Result<SolverProblem> {
+        let refuse = |source| Error::Problem {
+            file: self.file.clone(),
+            source,
+        };
+        if self.worlds.len() == 1 {
+            return Problem::new(self.params())
+                .map(SolverProblem::Plain)
+                .map_err(refuse);
+        }
+        let worlds = (0..self.worlds.len())
+            .map(|w| World::new(self.worlds[w].name.clone(), self.in_world(w)))
+            .collect();
+        robust(self.params(), worlds, self.measure)
+            .map(SolverProblem::Robust)
+            .map_err(refuse)
+    }
+
+    /// The worlds' names; one without a name if the design is for one world alone.
+    #[must_use]
+    pub fn worlds(&self) -> Vec<&str> {
+        self.worlds.iter().map(|w| w.name.as_str()).collect()
+    }
+
+    /// Does the answer depend on the seed: several starts, a front, or sampled worlds?
+    #[must_use]
+    pub fn draws(&self) -> bool {
+        self.starts > 1 || self.task == Task::Pareto || self.sampled
+    }
+
+    /// The measure over several worlds.
+    #[must_use]
+    pub fn measure(&self) -> Option<Measure> {
+        (self.worlds.len() > 1).then_some(self.measure)
+    }
+
+    /// The numbers of `[wheel]`, `[soil]` and `[state]` by name, as the first world has them.
+    #[must_use]
+    pub fn fixed(&self) -> Vec<(&'static str, f64)> {
+        by_name(&self.worlds[0].fixed).into_iter().collect()
+    }
+
+    /// A quantity's value at `x` in the first world, for reports; `None` where it has none.
+    #[must_use]
+    pub fn quantity(&self, quantity: Quantity, x: &[f64]) -> Option<f64> {
+        let inputs = self.program.scope.inputs(x, &self.worlds[0].fixed);
+        crate::quantity::Evaluation::new(&inputs)
+            .quantity(quantity)
+            .ok()
+    }
+
+    /// Compares the exact derivatives of everything the solver sees with finite differences at `x` (the
+    /// variables of the file); names each entry that is off by more than the tolerance.
+    ///
+    /// # Errors
+    /// [`Error::Problem`] for a point of the wrong length or not finite.
+    pub fn check_derivatives(&self, x: &[f64], tolerance: f64) -> Result<DerivativeCheck> {
+        let problem = self.problem()?;
+        let inner = problem.problem();
+        let mut at: Vec<f64> = inner.variables().iter().map(|v| v.start).collect();
+        for (own, given) in at.iter_mut().zip(x) {
+            *own = *given;
+        }
+        check_derivatives(inner, &at, tolerance).map_err(|source| Error::Problem {
+            file: self.file.clone(),
+            source,
+        })
+    }
+
+    /// Why the functions have no value at `x`: the quantity, the world and the reason.
+    #[must_use]
+    pub fn no_value(&self, x: &[f64]) -> Option<String> {
+        self.worlds.iter().find_map(|world| {
+            let (quantity, reason) =
+                self.program
+                    .scope
+                    .no_value(x, &world.fixed, &self.program.quantities)?;
+            Some(if self.worlds.len() > 1 {
+                format!("`{quantity}` has no value in {}: {reason}", world.name)
+            } else {
+                format!("`{quantity}` has no value: {reason}")
+            })
+        })
+    }
+}
+
+/// With or without several worlds.
+pub(crate) enum SolverProblem {
+    Plain(Problem<'static>),
+    Robust(Robust<'static>),
+}
+
+impl SolverProblem {
+    pub(crate) fn problem(&self) -> &Problem<'static> {
+        match self {
+            Self::Plain(problem) => problem,
+            Self::Robust(robust) => robust.problem(),
+        }
+    }
+
+    /// The file's variables out of the solver's.
+    pub(crate) fn own<'x>(&self, x: &'x [f64]) -> &'x [f64] {
+        match self {
+            Self::Plain(_) => x,
+            Self::Robust(robust) => robust.own(x),
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Problem files: from TOML to a [`Design`].
+
+mod objectives;
+mod read;
+mod soils;
+mod variables;
+
+pub use read::{parse, read};

@@ -1,0 +1,280 @@
+//! `[wheel]`, `[soil]`, `[state]` and `[robust]`: the numbers that are fixed, in one world or several.
+
+use grouser_files::{Section, nearest};
+use grouser_opt::{Measure, Uncertainty, sample};
+use grouser_terra::catalogue;
+
+use crate::design::WorldInputs;
+use crate::error::{Error, Result};
+use crate::quantity::{Parameter, Place};
+use crate::scope::Scope;
+
+const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
+
+type Fixed = [f64; Parameter::COUNT];
+
+/// The soil's key and all fixed numbers; NaN where there is none.
+pub(super) fn read_fixed(root: &Section<'_>, scope: &Scope) -> Result<(Option<String>, Fixed)> {
+    let mut fixed = [f64::NAN; Parameter::COUNT];
+    for (parameter, _, _, default) in Parameter::ALL {
+        if let Some(value) = default {
+            fixed[parameter as usize] = value;
+        }
+    }
+    root.section("wheel", |s| read_section(s, Place::Wheel, &mut fixed))?;
+    let key = root
+        .section("soil", |section| {
+            let key = section.optional_text("key")?;
+            if let Some(key) = key {
+                fill_from_catalogue(section, "key", key, &mut fixed)?;
+            }
+            read_section(section, Place::Soil, &mut fixed)?;
+            Ok::<_, Error>(key.map(str::to_owned))
+        })?
+        .flatten();
+    root.section("state", |s| read_section(s, Place::State, &mut fixed))?;
+    let has = |p: Parameter| scope.is_replaced(p) || !fixed[p as usize].is_nan();
+    if has(Parameter::Load) && has(Parameter::Sinkage) {
+        return Err(Error::Contradiction {
+            at: root.place_of("state"),
+            message: "both `load_n` and `sinkage_m` are given; exactly one of them can be"
+                .to_owned(),
+        });
+    }
+    Ok((key, fixed))
+}
+
+fn read_section(section: &Section<'_>, place: Place, fixed: &mut Fixed) -> Result<()> {
+    for (parameter, name, own, _) in Parameter::ALL {
+        if own == place
+            && let Some(value) = section.optional_number(name, FINITE)?
+        {
+            fixed[parameter as usize] = value;
+        }
+    }
+    Ok(())
+}
+
+/// Takes over everything that the catalogue says of a soil.
+fn fill_from_catalogue(
+    section: &Section<'_>,
+    field: &str,
+    key: &str,
+    fixed: &mut Fixed,
+) -> Result<()> {
+    let Some(entry) = catalogue::find(key) else {
+        return Err(Error::UnknownSoil {
+            at: section.place_of(field),
+            key: key.chars().take(64).collect(),
+            meant: nearest(key, catalogue::entries().iter().map(|e| e.key)),
+        });
+    };
+    for (parameter, value) in [
+        (Parameter::Exponent, Some(entry.n)),
+        (Parameter::ExponentDriving, Some(entry.n_1)),
+        (Parameter::KC, Some(entry.k_c_kn)),
+        (Parameter::KPhi, Some(entry.k_phi_kn)),
+        (Parameter::Cohesion, Some(entry.cohesion_kpa)),
+        (Parameter::Phi, Some(entry.phi_deg)),
+        (Parameter::KShear, entry.k_shear),
+        (Parameter::C1, entry.c_1),
+        (Parameter::C2, entry.c_2),
+    ] {
+        // What the source does not give stays as it was: the file may give it.
+        if let Some(value) = value {
+            fixed[parameter as usize] = value;
+        }
+    }
+    Ok(())
+}
+
+/// The worlds that a design must stand.
+pub(super) struct Worlds {
+    pub(super) measure: Measure,
+    pub(super) list: Vec<WorldInputs>,
+    /// Are they drawn at random?
+    pub(super) sampled: bool,
+}
+
+/// `[robust]`: a measure, and several soils or ranges of numbers.
+pub(super) fn read_worlds(
+    root: &Section<'_>,
+    scope: &Scope,
+    fixed: Fixed,
+    seed: u64,
+) -> Result<Worlds> {
+    let robust = root.section("robust", |section| {
+        let worst = Measure::WorstCase;
+        let measure = match section.choice(
+            "measure",
+            &[("worst_case", 0), ("mean_plus_deviations", 1), ("cvar", 2)],
+        )? {
+            1 => Measure::MeanPlusDeviations {
+                kappa: section.number("kappa", (0.0, 1e6))?,
+            },
+            2 => Measure::ConditionalValueAtRisk {
+                alpha: section.number("alpha", (0.0, 0.999_999))?,
+            },
+            _ => worst,
+        };
+        let soils = section.texts("soils")?;
+        let samples = section.optional_integer("samples")?;
+        let ranges = section
+            .section("ranges", |ranges| read_ranges(ranges, scope))?
+            .unwrap_or_default();
+        let deviations = section
+            .section("deviations", |s| read_deviations(s, scope, &fixed))?
+            .unwrap_or_default();
+        let kinds = usize::from(!soils.is_empty())
+            + usize::from(!ranges.is_empty())
+            + usize::from(!deviations.is_empty());
+        if kinds != 1 {
+            return Err(Error::Contradiction {
+                at: section.place(),
+                message:
+                    "[robust] takes exactly one of `soils`, [robust.ranges] and [robust.deviations]"
+                        .to_owned(),
+            });
+        }
+        let worlds = if soils.is_empty() {
+            let count = samples
+                .and_then(|n| usize::try_from(n).ok())
+                .filter(|n| (2..=10_000).contains(n));
+            let Some(count) = count else {
+                return Err(Error::Contradiction {
+                    at: section.place_of("samples"),
+                    message: "[robust] needs `samples`, a whole number in [2, 10000]".to_owned(),
+                });
+            };
+            sampled(root, &ranges, &deviations, fixed, (count, seed))?
+        } else {
+            soils
+                .iter()
+                .map(|key| {
+                    let mut own = fixed;
+                    fill_from_catalogue(section, "soils", key, &mut own)?;
+                    Ok(WorldInputs {
+                        name: (*key).to_owned(),
+                        fixed: own,
+                    })
+                })
+                .collect::<Result<Vec<_>>>()?
+        };
+        let sampled = soils.is_empty();
+        Ok::<_, Error>(Worlds {
+            measure,
+            list: worlds,
+            sampled,
+        })
+    })?;
+    Ok(robust.unwrap_or_else(|| {
+        let world = WorldInputs {
+            name: String::new(),
+            fixed,
+        };
+        Worlds {
+            measure: Measure::WorstCase,
+            list: vec![world],
+            sampled: false,
+        }
+    }))
+}
+
+/// Parameters that vary: (parameter, low, high) or (parameter, mean, deviation).
+type Varied = Vec<(Parameter, f64, f64)>;
+
+fn varied(entry: &grouser_files::Entry<'_, '_>, scope: &Scope) -> Result<Parameter> {
+    let refuse = |reason| Error::Name {
+        at: entry.place().clone(),
+        name: entry.name().chars().take(64).collect(),
+        what: "number that varies from world to world",
+        reason,
+    };
+    let Some(parameter) = Parameter::named(entry.name()) else {
+        return Err(refuse("it is none of [wheel], [soil] and [state]"));
+    };
+    if scope.is_replaced(parameter) {
+        return Err(refuse("it is a variable"));
+    }
+    Ok(parameter)
+}
+
+fn read_ranges(section: &Section<'_>, scope: &Scope) -> Result<Varied> {
+    section
+        .entries()
+        .iter()
+        .map(|entry| {
+            let parameter = varied(entry, scope)?;
+            let (low, high) = entry.range()?;
+            Ok((parameter, low, high))
+        })
+        .collect()
+}
+
+fn read_deviations(section: &Section<'_>, scope: &Scope, fixed: &Fixed) -> Result<Varied> {
+    section
+        .entries()
+        .iter()
+        .map(|entry| {
+            let parameter = varied(entry, scope)?;
+            let mean = fixed[parameter as usize];
+            if mean.is_nan() {
+                return Err(Error::Contradiction {
+                    at: entry.place().clone(),
+                    message: format!("`{}` has a deviation but no mean", entry.name()),
+                });
+            }
+            let deviation = entry.number((f64::MIN_POSITIVE, f64::MAX))?;
+            Ok((parameter, mean, deviation))
+        })
+        .collect()
+}
+
+fn sampled(
+    root: &Section<'_>,
+    ranges: &Varied,
+    deviations: &Varied,
+    fixed: Fixed,
+    (count, seed): (usize, u64),
+) -> Result<Vec<WorldInputs>> {
+    let list = if ranges.is_empty() {
+        deviations
+    } else {
+        ranges
+    };
+    let uncertainty = if ranges.is_empty() {
+        Uncertainty::Normal {
+            mean: list.iter().map(|(_, mean, _)| *mean).collect(),
+            covariance: (0..list.len())
+                .map(|i| {
+                    let mut row = vec![0.0; list.len()];
+                    row[i] = list[i].2 * list[i].2;
+                    row
+                })
+                .collect(),
+        }
+    } else {
+        Uncertainty::Ranges {
+            low: list.iter().map(|(_, low, _)| *low).collect(),
+            high: list.iter().map(|(_, _, high)| *high).collect(),
+        }
+    };
+    let samples = sample(&uncertainty, count, seed).map_err(|source| Error::Problem {
+        file: root.place().file,
+        source,
+    })?;
+    Ok(samples
+        .into_iter()
+        .enumerate()
+        .map(|(index, values)| {
+            let mut own = fixed;
+            for ((parameter, ..), value) in list.iter().zip(values) {
+                own[*parameter as usize] = value;
+            }
+            WorldInputs {
+                name: format!("sample {}", index + 1),
+                fixed: own,
+            }
+        })
+        .collect())
+}

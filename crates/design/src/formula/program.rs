@@ -1,0 +1,199 @@
+//! A formula ready to be computed: a list of steps on a stack of numbers, without recursion.
+
+use grouser_real::Scalar;
+
+/// A function of one number, or of two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Function {
+    Exp,
+    Ln,
+    Log10,
+    Sqrt,
+    Abs,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Min,
+    Max,
+    Atan2,
+    Pow,
+}
+
+impl Function {
+    pub(super) const ALL: [(&'static str, Self); 18] = [
+        ("exp", Self::Exp),
+        ("ln", Self::Ln),
+        ("log10", Self::Log10),
+        ("sqrt", Self::Sqrt),
+        ("abs", Self::Abs),
+        ("sin", Self::Sin),
+        ("cos", Self::Cos),
+        ("tan", Self::Tan),
+        ("asin", Self::Asin),
+        ("acos", Self::Acos),
+        ("atan", Self::Atan),
+        ("sinh", Self::Sinh),
+        ("cosh", Self::Cosh),
+        ("tanh", Self::Tanh),
+        ("min", Self::Min),
+        ("max", Self::Max),
+        ("atan2", Self::Atan2),
+        ("pow", Self::Pow),
+    ];
+
+    /// The least and greatest number of arguments, and how messages say it.
+    pub(super) fn arguments(self) -> (usize, usize, &'static str) {
+        match self {
+            Self::Min | Self::Max => (2, usize::MAX, "two or more"),
+            Self::Atan2 | Self::Pow => (2, 2, "two"),
+            _ => (1, 1, "one"),
+        }
+    }
+}
+
+/// One step of a program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    Constant(f64),
+    Variable(usize),
+    Negate,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    /// A small whole power, which is exact where `Power` is not.
+    WholePower(i32),
+    /// The number of arguments tells how often a function of two is applied.
+    Call(Function, usize),
+}
+
+/// A formula over numbered variables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formula {
+    pub(super) steps: Vec<Step>,
+}
+
+impl Formula {
+    /// The formula's value, where `x` holds the variables; NaN where it has none.
+    pub fn evaluate<R: Scalar>(&self, x: &[R]) -> R {
+        let mut stack: Vec<R> = Vec::with_capacity(16);
+        for step in &self.steps {
+            apply(*step, &mut stack, x);
+        }
+        stack.pop().unwrap_or(R::from_f64(f64::NAN))
+    }
+
+    /// The numbers of the variables that occur, each once, in rising order.
+    #[must_use]
+    pub fn variables(&self) -> Vec<usize> {
+        let mut list: Vec<usize> = self
+            .steps
+            .iter()
+            .filter_map(|step| match step {
+                Step::Variable(index) => Some(*index),
+                _ => None,
+            })
+            .collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+
+    /// This formula less another.
+    pub(crate) fn minus(mut self, other: &Self) -> Self {
+        self.steps.extend(&other.steps);
+        self.steps.push(Step::Subtract);
+        self
+    }
+
+    /// This formula with its sign changed.
+    pub(crate) fn negated(mut self) -> Self {
+        self.steps.push(Step::Negate);
+        self
+    }
+}
+
+fn apply<R: Scalar>(step: Step, stack: &mut Vec<R>, x: &[R]) {
+    let nan = R::from_f64(f64::NAN);
+    let value = match step {
+        Step::Constant(value) => R::from_f64(value),
+        Step::Variable(index) => x.get(index).copied().unwrap_or(nan),
+        Step::Negate => -stack.pop().unwrap_or(nan),
+        Step::WholePower(n) => stack.pop().unwrap_or(nan).powi(n),
+        Step::Call(function, count) => {
+            let mut value = stack.pop().unwrap_or(nan);
+            match count {
+                1 => value = call(function, value),
+                // From the right: f(a, b, c) = f(a, f(b, c)), which for min and max is the same either way.
+                _ => {
+                    for _ in 1..count {
+                        value = call_two(function, stack.pop().unwrap_or(nan), value);
+                    }
+                }
+            }
+            value
+        }
+        Step::Add | Step::Subtract | Step::Multiply | Step::Divide | Step::Power => {
+            let right = stack.pop().unwrap_or(nan);
+            let left = stack.pop().unwrap_or(nan);
+            match step {
+                Step::Add => left + right,
+                Step::Subtract => left - right,
+                Step::Multiply => left * right,
+                Step::Divide => left / right,
+                _ => left.powf(right),
+            }
+        }
+    };
+    stack.push(value);
+}
+
+fn call<R: Scalar>(function: Function, x: R) -> R {
+    match function {
+        Function::Exp => x.exp(),
+        Function::Ln => x.ln(),
+        Function::Log10 => {
+            // ln x/ln 10 is off by a rounding even at powers of ten; its value is replaced by the exact one.
+            let scaled = x.ln() * R::from_f64(std::f64::consts::LOG10_E);
+            let exact = x.value().log10();
+            if exact.is_finite() {
+                scaled + R::from_f64(exact - scaled.value())
+            } else {
+                scaled
+            }
+        }
+        Function::Sqrt => x.sqrt(),
+        Function::Abs => x.abs(),
+        Function::Sin => x.sin(),
+        Function::Cos => x.cos(),
+        Function::Tan => x.tan(),
+        Function::Asin => x.asin(),
+        Function::Acos => x.acos(),
+        Function::Atan => x.atan(),
+        Function::Sinh => x.sinh(),
+        Function::Cosh => x.cosh(),
+        Function::Tanh => x.tanh(),
+        Function::Min | Function::Max | Function::Atan2 | Function::Pow => R::from_f64(f64::NAN),
+    }
+}
+
+fn call_two<R: Scalar>(function: Function, a: R, b: R) -> R {
+    // `min` and `max` would let one NaN go.
+    if a.value().is_nan() || b.value().is_nan() {
+        return R::from_f64(f64::NAN);
+    }
+    match function {
+        Function::Min => a.min(b),
+        Function::Max => a.max(b),
+        Function::Atan2 => a.atan2(b),
+        Function::Pow => a.powf(b),
+        _ => R::from_f64(f64::NAN),
+    }
+}

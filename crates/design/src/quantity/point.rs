@@ -1,0 +1,229 @@
+//! A wheel on its soil with derivatives in every parameter, the solved sinkage's among them.
+//!
+//! The sinkage under a load is found in plain numbers. Its derivatives follow from W(θ_1, p) = load(p):
+//! dθ_1 = (d load − ∂W/∂p dp)/(∂W/∂θ_1), one evaluation of the stresses with each kind of dual number. A slip
+//! or a slope that solves an equation gets its derivatives in the same way.
+
+use grouser_real::{Dual, Scalar};
+use grouser_terra::{
+    Contact, Forces, Kinematics, Settings, ShearLaw, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
+};
+
+use super::inputs::Inputs;
+use super::parameter::Parameter;
+
+/// Why there is no value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum NoValue {
+    /// A parameter is beyond what the laws take.
+    #[error("{0}")]
+    Law(#[from] grouser_terra::Error),
+    /// No sinkage carries the load.
+    #[error("no sinkage carries {0} N")]
+    NotCarried(f64),
+    /// No slip holds the slope.
+    #[error("no slip holds a slope of {0} deg")]
+    NotHeld(f64),
+    /// The quantity does not exist here.
+    #[error("{0}")]
+    Undefined(&'static str),
+}
+
+/// Forces at one slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point<R> {
+    pub(super) theta_1: R,
+    pub(super) theta_m: R,
+    pub(super) slip: R,
+    pub(super) radius: R,
+    pub(super) forces: Forces<R>,
+}
+
+impl<R: Scalar> Point<R> {
+    /// q = v/(r ω).
+    pub(super) fn speed_ratio(&self) -> R {
+        if self.slip.value() >= 0.0 {
+            R::ONE - self.slip
+        } else {
+            R::ONE / (R::ONE + self.slip)
+        }
+    }
+}
+
+fn contact<R: Scalar>(inputs: &Inputs<R>, slip: R, theta_1: R) -> Contact<R> {
+    Contact::new(
+        &inputs.size(),
+        &inputs.laws(),
+        ShearLaw::default(),
+        &Inputs::motion(slip),
+        theta_1,
+    )
+}
+
+impl Inputs<f64> {
+    pub(super) fn pair(&self) -> Result<WheelOnSoil, NoValue> {
+        Ok(WheelOnSoil::new(
+            self.wheel()?,
+            self.soil()?,
+            Settings::default(),
+        )?)
+    }
+}
+
+impl<R: Scalar> Inputs<R> {
+    /// The load that is carried: W cos α.
+    fn carried(&self) -> R {
+        self.get(Parameter::Load) * self.radians(Parameter::Slope).cos()
+    }
+
+    /// The point of the state: its slip, and its load or its sinkage.
+    pub(super) fn point(&self) -> Result<Point<R>, NoValue> {
+        let slip = self.get(Parameter::Slip);
+        if self.has(Parameter::Load) {
+            self.loaded(slip, self.carried())
+        } else {
+            // The checks of a plain evaluation, then the same with derivatives.
+            let plain = self.plain();
+            let kinematics = Kinematics::straight(Slip::new(slip.value())?);
+            plain
+                .pair()?
+                .forces_at(plain.get(Parameter::Sinkage), &kinematics)?;
+            let theta_1 = entry_angle(self.get(Parameter::Sinkage), self.radius());
+            Ok(self.at(slip, theta_1))
+        }
+    }
+
+    fn at(&self, slip: R, theta_1: R) -> Point<R> {
+        let contact = contact(self, slip, theta_1);
+        Point {
+            theta_1,
+            theta_m: contact.angles().theta_m,
+            slip,
+            radius: self.radius(),
+            forces: contact.forces(),
+        }
+    }
+
+    /// The point at `slip` under `load`.
+    pub(super) fn loaded(&self, slip: R, load: R) -> Result<Point<R>, NoValue> {
+        let plain = self.plain();
+        let kinematics = Kinematics::straight(Slip::new(slip.value())?);
+        let solution = plain.pair()?.sinkage_under(load.value(), &kinematics)?;
+        let Some(sinkage) = solution.sinkage else {
+            return Err(NoValue::NotCarried(load.value()));
+        };
+        let root = entry_angle(sinkage, plain.radius());
+        if root == 0.0 {
+            return Ok(self.at(slip, R::ZERO));
+        }
+        let off = contact(self, slip, R::from_f64(root))
+            .forces()
+            .vertical_force
+            - load;
+        let single = plain.lifted::<Dual<1>>();
+        let rising = contact(
+            &single,
+            Dual::constant(slip.value()),
+            Dual::variable(root, 0),
+        )
+        .forces()
+        .vertical_force
+        .gradient[0];
+        Ok(self.at(slip, R::from_f64(root) - off / R::from_f64(rising)))
+    }
+
+    /// The smallest slip that holds the slope.
+    pub(super) fn slip_demand(&self) -> Result<R, NoValue> {
+        let plain = self.plain();
+        let slope = plain.get(Parameter::Slope);
+        let outcome = plain.pair()?.slip_demand(
+            plain.get(Parameter::Load),
+            grouser_terra::Angle::from_deg(slope),
+        )?;
+        let SlopeOutcome::Holds { slip } = outcome else {
+            return Err(NoValue::NotHeld(slope));
+        };
+        let slip = slip.value();
+        let asked = self.get(Parameter::Load) * self.radians(Parameter::Slope).sin();
+        let off = self
+            .loaded(R::from_f64(slip), self.carried())?
+            .forces
+            .drawbar_pull
+            - asked;
+        let single = plain.lifted::<Dual<1>>();
+        let rising = single
+            .loaded(Dual::variable(slip, 0), single.carried())?
+            .forces
+            .drawbar_pull
+            .gradient[0];
+        if rising == 0.0 {
+            return Err(NoValue::Undefined(
+                "the pull does not change with slip here",
+            ));
+        }
+        Ok(R::from_f64(slip) - off / R::from_f64(rising))
+    }
+
+    /// The greatest pull over slip, under the load of the state. At the best slip the pull is flat, so that
+    /// its derivatives are those at that slip held fixed.
+    pub(super) fn greatest_pull(&self) -> Result<R, NoValue> {
+        let load = self.carried();
+        match self.plain().pair()?.slip_of_maximum_pull(load.value())? {
+            Some(best) => {
+                let slip = R::from_f64(best.slip.value());
+                Ok(self.loaded(slip, load)?.forces.drawbar_pull)
+            }
+            None => Err(NoValue::NotCarried(load.value())),
+        }
+    }
+
+    /// The greatest tractive efficiency over slip, likewise.
+    pub(super) fn greatest_efficiency(&self) -> Result<R, NoValue> {
+        let load = self.carried();
+        match self
+            .plain()
+            .pair()?
+            .slip_of_maximum_efficiency(load.value())?
+        {
+            Some(best) => efficiency(&self.loaded(R::from_f64(best.slip.value()), load)?),
+            None => Err(NoValue::Undefined("the wheel pulls at no slip")),
+        }
+    }
+
+    /// The steepest slope that the wheel holds at any slip, degrees.
+    pub(super) fn greatest_slope(&self) -> Result<R, NoValue> {
+        let weight = self.get(Parameter::Load);
+        let pair = self.plain().pair()?;
+        let Some(steepest) = pair.gradeability(weight.value())? else {
+            return Err(NoValue::Undefined(
+                "the wheel cannot pull itself on the level",
+            ));
+        };
+        let alpha = steepest.rad();
+        let carried = weight.value() * alpha.cos();
+        let Some(best) = pair.slip_of_maximum_pull(carried)? else {
+            return Err(NoValue::NotCarried(carried));
+        };
+        let slip = best.slip.value();
+        // DP(W cos α) − W sin α = 0 at the best slip; by its parameters, and by α.
+        let (sin, cos) = alpha.sin_cos();
+        let here = self.loaded(R::from_f64(slip), weight * R::from_f64(cos))?;
+        let off = here.forces.drawbar_pull - weight * R::from_f64(sin);
+        let single = self.plain().lifted::<Dual<1>>();
+        let turned = Dual::<1>::variable(alpha, 0);
+        let (turned_sin, turned_cos) = grouser_real::Real::sin_cos(turned);
+        let single_weight = single.get(Parameter::Load);
+        let there = single.loaded(Dual::constant(slip), single_weight * turned_cos)?;
+        let falling = (there.forces.drawbar_pull - single_weight * turned_sin).gradient[0];
+        let solved = R::from_f64(alpha) - off / R::from_f64(falling);
+        Ok(solved * R::from_f64(180.0 / std::f64::consts::PI))
+    }
+}
+
+/// η = DP q r/T; negative where the wheel resists.
+pub(super) fn efficiency<R: Scalar>(point: &Point<R>) -> Result<R, NoValue> {
+    if !(point.forces.torque.value() > 0.0) {
+        return Err(NoValue::Undefined("the wheel is not driven"));
+    }
+    Ok(point.forces.drawbar_pull * point.speed_ratio() * point.radius / point.forces.torque)
+}

@@ -1,0 +1,154 @@
+//! What names mean inside the formulas of one problem.
+
+use std::collections::BTreeMap;
+
+use grouser_real::Scalar;
+
+use crate::formula::{Formula, Names};
+use crate::quantity::{Evaluation, Inputs, NoValue, Parameter, Quantity};
+
+/// Variables first, then all parameters, then all quantities: the numbers that formulas are compiled to.
+#[derive(Clone, Debug)]
+pub(crate) struct Scope {
+    variables: Vec<String>,
+    /// The variable that stands for a parameter.
+    replaced: [Option<usize>; Parameter::COUNT],
+}
+
+impl Scope {
+    pub(crate) fn new(variables: Vec<String>) -> Self {
+        let mut replaced = [None; Parameter::COUNT];
+        for (index, name) in variables.iter().enumerate() {
+            if let Some(parameter) = Parameter::named(name) {
+                replaced[parameter as usize] = Some(index);
+            }
+        }
+        Self {
+            variables,
+            replaced,
+        }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.variables.len()
+    }
+
+    pub(crate) fn is_replaced(&self, parameter: Parameter) -> bool {
+        self.replaced[parameter as usize].is_some()
+    }
+
+    /// The parameters and quantities that a formula uses by name.
+    pub(crate) fn used(&self, formula: &Formula) -> (Vec<Parameter>, Vec<Quantity>) {
+        let mut used = (Vec::new(), Vec::new());
+        for index in formula.variables() {
+            let Some(past) = index.checked_sub(self.count()) else {
+                continue;
+            };
+            if let Some((parameter, ..)) = Parameter::ALL.get(past) {
+                used.0.push(*parameter);
+            } else if let Some(quantity) = Quantity::at(past - Parameter::COUNT) {
+                used.1.push(quantity);
+            }
+        }
+        used
+    }
+
+    /// The parameters at `x`: the fixed ones, with variables in their places.
+    pub(crate) fn inputs<R: Scalar>(&self, x: &[R], fixed: &[f64; Parameter::COUNT]) -> Inputs<R> {
+        let mut values = fixed.map(R::from_f64);
+        for (value, variable) in values.iter_mut().zip(self.replaced) {
+            if let Some(index) = variable {
+                *value = x[index];
+            }
+        }
+        Inputs { values }
+    }
+
+    /// The numbers that formulas are evaluated on. A quantity without a value is NaN.
+    pub(crate) fn numbers<R: Scalar>(
+        &self,
+        x: &[R],
+        fixed: &[f64; Parameter::COUNT],
+        quantities: &[Quantity],
+    ) -> Vec<R> {
+        let inputs = self.inputs(x, fixed);
+        let mut numbers = x.to_vec();
+        numbers.extend(inputs.values);
+        numbers.resize(
+            self.count() + Parameter::COUNT + Quantity::COUNT,
+            R::from_f64(f64::NAN),
+        );
+        let mut evaluation = Evaluation::new(&inputs);
+        for &quantity in quantities {
+            if let Ok(value) = evaluation.quantity(quantity) {
+                numbers[self.count() + Parameter::COUNT + quantity as usize] = value;
+            }
+        }
+        numbers
+    }
+
+    /// Why a quantity has no value at `x`; the first that has none.
+    pub(crate) fn no_value(
+        &self,
+        x: &[f64],
+        fixed: &[f64; Parameter::COUNT],
+        quantities: &[Quantity],
+    ) -> Option<(&'static str, NoValue)> {
+        let inputs = self.inputs(x, fixed);
+        let mut evaluation = Evaluation::new(&inputs);
+        quantities.iter().find_map(|&quantity| {
+            let reason = evaluation.quantity(quantity).err()?;
+            Some((quantity.name(), reason))
+        })
+    }
+}
+
+impl Names for Scope {
+    fn variable(&self, name: &str) -> Option<usize> {
+        let variable = self.variables.iter().position(|known| known == name);
+        variable.or_else(|| {
+            // `sinkage_m` is both: given in the state it is a number, else it is solved for.
+            let quantity = Quantity::named(name).map(|q| Parameter::COUNT + q as usize);
+            let parameter = Parameter::named(name)
+                .filter(|p| *p != Parameter::Sinkage)
+                .map(|p| p as usize);
+            parameter.or(quantity).map(|past| self.count() + past)
+        })
+    }
+
+    fn meant(&self, name: &str) -> Option<String> {
+        let mut known: Vec<&str> = Vec::new();
+        for variable in &self.variables {
+            known.push(variable);
+        }
+        for (_, name, ..) in &Parameter::ALL {
+            known.push(name);
+        }
+        for name in Quantity::names() {
+            known.push(name);
+        }
+        grouser_files::nearest(name, known).map(str::to_owned)
+    }
+}
+
+/// Which of these parameters has no value, neither fixed nor by a variable.
+pub(crate) fn first_missing(
+    scope: &Scope,
+    fixed: &[f64; Parameter::COUNT],
+    wanted: &[Parameter],
+) -> Option<Parameter> {
+    wanted
+        .iter()
+        .copied()
+        .find(|p| fixed[*p as usize].is_nan() && !scope.is_replaced(*p))
+}
+
+/// The parameters as a map by name, for reports.
+pub(crate) fn by_name(fixed: &[f64; Parameter::COUNT]) -> BTreeMap<&'static str, f64> {
+    Parameter::ALL
+        .iter()
+        .zip(fixed)
+        .filter(|(_, value)| !value.is_nan())
+        .map(|((_, name, ..), value)| (*name, *value))
+        .collect()
+}

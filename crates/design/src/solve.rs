@@ -1,0 +1,361 @@
+//! From a checked design to its answer.
+
+use grouser_opt::{
+    Counts, Front, Kkt, Method, MultiStart, Progress, Solution, Status, Watch, multi_start, pareto,
+    solve_watched,
+};
+
+use crate::design::{Design, Slot, SolverProblem, Task};
+use crate::error::{Error, Result};
+
+/// One solve among several starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Where it ended.
+    pub x: Vec<f64>,
+    /// The greatest objective there, without scaling.
+    pub maximum: f64,
+    /// What was minimised, with scaling.
+    pub utility: f64,
+    /// How it ended.
+    pub status: Status,
+}
+
+/// The answer to minimax, goal attainment, weighted and Chebyshev problems. Lists are in the order of the
+/// file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimum {
+    /// How the solve ended.
+    pub status: Status,
+    /// The variables.
+    pub x: Vec<f64>,
+    /// Every objective by name, without scaling; under several worlds one per world where they count
+    /// separately.
+    pub objectives: Vec<(String, f64)>,
+    /// The greatest of them, |f| where absolute.
+    pub maximum: f64,
+    /// What was minimised: γ, with scaling.
+    pub utility: f64,
+    /// γ, for goal attainment.
+    pub attainment: Option<f64>,
+    /// The local trade-off between the (scaled) objectives; sums to 1.
+    pub objective_multipliers: Vec<(String, f64)>,
+    /// The scale of each, as the file gives it.
+    pub objective_scales: Vec<f64>,
+    /// What each constraint costs; hard goals by their objective's name.
+    pub constraint_multipliers: Vec<(String, f64)>,
+    /// What the bounds of each variable cost: (lower, upper).
+    pub bound_multipliers: Vec<(f64, f64)>,
+    /// The names of what holds the point.
+    pub active: Vec<String>,
+    /// How well the optimality conditions hold.
+    pub kkt: Kkt,
+    /// What it cost, over all starts.
+    pub counts: Counts,
+    /// Every start.
+    pub starts: Vec<Start>,
+    /// The different local optima: (index into `starts`, how many starts led there), best first.
+    pub optima: Vec<(usize, usize)>,
+    /// Are there different points equally good?
+    pub is_ambiguous: bool,
+}
+
+/// One compromise of a front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compromise {
+    /// The variables.
+    pub x: Vec<f64>,
+    /// The objectives without scaling, in the order of the file; signed.
+    pub objectives: Vec<f64>,
+    /// The local trade-off between the scaled objectives, where the polishing solve converged.
+    pub multipliers: Option<Vec<f64>>,
+}
+
+/// The answer to a Pareto problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trade {
+    /// The points, ordered by the solver's first objective.
+    pub points: Vec<Compromise>,
+    /// Where the front bends most.
+    pub knee: Option<usize>,
+    /// The least violation seen; above 0 there is no front.
+    pub violation: f64,
+    /// What it cost.
+    pub counts: Counts,
+}
+
+/// What a design gives.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Answer {
+    /// One compromise.
+    Optimum(Box<Optimum>),
+    /// A front.
+    Trade(Box<Trade>),
+}
+
+impl Design {
+    fn refuse(&self, source: grouser_opt::Error) -> Error {
+        Error::Problem {
+            file: self.file.clone(),
+            source,
+        }
+    }
+
+    /// The method for the solver's objectives.
+    fn method(&self, problem: &SolverProblem) -> Method {
+        // Under several worlds an objective may stand once per world.
+        let order = self.solver_order();
+        let copies = (problem.problem().objectives().len() / order.len()).max(1);
+        let spread = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            order
+                .iter()
+                .flat_map(|&i| std::iter::repeat_n(f(i), copies))
+                .collect()
+        };
+        let weights = spread(&|i| self.objectives[i].weight);
+        let goals = spread(&|i| self.objectives[i].goal.unwrap_or(0.0) * self.objectives[i].scale);
+        match self.task {
+            Task::Minimax | Task::Pareto => Method::Minimax,
+            Task::Attain => Method::Attain { goals, weights },
+            Task::Weighted => Method::Weighted { weights },
+            Task::Chebyshev => Method::Chebyshev {
+                ideal: goals,
+                weights,
+            },
+        }
+    }
+
+    /// Solves it; `watch` is called once an iteration of a single solve.
+    ///
+    /// # Errors
+    /// [`Error::Problem`] for what the solver refuses, such as a search over an unbounded box. A solve
+    /// that finds no answer is a status.
+    pub fn solve(&self, watch: &mut Watch<'_>) -> Result<Answer> {
+        let problem = self.problem()?;
+        if self.task == Task::Pareto {
+            let front = pareto(problem.problem(), &self.pareto).map_err(|e| self.refuse(e))?;
+            return Ok(Answer::Trade(Box::new(self.trade(&problem, front))));
+        }
+        let method = self.method(&problem);
+        let optimum = if self.starts > 1 {
+            let found = multi_start(
+                problem.problem(),
+                &method,
+                &self.settings,
+                self.starts,
+                self.seed,
+            )
+            .map_err(|e| self.refuse(e))?;
+            self.optimum_of_many(&problem, &found)
+        } else {
+            let own = &mut |progress: &Progress<'_>| watch(progress);
+            let solution = solve_watched(problem.problem(), &method, &self.settings, own)
+                .map_err(|e| self.refuse(e))?;
+            let start = self.start(&problem, &solution);
+            self.optimum(&problem, &solution, vec![start])
+        };
+        Ok(Answer::Optimum(Box::new(optimum)))
+    }
+
+    /// The scale of the solver's objective `index`.
+    fn scale_of(&self, problem: &SolverProblem, index: usize) -> f64 {
+        self.objectives[self.file_place(problem, index)].scale
+    }
+
+    /// Which objective of the file the solver's objective `index` is.
+    fn file_place(&self, problem: &SolverProblem, index: usize) -> usize {
+        let order = self.solver_order();
+        let copies = (problem.problem().objectives().len() / order.len()).max(1);
+        order[(index / copies).min(order.len() - 1)]
+    }
+
+    /// The solver's objectives without scaling.
+    fn unscaled(&self, problem: &SolverProblem, values: &[f64]) -> Vec<f64> {
+        values
+            .iter()
+            .enumerate()
+            .map(|(i, f)| f / self.scale_of(problem, i))
+            .collect()
+    }
+
+    fn maximum(&self, problem: &SolverProblem, unscaled: &[f64]) -> f64 {
+        unscaled
+            .iter()
+            .enumerate()
+            .map(|(i, f)| {
+                if self.objectives[self.file_place(problem, i)].absolute {
+                    f.abs()
+                } else {
+                    *f
+                }
+            })
+            .fold(
+                f64::NEG_INFINITY,
+                |m, v| {
+                    if v > m || v.is_nan() { v } else { m }
+                },
+            )
+    }
+
+    fn start(&self, problem: &SolverProblem, solution: &Solution) -> Start {
+        Start {
+            x: problem.own(&solution.x).to_vec(),
+            maximum: self.maximum(problem, &self.unscaled(problem, &solution.objectives)),
+            utility: solution.utility,
+            status: solution.status.clone(),
+        }
+    }
+
+    fn optimum_of_many(&self, problem: &SolverProblem, found: &MultiStart) -> Optimum {
+        let starts = found
+            .runs
+            .iter()
+            .map(|run| self.start(problem, run))
+            .collect();
+        Optimum {
+            counts: found.counts,
+            optima: found
+                .optima
+                .iter()
+                .map(|o| (o.run, o.reached_by.len()))
+                .collect(),
+            is_ambiguous: found.is_ambiguous(),
+            ..self.optimum(problem, found.best(), starts)
+        }
+    }
+
+    fn optimum(&self, problem: &SolverProblem, solution: &Solution, starts: Vec<Start>) -> Optimum {
+        let names = problem.problem().objectives();
+        let values = self.unscaled(problem, &solution.objectives);
+        let parts = &solution.multipliers;
+        // The order of the file: by its objectives, and within one by world.
+        let mut places: Vec<usize> = (0..names.len()).collect();
+        places.sort_by_key(|&i| (self.file_place(problem, i), i));
+        let listed = |list: &[f64]| -> Vec<(String, f64)> {
+            places
+                .iter()
+                .map(|&i| (names[i].clone(), list.get(i).copied().unwrap_or(0.0)))
+                .collect()
+        };
+        let hard = |i: &usize| {
+            let objective = &self.objectives[self.file_place(problem, *i)];
+            self.task == Task::Attain && objective.weight == 0.0
+        };
+        let mut constraint_multipliers: Vec<(String, f64)> = places
+            .iter()
+            .filter(|i| hard(i))
+            .map(|&i| (names[i].clone(), parts.hard_goals[i]))
+            .collect();
+        constraint_multipliers.extend(self.priced(problem, solution));
+        let n = self.variables.len();
+        Optimum {
+            status: solution.status.clone(),
+            x: problem.own(&solution.x).to_vec(),
+            maximum: self.maximum(problem, &values),
+            utility: solution.utility,
+            attainment: (self.task == Task::Attain).then_some(solution.utility),
+            objectives: listed(&values),
+            objective_scales: places.iter().map(|&i| self.scale_of(problem, i)).collect(),
+            objective_multipliers: listed(&parts.objectives),
+            constraint_multipliers,
+            bound_multipliers: parts.lower[..n]
+                .iter()
+                .copied()
+                .zip(parts.upper[..n].iter().copied())
+                .collect(),
+            active: self.active(problem, solution),
+            kkt: solution.kkt,
+            counts: solution.counts,
+            optima: if solution.status.is_solved() {
+                vec![(0, 1)]
+            } else {
+                Vec::new()
+            },
+            starts,
+            is_ambiguous: false,
+        }
+    }
+
+    /// Every constraint of the file with its multiplier; nonlinear ones once per world.
+    fn priced(&self, problem: &SolverProblem, solution: &Solution) -> Vec<(String, f64)> {
+        let parts = &solution.multipliers;
+        let worlds = self.worlds.len();
+        let inner = problem.problem();
+        // Helpers of a measure stand before the file's own inequalities.
+        let own = self.constraints.iter().filter(|c| !c.equal).count() * worlds;
+        let first = inner.inequalities().len() - own;
+        let mut list = Vec::new();
+        for (name, slot) in &self.slots {
+            let (names, prices, from) = match *slot {
+                Slot::Linear(l) => {
+                    list.push((name.clone(), parts.linear[l]));
+                    continue;
+                }
+                Slot::Inequality(j) => (
+                    inner.inequalities(),
+                    &parts.inequalities,
+                    first + j * worlds,
+                ),
+                Slot::Equality(k) => (inner.equalities(), &parts.equalities, k * worlds),
+            };
+            list.extend((from..from + worlds).map(|i| (names[i].clone(), prices[i])));
+        }
+        list
+    }
+
+    /// What holds the point, without the helpers of a measure.
+    fn active(&self, problem: &SolverProblem, solution: &Solution) -> Vec<String> {
+        let inner = problem.problem();
+        let own = self.constraints.iter().filter(|c| !c.equal).count() * self.worlds.len();
+        let helpers = &inner.inequalities()[..inner.inequalities().len() - own];
+        let extra = &inner.variables()[self.variables.len()..];
+        solution
+            .active
+            .iter()
+            .filter(|name| {
+                !helpers.contains(name) && !extra.iter().any(|v| is_bound_of(name, &v.name))
+            })
+            .cloned()
+            .collect()
+    }
+
+    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
+        let inner = problem.problem();
+        let order = self.solver_order();
+        let points = front
+            .points
+            .into_iter()
+            .map(|point| {
+                // The front has magnitudes; the file's objectives keep their signs.
+                let mut values = vec![f64::NAN; inner.function_count()];
+                inner.model().values(&point.x, &mut values);
+                let values = self.unscaled(problem, &values[..inner.objectives().len()]);
+                let in_file = |list: &[f64]| {
+                    let mut out = vec![f64::NAN; order.len()];
+                    for (value, &place) in list.iter().zip(&order) {
+                        out[place] = *value;
+                    }
+                    out
+                };
+                Compromise {
+                    objectives: in_file(&values),
+                    multipliers: point.multipliers.map(|m| in_file(&m.objectives)),
+                    x: problem.own(&point.x).to_vec(),
+                }
+            })
+            .collect();
+        Trade {
+            points,
+            knee: front.knee,
+            violation: front.violation,
+            counts: front.counts,
+        }
+    }
+}
+
+fn is_bound_of(active: &str, variable: &str) -> bool {
+    active
+        .strip_prefix(variable)
+        .is_some_and(|rest| rest == " >= lower" || rest == " <= upper")
+}

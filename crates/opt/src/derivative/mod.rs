@@ -1,0 +1,9 @@
+//! Derivatives: exact by dual numbers, by finite differences, and the check of one against the other.
+
+mod check;
+mod difference;
+mod dual;
+
+pub use check::{DerivativeCheck, WrongEntry, check_derivatives};
+pub use difference::{Differences, Scheme};
+pub use dual::{Exact, Functions};

@@ -1,0 +1,135 @@
+//! What is wrong with a problem or its settings: the field, its value and the limit.
+
+/// The result of everything that checks an input.
+pub type Result<T> = core::result::Result<T, Error>;
+
+/// A bad input. A solve that finds no answer is not one of these: see [`Status`](crate::Status).
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is nothing to vary or nothing to minimise.
+    #[error("the problem has no {what}")]
+    Empty {
+        /// What is missing: `variables`, `objectives`, …
+        what: &'static str,
+    },
+    /// A number is NaN, or infinite where only a finite one makes sense.
+    #[error("{field} of `{name}` is {value}, but must be a finite number")]
+    NotFinite {
+        /// The field: `start`, `lower`, `coefficient`, …
+        field: &'static str,
+        /// The variable, objective or constraint it belongs to.
+        name: String,
+        /// What was given.
+        value: f64,
+    },
+    /// No value can satisfy both bounds.
+    #[error("the bounds of `{name}` are inconsistent: lower {lower} is greater than upper {upper}")]
+    InconsistentBounds {
+        /// The variable.
+        name: String,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// A search over the whole box needs both ends of it.
+    #[error("`{name}` has the bounds [{lower}, {upper}], but {purpose} needs finite ones")]
+    UnboundedVariable {
+        /// The variable.
+        name: String,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+        /// Who asks: `multi-start`, `a Pareto front`, …
+        purpose: &'static str,
+    },
+    /// A list has the wrong number of entries.
+    #[error("{what} has {given} entries, but {expected} are needed")]
+    WrongLength {
+        /// The list.
+        what: String,
+        /// How many were given.
+        given: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A number lies outside its range (NaN always does).
+    #[error("{field} is {value}, but must lie in [{low}, {high}]")]
+    OutOfRange {
+        /// The field.
+        field: String,
+        /// What was given.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+    },
+    /// Two things have the same name, so no report could tell them apart.
+    #[error("the name `{name}` is used twice")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// The matrix has no Cholesky factor.
+    #[error("{what} is not positive definite: pivot {pivot} is {value}")]
+    NotPositiveDefinite {
+        /// The matrix.
+        what: &'static str,
+        /// The row at which the factorisation stopped.
+        pivot: usize,
+        /// What stood there.
+        value: f64,
+    },
+    /// More points were asked for than the sequence has dimensions or length for.
+    #[error("{what} is {given}, but at most {limit} is supported")]
+    TooLarge {
+        /// What was asked for.
+        what: &'static str,
+        /// How much.
+        given: usize,
+        /// The limit.
+        limit: usize,
+    },
+}
+
+impl Error {
+    pub(crate) fn check_finite(field: &'static str, name: &str, value: f64) -> Result<()> {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::NotFinite {
+                field,
+                name: name.to_owned(),
+                value,
+            })
+        }
+    }
+
+    pub(crate) fn check_range(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
+        if value >= low && value <= high {
+            Ok(())
+        } else {
+            Err(Self::OutOfRange {
+                field: field.to_owned(),
+                value,
+                low,
+                high,
+            })
+        }
+    }
+
+    pub(crate) fn check_length(what: &str, given: usize, expected: usize) -> Result<()> {
+        if given == expected {
+            Ok(())
+        } else {
+            Err(Self::WrongLength {
+                what: what.to_owned(),
+                given,
+                expected,
+            })
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! What a problem computes: the interface between the solvers and the user's functions.
+
+use crate::jacobian::Jacobian;
+
+/// Objectives and nonlinear constraints as functions of the variables.
+///
+/// All functions stand in one list: first the objectives, then the inequalities c(x) ≤ 0, then the
+/// equalities c_eq(x) = 0. A function that has no value at a point gives NaN there; a solver steps
+/// around such points and says so if it cannot.
+///
+/// Three ways to get one: [`Exact`](crate::Exact) (written once over a generic number, exact
+/// derivatives), [`Differences`](crate::Differences) (a closure, finite differences), or this trait
+/// itself where the derivatives are known as formulas.
+pub trait Model: Sync {
+    /// Writes the value of every function at `x`.
+    fn values(&self, x: &[f64], values: &mut [f64]);
+
+    /// Writes the value and the gradient of every function at `x`.
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian);
+}
+
+impl<M: Model + ?Sized> Model for &M {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        (**self).values(x, values);
+    }
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        (**self).derivatives(x, values, jacobian);
+    }
+}
+
+impl<M: Model + ?Sized> Model for Box<M> {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        (**self).values(x, values);
+    }
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        (**self).derivatives(x, values, jacobian);
+    }
+}

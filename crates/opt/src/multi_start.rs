@@ -1,0 +1,134 @@
+//! One solver, many starts: how many different optima there are, and which is best.
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::method::Method;
+use crate::problem::Problem;
+use crate::settings::Settings;
+use crate::sobol::Sobol;
+use crate::solution::{Counts, Solution};
+use crate::solve::solve;
+
+/// Two solutions nearer than this share of the box in every variable are the same optimum.
+const SAME_POINT: f64 = 1e-4;
+/// Two solutions whose utilities differ by less than this · (1 + |utility|) are equally good.
+const SAME_UTILITY: f64 = 1e-6;
+
+/// A local optimum that one or more starts lead to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optimum {
+    /// The run that found it best: an index into [`MultiStart::runs`].
+    pub run: usize,
+    /// Every run that led here, in order.
+    pub reached_by: Vec<usize>,
+}
+
+/// What many starts found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MultiStart {
+    /// The starts: the problem's own, then points spread evenly over the box.
+    pub starts: Vec<Vec<f64>>,
+    /// One solution per start.
+    pub runs: Vec<Solution>,
+    /// The different optima among the solved runs, best first. More than one means that the answer
+    /// depends on the start; several equally good ones mean that it is not unique.
+    pub optima: Vec<Optimum>,
+    /// What all runs cost together.
+    pub counts: Counts,
+}
+
+impl MultiStart {
+    /// The best solution; if no run was solved, the run with the least violation.
+    #[must_use]
+    pub fn best(&self) -> &Solution {
+        let index = self.optima.first().map_or_else(
+            || {
+                let violation = |i: &usize| self.runs[*i].kkt.violation;
+                (0..self.runs.len())
+                    .min_by(|a, b| violation(a).total_cmp(&violation(b)))
+                    .unwrap_or(0)
+            },
+            |optimum| optimum.run,
+        );
+        &self.runs[index]
+    }
+
+    /// Are there optima at different points whose utilities are the same?
+    #[must_use]
+    pub fn is_ambiguous(&self) -> bool {
+        let utility = |o: &Optimum| self.runs[o.run].utility;
+        match self.optima.as_slice() {
+            [first, second, ..] => {
+                let best = utility(first);
+                utility(second) - best <= SAME_UTILITY * (1.0 + best.abs())
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Solves from the problem's own start and from `starts − 1` points of a Sobol sequence over the box.
+///
+/// The result does not depend on the number of threads.
+///
+/// # Errors
+/// `starts` is 0, a variable lacks a finite bound, or what [`solve`] refuses.
+pub fn multi_start(
+    problem: &Problem<'_>,
+    method: &Method,
+    settings: &Settings,
+    starts: usize,
+    seed: u64,
+) -> Result<MultiStart> {
+    if starts == 0 {
+        return Err(Error::Empty { what: "starts" });
+    }
+    let (lower, upper) = problem.finite_box("multi-start")?;
+    let mut sobol = Sobol::new(lower.len(), Some(seed))?;
+    let mut points: Vec<Vec<f64>> = vec![problem.variables().iter().map(|v| v.start).collect()];
+    points.extend((1..starts).map(|_| sobol.next_in(&lower, &upper)));
+    let runs = points
+        .par_iter()
+        .map(|start| solve(&problem.from_start(start)?, method, settings))
+        .collect::<Result<Vec<Solution>>>()?;
+    let mut counts = Counts::default();
+    for run in &runs {
+        counts += run.counts;
+    }
+    Ok(MultiStart {
+        optima: distinct(&runs, &lower, &upper),
+        starts: points,
+        runs,
+        counts,
+    })
+}
+
+/// Gathers the solved runs by where they ended.
+fn distinct(runs: &[Solution], lower: &[f64], upper: &[f64]) -> Vec<Optimum> {
+    let mut order: Vec<usize> = (0..runs.len())
+        .filter(|&i| runs[i].status.is_solved())
+        .collect();
+    order.sort_by(|&a, &b| runs[a].utility.total_cmp(&runs[b].utility));
+    let same = |a: &Solution, b: &Solution| {
+        let widths = lower.iter().zip(upper).map(|(low, high)| high - low);
+        a.x.iter()
+            .zip(&b.x)
+            .zip(widths)
+            .all(|((a, b), width)| (a - b).abs() <= SAME_POINT * width)
+    };
+    let mut optima: Vec<Optimum> = Vec::new();
+    for run in order {
+        match optima.iter_mut().find(|o| same(&runs[o.run], &runs[run])) {
+            Some(known) => known.reached_by.push(run),
+            None => optima.push(Optimum {
+                run,
+                reached_by: vec![run],
+            }),
+        }
+    }
+    for optimum in &mut optima {
+        optimum.reached_by.sort_unstable();
+    }
+    optima
+}

@@ -1,0 +1,261 @@
+//! The trade-off between objectives as a whole: Pareto fronts.
+//!
+//! An evolutionary search (NSGA-II for two objectives, NSGA-III for more) covers the front; then each point
+//! is polished by a goal-attainment solve, which makes it exact to the solver's tolerance and gives it
+//! multipliers.
+
+mod das_dennis;
+mod hypervolume;
+mod igd;
+mod knee;
+mod mutation;
+mod nsga2;
+mod nsga3;
+mod polish;
+mod population;
+mod sbx;
+mod settings;
+
+use crate::error::{Error, Result};
+use crate::problem::Problem;
+use crate::random::Random;
+use crate::sobol::Sobol;
+use crate::solution::{Counts, Multipliers};
+
+pub use das_dennis::das_dennis;
+pub use hypervolume::hypervolume;
+pub use igd::inverted_generational_distance;
+pub use knee::knee;
+pub use mutation::Mutation;
+pub use sbx::Crossover;
+pub use settings::{Algorithm, ParetoSettings};
+
+use population::{Individual, evaluate, fronts};
+
+/// One compromise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrontPoint {
+    /// The variables.
+    pub x: Vec<f64>,
+    /// The objectives, |f| where absolute.
+    pub objectives: Vec<f64>,
+    /// The prices at this point, where the polishing solve converged: those of the objectives sum to 1, and
+    /// Σ price_i df_i = 0 along the front.
+    pub multipliers: Option<Multipliers>,
+}
+
+/// A set of compromises none of which beats another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Front {
+    /// The points, ordered by their first objective (then the second, …).
+    pub points: Vec<FrontPoint>,
+    /// The index of the knee in `points`, where one stands out.
+    pub knee: Option<usize>,
+    /// The best value of each objective over the front.
+    pub ideal: Vec<f64>,
+    /// The worst value of each objective over the front.
+    pub nadir: Vec<f64>,
+    /// The least violation in the population; above 0 there is no front, for nothing feasible was found.
+    pub violation: f64,
+    /// What the search and the polishing cost.
+    pub counts: Counts,
+}
+
+impl Front {
+    /// The objectives of all points: what [`hypervolume`] and
+    /// [`inverted_generational_distance`] take.
+    #[must_use]
+    pub fn objectives(&self) -> Vec<Vec<f64>> {
+        self.points.iter().map(|p| p.objectives.clone()).collect()
+    }
+}
+
+/// Finds the front of a problem.
+///
+/// The same settings give the same front, on any number of threads.
+///
+/// # Errors
+/// Fewer than two objectives, a variable without finite bounds, or a setting out of its range.
+pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front> {
+    let m = problem.objectives().len();
+    Error::check_range("the number of objectives", m as f64, 2.0, 20.0)?;
+    settings.check()?;
+    let (lower, upper) = problem.finite_box("a Pareto front")?;
+    let mut search = Search {
+        problem,
+        settings,
+        bounds: (&lower, &upper),
+        crossover: settings.crossover_for(m),
+        mutation: settings.mutation_for(m),
+        random: Random::new(settings.seed),
+        counts: Counts::default(),
+    };
+    let directions = das_dennis(m, settings.divisions_for(m));
+    let population = match settings.algorithm_for(m) {
+        Algorithm::NsgaII => search.nsga2()?,
+        Algorithm::NsgaIII => search.nsga3(&directions)?,
+    };
+    let mut counts = search.counts;
+    let violation = population
+        .iter()
+        .map(|i| i.violation)
+        .fold(f64::INFINITY, f64::min);
+    let first = fronts(&population).into_iter().next().unwrap_or_default();
+    let mut best: Vec<Individual> = Vec::new();
+    for i in first {
+        let candidate = &population[i];
+        let repeated = best.iter().any(|b| b.objectives == candidate.objectives);
+        if candidate.violation == 0.0 && !repeated {
+            best.push(candidate.clone());
+        }
+    }
+    let mut points: Vec<FrontPoint> = if settings.polish {
+        let spread = match settings.algorithm_for(m) {
+            Algorithm::NsgaII => None,
+            Algorithm::NsgaIII => Some(directions.as_slice()),
+        };
+        polish::polish(problem, &settings.solve, &best, spread, &mut counts)?
+    } else {
+        best.into_iter()
+            .map(|i| FrontPoint {
+                x: i.x,
+                objectives: i.objectives,
+                multipliers: None,
+            })
+            .collect()
+    };
+    points.sort_by(|a, b| {
+        a.objectives
+            .iter()
+            .zip(&b.objectives)
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|order| order.is_ne())
+            .unwrap_or(core::cmp::Ordering::Equal)
+    });
+    let objectives: Vec<Vec<f64>> = points.iter().map(|p| p.objectives.clone()).collect();
+    let end = |pick: fn(f64, f64) -> f64, from: f64| -> Vec<f64> {
+        (0..m)
+            .map(|k| objectives.iter().map(|f| f[k]).fold(from, pick))
+            .collect()
+    };
+    Ok(Front {
+        knee: knee(&objectives),
+        ideal: end(f64::min, f64::INFINITY),
+        nadir: end(f64::max, f64::NEG_INFINITY),
+        points,
+        violation,
+        counts,
+    })
+}
+
+struct Search<'a> {
+    problem: &'a Problem<'a>,
+    settings: &'a ParetoSettings,
+    bounds: (&'a [f64], &'a [f64]),
+    crossover: Crossover,
+    mutation: Mutation,
+    random: Random,
+    counts: Counts,
+}
+
+impl Search<'_> {
+    /// The first population: the problem's start, and an even cover of the box.
+    fn seeded(&mut self, count: usize) -> Result<Vec<Individual>> {
+        let (lower, upper) = self.bounds;
+        let variables = self.problem.variables();
+        let mut points = vec![
+            variables
+                .iter()
+                .map(|v| v.start.clamp(v.lower, v.upper))
+                .collect(),
+        ];
+        match Sobol::new(lower.len(), Some(self.settings.seed)) {
+            Ok(mut sobol) => points.extend((1..count).map(|_| sobol.next_in(lower, upper))),
+            Err(Error::TooLarge { .. }) => points.extend((1..count).map(|_| {
+                let at = |(low, high): (&f64, &f64)| low + self.random.uniform() * (high - low);
+                lower.iter().zip(upper).map(at).collect()
+            })),
+            Err(other) => return Err(other),
+        }
+        Ok(self.evaluate(points))
+    }
+
+    fn evaluate(&mut self, points: Vec<Vec<f64>>) -> Vec<Individual> {
+        self.counts.values += points.len();
+        evaluate(self.problem, points)
+    }
+
+    /// Two children of two parents. A child that would repeat its parent is mutated in one variable.
+    fn children(&mut self, a: &[f64], b: &[f64]) -> [Vec<f64>; 2] {
+        let (mut one, mut two) = (a.to_vec(), b.to_vec());
+        sbx::cross(
+            self.crossover,
+            &mut self.random,
+            self.bounds,
+            &mut one,
+            &mut two,
+        );
+        for (child, parent) in [(&mut one, a), (&mut two, b)] {
+            let changed = mutation::mutate(self.mutation, &mut self.random, self.bounds, child);
+            if !changed && child.as_slice() == parent {
+                let i = self.random.below(child.len());
+                let bounds = (self.bounds.0[i], self.bounds.1[i]);
+                let eta = self.mutation.eta;
+                mutation::change(eta, &mut self.random, bounds, &mut child[i]);
+            }
+        }
+        [one, two]
+    }
+
+    fn nsga2(&mut self) -> Result<Vec<Individual>> {
+        let count = self.settings.population;
+        let population = self.seeded(count)?;
+        let (mut population, mut fitness) = nsga2::survive(population, count);
+        for _ in 0..self.settings.generations {
+            let mut offspring = Vec::with_capacity(count + 1);
+            while offspring.len() < count {
+                let a = nsga2::tournament(&fitness, &mut self.random);
+                let b = nsga2::tournament(&fitness, &mut self.random);
+                offspring.extend(self.children(&population[a].x, &population[b].x));
+            }
+            offspring.truncate(count);
+            let born = self.evaluate(offspring);
+            population.extend(born);
+            (population, fitness) = nsga2::survive(population, count);
+            self.counts.iterations += 1;
+        }
+        Ok(population)
+    }
+
+    fn nsga3(&mut self, directions: &[Vec<f64>]) -> Result<Vec<Individual>> {
+        let count = self.settings.population;
+        let mut population = self.seeded(count)?;
+        let mut memory = nsga3::Normalisation::new(self.problem.objectives().len());
+        for _ in 0..self.settings.generations {
+            let mut offspring = Vec::with_capacity(count + 1);
+            while offspring.len() < count {
+                let a = self.less_violated(&population);
+                let b = self.less_violated(&population);
+                offspring.extend(self.children(&population[a].x, &population[b].x));
+            }
+            offspring.truncate(count);
+            let born = self.evaluate(offspring);
+            population.extend(born);
+            population =
+                nsga3::survive(population, count, directions, &mut memory, &mut self.random);
+            self.counts.iterations += 1;
+        }
+        Ok(population)
+    }
+
+    /// The less violated of two random individuals; the first if neither is violated.
+    fn less_violated(&mut self, population: &[Individual]) -> usize {
+        let a = self.random.below(population.len());
+        let b = self.random.below(population.len());
+        if population[b].violation < population[a].violation {
+            b
+        } else {
+            a
+        }
+    }
+}

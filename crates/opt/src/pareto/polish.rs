@@ -1,0 +1,195 @@
+//! Each point of a front made exact: a goal-attainment solve from it, along its own direction.
+//!
+//! Along a direction w from the ideal point the best point is min γ with f_i − w_i γ ≤ ideal_i. With NSGA-III
+//! the directions are the given ones; without them each point keeps its own, w_i = f_i − ideal_i, after
+//! the ends of the front have been made exact.
+
+use rayon::prelude::*;
+
+use super::FrontPoint;
+use super::nsga3::nearest;
+use super::population::Individual;
+use crate::error::Result;
+use crate::method::Method;
+use crate::problem::Problem;
+use crate::settings::Settings;
+use crate::solution::{Counts, Multipliers, Solution};
+use crate::solve::solve;
+
+/// A direction's least component: along 0 a goal would be a hard limit that nothing can move.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+pub(super) fn polish(
+    problem: &Problem<'_>,
+    settings: &Settings,
+    front: &[Individual],
+    directions: Option<&[Vec<f64>]>,
+    counts: &mut Counts,
+) -> Result<Vec<FrontPoint>> {
+    let m = problem.objectives().len();
+    if front.is_empty() {
+        return Ok(Vec::new());
+    }
+    let ends = ends(problem, settings, front, counts)?;
+    let ideal: Vec<f64> = (0..m).map(|k| ends[k][k]).collect();
+    // The ends alone do not span the front: an objective's best may be reached at several of them.
+    let scale: Vec<f64> = (0..m)
+        .map(|k| {
+            let worst = front.iter().map(|p| p.objectives[k]);
+            (worst.fold(f64::NEG_INFINITY, f64::max) - ideal[k]).max(1e-12)
+        })
+        .collect();
+    let targets: Vec<(&Individual, Vec<f64>)> = match directions {
+        None => front
+            .iter()
+            .map(|point| {
+                let own = point.objectives.iter().zip(ideal.iter().zip(&scale));
+                (point, own.map(|(f, (best, s))| (f - best) / s).collect())
+            })
+            .collect(),
+        Some(directions) => directions
+            .iter()
+            .filter_map(|direction| {
+                let one = std::slice::from_ref(direction);
+                let off = |p: &Individual| nearest(&p.objectives, &ideal, &scale, one).1;
+                front
+                    .iter()
+                    .min_by(|a, b| off(a).total_cmp(&off(b)))
+                    .map(|point| (point, direction.clone()))
+            })
+            .collect(),
+    };
+    let polished = targets
+        .par_iter()
+        .map(|(point, direction)| {
+            let weights: Vec<f64> = direction
+                .iter()
+                .zip(&scale)
+                .map(|(d, s)| d.max(LEAST_WEIGHT) * s)
+                .collect();
+            let method = Method::Attain {
+                goals: ideal.clone(),
+                weights: weights.clone(),
+            };
+            let mut solution = solve(&problem.from_start(&point.x)?, &method, settings)?;
+            per_objective(&mut solution.multipliers, &weights);
+            Ok((*point, solution))
+        })
+        .collect::<Result<Vec<(&Individual, Solution)>>>()?;
+    let mut points: Vec<FrontPoint> = Vec::new();
+    for (point, solution) in polished {
+        *counts += solution.counts;
+        let exact = solution.status.is_solved();
+        let candidate = if exact {
+            FrontPoint {
+                objectives: magnitudes(problem, &solution.objectives),
+                x: solution.x,
+                multipliers: Some(solution.multipliers),
+            }
+        } else {
+            FrontPoint {
+                x: point.x.clone(),
+                objectives: point.objectives.clone(),
+                multipliers: None,
+            }
+        };
+        points.push(candidate);
+    }
+    Ok(nondominated(&points))
+}
+
+/// From multipliers of (f_i − ideal_i)/w_i to those of f_i, which say what one costs in the other; again
+/// with the sum 1.
+fn per_objective(multipliers: &mut Multipliers, weights: &[f64]) {
+    for (price, weight) in multipliers.objectives.iter_mut().zip(weights) {
+        *price /= weight;
+    }
+    let sum: f64 = multipliers.objectives.iter().sum();
+    let Multipliers {
+        objectives,
+        hard_goals,
+        inequalities,
+        equalities,
+        linear,
+        lower,
+        upper,
+    } = multipliers;
+    for list in [
+        objectives,
+        hard_goals,
+        inequalities,
+        equalities,
+        linear,
+        lower,
+        upper,
+    ] {
+        for price in list.iter_mut() {
+            *price /= sum;
+        }
+    }
+}
+
+/// The objectives at the best point of each objective alone, found from the front's own best.
+fn ends(
+    problem: &Problem<'_>,
+    settings: &Settings,
+    front: &[Individual],
+    counts: &mut Counts,
+) -> Result<Vec<Vec<f64>>> {
+    let m = problem.objectives().len();
+    let mut ends = Vec::with_capacity(m);
+    for k in 0..m {
+        let best = front
+            .iter()
+            .min_by(|a, b| a.objectives[k].total_cmp(&b.objectives[k]));
+        let Some(best) = best else { continue };
+        // A whisper of the others picks, among equally good ends, the one that costs them least.
+        let weights = (0..m).map(|i| if i == k { 1.0 } else { 1e-6 }).collect();
+        let solution = solve(
+            &problem.from_start(&best.x)?,
+            &Method::Weighted { weights },
+            settings,
+        )?;
+        *counts += solution.counts;
+        let reached = magnitudes(problem, &solution.objectives);
+        let better = solution.status.is_solved() && reached[k] <= best.objectives[k];
+        ends.push(if better {
+            reached
+        } else {
+            best.objectives.clone()
+        });
+    }
+    Ok(ends)
+}
+
+fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
+    objectives
+        .iter()
+        .enumerate()
+        .map(|(i, f)| if i < problem.absolute() { f.abs() } else { *f })
+        .collect()
+}
+
+/// Without points that another one beats or repeats, to the solver's tolerance.
+fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
+    const SAME: f64 = 1e-9;
+    let beats = |a: &FrontPoint, b: &FrontPoint| {
+        let pairs = || a.objectives.iter().zip(&b.objectives);
+        pairs().all(|(a, b)| *a <= b + SAME) && pairs().any(|(a, b)| *a < b - SAME)
+    };
+    let same = |a: &FrontPoint, b: &FrontPoint| {
+        let pairs = a.objectives.iter().zip(&b.objectives);
+        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) <= SAME
+    };
+    let mut kept: Vec<FrontPoint> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let beaten = points
+            .iter()
+            .enumerate()
+            .any(|(other, q)| other != index && beats(q, point));
+        if !beaten && !kept.iter().any(|q| same(q, point)) {
+            kept.push(point.clone());
+        }
+    }
+    kept
+}

@@ -1,0 +1,116 @@
+//! Individuals, their evaluation, and who dominates whom.
+
+use rayon::prelude::*;
+
+use crate::problem::{Problem, Relation};
+
+/// A point of the search with everything known about it.
+#[derive(Clone, Debug)]
+pub(super) struct Individual {
+    pub(super) x: Vec<f64>,
+    /// The objectives, |f| where absolute.
+    pub(super) objectives: Vec<f64>,
+    /// The sum of all violations beyond the tolerance; infinite where a function has no value.
+    pub(super) violation: f64,
+}
+
+impl Individual {
+    /// Constrained domination: feasible beats infeasible, less violation beats more, and among the
+    /// feasible no worse in every objective and better in one.
+    ///
+    /// Source: Deb, Pratap, Agarwal & Meyarivan 2002, IEEE Trans. Evol. Comput. 6, section VI.
+    pub(super) fn dominates(&self, other: &Self) -> bool {
+        if self.violation != other.violation {
+            return self.violation < other.violation;
+        }
+        let mut better = false;
+        for (a, b) in self.objectives.iter().zip(&other.objectives) {
+            if a > b {
+                return false;
+            }
+            better |= a < b;
+        }
+        better
+    }
+}
+
+/// Evaluates points, on all threads where that pays.
+pub(super) fn evaluate(problem: &Problem<'_>, points: Vec<Vec<f64>>) -> Vec<Individual> {
+    points
+        .into_par_iter()
+        .with_min_len(16)
+        .map(|x| evaluate_one(problem, x))
+        .collect()
+}
+
+fn evaluate_one(problem: &Problem<'_>, x: Vec<f64>) -> Individual {
+    const TOLERANCE: f64 = 1e-8;
+    let m = problem.objectives().len();
+    let p = problem.inequalities().len();
+    let mut values = vec![f64::NAN; problem.function_count()];
+    problem.model().values(&x, &mut values);
+    let mut violation = 0.0;
+    for (j, &value) in values[m..].iter().enumerate() {
+        let off = if j < p { value.max(0.0) } else { value.abs() };
+        if off > TOLERANCE {
+            violation += off;
+        }
+    }
+    for row in problem.linear() {
+        let value: f64 = row.coefficients.iter().zip(&x).map(|(a, x)| a * x).sum();
+        let off = match row.relation {
+            Relation::AtMost => (value - row.bound).max(0.0),
+            Relation::Equal => (value - row.bound).abs(),
+        };
+        if off > TOLERANCE {
+            violation += off;
+        }
+    }
+    for value in &mut values[..problem.absolute()] {
+        *value = value.abs();
+    }
+    if values.iter().any(|v| !v.is_finite()) {
+        violation = f64::INFINITY;
+    }
+    values.truncate(m);
+    Individual {
+        x,
+        objectives: values,
+        violation,
+    }
+}
+
+/// Ranks: front 0 is dominated by nobody, front 1 only by front 0, and so on.
+pub(super) fn fronts(population: &[Individual]) -> Vec<Vec<usize>> {
+    let n = population.len();
+    let mut beaten_by = vec![0_usize; n];
+    let mut beats: Vec<Vec<usize>> = vec![Vec::new(); n];
+    for i in 0..n {
+        for j in i + 1..n {
+            let (a, b) = (&population[i], &population[j]);
+            if a.dominates(b) {
+                beats[i].push(j);
+                beaten_by[j] += 1;
+            } else if b.dominates(a) {
+                beats[j].push(i);
+                beaten_by[i] += 1;
+            }
+        }
+    }
+    let mut current: Vec<usize> = (0..n).filter(|&i| beaten_by[i] == 0).collect();
+    let mut all = Vec::new();
+    while !current.is_empty() {
+        let mut next = Vec::new();
+        for &i in &current {
+            for &j in &beats[i] {
+                beaten_by[j] -= 1;
+                if beaten_by[j] == 0 {
+                    next.push(j);
+                }
+            }
+        }
+        next.sort_unstable();
+        all.push(std::mem::replace(&mut current, next));
+    }
+    all
+}

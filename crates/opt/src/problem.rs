@@ -1,0 +1,297 @@
+//! What is to be solved: variables, functions and linear constraints, checked once.
+
+use std::collections::BTreeSet;
+
+use crate::error::{Error, Result};
+use crate::model::Model;
+
+/// One variable: where the search starts and how far it may go.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Its name in every report.
+    pub name: String,
+    /// Where the search starts; moved onto the nearer bound if it lies outside.
+    pub start: f64,
+    /// The least value allowed; −∞ for none.
+    pub lower: f64,
+    /// The greatest value allowed; +∞ for none.
+    pub upper: f64,
+}
+
+impl Variable {
+    /// A variable without bounds.
+    #[must_use]
+    pub fn free(name: impl Into<String>, start: f64) -> Self {
+        Self::bounded(name, start, f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// A variable between two bounds.
+    #[must_use]
+    pub fn bounded(name: impl Into<String>, start: f64, lower: f64, upper: f64) -> Self {
+        Self {
+            name: name.into(),
+            start,
+            lower,
+            upper,
+        }
+    }
+}
+
+/// How a linear expression relates to its bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// a·x ≤ b.
+    AtMost,
+    /// a·x = b.
+    Equal,
+}
+
+/// A row of A x ≤ b or A_eq x = b_eq. No iterate ever leaves these, once inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearConstraint {
+    /// Its name in every report.
+    pub name: String,
+    /// One coefficient per variable.
+    pub coefficients: Vec<f64>,
+    /// ≤ or =.
+    pub relation: Relation,
+    /// The right-hand side.
+    pub bound: f64,
+}
+
+/// Everything a [`Problem`] is made of.
+pub struct ProblemParams<'a> {
+    /// The variables, in the order of the model's `x`.
+    pub variables: Vec<Variable>,
+    /// The objectives' names, in the model's order.
+    pub objectives: Vec<String>,
+    /// The names of the inequalities c(x) ≤ 0, which follow the objectives in the model.
+    pub inequalities: Vec<String>,
+    /// The names of the equalities c_eq(x) = 0, which follow the inequalities in the model.
+    pub equalities: Vec<String>,
+    /// A x ≤ b and A_eq x = b_eq.
+    pub linear: Vec<LinearConstraint>,
+    /// So many of the first objectives count with their absolute value.
+    pub absolute: usize,
+    /// The functions.
+    pub model: Box<dyn Model + 'a>,
+}
+
+impl<'a> ProblemParams<'a> {
+    /// Objectives f1, f2, … over free variables x1, x2, … with these starts, and nothing else.
+    pub fn new(start: &[f64], objectives: usize, model: impl Model + 'a) -> Self {
+        Self {
+            variables: start
+                .iter()
+                .enumerate()
+                .map(|(i, &start)| Variable::free(format!("x{}", i + 1), start))
+                .collect(),
+            objectives: (1..=objectives).map(|i| format!("f{i}")).collect(),
+            inequalities: Vec::new(),
+            equalities: Vec::new(),
+            linear: Vec::new(),
+            absolute: 0,
+            model: Box::new(model),
+        }
+    }
+}
+
+/// A checked optimisation problem.
+pub struct Problem<'a> {
+    params: ProblemParams<'a>,
+    /// Only so many leading variables enter the functions nonlinearly.
+    curved: usize,
+}
+
+impl<'a> Problem<'a> {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// No variables or objectives; a start, coefficient or right-hand side that is not finite; a bound
+    /// that is NaN or a lower one above its upper one; a row of the wrong length; a name used twice;
+    /// more absolute objectives than objectives.
+    pub fn new(params: ProblemParams<'a>) -> Result<Self> {
+        if params.variables.is_empty() {
+            return Err(Error::Empty { what: "variables" });
+        }
+        if params.objectives.is_empty() {
+            return Err(Error::Empty { what: "objectives" });
+        }
+        check_names(params.variables.iter().map(|v| &v.name))?;
+        check_names(
+            params
+                .objectives
+                .iter()
+                .chain(&params.inequalities)
+                .chain(&params.equalities)
+                .chain(params.linear.iter().map(|row| &row.name)),
+        )?;
+        for Variable {
+            name,
+            start,
+            lower,
+            upper,
+        } in &params.variables
+        {
+            Error::check_finite("start", name, *start)?;
+            for (field, bound, useless) in [
+                ("lower", *lower, f64::INFINITY),
+                ("upper", *upper, f64::NEG_INFINITY),
+            ] {
+                if bound.is_nan() || bound == useless {
+                    let (name, value) = (name.clone(), bound);
+                    return Err(Error::NotFinite { field, name, value });
+                }
+            }
+            if lower > upper {
+                return Err(Error::InconsistentBounds {
+                    name: name.clone(),
+                    lower: *lower,
+                    upper: *upper,
+                });
+            }
+        }
+        for row in &params.linear {
+            Error::check_length(
+                &format!("the row `{}`", row.name),
+                row.coefficients.len(),
+                params.variables.len(),
+            )?;
+            Error::check_finite("right-hand side", &row.name, row.bound)?;
+            for &coefficient in &row.coefficients {
+                Error::check_finite("coefficient", &row.name, coefficient)?;
+            }
+        }
+        if params.absolute > params.objectives.len() {
+            return Err(Error::TooLarge {
+                what: "the number of absolute objectives",
+                given: params.absolute,
+                limit: params.objectives.len(),
+            });
+        }
+        let curved = params.variables.len();
+        Ok(Self { params, curved })
+    }
+
+    /// Declares that the functions are linear in every variable after the first `curved` ones.
+    pub(crate) fn linear_after(mut self, curved: usize) -> Self {
+        self.curved = curved.min(self.params.variables.len());
+        self
+    }
+
+    pub(crate) fn curved(&self) -> usize {
+        self.curved
+    }
+
+    /// The same problem from another start.
+    ///
+    /// # Errors
+    /// The start has the wrong length or is not finite.
+    pub fn from_start<'b>(&'b self, start: &[f64]) -> Result<Problem<'b>> {
+        Error::check_length("the start", start.len(), self.params.variables.len())?;
+        let mut variables = self.params.variables.clone();
+        for (variable, &value) in variables.iter_mut().zip(start) {
+            Error::check_finite("start", &variable.name, value)?;
+            variable.start = value;
+        }
+        Ok(Problem {
+            params: ProblemParams {
+                variables,
+                objectives: self.params.objectives.clone(),
+                inequalities: self.params.inequalities.clone(),
+                equalities: self.params.equalities.clone(),
+                linear: self.params.linear.clone(),
+                absolute: self.params.absolute,
+                model: Box::new(&self.params.model),
+            },
+            curved: self.curved,
+        })
+    }
+
+    /// The variables.
+    #[must_use]
+    pub fn variables(&self) -> &[Variable] {
+        &self.params.variables
+    }
+
+    /// The objectives' names.
+    #[must_use]
+    pub fn objectives(&self) -> &[String] {
+        &self.params.objectives
+    }
+
+    /// The names of the inequalities c(x) ≤ 0.
+    #[must_use]
+    pub fn inequalities(&self) -> &[String] {
+        &self.params.inequalities
+    }
+
+    /// The names of the equalities c_eq(x) = 0.
+    #[must_use]
+    pub fn equalities(&self) -> &[String] {
+        &self.params.equalities
+    }
+
+    /// The linear constraints.
+    #[must_use]
+    pub fn linear(&self) -> &[LinearConstraint] {
+        &self.params.linear
+    }
+
+    /// So many of the first objectives count with their absolute value.
+    #[must_use]
+    pub fn absolute(&self) -> usize {
+        self.params.absolute
+    }
+
+    /// The functions.
+    #[must_use]
+    pub fn model(&self) -> &(dyn Model + 'a) {
+        &*self.params.model
+    }
+
+    /// Objectives and nonlinear constraints together.
+    #[must_use]
+    pub fn function_count(&self) -> usize {
+        self.objectives().len() + self.inequalities().len() + self.equalities().len()
+    }
+
+    /// The name of a function of the model; empty past the last.
+    #[must_use]
+    pub fn function_name(&self, index: usize) -> &str {
+        self.objectives()
+            .iter()
+            .chain(self.inequalities())
+            .chain(self.equalities())
+            .nth(index)
+            .map_or("", String::as_str)
+    }
+
+    /// Both bounds of every variable, which must be finite.
+    pub(crate) fn finite_box(&self, purpose: &'static str) -> Result<(Vec<f64>, Vec<f64>)> {
+        for Variable {
+            name, lower, upper, ..
+        } in self.variables()
+        {
+            if !(lower.is_finite() && upper.is_finite()) {
+                return Err(Error::UnboundedVariable {
+                    name: name.clone(),
+                    lower: *lower,
+                    upper: *upper,
+                    purpose,
+                });
+            }
+        }
+        Ok(self.variables().iter().map(|v| (v.lower, v.upper)).unzip())
+    }
+}
+
+fn check_names<'n>(names: impl Iterator<Item = &'n String>) -> Result<()> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(Error::DuplicateName { name: name.clone() });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! Robust design: the same problem under many possible worlds at once.
+//!
+//! Each world (a soil sample, a load case) is a [`Model`] with the same functions. [`robust`] joins K of them
+//! into one problem, whose objectives are what a [`Measure`] makes of the m·K partial functions.
+//! Constraints must hold in every world.
+
+mod cvar;
+mod measure;
+mod normal;
+mod samples;
+mod spread;
+mod worst_case;
+
+use crate::error::{Error, Result};
+use crate::jacobian::Jacobian;
+use crate::model::Model;
+use crate::problem::{Problem, ProblemParams};
+
+pub use measure::Measure;
+pub use samples::{Uncertainty, sample};
+
+/// One possible world.
+pub struct World<'a> {
+    /// Its name in reports: `objective @ name`.
+    pub name: String,
+    /// The functions as they are in it.
+    pub model: Box<dyn Model + 'a>,
+}
+
+impl<'a> World<'a> {
+    /// A world and its name.
+    pub fn new(name: impl Into<String>, model: impl Model + 'a) -> Self {
+        Self {
+            name: name.into(),
+            model: Box::new(model),
+        }
+    }
+}
+
+/// A problem under many worlds.
+pub struct Robust<'a> {
+    problem: Problem<'a>,
+    variables: usize,
+}
+
+impl<'a> Robust<'a> {
+    /// The problem to solve. Its first variables are the problem's own; after them may come helpers.
+    #[must_use]
+    pub fn problem(&self) -> &Problem<'a> {
+        &self.problem
+    }
+
+    /// The problem's own variables out of a point of [`Robust::problem`].
+    #[must_use]
+    pub fn own<'x>(&self, x: &'x [f64]) -> &'x [f64] {
+        &x[..self.variables.min(x.len())]
+    }
+}
+
+/// Joins `worlds` into one problem. `params` describes it; its own model is one world more only if it is
+/// among them, and is not used otherwise.
+///
+/// # Errors
+/// No worlds, a measure's parameter outside its range, and what [`Problem::new`] refuses.
+///
+/// ```
+/// use grouser_opt::{Differences, Measure, Method, ProblemParams, Settings, World, robust, solve};
+///
+/// // (x − a)² for a = 0, 1, 4: the best worst case lies half-way between the extremes.
+/// let at = |a: f64| Differences::new(move |x: &[f64], f: &mut [f64]| f[0] = (x[0] - a).powi(2));
+/// let params = ProblemParams::new(&[0.5], 1, at(0.0));
+/// let worlds = [0.0, 1.0, 4.0].map(|a| World::new(a.to_string(), at(a)));
+/// let joint = robust(params, worlds.into(), Measure::WorstCase)?;
+/// let solution = solve(joint.problem(), &Method::Minimax, &Settings::default())?;
+/// assert!((joint.own(&solution.x)[0] - 2.0).abs() < 1e-6);
+/// assert!((solution.multipliers.objectives[0] - 0.5).abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
+pub fn robust<'a>(
+    params: ProblemParams<'a>,
+    worlds: Vec<World<'a>>,
+    measure: Measure,
+) -> Result<Robust<'a>> {
+    if worlds.is_empty() {
+        return Err(Error::Empty { what: "worlds" });
+    }
+    measure.check()?;
+    let variables = params.variables.len();
+    let worlds = Worlds {
+        n: variables,
+        m: params.objectives.len(),
+        functions: params.objectives.len() + params.inequalities.len() + params.equalities.len(),
+        absolute: params.absolute,
+        list: worlds,
+    };
+    let problem = match measure {
+        Measure::WorstCase => worst_case::problem(params, worlds)?,
+        Measure::MeanPlusDeviations { kappa } => spread::problem(params, worlds, kappa)?,
+        Measure::ConditionalValueAtRisk { alpha } => cvar::problem(params, worlds, alpha)?,
+    };
+    Ok(Robust { problem, variables })
+}
+
+/// K models with the same functions over the same variables.
+struct Worlds<'a> {
+    n: usize,
+    m: usize,
+    functions: usize,
+    absolute: usize,
+    list: Vec<World<'a>>,
+}
+
+impl Worlds<'_> {
+    fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// One list of function values per world.
+    fn values(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        self.list
+            .iter()
+            .map(|world| {
+                let mut values = vec![f64::NAN; self.functions];
+                world.model.values(&x[..self.n], &mut values);
+                values
+            })
+            .collect()
+    }
+
+    /// The same with gradients.
+    fn derivatives(&self, x: &[f64]) -> Vec<(Vec<f64>, Jacobian)> {
+        self.list
+            .iter()
+            .map(|world| {
+                let mut values = vec![f64::NAN; self.functions];
+                let mut jacobian = Jacobian::zeros(self.functions, self.n);
+                world
+                    .model
+                    .derivatives(&x[..self.n], &mut values, &mut jacobian);
+                (values, jacobian)
+            })
+            .collect()
+    }
+
+    /// `name @ world`, for every world, for every name: the order of all joint lists.
+    fn names(&self, names: &[String]) -> Vec<String> {
+        names
+            .iter()
+            .flat_map(|name| {
+                let worlds = self.list.iter();
+                worlds.map(move |world| format!("{name} @ {}", world.name))
+            })
+            .collect()
+    }
+}
+
+/// Copies a gradient over the problem's own variables into a row that may be longer.
+fn set_row(row: &mut [f64], gradient: &[f64]) {
+    row.fill(0.0);
+    for (out, g) in row.iter_mut().zip(gradient) {
+        *out = *g;
+    }
+}

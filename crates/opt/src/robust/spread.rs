@@ -1,0 +1,105 @@
+//! Mean plus κ standard deviations: `F = μ + κ σ`, `μ = Σ f_k / K`, `σ² = Σ (f_k − μ)² / K`,
+//! with `∇σ = Σ (f_k − μ) ∇f_k / (K σ)`.
+
+use super::{Worlds, set_row};
+use crate::error::Result;
+use crate::jacobian::Jacobian;
+use crate::model::Model;
+use crate::problem::{Problem, ProblemParams};
+
+/// A σ below this share of the mean is rounding.
+const ROUNDING: f64 = 1e-12;
+
+struct Spread<'a> {
+    worlds: Worlds<'a>,
+    kappa: f64,
+}
+
+impl Spread<'_> {
+    fn sign(&self, objective: usize, value: f64) -> f64 {
+        if objective < self.worlds.absolute && value < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+
+    /// μ and σ of an objective.
+    fn moments(&self, objective: usize, all: &[f64]) -> (f64, f64) {
+        let count = all.len() as f64;
+        let value = |f: f64| self.sign(objective, f) * f;
+        let mean = all.iter().map(|&f| value(f)).sum::<f64>() / count;
+        let variance = all
+            .iter()
+            .map(|&f| (value(f) - mean) * (value(f) - mean))
+            .sum::<f64>()
+            / count;
+        (mean, variance.sqrt())
+    }
+}
+
+impl Model for Spread<'_> {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        let worlds = self.worlds.values(x);
+        let m = self.worlds.m;
+        for (i, slot) in values[..m].iter_mut().enumerate() {
+            let all: Vec<f64> = worlds.iter().map(|w| w[i]).collect();
+            let (mean, sigma) = self.moments(i, &all);
+            *slot = mean + self.kappa * sigma;
+        }
+        let constraints = (m..self.worlds.functions).flat_map(|f| worlds.iter().map(move |w| w[f]));
+        for (slot, value) in values[m..].iter_mut().zip(constraints) {
+            *slot = value;
+        }
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        let worlds = self.worlds.derivatives(x);
+        let m = self.worlds.m;
+        let count = worlds.len() as f64;
+        for (i, slot) in values[..m].iter_mut().enumerate() {
+            let all: Vec<f64> = worlds.iter().map(|w| w.0[i]).collect();
+            let (mean, sigma) = self.moments(i, &all);
+            *slot = mean + self.kappa * sigma;
+            let row = jacobian.row_mut(i);
+            row.fill(0.0);
+            for (f, world) in all.iter().zip(&worlds) {
+                let sign = self.sign(i, *f);
+                // Without any spread but rounding σ has no slope of its own.
+                let outlying = if sigma > ROUNDING * mean.abs() {
+                    self.kappa * (sign * f - mean) / sigma
+                } else {
+                    0.0
+                };
+                let weight = sign * (1.0 + outlying) / count;
+                for (out, g) in row.iter_mut().zip(world.1.row(i)) {
+                    *out += weight * g;
+                }
+            }
+        }
+        let mut row = m;
+        for function in m..self.worlds.functions {
+            for world in &worlds {
+                values[row] = world.0[function];
+                set_row(jacobian.row_mut(row), world.1.row(function));
+                row += 1;
+            }
+        }
+    }
+}
+
+pub(super) fn problem<'a>(
+    params: ProblemParams<'a>,
+    worlds: Worlds<'a>,
+    kappa: f64,
+) -> Result<Problem<'a>> {
+    Problem::new(ProblemParams {
+        inequalities: worlds.names(&params.inequalities),
+        equalities: worlds.names(&params.equalities),
+        absolute: 0,
+        objectives: params.objectives,
+        variables: params.variables,
+        linear: params.linear,
+        model: Box::new(Spread { worlds, kappa }),
+    })
+}

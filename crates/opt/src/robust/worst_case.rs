@@ -1,0 +1,44 @@
+//! Every objective in every world as a partial function of its own.
+
+use super::{Worlds, set_row};
+use crate::error::Result;
+use crate::jacobian::Jacobian;
+use crate::model::Model;
+use crate::problem::{Problem, ProblemParams};
+
+struct WorstCase<'a>(Worlds<'a>);
+
+impl Model for WorstCase<'_> {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        let worlds = self.0.values(x);
+        for (slot, (function, world)) in values.iter_mut().zip(order(&self.0)) {
+            *slot = worlds[world][function];
+        }
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        let worlds = self.0.derivatives(x);
+        for (row, (function, world)) in order(&self.0).enumerate() {
+            values[row] = worlds[world].0[function];
+            set_row(jacobian.row_mut(row), worlds[world].1.row(function));
+        }
+    }
+}
+
+/// (function, world) in joint order: all worlds of the first function, then of the second, …
+fn order(worlds: &Worlds<'_>) -> impl Iterator<Item = (usize, usize)> {
+    let count = worlds.count();
+    (0..worlds.functions).flat_map(move |f| (0..count).map(move |w| (f, w)))
+}
+
+pub(super) fn problem<'a>(params: ProblemParams<'a>, worlds: Worlds<'a>) -> Result<Problem<'a>> {
+    Problem::new(ProblemParams {
+        objectives: worlds.names(&params.objectives),
+        inequalities: worlds.names(&params.inequalities),
+        equalities: worlds.names(&params.equalities),
+        absolute: worlds.absolute * worlds.count(),
+        variables: params.variables,
+        linear: params.linear,
+        model: Box::new(WorstCase(worlds)),
+    })
+}

@@ -1,0 +1,44 @@
+//! How hard and how exactly to solve.
+
+use crate::error::{Error, Result};
+
+/// Tolerances and limits of one solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Converged needs complementarity ≤ this · (|γ| + F) and ‖∇L‖∞ ≤ this · max(Σ λ_i ‖∇f_i‖∞, G), where
+    /// F is max |f_i| and G is max ‖∇f_i‖∞ at the start, or 1 where that is less.
+    pub optimality_tolerance: f64,
+    /// A constraint is met when it is violated by no more than this.
+    pub constraint_tolerance: f64,
+    /// A step shorter than this · (1 + ‖x‖∞) ends the solve.
+    pub step_tolerance: f64,
+    /// At most so many iterations.
+    pub max_iterations: usize,
+    /// At most so many evaluations of the functions (an evaluation with derivatives counts once here too).
+    pub max_values: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            optimality_tolerance: 1e-8,
+            constraint_tolerance: 1e-8,
+            step_tolerance: 1e-14,
+            max_iterations: 1000,
+            max_values: 10_000,
+        }
+    }
+}
+
+impl Settings {
+    pub(crate) fn check(&self) -> Result<()> {
+        for (field, value) in [
+            ("optimality_tolerance", self.optimality_tolerance),
+            ("constraint_tolerance", self.constraint_tolerance),
+            ("step_tolerance", self.step_tolerance),
+        ] {
+            Error::check_range(field, value, 0.0, 1.0)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,423 @@
+//! Sequential quadratic programming for minimax: the main loop.
+//!
+//! Each iteration linearises every row at x, solves the subproblem in (d, γ) ([`qp`]) and searches along
+//! d for a decrease of the merit function φ = max_i f_i + ρ Σ violations ([`search`]). Constraints that are
+//! linear hold at every iterate; nonlinear ones may be violated on the way at the price ρ, which is raised
+//! when a greater price buys feasibility ([`price`]). Where no price does, the objectives are set aside and
+//! the violation alone is minimised (the elastic phase): its end is either a feasible point, from which
+//! the solve goes on, or the least-infeasible point, which is the answer.
+//!
+//! Source: Han 1977, Powell 1978 (SQP); Fletcher 1987, section 14.4 (exact penalty, elastic subproblem);
+//! Zhou & Tits 1993 (arc search for minimax).
+
+mod bfgs;
+mod factor;
+mod point;
+mod price;
+mod project;
+mod qp;
+mod report;
+mod search;
+mod subspace;
+
+use crate::jacobian::Jacobian;
+use crate::method::Method;
+use crate::problem::Problem;
+use crate::program::{Kind, Program};
+use crate::settings::Settings;
+use crate::solution::{Counts, Solution};
+use crate::status::{Limit, Status};
+use crate::watch::{Progress, Watch};
+
+pub(crate) use report::greatest;
+
+use bfgs::Curvature;
+use point::{Evaluator, Point};
+use qp::{Qp, QpSolution, RowKind, Rows};
+
+/// What the search is after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// The least level γ.
+    Optimality,
+    /// The least violation, whatever the objectives.
+    Elastic,
+}
+
+/// First price of a unit of violation, in units of the objectives.
+const FIRST_PRICE: f64 = 10.0;
+/// Beyond this price a violation is not for sale.
+const LAST_PRICE: f64 = 1e12;
+/// Optimality that passes for a solution when rounding allows no further step.
+const NEARLY: f64 = 1e-4;
+/// A level below this is taken for a fall without limit.
+const UNBOUNDED: f64 = -1e30;
+
+struct Sqp<'a, 'w, 'f> {
+    program: &'a Program<'a>,
+    settings: &'a Settings,
+    evaluator: Evaluator<'a>,
+    curvature: Curvature,
+    phase: Phase,
+    price: f64,
+    multipliers: Vec<f64>,
+    history: Vec<f64>,
+    /// Steps in a row that promised no more than rounding.
+    quiet: usize,
+    /// What stationarity is compared with where all gradients vanish.
+    gradient_floor: f64,
+    /// What complementarity is compared with where the level is 0.
+    level_floor: f64,
+    watch: &'w mut Watch<'f>,
+}
+
+/// The linearisation at a point.
+struct Model {
+    point: Point,
+    jacobian: Jacobian,
+}
+
+/// Minimises the level of a program from its start.
+pub(crate) fn solve(
+    problem: &Problem<'_>,
+    method: &Method,
+    settings: &Settings,
+    watch: &mut Watch<'_>,
+) -> Solution {
+    let program = Program::new(problem, method);
+    let mut evaluator = Evaluator {
+        program: &program,
+        counts: Counts::default(),
+    };
+    let start = match project::onto_linear(&program, settings) {
+        Ok(start) => start,
+        Err((nearest, violations)) => {
+            let point = evaluator.values(&nearest);
+            let status = Status::NoFeasiblePoint(violations);
+            return report::solution(&program, settings, &evaluator, point, None, &[], status);
+        }
+    };
+    let point = evaluator.values(&start);
+    let n = program.dimension();
+    Sqp {
+        program: &program,
+        settings,
+        curvature: Curvature::new(n, problem.curved(), 1.0),
+        evaluator,
+        phase: Phase::Optimality,
+        price: FIRST_PRICE,
+        multipliers: Vec::new(),
+        history: Vec::new(),
+        quiet: 0,
+        gradient_floor: 1.0,
+        level_floor: 1.0,
+        watch,
+    }
+    .run(point)
+}
+
+impl Sqp<'_, '_, '_> {
+    fn run(mut self, start: Point) -> Solution {
+        let mut point = start;
+        let jacobian = self.evaluator.derivatives(&mut point);
+        let start = report::gradient_scale(self.program, &jacobian);
+        if start > 0.0 {
+            self.gradient_floor = start.min(1.0);
+        }
+        let size = point.objective_size(self.program);
+        if size > 0.0 {
+            self.level_floor = size.min(1.0);
+        }
+        let mut model = Model { point, jacobian };
+        let status = self.iterate(&mut model);
+        report::solution(
+            self.program,
+            self.settings,
+            &self.evaluator,
+            model.point,
+            Some(&model.jacobian),
+            &self.multipliers,
+            status,
+        )
+    }
+
+    fn iterate(&mut self, model: &mut Model) -> Status {
+        let mut returns = 0;
+        self.scale_curvature(model);
+        loop {
+            if let Some(status) = self.not_finite(model) {
+                return status;
+            }
+            let iteration = self.evaluator.counts.iterations;
+            let (rows, solution) = self.priced_step(model);
+            self.multipliers.clone_from(&solution.multipliers);
+            let stationarity = self.stationarity(model, &rows);
+            let violation = model.point.worst_violation(self.program);
+            let progress = Progress {
+                iteration,
+                x: &model.point.x,
+                utility: model.point.level(self.program),
+                violation,
+                stationarity,
+            };
+            if (self.watch)(&progress).is_break() {
+                return Status::Stopped;
+            }
+            let feasible = violation <= self.settings.constraint_tolerance;
+            if self.phase == Phase::Elastic && feasible {
+                // The way back: the price that did not suffice was too low.
+                returns += 1;
+                self.phase = Phase::Optimality;
+                self.price = (self.price * 100.0).min(LAST_PRICE);
+                self.restart(model);
+                continue;
+            }
+            if self.is_stationary(model, &rows, &solution, stationarity) {
+                match self.settle(model, feasible, returns, Status::Converged) {
+                    Some(status) => return status,
+                    None => continue,
+                }
+            }
+            if self.evaluator.counts.iterations >= self.settings.max_iterations {
+                return Status::Limit(Limit::Iterations);
+            }
+            if self.evaluator.counts.values >= self.settings.max_values {
+                return Status::Limit(Limit::Values);
+            }
+            if model.point.level(self.program) < UNBOUNDED {
+                return Status::Unbounded;
+            }
+            self.evaluator.counts.iterations += 1;
+            let outcome = self.search(model, &rows, &solution);
+            let ended = match outcome {
+                search::Outcome::Step(next) => self.advance(model, next),
+                search::Outcome::NoDecrease => Some(Status::SmallDirectionalDerivative),
+                search::Outcome::NoStep => Some(Status::SmallStep),
+            };
+            if let Some(status) = ended {
+                if !self.curvature.is_fresh() {
+                    // What was learned may mislead: once more without it.
+                    self.scale_curvature(model);
+                    continue;
+                }
+                let nearly = self.nearly_stationary(model, &rows, &solution, stationarity);
+                let status = if nearly { status } else { Status::Stalled };
+                if let Some(status) = self.settle(model, feasible, returns, status) {
+                    return status;
+                }
+            }
+        }
+    }
+
+    /// Moves to an accepted point and learns its curvature. Says so if the step was none.
+    fn advance(&mut self, model: &mut Model, mut next: Point) -> Option<Status> {
+        let jacobian = self.evaluator.derivatives(&mut next);
+        let s: Vec<f64> = next
+            .x
+            .iter()
+            .zip(&model.point.x)
+            .map(|(a, b)| a - b)
+            .collect();
+        let mut y = vec![0.0; s.len()];
+        for (row, &u) in self.program.rows.iter().zip(&self.multipliers) {
+            if u != 0.0 {
+                let slope = u * row.slope();
+                let gradients = jacobian.row(row.function).iter();
+                for (y, (new, old)) in y
+                    .iter_mut()
+                    .zip(gradients.zip(model.jacobian.row(row.function)))
+                {
+                    *y += slope * (new - old);
+                }
+            }
+        }
+        let length = s.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+        let size = model.point.x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        *model = Model {
+            point: next,
+            jacobian,
+        };
+        if length <= self.settings.step_tolerance * (1.0 + size) {
+            return Some(Status::SmallStep);
+        }
+        self.curvature.update(&s, &y);
+        None
+    }
+
+    /// What a stationary point means: the answer, or a change of phase (`None`).
+    fn settle(
+        &mut self,
+        model: &Model,
+        feasible: bool,
+        returns: usize,
+        status: Status,
+    ) -> Option<Status> {
+        if feasible {
+            return Some(status);
+        }
+        if self.phase == Phase::Optimality && returns < 3 {
+            self.phase = Phase::Elastic;
+            self.restart(model);
+            return None;
+        }
+        Some(Status::NoFeasiblePoint(report::violations(
+            self.program,
+            &model.point,
+            self.settings.constraint_tolerance,
+        )))
+    }
+
+    fn restart(&mut self, model: &Model) {
+        self.multipliers.clear();
+        self.history.clear();
+        self.scale_curvature(model);
+    }
+
+    /// Starts the curvature over: the identity, or less where the gradients are so small that the first
+    /// step would be shorter than x is large. (Tried on the whole set of tests/literature: any scale above
+    /// 1 costs Jacobians, because too long a step is refused by values alone.)
+    fn scale_curvature(&mut self, model: &Model) {
+        let gradient = self
+            .program
+            .rows
+            .iter()
+            .filter(|row| row.kind.is_objective() == (self.phase == Phase::Optimality))
+            .map(|row| model.jacobian.row_norm(row.function) * row.scale)
+            .fold(0.0, f64::max);
+        let size = model.point.x.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        let scale = gradient / size;
+        self.curvature.reset(if scale > 0.0 {
+            scale.clamp(1e-8, 1.0)
+        } else {
+            1.0
+        });
+    }
+
+    fn not_finite(&self, model: &Model) -> Option<Status> {
+        let function = model.point.not_finite(self.program).or_else(|| {
+            self.program
+                .rows
+                .iter()
+                .map(|row| row.function)
+                .find(|&f| model.jacobian.row(f).iter().any(|g| !g.is_finite()))
+        })?;
+        Some(Status::NotFinite {
+            function: self.program.problem.function_name(function).to_owned(),
+        })
+    }
+
+    /// The rows of the subproblem at this point and price.
+    fn linearise(&self, model: &Model, price: f64) -> Rows {
+        let n = self.program.dimension();
+        let mut rows = Rows::default();
+        for (row, &value) in self.program.rows.iter().zip(&model.point.rows) {
+            rows.kinds.push(match (row.kind, self.phase) {
+                (Kind::Objective(_), Phase::Optimality) => RowKind::Objective,
+                (Kind::Objective(_), Phase::Elastic) => RowKind::Ignored,
+                (Kind::HardGoal(_) | Kind::Inequality(_), _) => RowKind::Inequality { cap: price },
+                (Kind::Equality(_), _) => RowKind::Equality { cap: price },
+            });
+            rows.offsets.push(value);
+            let slope = row.slope();
+            rows.gradients
+                .extend(model.jacobian.row(row.function).iter().map(|g| slope * g));
+        }
+        for row in &self.program.linear {
+            rows.kinds.push(if row.equal {
+                RowKind::Equality { cap: f64::INFINITY }
+            } else {
+                RowKind::Inequality { cap: f64::INFINITY }
+            });
+            rows.offsets
+                .push(subspace::dot(&row.coefficients, &model.point.x) - row.bound);
+            rows.gradients.extend(&row.coefficients);
+        }
+        debug_assert_eq!(rows.gradients.len(), rows.kinds.len() * n);
+        rows
+    }
+
+    fn subproblem(&mut self, model: &Model, rows: &Rows, warm: &[f64]) -> QpSolution {
+        let lower: Vec<f64> = Self::room(&self.program.lower, model);
+        let upper: Vec<f64> = Self::room(&self.program.upper, model);
+        let factor = self.curvature.factor();
+        Qp {
+            factor: &factor,
+            rows,
+            lower: &lower,
+            upper: &upper,
+        }
+        .solve(warm)
+    }
+
+    fn room(bounds: &[f64], model: &Model) -> Vec<f64> {
+        bounds
+            .iter()
+            .zip(&model.point.x)
+            .map(|(b, x)| b - x)
+            .collect()
+    }
+
+    /// ‖∇L‖∞ at the point with the subproblem's multipliers.
+    fn stationarity(&self, model: &Model, rows: &Rows) -> f64 {
+        let n = self.program.dimension();
+        report::lagrangian_gradient(n, rows, &self.multipliers)
+            .iter()
+            .zip(&model.point.x)
+            .fold(0.0, |m, (g, _)| g.abs().max(m))
+    }
+
+    fn is_stationary(
+        &self,
+        model: &Model,
+        rows: &Rows,
+        solution: &QpSolution,
+        stationarity: f64,
+    ) -> bool {
+        let tolerance = self.settings.optimality_tolerance;
+        self.optimality(model, rows, solution, stationarity) <= tolerance
+    }
+
+    /// Do the optimality conditions hold well enough to call a point without a further step a solution?
+    fn nearly_stationary(
+        &self,
+        model: &Model,
+        rows: &Rows,
+        solution: &QpSolution,
+        stationarity: f64,
+    ) -> bool {
+        let tolerance = self.settings.optimality_tolerance.max(NEARLY);
+        self.optimality(model, rows, solution, stationarity) <= tolerance
+    }
+
+    /// How far the optimality conditions are from holding, relative to their sizes.
+    fn optimality(
+        &self,
+        model: &Model,
+        rows: &Rows,
+        solution: &QpSolution,
+        stationarity: f64,
+    ) -> f64 {
+        let scale = self.gradient_floor.max(report::weighted_gradient_scale(
+            self.program,
+            &model.jacobian,
+            &solution.multipliers,
+        ));
+        let level = model.point.level(self.program);
+        let complementarity = report::complementarity(
+            rows,
+            if self.phase == Phase::Optimality {
+                level
+            } else {
+                0.0
+            },
+            &Self::room(&self.program.lower, model),
+            &Self::room(&self.program.upper, model),
+            &solution.multipliers,
+        );
+        let allowed = match self.phase {
+            Phase::Optimality => self.level_floor + level.abs(),
+            Phase::Elastic => 1.0,
+        };
+        (stationarity / scale).max(complementarity / allowed)
+    }
+}

@@ -1,0 +1,370 @@
+//! The quadratic subproblem in (d, γ), solved on its dual by a dense active-set method.
+//!
+//! ```text
+//! minimise  γ + ½ dᵀB d + Σ_j cap_j · (how far row j is above 0)
+//! such that g_j·d + b_j ≤ γ   for objective rows
+//! ```
+//! where a row with an infinite cap must hold. With B = L Lᵀ, y = Lᵀd and a_j = L⁻¹g_j its dual is
+//! ```text
+//! maximise  −½ ‖Σ u_j a_j‖² + Σ u_j b_j   such that   Σ_objectives u_j = 1,   low_j ≤ u_j ≤ cap_j
+//! ```
+//! The bounds of u do not depend on the point, so the multipliers of one iteration are a feasible start
+//! for the next: near the solution a subproblem costs one small triangular solve. The curvature is
+//! in d alone (γ has none); the sum rule keeps one objective row, the `base`, in every working set,
+//! and differences against it remove γ exactly instead of by a small artificial curvature.
+
+use super::factor::Factor;
+use super::subspace::{Member, Outcome, Subspace};
+
+/// What a row does in the subproblem.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum RowKind {
+    /// g·d + b ≤ γ.
+    Objective,
+    /// g·d + b ≤ 0, at `cap` a unit of violation.
+    Inequality { cap: f64 },
+    /// g·d + b = 0, at `cap` a unit of violation.
+    Equality { cap: f64 },
+    /// Not there.
+    Ignored,
+}
+
+impl RowKind {
+    pub(super) fn range(self) -> (f64, f64) {
+        match self {
+            Self::Objective => (0.0, f64::INFINITY),
+            Self::Inequality { cap } => (0.0, cap),
+            Self::Equality { cap } => (-cap, cap),
+            Self::Ignored => (0.0, 0.0),
+        }
+    }
+}
+
+/// The linearised functions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rows {
+    pub(super) kinds: Vec<RowKind>,
+    /// Row-major, one gradient per row.
+    pub(super) gradients: Vec<f64>,
+    pub(super) offsets: Vec<f64>,
+}
+
+/// One subproblem. After the rows come two simple bounds per variable: lower, upper.
+pub(super) struct Qp<'a> {
+    pub(super) factor: &'a Factor,
+    pub(super) rows: &'a Rows,
+    /// Bounds of the step.
+    pub(super) lower: &'a [f64],
+    pub(super) upper: &'a [f64],
+}
+
+/// A solved subproblem.
+#[derive(Clone, Debug)]
+pub(super) struct QpSolution {
+    pub(super) step: Vec<f64>,
+    /// One per row, then (lower, upper) per variable.
+    pub(super) multipliers: Vec<f64>,
+    /// Do all rows hold, and every multiplier its sign?
+    pub(super) exact: bool,
+}
+
+/// Residuals below this times the size of their terms are rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Qp<'_> {
+    fn n(&self) -> usize {
+        self.lower.len()
+    }
+
+    fn count(&self) -> usize {
+        self.rows.kinds.len() + 2 * self.n()
+    }
+
+    fn kind(&self, row: usize) -> RowKind {
+        if let Some(&kind) = self.rows.kinds.get(row) {
+            return kind;
+        }
+        // The two bounds of a fixed variable are one equality, kept in the place of the lower one.
+        let cap = f64::INFINITY;
+        let (variable, sign) = self.bound_row(row);
+        match (self.lower[variable] == self.upper[variable], sign < 0.0) {
+            (false, _) => RowKind::Inequality { cap },
+            (true, true) => RowKind::Equality { cap },
+            (true, false) => RowKind::Ignored,
+        }
+    }
+
+    fn bound_row(&self, row: usize) -> (usize, f64) {
+        let index = row - self.rows.kinds.len();
+        (index / 2, if index.is_multiple_of(2) { -1.0 } else { 1.0 })
+    }
+
+    fn offset(&self, row: usize) -> f64 {
+        if let Some(&b) = self.rows.offsets.get(row) {
+            return b;
+        }
+        let (variable, sign) = self.bound_row(row);
+        if sign < 0.0 {
+            self.lower[variable]
+        } else {
+            -self.upper[variable]
+        }
+    }
+
+    fn gradient(&self, row: usize) -> &[f64] {
+        &self.rows.gradients[row * self.n()..(row + 1) * self.n()]
+    }
+
+    fn member(&self, row: usize) -> Member {
+        let vector = if row < self.rows.kinds.len() {
+            self.factor.forward(self.gradient(row))
+        } else {
+            let (variable, sign) = self.bound_row(row);
+            let mut unit = vec![0.0; self.n()];
+            unit[variable] = sign;
+            self.factor.forward(&unit)
+        };
+        Member {
+            row,
+            vector,
+            offset: self.offset(row),
+            objective: self.kind(row) == RowKind::Objective,
+            range: self.kind(row).range(),
+        }
+    }
+
+    /// The residual of a row at a step and the size of the terms it is made of.
+    fn residual(&self, row: usize, step: &[f64], level: f64) -> (f64, f64) {
+        if row < self.rows.kinds.len() {
+            let (mut sum, mut size) = (self.offset(row), self.offset(row).abs());
+            for (g, d) in self.gradient(row).iter().zip(step) {
+                sum += g * d;
+                size += (g * d).abs();
+            }
+            if self.kind(row) == RowKind::Objective {
+                sum -= level;
+                size += level.abs();
+            }
+            (sum, size)
+        } else {
+            let (variable, sign) = self.bound_row(row);
+            let (d, b) = (sign * step[variable], self.offset(row));
+            let size = step.iter().fold(b.abs(), |m, d| m.max(d.abs()));
+            (d + b, size)
+        }
+    }
+
+    /// Solves from the multipliers `warm` (of any length; a bad start only costs time).
+    pub(super) fn solve(&self, warm: &[f64]) -> QpSolution {
+        let mut u = self.feasible_start(warm);
+        let mut members: Vec<Member> = (0..self.count())
+            .filter(|&row| {
+                let (low, high) = self.kind(row).range();
+                (u[row] > low && u[row] < high) || u[row].is_infinite()
+            })
+            .map(|row| self.member(row))
+            .collect();
+        let mut held: Vec<Member> = (0..self.count())
+            .filter(|&row| u[row] != 0.0 && members.iter().all(|m| m.row != row))
+            .map(|row| self.member(row))
+            .collect();
+        let limit = 20 * (self.n() + 10) + 2 * self.rows.kinds.len();
+        let mut barred = Vec::new();
+        let (mut step, mut level) = (vec![0.0; self.n()], 0.0);
+        let mut exact = false;
+        let mut rounds = 0;
+        let mut entered = None;
+        while rounds < limit {
+            // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
+            loop {
+                rounds += 1;
+                let outcome = Subspace::new(&members, &held, &u, self.n()).solve();
+                let (direction, length) = match outcome {
+                    Outcome::Best { y, gamma, targets } => {
+                        step = self.factor.backward(&y);
+                        level = gamma;
+                        let direction: Vec<f64> = members
+                            .iter()
+                            .zip(&targets)
+                            .map(|(m, t)| t - u[m.row])
+                            .collect();
+                        (direction, 1.0)
+                    }
+                    Outcome::Dependent { direction } => (direction, f64::INFINITY),
+                };
+                let (length, blocking) = blocked(&members, &u, &direction, length);
+                if length.is_infinite() {
+                    // Rows that repeat others and must hold anyway: one of them is redundant.
+                    if let Some(last) = direction.iter().rposition(|&v| v != 0.0) {
+                        let redundant = members.remove(last);
+                        if u[redundant.row] != 0.0 {
+                            held.push(redundant);
+                        }
+                        continue;
+                    }
+                    break;
+                }
+                let mut moved = false;
+                for (member, change) in members.iter().zip(&direction) {
+                    let change = length * change;
+                    u[member.row] += change;
+                    moved |= change.abs() > ROUNDING * u[member.row].abs();
+                }
+                if moved {
+                    barred.clear();
+                }
+                let Some((index, bound)) = blocking else {
+                    break;
+                };
+                let left = members.remove(index);
+                u[left.row] = bound;
+                if entered == Some(left.row) && !moved {
+                    barred.push(left.row);
+                }
+                if bound != 0.0 {
+                    held.push(left);
+                }
+                entered = entered.filter(|&row| members.iter().any(|m| m.row == row));
+                if rounds >= limit || members.is_empty() {
+                    break;
+                }
+            }
+            if members.is_empty() {
+                // Without objectives and active rows the least curvature is at d = −Σ held.
+                let mut y = vec![0.0; self.n()];
+                for m in &held {
+                    for (y, a) in y.iter_mut().zip(&m.vector) {
+                        *y -= u[m.row] * a;
+                    }
+                }
+                step = self.factor.backward(&y);
+                level = 0.0;
+            }
+            let Some(entering) = self.most_violated(&u, &members, &barred, &step, level) else {
+                exact = true;
+                break;
+            };
+            held.retain(|m| m.row != entering);
+            members.push(self.member(entering));
+            entered = Some(entering);
+        }
+        for (d, (low, high)) in step.iter_mut().zip(self.lower.iter().zip(self.upper)) {
+            *d = d.clamp(*low, *high);
+        }
+        self.split_fixed(&mut u);
+        QpSolution {
+            step,
+            multipliers: u,
+            exact,
+        }
+    }
+
+    /// Gives the negative part of a fixed variable's multiplier to its upper bound.
+    fn split_fixed(&self, u: &mut [f64]) {
+        for (variable, pair) in u[self.rows.kinds.len()..].chunks_exact_mut(2).enumerate() {
+            if self.lower[variable] == self.upper[variable] {
+                (pair[0], pair[1]) = (pair[0].max(0.0), (-pair[0]).max(0.0));
+            }
+        }
+    }
+
+    /// Multipliers within their bounds, those of the objectives adding up to 1.
+    fn feasible_start(&self, warm: &[f64]) -> Vec<f64> {
+        let mut u: Vec<f64> = (0..self.count())
+            .map(|row| {
+                let (low, high) = self.kind(row).range();
+                let mut start = warm.get(row).copied().unwrap_or(0.0);
+                if row >= self.rows.kinds.len() && low < 0.0 {
+                    start -= warm.get(row + 1).copied().unwrap_or(0.0);
+                }
+                if start.is_finite() {
+                    start.clamp(low, high)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let objectives = || {
+            self.rows
+                .kinds
+                .iter()
+                .enumerate()
+                .filter(|(_, kind)| **kind == RowKind::Objective)
+                .map(|(row, _)| row)
+        };
+        let sum: f64 = objectives().map(|row| u[row]).sum();
+        if sum > 0.0 {
+            objectives().for_each(|row| u[row] /= sum);
+        } else if let Some(highest) =
+            objectives().max_by(|&a, &b| self.offset(a).total_cmp(&self.offset(b)))
+        {
+            u[highest] = 1.0;
+        }
+        u
+    }
+
+    /// The row outside the working set whose multiplier has most to gain.
+    fn most_violated(
+        &self,
+        u: &[f64],
+        members: &[Member],
+        barred: &[usize],
+        step: &[f64],
+        level: f64,
+    ) -> Option<usize> {
+        let mut worst = None;
+        let mut most = 0.0;
+        for (row, &multiplier) in u.iter().enumerate() {
+            let (low, high) = self.kind(row).range();
+            if low == high || self.offset(row).is_infinite() {
+                continue;
+            }
+            let (residual, size) = self.residual(row, step, level);
+            let may_rise = multiplier < high;
+            let may_fall = multiplier > low;
+            let gain = if residual > 0.0 && may_rise {
+                residual
+            } else if residual < 0.0 && may_fall {
+                -residual
+            } else {
+                continue;
+            };
+            if gain > most
+                && gain > ROUNDING * size
+                && !barred.contains(&row)
+                && members.iter().all(|m| m.row != row)
+            {
+                most = gain;
+                worst = Some(row);
+            }
+        }
+        worst
+    }
+}
+
+/// How far the multipliers may go along `direction`, and which one stops them at which bound.
+fn blocked(
+    members: &[Member],
+    u: &[f64],
+    direction: &[f64],
+    length: f64,
+) -> (f64, Option<(usize, f64)>) {
+    let mut shortest = length;
+    let mut blocking = None;
+    for (index, (member, &change)) in members.iter().zip(direction).enumerate() {
+        let bound = if change < 0.0 {
+            member.range.0
+        } else {
+            member.range.1
+        };
+        if change == 0.0 || bound.is_infinite() {
+            continue;
+        }
+        let room = ((bound - u[member.row]) / change).max(0.0);
+        if room < shortest {
+            shortest = room;
+            blocking = Some((index, bound));
+        }
+    }
+    (shortest, blocking)
+}

@@ -1,0 +1,166 @@
+//! Goal attainment, weighted sums and Chebyshev distances against closed forms.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_opt::{
+    Exact, Functions, Method, Problem, ProblemParams, Settings, Solution, Status,
+    check_derivatives, solve,
+};
+use grouser_real::Scalar;
+
+/// f1 = (x − 1)² + y², f2 = (x + 1)² + y²: the front lies on y = 0, −1 ≤ x ≤ 1.
+struct Pair;
+impl Functions for Pair {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = (x[0] - R::ONE).square() + x[1].square();
+        f[1] = (x[0] + R::ONE).square() + x[1].square();
+    }
+}
+
+fn pair(method: &Method) -> Solution {
+    let problem = Problem::new(ProblemParams::new(&[0.3, 2.0], 2, Exact(Pair))).unwrap();
+    let solution = solve(&problem, method, &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    solution
+}
+
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < 1e-6, "{a} instead of {b}");
+}
+
+#[test]
+fn minimax_weighs_both_alike() {
+    let solution = pair(&Method::Minimax);
+    near(solution.x[0], 0.0);
+    near(solution.maximum, 1.0);
+    near(solution.multipliers.objectives[0], 0.5);
+}
+
+#[test]
+fn goals_are_attained_along_the_weights() {
+    // (x − 1)² = γ, (x + 1)² = 3 γ + 0: x = −2 + √3 … the root inside [−1, 1] of (x + 1)² = 3 (x − 1)².
+    let solution = pair(&Method::Attain {
+        goals: vec![0.0, 0.0],
+        weights: vec![1.0, 3.0],
+    });
+    let x = 2.0 - 3.0_f64.sqrt();
+    near(solution.x[0], x);
+    near(solution.utility, (x - 1.0).powi(2));
+    near(solution.multipliers.objectives.iter().sum::<f64>(), 1.0);
+}
+
+#[test]
+fn a_goal_of_weight_zero_is_a_limit() {
+    // (x − 1)² ≤ 0.25 holds; then (x + 1)² is least at x = 0.5.
+    let solution = pair(&Method::Attain {
+        goals: vec![0.25, 0.0],
+        weights: vec![0.0, 1.0],
+    });
+    near(solution.x[0], 0.5);
+    near(solution.utility, 2.25);
+    near(solution.multipliers.objectives[1], 1.0);
+    // 2 (x + 1) + λ 2 (x − 1) = 0 at x = 1/2: λ = 3.
+    near(solution.multipliers.hard_goals[0], 3.0);
+    assert!(solution.active.contains(&"f1".to_owned()));
+}
+
+#[test]
+fn a_weighted_sum_ends_at_the_weighted_mean() {
+    let solution = pair(&Method::Weighted {
+        weights: vec![3.0, 1.0],
+    });
+    near(solution.x[0], 0.5);
+    near(solution.utility, 3.0 * 0.25 + 2.25);
+    near(solution.multipliers.objectives[0], 0.75);
+    near(solution.objectives[1], 2.25);
+}
+
+#[test]
+fn chebyshev_balances_the_weighted_distances() {
+    // 4 (f1 − 0) = 1 (f2 − 0): (x + 1) = 2 (1 − x), x = 1/3.
+    let solution = pair(&Method::Chebyshev {
+        ideal: vec![0.0, 0.0],
+        weights: vec![4.0, 1.0],
+    });
+    near(solution.x[0], 1.0 / 3.0);
+    let alone = pair(&Method::Chebyshev {
+        ideal: vec![0.0, 0.0],
+        weights: vec![1.0, 0.0],
+    });
+    near(alone.x[0], 1.0);
+}
+
+/// |x − 1| + 2 |x + 1| + |y|, and the same with a constraint.
+struct Kinks;
+impl Functions for Kinks {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = x[0] - R::ONE;
+        f[1] = x[0] + R::ONE;
+        f[2] = x[1];
+        if let Some(g) = f.get_mut(3) {
+            *g = -x[0] - x[1];
+        }
+    }
+}
+
+#[test]
+fn a_weighted_sum_of_magnitudes_ends_at_its_kink() {
+    let params = ProblemParams {
+        absolute: 3,
+        ..ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks))
+    };
+    let problem = Problem::new(params).unwrap();
+    let method = Method::Weighted {
+        weights: vec![1.0, 2.0, 1.0],
+    };
+    let solution = solve(&problem, &method, &Settings::default()).unwrap();
+    assert!(solution.status.is_solved(), "{:?}", solution.status);
+    near(solution.x[0], -1.0);
+    near(solution.x[1], 0.0);
+    near(solution.utility, 2.0);
+    near(solution.maximum, 2.0);
+    assert_eq!(solution.x.len(), 2);
+}
+
+#[test]
+fn a_weighted_sum_keeps_its_constraints() {
+    // x + y ≥ 0 moves the kink: along x + y = 0 the sum is |x − 1| + 2 |x + 1| + |x|, least at −1 … 0.
+    let params = ProblemParams {
+        absolute: 3,
+        inequalities: vec!["half-plane".to_owned()],
+        ..ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks))
+    };
+    let problem = Problem::new(params).unwrap();
+    let method = Method::Weighted {
+        weights: vec![1.0, 2.0, 1.0],
+    };
+    let solution = solve(&problem, &method, &Settings::default()).unwrap();
+    assert!(solution.status.is_solved(), "{:?}", solution.status);
+    near(solution.utility, 3.0);
+    assert_eq!(solution.multipliers.inequalities.len(), 1);
+    assert_eq!(solution.inequalities.len(), 1);
+    assert!(solution.inequalities[0] <= 1e-8);
+}
+
+#[test]
+fn a_wrong_derivative_is_named() {
+    struct Wrong;
+    impl grouser_opt::Model for Wrong {
+        fn values(&self, x: &[f64], values: &mut [f64]) {
+            Exact(Pair).values(x, values);
+        }
+        fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut grouser_opt::Jacobian) {
+            Exact(Pair).derivatives(x, values, jacobian);
+            jacobian.set(1, 0, 7.0);
+        }
+    }
+    let right = Problem::new(ProblemParams::new(&[0.3, 2.0], 2, Exact(Pair))).unwrap();
+    let check = check_derivatives(&right, &[0.3, 2.0], 1e-6).unwrap();
+    assert_eq!((check.wrong.len(), check.entries), (0, 4));
+    assert!(check.worst < 1e-8);
+    let wrong = Problem::new(ProblemParams::new(&[0.3, 2.0], 2, Wrong)).unwrap();
+    let check = check_derivatives(&wrong, &[0.3, 2.0], 1e-6).unwrap();
+    assert_eq!(check.wrong.len(), 1);
+    assert_eq!(check.wrong[0].function, "f2");
+    assert_eq!(check.wrong[0].variable, "x1");
+    near(check.wrong[0].difference, 2.6);
+}

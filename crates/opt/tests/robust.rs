@@ -1,0 +1,213 @@
+//! Robust measures against closed forms, and the samples they stand on.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_opt::{
+    Differences, Error, Exact, Functions, Measure, Method, ProblemParams, Settings, Sobol,
+    Solution, Uncertainty, World, check_derivatives, robust, sample, solve,
+};
+use grouser_real::Scalar;
+
+/// (x − a)², with x ≤ limit as an inequality if asked for.
+struct Bowl {
+    a: f64,
+    limit: Option<f64>,
+}
+impl Functions for Bowl {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = (x[0] - R::from_f64(self.a)).square();
+        if let Some(limit) = self.limit {
+            f[1] = x[0] - R::from_f64(limit);
+        }
+    }
+}
+
+fn best(places: &[f64], measure: Measure) -> (f64, Solution) {
+    let worlds: Vec<World<'_>> = places
+        .iter()
+        .map(|&a| World::new(a.to_string(), Exact(Bowl { a, limit: None })))
+        .collect();
+    let params = ProblemParams::new(
+        &[0.3],
+        1,
+        Exact(Bowl {
+            a: 0.0,
+            limit: None,
+        }),
+    );
+    let joint = robust(params, worlds, measure).unwrap();
+    let mut at: Vec<f64> = joint
+        .problem()
+        .variables()
+        .iter()
+        .map(|v| v.start)
+        .collect();
+    at[0] = 0.7;
+    let check = check_derivatives(joint.problem(), &at, 1e-6).unwrap();
+    assert_eq!(check.wrong, []);
+    let solution = solve(joint.problem(), &Method::Minimax, &Settings::default()).unwrap();
+    assert!(solution.status.is_solved(), "{:?}", solution.status);
+    (joint.own(&solution.x)[0], solution)
+}
+
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < 1e-6, "{a} instead of {b}");
+}
+
+const PLACES: [f64; 4] = [0.0, 1.0, 2.0, 7.0];
+
+#[test]
+fn worst_case_is_the_middle_of_the_extremes() {
+    let (x, solution) = best(&PLACES, Measure::WorstCase);
+    near(x, 3.5);
+    assert_eq!(solution.objectives.len(), 4);
+}
+
+#[test]
+fn the_mean_alone_is_least_at_the_mean() {
+    let (x, solution) = best(&PLACES, Measure::MeanPlusDeviations { kappa: 0.0 });
+    near(x, 2.5);
+    // The variance of 0, 1, 2, 7 with 1/K.
+    near(solution.objectives[0], 7.25);
+}
+
+#[test]
+fn mean_plus_deviations_has_a_flat_slope_at_its_best() {
+    let kappa = 1.5;
+    let (x, solution) = best(&PLACES, Measure::MeanPlusDeviations { kappa });
+    let measure = |x: f64| {
+        let f: Vec<f64> = PLACES.iter().map(|a| (x - a).powi(2)).collect();
+        let mean = f.iter().sum::<f64>() / 4.0;
+        let variance = f.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / 4.0;
+        mean + kappa * variance.sqrt()
+    };
+    near(solution.objectives[0], measure(x));
+    assert!(measure(x) <= measure(x - 1e-3) && measure(x) <= measure(x + 1e-3));
+}
+
+#[test]
+fn conditional_value_at_risk_is_the_mean_of_the_worst() {
+    // The worst half of four worlds: two of them. At x both 0 and 7 are worst while
+    // x > 1 … : minimise ((x)² + (x − 7)²)/2, at 3.5, where 1 and 2 are indeed nearer.
+    let (x, solution) = best(&PLACES, Measure::ConditionalValueAtRisk { alpha: 0.5 });
+    near(x, 3.5);
+    near(solution.objectives[0], 3.5_f64.powi(2));
+    // α = 0 is the mean.
+    let (x, solution) = best(&PLACES, Measure::ConditionalValueAtRisk { alpha: 0.0 });
+    near(x, 2.5);
+    near(solution.objectives[0], 7.25);
+    // Worst three quarters, at a point where the order is 7 > 0 > 1 > 2: ((x−7)² + x² + (x−1)²)/3 at 8/3.
+    let (x, _) = best(&PLACES, Measure::ConditionalValueAtRisk { alpha: 0.25 });
+    near(x, 8.0 / 3.0);
+}
+
+#[test]
+fn constraints_hold_in_every_world() {
+    for measure in [
+        Measure::WorstCase,
+        Measure::MeanPlusDeviations { kappa: 2.0 },
+        Measure::ConditionalValueAtRisk { alpha: 0.9 },
+    ] {
+        let params = ProblemParams {
+            inequalities: vec!["limit".to_owned()],
+            ..ProblemParams::new(
+                &[0.3],
+                1,
+                Exact(Bowl {
+                    a: 0.0,
+                    limit: Some(0.0),
+                }),
+            )
+        };
+        let worlds = [2.0, 1.2, 5.0].map(|limit| {
+            let limit = Some(limit);
+            World::new(
+                limit.map_or(String::new(), |l: f64| l.to_string()),
+                Exact(Bowl { a: 4.0, limit }),
+            )
+        });
+        let joint = robust(params, worlds.into(), measure).unwrap();
+        let solution = solve(joint.problem(), &Method::Minimax, &Settings::default()).unwrap();
+        near(joint.own(&solution.x)[0], 1.2);
+        assert!(
+            solution.active.iter().any(|name| name == "limit @ 1.2"),
+            "{:?}",
+            solution.active
+        );
+    }
+}
+
+#[test]
+fn no_worlds_and_bad_measures_are_errors() {
+    let params = || ProblemParams::new(&[0.3], 1, Differences::new(|_: &[f64], _: &mut [f64]| {}));
+    let none = robust(params(), Vec::new(), Measure::WorstCase);
+    assert!(matches!(none, Err(Error::Empty { what: "worlds" })));
+    let one = vec![World::new(
+        "one",
+        Exact(Bowl {
+            a: 0.0,
+            limit: None,
+        }),
+    )];
+    let bad = robust(
+        params(),
+        one,
+        Measure::ConditionalValueAtRisk { alpha: 1.0 },
+    );
+    assert!(matches!(bad, Err(Error::OutOfRange { .. })));
+}
+
+/// The first points as published with SciPy's implementation of the same direction numbers.
+#[test]
+fn sobol_matches_an_independent_implementation() {
+    let mut sobol = Sobol::new(5, None).unwrap();
+    let points: Vec<Vec<f64>> = (0..8).map(|_| sobol.next_point()).collect();
+    assert_eq!(points[2], [0.75, 0.25, 0.25, 0.25, 0.75]);
+    assert_eq!(points[4], [0.375, 0.375, 0.625, 0.875, 0.375]);
+    assert_eq!(points[7], [0.125, 0.625, 0.375, 0.125, 0.125]);
+    let mut sobol = Sobol::new(64, None).unwrap();
+    let last = (0..=1000).map(|_| sobol.next_point()).last().unwrap();
+    let picked: Vec<f64> = [0, 1, 10, 40, 63].iter().map(|&d| last[d]).collect();
+    assert_eq!(
+        picked,
+        [
+            0.219_726_562_5,
+            0.096_679_687_5,
+            0.084_960_937_5,
+            0.913_085_937_5,
+            0.446_289_062_5
+        ]
+    );
+    assert!(Sobol::new(65, None).is_err());
+}
+
+#[test]
+fn normal_samples_have_their_covariance() {
+    let covariance = vec![vec![4.0, 1.2], vec![1.2, 1.0]];
+    let normal = Uncertainty::Normal {
+        mean: vec![10.0, -3.0],
+        covariance: covariance.clone(),
+    };
+    let n = 4096;
+    let samples = sample(&normal, n, 3).unwrap();
+    assert_eq!(samples, sample(&normal, n, 3).unwrap());
+    let mean = |i: usize| samples.iter().map(|s| s[i]).sum::<f64>() / n as f64;
+    let means = [mean(0), mean(1)];
+    // Quasi-random: the error falls like log²(n)/n, here below 1e-2.
+    assert!((means[0] - 10.0).abs() < 1e-2 && (means[1] + 3.0).abs() < 1e-2);
+    for i in 0..2 {
+        for j in 0..2 {
+            let product = |s: &Vec<f64>| (s[i] - means[i]) * (s[j] - means[j]);
+            let got = samples.iter().map(product).sum::<f64>() / n as f64;
+            assert!((got - covariance[i][j]).abs() < 2e-2, "{i}{j} {got}");
+        }
+    }
+    let skew = Uncertainty::Normal {
+        mean: vec![0.0, 0.0],
+        covariance: vec![vec![1.0, 2.0], vec![2.0, 1.0]],
+    };
+    let error = sample(&skew, 2, 1).unwrap_err();
+    assert!(
+        matches!(error, Error::NotPositiveDefinite { pivot: 2, .. }),
+        "{error}"
+    );
+}
