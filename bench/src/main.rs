@@ -1,9 +1,12 @@
 //! `kernel`: the direct kernel at 1e-9 against the naive program, in one run, on one core.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json]`
+//! `paths`: every path that is not the common one.
+//!
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | paths`
 
 mod kernel;
 mod naive;
+mod paths;
 mod points;
 
 fn main() {
@@ -12,8 +15,9 @@ fn main() {
     match words[..] {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
+        ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json]");
+            eprintln!("usage: grouser-bench kernel [--json] | paths");
             std::process::exit(2);
         }
     }

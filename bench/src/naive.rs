@@ -62,10 +62,8 @@ impl Naive {
                     theta_1 - theta / theta_m * (theta_1 - theta_m)
                 };
                 let sigma = modulus * (self.radius * (shifted.cos() - cos_1)).powf(self.n);
-                let j = self.radius
-                    * ((theta_1 - theta) - (1.0 - slip) * (sin_1 - theta.sin()));
-                let tau =
-                    (self.cohesion + sigma * tan_phi) * (1.0 - (-j / self.k_shear).exp());
+                let j = self.radius * ((theta_1 - theta) - (1.0 - slip) * (sin_1 - theta.sin()));
+                let tau = (self.cohesion + sigma * tan_phi) * (1.0 - (-j / self.k_shear).exp());
                 w += half * weight * (sigma * theta.cos() + tau * theta.sin());
                 pull += half * weight * (tau * theta.cos() - sigma * theta.sin());
                 torque += half * weight * tau;

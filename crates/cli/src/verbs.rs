@@ -4,6 +4,7 @@
 
 mod batch;
 mod batch_columns;
+mod batch_lanes;
 mod curve;
 mod curve_figure;
 mod curve_output;

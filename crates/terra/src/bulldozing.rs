@@ -13,7 +13,7 @@ pub enum Bulldozing {
     /// Times κ = |sin β|: continuous as the drift vanishes. The default.
     #[default]
     Scaled,
-    /// κ = 1 whenever the wheel drifts at all, as printed in [Ishigami07].
+    /// κ = 1 whenever the wheel drifts at all, as printed in \[Ishigami07\].
     Full,
     /// Left out.
     Off,
@@ -25,7 +25,7 @@ pub enum Bulldozing {
 ///
 /// `h` is the depth of soil in front of the blade in m, `gamma` the unit weight in N/m³.
 ///
-/// Source: Hegedus 1960, as given by Ishigami et al., J. Field Robotics 24 (2007) [Ishigami07].
+/// Source: Hegedus 1960, as given by Ishigami et al., J. Field Robotics 24 (2007) \[Ishigami07\].
 /// Assumes: a vertical blade, no surcharge. Sign: a magnitude.
 ///
 /// ```
@@ -44,7 +44,7 @@ pub fn bulldozing_hegedus<R: Real>(strength: &MohrCoulomb<R>, gamma: R, h: R) ->
 }
 
 /// ∫ R_b(h) (r − h cos θ) dθ over the contact in N, h = r (cos θ − cos θ_1): the bulldozing part of the
-/// side force before κ ([Ishigami07]). `radius` in m, `gamma` in N/m³.
+/// side force before κ (\[Ishigami07\]). `radius` in m, `gamma` in N/m³.
 pub(crate) fn side_resistance(
     strength: &MohrCoulomb<f64>,
     gamma: f64,

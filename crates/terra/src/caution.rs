@@ -10,7 +10,7 @@ pub enum Caution {
     NoNormalStress,
     /// c_1 + c_2 s < 0: the greatest stress was held at θ = 0.
     MaximumStressHeld,
-    /// z > D/6, where Bekker's theory is said to lose its grip [Wong08].
+    /// z > D/6, where Bekker's theory is said to lose its grip \[Wong08\].
     DeepSinkage,
     /// For s < 0 the shear changes its sign within the contact by a law beyond the literature.
     ShearReversal,

@@ -50,7 +50,7 @@ impl WheelOnSoil {
     /// the entry, at the sinkage (m) given.
     ///
     /// σ: 0 at θ_2, σ(θ_m), 0 at θ_1. τ: c at θ_2, τ(θ_m), 0 at θ_1. Source: Shibly, Iagnemma & Dubowsky,
-    /// J. Terramechanics 42 (2005) [Shibly05], who take θ_2 = 0 and θ_m = θ_1/2; here both are the model's
+    /// J. Terramechanics 42 (2005) \[Shibly05\], who take θ_2 = 0 and θ_m = θ_1/2; here both are the model's
     /// own. Assumes: driving, shear saturated at the exit. A rough law: see its `error`.
     ///
     /// # Errors

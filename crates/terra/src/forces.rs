@@ -12,7 +12,7 @@ use crate::contact::{Contact, ExponentTables, Integrals, Order};
 /// torque         = r² b ∫ τ dθ
 /// ```
 ///
-/// Source: Wong & Reece [WR67]. Sign: vertical force upwards, drawbar pull forwards, torque as the motor
+/// Source: Wong & Reece \[WR67\]. Sign: vertical force upwards, drawbar pull forwards, torque as the motor
 /// gives it (positive when it drives), side force to the left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<R = f64> {

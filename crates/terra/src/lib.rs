@@ -1,4 +1,39 @@
-//! The wheel in the soil.
+//! The wheel in the soil: stresses under a rigid wheel on soft ground, the forces they add up to, the sinkage
+//! that carries a load, and the slip that holds a slope. Pure functions of numbers: no I/O, clock, random
+//! numbers or threads, and no standard library without the feature `std`.
+//!
+//! ```text
+//! σ(θ) = k (r (cos θ_F − cos θ_1))ⁿ         τ(θ) = sign(j) (c + σ tan φ)(1 − e^(−|j|/K))
+//! W = r b ∫(σ cos θ + τ sin θ) dθ    DP = r b ∫(τ cos θ − σ sin θ) dθ    T = r² b ∫ τ dθ
+//! ```
+//!
+//! ```
+//! use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+//!
+//! let soil = catalogue::find("lunar").expect("in the catalogue").soil()?;
+//! let wheel = RigidWheel::new(0.125, 0.15)?; // radius and width in m
+//! let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
+//! let solution = pair.under_load(65.0, &Kinematics::straight(Slip::new(0.25)?))?;
+//! let point = solution.point.expect("65 N are carried");
+//! // independent 1e-10 quadrature: 17.007 mm and 3.295 N
+//! assert!((point.sinkage - 0.017_007).abs() < 1e-6);
+//! assert!((point.forces.drawbar_pull - 3.2949).abs() < 1e-4);
+//! # Ok::<(), grouser_terra::Error>(())
+//! ```
+//!
+//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once, and
+//! [`Contact`] the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
+//!
+//! Three outcomes are never mixed: bad input is an [`Error`] that names field, value, limit and unit; a load
+//! that nothing carries is a [`LoadStatus`]; what lies outside a law's comfortable range is computed and
+//! carries a [`Caution`].
+//!
+//! Sources by their keys: \[Ani2012\] Ani, Xu, Xue, Liu & Zhang, J. Cent. South Univ. 19, 2458-2467, with its
+//! equations (P1)…(P24) · \[WR67\] Wong & Reece, J. Terramechanics 4 (1967) I and II · \[Bekker69\] Introduction
+//! to Terrain-Vehicle Systems · \[JH61\] Janosi & Hanamoto 1961 · \[Wong08\] Theory of Ground Vehicles ·
+//! \[Ishigami07\] J. Field Robotics 24 · \[Ding11\] J. Terramechanics 48 · \[Shibly05\] J. Terramechanics 42.
+//!
+//! The crate does not know robots, time, sensors or terrain; those stand on it.
 #![cfg_attr(not(feature = "std"), no_std)]
 // denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]
@@ -9,6 +44,7 @@ pub mod catalogue;
 mod caution;
 mod closed_form;
 mod contact;
+mod derivative;
 mod error;
 mod forces;
 mod kinematics;
@@ -33,6 +69,7 @@ pub use closed_form::ClosedForm;
 pub use contact::{
     Contact, ContactAngles, Motion, WheelSize, entry_angle, sinkage_from_entry_angle,
 };
+pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;

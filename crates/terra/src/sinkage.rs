@@ -46,6 +46,13 @@ pub struct SinkageSolution {
     theta_1: f64,
 }
 
+impl SinkageSolution {
+    /// The entry angle, rad; `None` unless solved.
+    pub(crate) fn entry_angle(&self) -> Option<f64> {
+        self.sinkage.map(|_| self.theta_1)
+    }
+}
+
 /// A wheel under its load.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadSolution {
@@ -193,7 +200,7 @@ impl WheelOnSoil {
     }
 
     /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
-    /// rising. Source of the start: Bekker's closed form for a wheel without shear [Bekker69].
+    /// rising. Source of the start: Bekker's closed form for a wheel without shear \[Bekker69\].
     fn newton(
         &self,
         load: f64,

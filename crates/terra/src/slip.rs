@@ -79,7 +79,7 @@ impl Slip {
 
     /// The slip whose driving formula, continued below zero, gives `one_minus_q` = 1 − v/(r ω).
     ///
-    /// [Ani2012] writes its analytical model in this form: S = 1 − q for driving and braking alike,
+    /// \[Ani2012\] writes its analytical model in this form: S = 1 − q for driving and braking alike,
     /// so s = S for S ≥ 0 and s = S/(1 − S) for S < 0.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl Slip {
         self.0 >= 0.0
     }
 
-    /// What section 4.1 of [Ani2012] words: 1 − v_powered/v_fifth = −S/(1 − S) with S = 1 − q,
+    /// What section 4.1 of \[Ani2012\] words: 1 − v_powered/v_fifth = −S/(1 − S) with S = 1 − q,
     /// that is 1 − 1/q. Unbounded below: a wheel that spins at more than twice ground speed reads
     /// under −1 without any noise. −∞ for the spinning wheel.
     #[must_use]

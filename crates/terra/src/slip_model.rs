@@ -1,4 +1,4 @@
-//! The analytical slip model of [Ani2012]: the slip that mobilises a share of the soil's strength.
+//! The analytical slip model of \[Ani2012\]: the slip that mobilises a share of the soil's strength.
 //!
 //! With T(θ) = c + σ(θ) tan φ (P7) and x = τ/T, (P8)…(P16) invert (P1); x = 0 is (P17)/(P19):
 //!
@@ -25,7 +25,7 @@ use crate::slip::Slip;
 /// Written as 1 − 1/(sinc((θ_1 − θ)/2) cos((θ_1 + θ)/2)) with sinc a = sin a/a, which has no singularity at
 /// θ = θ_1. Over any kind of number, so that it has exact derivatives.
 ///
-/// Source: [Ani2012] (P17)-(P19). Valid range: |θ| ≤ θ_1, 0 < θ_1 < π/2; outside the contact it is
+/// Source: \[Ani2012\] (P17)-(P19). Valid range: |θ| ≤ θ_1, 0 < θ_1 < π/2; outside the contact it is
 /// computed all the same.
 ///
 /// ```

@@ -3,8 +3,8 @@
 
 use grouser_real::{Dual, Real, Scalar};
 use grouser_terra::{
-    Contact, Forces, Kinematics, Motion, Pressure, Settings, ShearLaw, Slip, SoilLaws, WheelSize,
-    catalogue, entry_angle,
+    Accuracy, Angle, Contact, DualInputs, Forces, Kinematics, Motion, Pressure, Settings, ShearLaw,
+    Slip, Soil, SoilLaws, SoilParams, WheelSize, catalogue, entry_angle,
 };
 
 /// r, b, z, s, c, φ, K, k_phi, n
@@ -103,5 +103,69 @@ fn without_a_prepared_rule_the_forces_are_the_same() {
     );
     for (a, b) in three(&contact.forces()).into_iter().zip(prepared) {
         assert!((a - b).abs() < 2e-9 * prepared[0]);
+    }
+}
+
+#[test]
+fn a_solved_wheels_derivatives_agree_with_differences() {
+    let wheel = grouser_terra::RigidWheel::new(0.125, 0.1).unwrap();
+    for (key, slip) in [("dry-sand", 0.2), ("lunar", -0.15), ("snow", 0.6)] {
+        let soil = catalogue::find(key).unwrap().soil().unwrap();
+        let params = *soil.params();
+        let motion = Kinematics::straight(Slip::new(slip).unwrap());
+        let pair = grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let mut inputs = DualInputs::<4>::new(&pair, &motion);
+        inputs.size = WheelSize::smooth(Dual::variable(0.125, 0), Dual::constant(0.1));
+        inputs.soil.strength.phi = Dual::variable(params.phi.rad(), 1);
+        inputs.soil.exponent.n_0 = Dual::variable(params.n, 2);
+        let solved = inputs
+            .under_load(&pair, &motion, Dual::variable(20.0, 3))
+            .unwrap()
+            .unwrap();
+        let at = |x: [f64; 4]| {
+            let soil = Soil::new(SoilParams {
+                phi: Angle::from_rad(x[1]),
+                n: x[2],
+                ..params
+            })
+            .unwrap();
+            let exact = Settings {
+                accuracy: Accuracy::Reference,
+                ..Settings::default()
+            };
+            let wheel = grouser_terra::RigidWheel::new(x[0], 0.1).unwrap();
+            let pair = grouser_terra::WheelOnSoil::new(wheel, soil, exact).unwrap();
+            let point = pair.under_load(x[3], &motion).unwrap().point.unwrap();
+            [
+                point.sinkage,
+                point.forces.drawbar_pull,
+                point.forces.torque,
+            ]
+        };
+        let here = [0.125, params.phi.rad(), params.n, 20.0];
+        let exact = [
+            solved.sinkage,
+            solved.forces.drawbar_pull,
+            solved.forces.torque,
+        ];
+        for i in 0..4 {
+            let h = 1e-4 * here[i];
+            let moved = |by: f64| {
+                let mut x = here;
+                x[i] += by;
+                at(x)
+            };
+            let (a, b, aa, bb) = (moved(h), moved(-h), moved(2.0 * h), moved(-2.0 * h));
+            for k in 0..3 {
+                // five points: error O(h⁴) relative
+                let difference = (8.0 * (a[k] - b[k]) - (aa[k] - bb[k])) / (12.0 * h);
+                let scale = at(here)[k].abs().max(1e-3) / here[i];
+                let off = (exact[k].gradient[i] - difference).abs();
+                assert!(
+                    off < 1e-7 * scale,
+                    "{key} output {k} input {i}: {off:e} of {scale:e}"
+                );
+            }
+        }
     }
 }

@@ -5,11 +5,14 @@ use std::ffi::OsStr;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{
+    BatchForces, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
+};
 use rayon::prelude::*;
 use serde_json::Value;
 
 use super::batch_columns::{Columns, Row};
+use super::batch_lanes;
 use crate::error::{Error, Result, shown};
 use crate::input::Input;
 use crate::law_error::Names;
@@ -93,10 +96,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                 used.insert(name.clone(), Value::from(source.as_str()));
             }
         }
+        let kernel_of = |name: &str| soils.get(name).map(|(soil, _)| BatchKernel::new(*soil));
+        let lanes = batch_lanes::solve(&rows, kernel_of);
         let solved: Vec<(String, Ending)> = rows
             .par_iter()
-            .map_init(Cache::default, |cache, row| {
-                complete(&columns, row, &soils, arguments, cache)
+            .zip(&lanes)
+            .map_init(Cache::default, |cache, (row, lane)| match lane {
+                Some(forces) => (
+                    solved_line(&columns, row, forces),
+                    Ending::Solved(Status::Ok),
+                ),
+                None => complete(&columns, row, &soils, arguments, cache),
             })
             .collect();
         for (line, ending) in &solved {
@@ -166,6 +176,12 @@ enum Ending {
 struct Cache(Option<(CacheKey, WheelOnSoil)>);
 
 type CacheKey = (String, [u64; 2], Option<u64>);
+
+/// A row that the lanes have solved, as a line.
+fn solved_line(columns: &Columns, row: &Row, forces: &BatchForces) -> String {
+    let results = [forces.vertical_force, forces.drawbar_pull, forces.torque].map(exact);
+    columns.line(row, &exact(forces.sinkage), &results, Status::Ok.key())
+}
 
 /// A row with its answer, as a line.
 fn complete(

@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 /// Entry angle θ_1 of a wheel sunk by `sinkage` at `radius` (both m), rad:
-/// θ_1 = arccos(1 − z/r) = 2 arcsin √(z/2r) ((P18) of [Ani2012]).
+/// θ_1 = arccos(1 − z/r) = 2 arcsin √(z/2r) ((P18) of \[Ani2012\]).
 ///
 /// The second form keeps its digits at small sinkage. Valid range: 0 ≤ z < r. Sign: from the vertical,
 /// positive towards travel.
@@ -20,7 +20,7 @@ pub fn entry_angle<R: Real>(sinkage: R, radius: R) -> R {
 /// Sinkage in m at the entry angle `theta_1` (rad): z = r (1 − cos θ_1) = 2 r sin²(θ_1/2), the inverse
 /// of [`entry_angle`].
 ///
-/// It is also how a contact angle measured by a camera becomes a sinkage ([Ani2012], section 5).
+/// It is also how a contact angle measured by a camera becomes a sinkage (\[Ani2012\], section 5).
 pub fn sinkage_from_entry_angle<R: Real>(theta_1: R, radius: R) -> R {
     let sine = (R::from_f64(0.5) * theta_1).sin();
     R::from_f64(2.0) * radius * sine * sine
@@ -39,7 +39,7 @@ pub struct ContactAngles<R = f64> {
 
 impl<R: Real> ContactAngles<R> {
     /// From the entry angle: θ_2 = −2 arcsin √(λ z/2r) = −2 arcsin(√λ sin(θ_1/2)) with the rebound ratio
-    /// λ, and θ_m = clamp(`position`, 0, 1)·θ_1, where `position` is c_1 + c_2 s [WR67].
+    /// λ, and θ_m = clamp(`position`, 0, 1)·θ_1, where `position` is c_1 + c_2 s \[WR67\].
     pub fn new(theta_1: R, rebound: R, position: R) -> Self {
         let rises = R::ZERO.lt(rebound);
         let root = R::select(rises, rebound, R::ONE).sqrt();

@@ -85,7 +85,7 @@ impl Kinematics {
 
 /// The stresses between a wheel and the soil at one operating point.
 ///
-/// Normal stress by two pieces [WR67]: σ(θ) = k (r (cos θ_F − cos θ_1))ⁿ with θ_F = θ in front of θ_m and
+/// Normal stress by two pieces \[WR67\]: σ(θ) = k (r (cos θ_F − cos θ_1))ⁿ with θ_F = θ in front of θ_m and
 /// θ_F = θ_1 − (θ − θ_2)/(θ_m − θ_2)·(θ_1 − θ_m) behind it; shear stress by a [`ShearLaw`].
 ///
 /// Written in u, the arc from the entry in the front piece's measure, σ is the same function in both

@@ -7,7 +7,7 @@ use grouser_real::Real;
 /// Gives a pressure in Pa for a sinkage z in m; b is the smaller side of the contact, here the wheel's
 /// width, in m.
 ///
-/// Source: Bekker, *Introduction to Terrain-Vehicle Systems*, 1969 [Bekker69].
+/// Source: Bekker, *Introduction to Terrain-Vehicle Systems*, 1969 \[Bekker69\].
 /// Valid range: monotonic loading of homogeneous ground; plates of a few centimetres and more.
 /// Assumes: k_c and k_phi are constant in the units of their own n.
 /// Sign: positive downwards. k_c may be negative in published fits as long as the sum is positive.

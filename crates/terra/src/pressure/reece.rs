@@ -6,7 +6,7 @@ use grouser_real::Real;
 ///
 /// Gives a pressure in Pa; the moduli are pure numbers, so they do not change with n.
 ///
-/// Source: Reece, Proc. Inst. Mech. Engrs 180 (1965), as restated by Wong & Reece [WR67].
+/// Source: Reece, Proc. Inst. Mech. Engrs 180 (1965), as restated by Wong & Reece \[WR67\].
 /// Valid range: as Bekker's law. Assumes: γ is the unit weight ρ g in N/m³ (what papers print as ρ is
 /// often ρ g). Sign: positive downwards.
 ///

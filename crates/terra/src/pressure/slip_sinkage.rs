@@ -6,7 +6,7 @@ use grouser_real::Real;
 ///
 /// The moduli are held fixed in metres and pascals. n_1 = n_2 = 0 switches it off.
 ///
-/// Source: Ding et al., J. Terramechanics 48 (2011) [Ding11].
+/// Source: Ding et al., J. Terramechanics 48 (2011) \[Ding11\].
 /// Valid range: where n stays within the pressure law's own range. Sign: n_1, n_2 > 0 dig with
 /// driving and braking slip.
 ///

@@ -5,7 +5,7 @@ use grouser_real::Real;
 /// Shear displacement over the contact, per metre of radius:
 /// j/r = (θ_1 − θ) − q (sin θ_1 − sin θ), with q = v/(r ω).
 ///
-/// Source: Wong & Reece, J. Terramechanics 4 (1967) I [WR67]. Assumes: rigid wheel, soil at rest until
+/// Source: Wong & Reece, J. Terramechanics 4 (1967) I \[WR67\]. Assumes: rigid wheel, soil at rest until
 /// the rim meets it. Sign: positive where the rim has moved backwards against the soil (driving). For
 /// s ≥ 0 it never changes sign, for s < 0 at 0, 1 or 2 angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use grouser_real::Real;
 
 /// The mobilised share of strength by Janosi and Hanamoto: x = 1 − e^(−|j|/K), in [0, 1).
 ///
-/// `displacement` j and `k_shear` K in the same unit. τ = x·(c + σ tan φ) is (P1) of [Ani2012].
+/// `displacement` j and `k_shear` K in the same unit. τ = x·(c + σ tan φ) is (P1) of \[Ani2012\].
 ///
-/// Source: Janosi & Hanamoto, 1st Int. Conf. Terrain-Vehicle Systems, Turin 1961 [JH61].
+/// Source: Janosi & Hanamoto, 1st Int. Conf. Terrain-Vehicle Systems, Turin 1961 \[JH61\].
 /// Valid range: soils without a peak of strength (loose sand, most disturbed ground). Assumes K is one
 /// number for the soil, or depends on the slip angle (see `Soil`). Sign: a share, without one.
 ///

@@ -20,11 +20,11 @@ pub enum ShearLaw {
     SlipVelocity,
     /// τ_x from j with K and τ_y from j_y with K_side, each on its own. The sum may exceed the soil's
     /// strength by √2, which a caution says. Source: Ishigami et al., J. Field Robotics 24 (2007)
-    /// [Ishigami07].
+    /// \[Ishigami07\].
     Independent,
     /// A towed wheel whose displacement starts anew at the transition angle
     /// ([`transition_angle_wong_reece`](crate::transition_angle_wong_reece)), s < 0 and no slip angle;
-    /// elsewhere as `Coupled`. Source: [WR67] II.
+    /// elsewhere as `Coupled`. Source: \[WR67\] II.
     TowedWongReece,
 }
 

@@ -2,11 +2,11 @@
 
 use grouser_real::Real;
 
-/// Shear strength by Mohr-Coulomb: τ_max = c + σ tan φ ((P2) and (P7) of [Ani2012]).
+/// Shear strength by Mohr-Coulomb: τ_max = c + σ tan φ ((P2) and (P7) of \[Ani2012\]).
 ///
 /// Gives Pa for a normal stress σ in Pa.
 ///
-/// Source: Wong, *Theory of Ground Vehicles* [Wong08], chapter 2. Assumes: drained, no tension.
+/// Source: Wong, *Theory of Ground Vehicles* \[Wong08\], chapter 2. Assumes: drained, no tension.
 /// Sign: σ positive in compression.
 ///
 /// ```

@@ -8,7 +8,7 @@ use grouser_real::Scalar;
 /// starts anew there. With a = tan(45° − φ/2) and R = √(1 + a²): cos(θ_0 + atan a) = 1/(q R).
 /// `None` where the equation has no positive root (s ≥ 0).
 ///
-/// Source: Wong & Reece, J. Terramechanics 4 (1967) II [WR67]. Valid range: s < 0, rigid wheel.
+/// Source: Wong & Reece, J. Terramechanics 4 (1967) II \[WR67\]. Valid range: s < 0, rigid wheel.
 /// Sign: from the vertical, positive towards travel.
 ///
 /// ```

@@ -1,0 +1,200 @@
+//! Every path that is not the common one, one point at a time, with its worst error against the reference
+//! mode, and the cost of exact derivatives against the value.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use grouser_real::Dual;
+use grouser_terra::{
+    Accuracy, Angle, DualInputs, Kinematics, Pressure, RigidWheel, Settings, ShearLaw, Slip, Soil,
+    SoilParams, WheelOnSoil, WheelSize, catalogue, entry_angle,
+};
+
+/// Median time of `job`, ns, over rounds that last long enough to be told.
+fn median_ns(mut job: impl FnMut() -> f64) -> f64 {
+    let mut times: Vec<f64> = (0..31)
+        .map(|_| {
+            let start = Instant::now();
+            let mut sum = 0.0;
+            for _ in 0..200 {
+                sum += job();
+            }
+            black_box(sum);
+            start.elapsed().as_secs_f64() * 1e9 / 200.0
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn sand() -> SoilParams {
+    *catalogue::find("dry-sand")
+        .expect("in the catalogue")
+        .soil()
+        .expect("complete")
+        .params()
+}
+
+/// Name, soil, motion, shear law and sinkage over radius of a path.
+fn paths() -> Vec<(&'static str, SoilParams, Kinematics, ShearLaw, f64)> {
+    let straight = |slip: f64| Kinematics::straight(Slip::new(slip).expect("a slip"));
+    let drifting = |slip: f64, beta: f64| {
+        Kinematics::with_slip_angle(Slip::new(slip).expect("a slip"), Angle::from_deg(beta))
+            .expect("a drift")
+    };
+    let coupled = ShearLaw::Coupled;
+    vec![
+        ("driving", sand(), straight(0.3), coupled, 0.15),
+        ("large sinkage", sand(), straight(0.3), coupled, 0.8),
+        (
+            "rebound",
+            SoilParams {
+                rebound: 0.5,
+                ..sand()
+            },
+            straight(0.3),
+            coupled,
+            0.15,
+        ),
+        (
+            "braking, j one-signed",
+            sand(),
+            straight(-0.6),
+            coupled,
+            0.15,
+        ),
+        ("braking, j reverses", sand(), straight(-0.1), coupled, 0.15),
+        ("nearly locked", sand(), straight(-0.98), coupled, 0.15),
+        (
+            "stiff shear",
+            SoilParams {
+                k_shear: 1e-4,
+                ..sand()
+            },
+            straight(0.3),
+            coupled,
+            0.15,
+        ),
+        (
+            "slip-sinkage n(s)",
+            SoilParams { n_1: 0.5, ..sand() },
+            straight(0.3),
+            coupled,
+            0.15,
+        ),
+        (
+            "slip angle, coupled",
+            sand(),
+            drifting(0.3, 20.0),
+            coupled,
+            0.15,
+        ),
+        (
+            "slip angle, independent",
+            sand(),
+            drifting(0.3, 20.0),
+            ShearLaw::Independent,
+            0.15,
+        ),
+        (
+            "slip angle, slip velocity",
+            sand(),
+            drifting(0.3, 20.0),
+            ShearLaw::SlipVelocity,
+            0.15,
+        ),
+        (
+            "drifting and braking",
+            sand(),
+            drifting(-0.1, 5.0),
+            coupled,
+            0.15,
+        ),
+    ]
+}
+
+pub fn run() {
+    let wheel = RigidWheel::new(0.15, 0.1).expect("a wheel");
+    println!(
+        "{:<28}{:>12}{:>14}{:>14}",
+        "path (one point, f64)", "forces, ns", "solve, ns", "worst error"
+    );
+    for (name, params, motion, shear, depth) in paths() {
+        let soil = Soil::new(params).expect("a soil");
+        let pair = |accuracy| {
+            let settings = Settings {
+                accuracy,
+                shear,
+                ..Settings::default()
+            };
+            WheelOnSoil::new(wheel, soil, settings).expect("a pair")
+        };
+        let (fast, exact) = (pair(Accuracy::Standard), pair(Accuracy::Reference));
+        let sinkage = depth * wheel.radius();
+        let f = exact.forces_at(sinkage, &motion).expect("forces");
+        let g = fast.forces_at(sinkage, &motion).expect("forces");
+        let size = f.vertical_force.abs().max(f.drawbar_pull.abs());
+        let error = (f.vertical_force - g.vertical_force)
+            .abs()
+            .max((f.drawbar_pull - g.drawbar_pull).abs());
+        let forces = median_ns(|| {
+            fast.forces_at(black_box(sinkage), &motion)
+                .expect("forces")
+                .drawbar_pull
+        });
+        let load = f.vertical_force;
+        let solve = median_ns(|| {
+            fast.sinkage_under(black_box(load), &motion)
+                .expect("a search")
+                .sinkage
+                .unwrap_or(0.0)
+        });
+        println!(
+            "{name:<28}{forces:>12.0}{solve:>14.0}{:>14.1e}",
+            error / size
+        );
+    }
+    derivatives(wheel);
+}
+
+/// Three forces by nine inputs (r, b, z, s, c, φ, K, k_phi, n) in dual numbers, against the value by the
+/// same rule.
+fn derivatives(wheel: RigidWheel) {
+    let soil = Soil::new(sand()).expect("a soil");
+    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a pair");
+    let motion = Kinematics::straight(Slip::new(0.3).expect("a slip"));
+    let sinkage = 0.15 * wheel.radius();
+    let value = {
+        let inputs = DualInputs::<0>::new(&pair, &motion);
+        median_ns(|| {
+            let theta_1 = entry_angle(Dual::constant(black_box(sinkage)), inputs.size.radius);
+            inputs.forces(theta_1).drawbar_pull.value
+        })
+    };
+    let jacobian = {
+        let mut inputs = DualInputs::<9>::new(&pair, &motion);
+        inputs.size = WheelSize::smooth(
+            Dual::variable(wheel.radius(), 0),
+            Dual::variable(wheel.width(), 1),
+        );
+        inputs.motion.slip = Dual::variable(0.3, 3);
+        inputs.soil.strength.cohesion = Dual::variable(soil.params().cohesion, 4);
+        inputs.soil.strength.phi = Dual::variable(soil.params().phi.rad(), 5);
+        inputs.soil.k_shear = Dual::variable(soil.params().k_shear, 6);
+        if let Pressure::Bekker(law) = &mut inputs.soil.pressure {
+            law.k_phi = Dual::variable(law.k_phi.value, 7);
+        }
+        inputs.soil.exponent.n_0 = Dual::variable(soil.params().n, 8);
+        median_ns(|| {
+            let z = Dual::<9>::variable(black_box(sinkage), 2);
+            let f = inputs.forces(entry_angle(z, inputs.size.radius));
+            f.drawbar_pull.gradient.iter().sum::<f64>()
+                + f.torque.gradient[8]
+                + f.vertical_force.gradient[0]
+        })
+    };
+    println!(
+        "Jacobian 3 x 9: {jacobian:.0} ns, {:.1} x the value by the same rule ({value:.0} ns)",
+        jacobian / value
+    );
+}

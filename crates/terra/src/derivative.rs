@@ -1,0 +1,103 @@
+//! Exact derivatives of a solved wheel: forces and sinkage under a load, in every input.
+
+use grouser_real::Dual;
+
+use crate::contact::{Contact, Motion, WheelSize, sinkage_from_entry_angle};
+use crate::error::Result;
+use crate::forces::Forces;
+use crate::kinematics::Kinematics;
+use crate::shear::ShearLaw;
+use crate::soil::SoilLaws;
+use crate::wheel_on_soil::WheelOnSoil;
+
+/// The inputs of a wheel as dual numbers: take them from a wheel on a soil, make variables of those whose
+/// derivatives are wanted, and solve.
+///
+/// ```
+/// use grouser_real::Dual;
+/// use grouser_terra::{DualInputs, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let pair = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+/// let motion = Kinematics::straight(Slip::new(0.2)?);
+/// let mut inputs = DualInputs::<1>::new(&pair, &motion);
+/// inputs.motion.slip = Dual::variable(0.2, 0);
+/// let solved = inputs.under_load(&pair, &motion, Dual::constant(80.0))?.expect("80 N are carried");
+/// let [by_slip] = solved.forces.drawbar_pull.gradient; // N per unit of slip
+/// let at = |s: f64| -> grouser_terra::Result<f64> {
+///     let solution = pair.under_load(80.0, &Kinematics::straight(Slip::new(s)?))?;
+///     Ok(solution.point.expect("carried").forces.drawbar_pull)
+/// };
+/// let difference = (at(0.2 + 1e-5)? - at(0.2 - 1e-5)?) / 2e-5;
+/// assert!((by_slip - difference).abs() < 1e-6 * by_slip);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct DualInputs<const N: usize> {
+    /// The wheel's sizes, m.
+    pub size: WheelSize<Dual<N>>,
+    /// The soil's laws.
+    pub soil: SoilLaws<Dual<N>>,
+    /// The motion.
+    pub motion: Motion<Dual<N>>,
+    law: ShearLaw,
+}
+
+/// A wheel under its load, with the derivatives of everything in the chosen inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct DualSolution<const N: usize> {
+    /// Sinkage, m.
+    pub sinkage: Dual<N>,
+    /// Entry angle, rad.
+    pub theta_1: Dual<N>,
+    /// Forces and torque.
+    pub forces: Forces<Dual<N>>,
+}
+
+impl<const N: usize> DualInputs<N> {
+    /// All inputs of `pair` in this motion, as constants.
+    #[must_use]
+    pub fn new(pair: &WheelOnSoil, kinematics: &Kinematics) -> Self {
+        Self {
+            size: pair.wheel().size(),
+            soil: pair.soil().laws(),
+            motion: kinematics.motion(),
+            law: pair.settings().shear,
+        }
+    }
+
+    /// Forces at the entry angle `theta_1` (rad).
+    #[must_use]
+    pub fn forces(&self, theta_1: Dual<N>) -> Forces<Dual<N>> {
+        Contact::new(&self.size, &self.soil, self.law, &self.motion, theta_1).forces()
+    }
+
+    /// Sinkage and forces under `load` (N). `pair` and `kinematics` hold the values of these inputs and
+    /// find the sinkage; one Newton step in dual numbers then gives its exact derivatives,
+    /// dθ_1 = (dW_load − ∂W)/(∂W/∂θ_1). `None` where nothing carries the load.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    pub fn under_load(
+        &self,
+        pair: &WheelOnSoil,
+        kinematics: &Kinematics,
+        load: Dual<N>,
+    ) -> Result<Option<DualSolution<N>>> {
+        let found = pair.sinkage_under(load.value, kinematics)?;
+        let Some(angle) = found.entry_angle() else {
+            return Ok(None);
+        };
+        let slope = pair
+            .contact(Dual::<1>::variable(angle, 0), kinematics)
+            .forces()
+            .vertical_force;
+        let here = self.forces(Dual::constant(angle)).vertical_force;
+        let theta_1 =
+            Dual::constant(angle) + (load - here) * Dual::constant(1.0 / slope.gradient[0]);
+        Ok(Some(DualSolution {
+            sinkage: sinkage_from_entry_angle(theta_1, self.size.radius),
+            theta_1,
+            forces: self.forces(theta_1),
+        }))
+    }
+}
