@@ -1,6 +1,7 @@
 //! The optimiser beside its rivals, in one run: effort and time over the published minimax problems.
 //!
-//! `cargo run --release --manifest-path bench/opt/Cargo.toml [-- --csv]`; `bench/opt/rivals.py` adds SciPy and pymoo.
+//! `cargo run --release --manifest-path bench/opt/Cargo.toml [-- fronts]` prints CSV; `bench/opt/rivals.py` puts
+//! SciPy and pymoo beside it.
 
 #[path = "../../../crates/opt/tests/literature/luksan_vlcek_linear.rs"]
 mod luksan_vlcek_linear;
@@ -11,12 +12,16 @@ mod other;
 #[path = "../../../crates/opt/tests/literature/suite.rs"]
 mod suite;
 
+#[allow(dead_code, reason = "shared with the tests")]
+#[path = "../../../crates/opt/tests/fronts/problems.rs"]
+mod fronts;
+
 mod basin_slsqp;
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use grouser_opt::{Method, Problem, Settings, solve};
+use grouser_opt::{Method, ParetoSettings, Problem, Settings, hypervolume, pareto, solve};
 
 /// The best of several repetitions, in microseconds.
 fn microseconds(mut job: impl FnMut()) -> f64 {
@@ -29,8 +34,38 @@ fn microseconds(mut job: impl FnMut()) -> f64 {
     best
 }
 
+/// Hypervolume and time of a front before and after polishing.
+fn front(name: &str, (problem, settings): (Problem<'_>, ParetoSettings)) {
+    let reference = vec![1.1; problem.objectives().len()];
+    let measure = |polish: bool| {
+        let settings = ParetoSettings {
+            polish,
+            ..settings.clone()
+        };
+        let front = pareto(&problem, &settings).expect("valid settings");
+        let mut seconds = f64::INFINITY;
+        for _ in 0..5 {
+            let start = Instant::now();
+            black_box(pareto(&problem, &settings).expect("valid settings"));
+            seconds = seconds.min(start.elapsed().as_secs_f64());
+        }
+        let volume = hypervolume(&front.objectives(), &reference).expect("a finite front");
+        (volume, seconds)
+    };
+    let ((volume, seconds), (volume_polished, seconds_polished)) = (measure(false), measure(true));
+    println!("{name},{volume:.6},{seconds:.4},{volume_polished:.6},{seconds_polished:.4}");
+}
+
 fn main() {
-    println!("problem,optimum,ours,ours_jacobians,ours_us,ours_ok,basin,basin_jacobians,basin_us,basin_ok");
+    if std::env::args().any(|argument| argument == "fronts") {
+        println!("problem,volume,seconds,volume_polished,seconds_polished");
+        front("ZDT1", fronts::zdt1());
+        front("DTLZ2", fronts::dtlz2());
+        return;
+    }
+    println!(
+        "problem,optimum,ours,ours_jacobians,ours_us,ours_ok,basin,basin_jacobians,basin_us,basin_ok"
+    );
     for case in suite::all() {
         let problem = Problem::new((case.params)()).expect("a published problem");
         let settings = Settings::default();

@@ -25,6 +25,8 @@ pub(super) fn cross(
     if random.uniform() >= crossover.probability {
         return;
     }
+    // Beyond this β the cut is below rounding.
+    let far = 1e17_f64.powf(1.0 / (crossover.eta + 1.0));
     let exponent = 1.0 / (crossover.eta + 1.0);
     for i in 0..a.len() {
         let swap = random.uniform() < 0.5;
@@ -33,18 +35,33 @@ pub(super) fn cross(
         }
         let (low, high) = (a[i].min(b[i]), a[i].max(b[i]));
         let u = random.uniform();
-        let spread = |room: f64| {
+        // α = 2 − β^−(η+1): the part of the density that the bound cuts off. Far from it that is nothing, and
+        // both children spread alike.
+        let cut = |room: f64| {
             let beta = 1.0 + 2.0 * room / (high - low);
-            let alpha = 2.0 - beta.powf(-(crossover.eta + 1.0));
+            2.0 - if beta > far {
+                0.0
+            } else {
+                beta.powf(-(crossover.eta + 1.0))
+            }
+        };
+        let spread = |alpha: f64| {
             if u <= 1.0 / alpha {
                 (u * alpha).powf(exponent)
             } else {
                 (1.0 / (2.0 - u * alpha)).powf(exponent)
             }
         };
+        let (alpha_one, alpha_two) = (cut(low - lower[i]), cut(upper[i] - high));
+        let spread_one = spread(alpha_one);
+        let spread_two = if alpha_two == alpha_one {
+            spread_one
+        } else {
+            spread(alpha_two)
+        };
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let one = (middle - spread(low - lower[i]) * half).clamp(lower[i], upper[i]);
-        let two = (middle + spread(upper[i] - high) * half).clamp(lower[i], upper[i]);
+        let one = (middle - spread_one * half).clamp(lower[i], upper[i]);
+        let two = (middle + spread_two * half).clamp(lower[i], upper[i]);
         (a[i], b[i]) = if swap { (two, one) } else { (one, two) };
     }
 }

@@ -50,6 +50,11 @@ impl Curvature {
         self.fresh = true;
     }
 
+    /// The scale of the latest start, B = scale · I.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     pub(super) fn is_fresh(&self) -> bool {
         self.fresh
     }

@@ -340,6 +340,13 @@ impl Sqp<'_, '_, '_> {
         let lower: Vec<f64> = Self::room(&self.program.lower, model);
         let upper: Vec<f64> = Self::room(&self.program.upper, model);
         let factor = self.curvature.factor();
+        let guess;
+        let warm = if warm.is_empty() {
+            guess = guess_multipliers(rows, &lower, &upper, self.curvature.scale());
+            &guess
+        } else {
+            warm
+        };
         Qp {
             factor: &factor,
             rows,
@@ -420,4 +427,25 @@ impl Sqp<'_, '_, '_> {
         };
         (stationarity / scale).max(complementarity / allowed)
     }
+}
+
+/// Where to begin without multipliers: the highest objective decides, and every bound that its step would
+/// pass takes what pushes against it, which is right for B = scale · I and this objective alone. Spares the
+/// subproblem finding the bounds one by one.
+fn guess_multipliers(rows: &Rows, lower: &[f64], upper: &[f64], scale: f64) -> Vec<f64> {
+    let (count, n) = (rows.kinds.len(), lower.len());
+    let mut guess = vec![0.0; count + 2 * n];
+    let highest = (0..count)
+        .filter(|&row| rows.kinds[row] == RowKind::Objective)
+        .max_by(|&a, &b| rows.offsets[a].total_cmp(&rows.offsets[b]));
+    let Some(highest) = highest else {
+        return guess;
+    };
+    guess[highest] = 1.0;
+    let gradient = &rows.gradients[highest * n..(highest + 1) * n];
+    for (i, g) in gradient.iter().enumerate() {
+        guess[count + 2 * i] = (g + scale * lower[i]).max(0.0);
+        guess[count + 2 * i + 1] = (-g - scale * upper[i]).max(0.0);
+    }
+    guess
 }

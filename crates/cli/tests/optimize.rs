@@ -1,0 +1,298 @@
+//! The verbs `optimize` and `paper` from outside: keys, order, exit codes, files, and what bad input gets.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn grouser(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .current_dir(root())
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    let text = std::str::from_utf8(&output.stdout).unwrap();
+    assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
+    serde_json::from_str(text).unwrap()
+}
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path =
+            std::env::temp_dir().join(format!("grouser-optimize-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        fs::write(self.0.join(name), text).unwrap();
+        self.path(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const PAGE: &str = r#"
+format = 1
+method = "minimax"
+[variables]
+x1 = { start = 0.1, lower = -10.0, upper = 10.0 }
+x2 = { start = 0.1, lower = -10.0, upper = 10.0 }
+[objectives]
+f1 = "2*x1^2 + x2^2 - 48*x1 - 40*x2 + 304"
+f2 = "-x1^2 - 3*x2^2"
+f3 = "x1 + 3*x2 - 18"
+f4 = "-x1 - x2"
+f5 = "x1 + x2 - 8"
+[constraints]
+g1 = "x1 + 3*x2 <= 18"
+"#;
+
+fn keys(object: &Value) -> Vec<&str> {
+    let object = object.as_object().unwrap();
+    object.keys().map(String::as_str).collect()
+}
+
+#[test]
+fn every_key_of_the_contract_is_there_in_the_order_of_the_file() {
+    let folder = Folder::new("keys");
+    let problem = folder.file("page.toml", PAGE);
+    let output = grouser(&["optimize", &problem, "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let found = json(&output);
+    for key in [
+        "status",
+        "x",
+        "objectives",
+        "max",
+        "objective_multipliers",
+        "constraint_multipliers",
+        "active",
+        "kkt",
+        "iterations",
+        "values",
+        "jacobians",
+        "starts",
+        "front",
+        "attainment",
+        "provenance",
+    ] {
+        assert!(found.get(key).is_some(), "{key}");
+    }
+    assert_eq!(found["status"], "converged");
+    assert_eq!(keys(&found["x"]), ["x1", "x2"]);
+    assert_eq!(keys(&found["objectives"]), ["f1", "f2", "f3", "f4", "f5"]);
+    assert_eq!(keys(&found["constraint_multipliers"]), ["g1"]);
+    assert!((found["x"]["x1"].as_f64().unwrap() - 4.0).abs() < 1e-6);
+    assert!(found["max"].as_f64().unwrap().abs() < 1e-6);
+    let shares = found["objective_multipliers"].as_object().unwrap();
+    let sum: f64 = shares.values().map(|v| v.as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-12);
+    assert_eq!(found["starts"].as_array().unwrap().len(), 1);
+    assert_eq!(keys(&found["starts"][0]), ["x", "max", "status"]);
+    assert!(found["front"].is_null() && found["attainment"].is_null());
+    assert!(found["provenance"]["seed"].is_null());
+}
+
+#[test]
+fn text_says_what_binds_and_what_it_costs() {
+    let output = grouser(&["optimize", "examples/problems/dry-sand-wheel.toml"]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for words in [
+        "its upper bound, 0.25",
+        "binds",
+        "attainment γ",
+        "1 % better `efficiency` costs",
+    ] {
+        assert!(text.contains(words), "{words} in\n{text}");
+    }
+}
+
+#[test]
+fn a_front_with_its_knee_as_json_table_and_figure() {
+    let folder = Folder::new("front");
+    let (table, figure, picture) = (
+        folder.path("f.csv"),
+        folder.path("f.svg"),
+        folder.path("f.png"),
+    );
+    let problem = "examples/problems/pull-against-torque.toml";
+    let output = grouser(&[
+        "optimize", problem, "--json", "-o", &table, "-o", &figure, "-o", &picture,
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let found = json(&output);
+    let front = found["front"].as_array().unwrap();
+    assert!(front.len() > 40);
+    assert_eq!(keys(&front[0]["objectives"]), ["pull_lost", "torque"]);
+    assert!(found["provenance"]["seed"] == 1);
+    let knee = usize::try_from(found["knee"].as_u64().unwrap()).unwrap();
+    assert_eq!(found["x"], front[knee]["x"]);
+    let table = fs::read_to_string(table).unwrap();
+    assert_eq!(table.lines().count(), front.len() + 1);
+    assert!(table.starts_with("radius_m,width_m,slip,pull_lost,torque,knee\n"));
+    assert!(fs::read_to_string(figure).unwrap().starts_with("<svg"));
+    assert!(fs::read(picture).unwrap().starts_with(b"\x89PNG"));
+    // The same again, to the bit.
+    assert_eq!(
+        json(&grouser(&["optimize", problem, "--json"]))["front"],
+        found["front"]
+    );
+}
+
+#[test]
+fn no_result_is_exit_1_with_its_json() {
+    let folder = Folder::new("infeasible");
+    let problem = folder.file(
+        "p.toml",
+        "method = \"minimax\"\n[variables]\nx = { start = 5.0 }\n[objectives]\nf = \"x\"\n[constraints]\nlow = \"x <= 1\"\nhigh = \"x >= 3\"\n",
+    );
+    let output = grouser(&["optimize", &problem, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let found = json(&output);
+    assert_eq!(found["status"], "no_feasible_point");
+    let sum: f64 = found["violated"]
+        .as_object()
+        .unwrap()
+        .values()
+        .map(|v| v.as_f64().unwrap())
+        .sum();
+    assert!((sum - 2.0).abs() < 1e-6);
+    assert!(
+        String::from_utf8(output.stderr)
+            .unwrap()
+            .contains("`low` by")
+    );
+    for (text, status) in [
+        ("f = \"-x^3\"", "unbounded"),
+        ("f = \"ln(x - 9)\"", "not_finite"),
+    ] {
+        let problem = folder.file(
+            "q.toml",
+            &format!(
+                "method = \"minimax\"\n[variables]\nx = {{ start = 5.0 }}\n[objectives]\n{text}\n"
+            ),
+        );
+        let output = grouser(&["optimize", &problem, "--json"]);
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert_eq!(json(&output)["status"], status);
+    }
+}
+
+#[test]
+fn bad_problems_are_exit_2_and_leave_nothing() {
+    let folder = Folder::new("bad");
+    let missing = folder.path("none.toml");
+    let broken = folder.file("broken.toml", "method = ");
+    let unknown = folder.file("unknown.toml", &PAGE.replace("x1 + x2 - 8", "x1 + x3 - 8"));
+    let deep = folder.file(
+        "deep.toml",
+        &PAGE.replace(
+            "x1 + x2 - 8",
+            &format!("{}x1{}", "(".repeat(300), ")".repeat(300)),
+        ),
+    );
+    let starts = folder.file(
+        "starts.toml",
+        &PAGE
+            .replace("method", "starts = 5\nmethod")
+            .replace(", upper = 10.0", ""),
+    );
+    for (problem, message) in [
+        (&missing, "none.toml"),
+        (&broken, "broken.toml:1:"),
+        (&unknown, "column 6: nothing is called `x3`"),
+        (&deep, "column 201: parentheses nest deeper than 200"),
+        (&starts, "needs finite ones"),
+    ] {
+        let table = folder.path("out.csv");
+        let output = grouser(&["optimize", problem, "--json", "-o", &table]);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(output.stdout.is_empty());
+        assert!(
+            told.starts_with("error: ") && told.contains(message),
+            "{told}"
+        );
+        assert!(!Path::new(&table).exists());
+    }
+}
+
+#[test]
+fn the_paper_is_written_and_its_slip_is_not_claimed() {
+    let folder = Folder::new("paper");
+    let target = folder.path("out");
+    let output = grouser(&["paper", "-o", &target, "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let found = json(&output);
+    assert_eq!(found["printed_slip_claimed"], false);
+    let verdicts: Vec<&str> = found["statements"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["verdict"].as_str().unwrap())
+        .collect();
+    for verdict in ["reproduced", "reproduced in part", "not possible"] {
+        assert!(verdicts.contains(&verdict), "{verdict}");
+    }
+    for file in found["files"].as_array().unwrap() {
+        let path = Path::new(&target).join(file.as_str().unwrap());
+        assert!(fs::metadata(&path).unwrap().len() > 0, "{}", path.display());
+    }
+    // Figure 9 against MODEL.md, section 5: r = 70 mm, z = 10 and 30 mm at 32 degrees, one outside the contact.
+    let table = fs::read_to_string(Path::new(&target).join("figure-9.csv")).unwrap();
+    let near = |line: &str, z: f64| -> (f64, bool) {
+        table
+            .lines()
+            .filter(|row| row.starts_with(line))
+            .map(|row| row.split(',').collect::<Vec<_>>())
+            .map(|cells| {
+                (
+                    cells[1].parse::<f64>().unwrap(),
+                    cells[2].parse::<f64>().unwrap(),
+                    cells[4] == "true",
+                )
+            })
+            .min_by(|a, b| (a.0 - z).abs().total_cmp(&(b.0 - z).abs()))
+            .map(|(_, slip, inside)| (slip, inside))
+            .unwrap()
+    };
+    let (slip, inside) = near("r = 70 mm", 10.0);
+    assert!((slip + 0.1729).abs() < 2e-3 && !inside, "{slip}");
+    let (slip, inside) = near("r = 70 mm", 30.0);
+    assert!((slip + 0.3897).abs() < 2e-3 && inside, "{slip}");
+    let page = fs::read_to_string(Path::new(&target).join("paper.html")).unwrap();
+    assert!(page.contains("not claimed") && page.contains("figure-10.svg"));
+    // Each reading that is written is a problem that can be solved.
+    let reading = Path::new(&target).join("problem-as-printed-in-pa.toml");
+    assert_eq!(
+        grouser(&["optimize", reading.to_str().unwrap()])
+            .status
+            .code(),
+        Some(0)
+    );
+    // A file in the folder's place is refused.
+    let taken = folder.file("taken", "");
+    assert_eq!(grouser(&["paper", "-o", &taken]).status.code(), Some(2));
+}
