@@ -49,7 +49,11 @@ pub(super) fn draw(soil: &str, families: &[Family]) -> Figure {
 }
 
 fn panel(title: &str, families: &[Family], quantity: Quantity) -> Chart {
-    let mut chart = Chart::new(Axis::new("Slip ratio *s*"), Axis::new(title));
+    let [low, high] = axis(families);
+    let mut chart = Chart::new(
+        Axis::new("Slip ratio *s*").range(low, high),
+        Axis::new(title),
+    );
     for (index, family) in families.iter().enumerate() {
         let points = family.points.iter().map(|(slip, answer)| {
             let value = answer.point.as_ref().and_then(quantity);
@@ -66,6 +70,17 @@ fn panel(title: &str, families: &[Family], quantity: Quantity) -> Chart {
         );
     }
     chart
+}
+
+/// One slip axis for all panels, so that they compare: out to the next fifth.
+fn axis(families: &[Family]) -> [f64; 2] {
+    let [low, high] = range(families);
+    // a fifth that the ends meet but for rounding is theirs
+    let (low, high) = (
+        (5.0 * low + 1e-9).floor() / 5.0,
+        (5.0 * high - 1e-9).ceil() / 5.0,
+    );
+    [low, high.max(low + 0.2)]
 }
 
 fn range(families: &[Family]) -> [f64; 2] {
