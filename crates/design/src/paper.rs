@@ -1,4 +1,4 @@
-//! The optimisation problem of [Ani2012] under several readings, and the curve on which its printed
+//! The optimisation problem of Ani et al. (2012) under several readings, and the curve on which its printed
 //! optimum lies.
 //!
 //! The paper prints nine variables, three objectives and the method; not the bounds, the start, the scaling,
@@ -104,7 +104,7 @@ impl Reading {
 /// The z/r at which |S_0| is `magnitude` at the angle `theta` (rad): S_0 depends on these two alone.
 /// `None` where no sinkage below the hub gives it.
 ///
-/// Source: [Ani2012] (P19), solved by bisection to rounding; |S_0| grows with z.
+/// Source: Ani et al. 2012 (P19), solved by bisection to rounding; |S_0| grows with z.
 ///
 /// ```
 /// use grouser_design::paper::sinkage_ratio_of_slip;
