@@ -14,6 +14,7 @@ mod estimate_figure;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod log;
 mod slip_model;
 mod slip_model_figure;
 mod slip_model_grid;
@@ -35,6 +36,7 @@ pub(crate) enum Verb {
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
+    Log(log::Arguments),
 }
 
 /// Runs the verb.
@@ -46,5 +48,6 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
+        Verb::Log(arguments) => log::run(&arguments, session),
     }
 }

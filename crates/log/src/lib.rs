@@ -25,14 +25,18 @@
 //! The primary type is [`Log`]. It knows nothing of robots or slip.
 #![forbid(unsafe_code)]
 
+pub mod container;
 mod csv;
 mod error;
 mod log;
+pub mod message;
 mod order;
 mod record;
 mod source;
+mod survey;
 
 pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use record::{Reading, Record};
+pub use survey::{Survey, Topic, Use};
