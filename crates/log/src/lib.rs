@@ -22,6 +22,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! MCAP files and ROS 1 bags are read message by message by [`container::Container`], whole or damaged,
+//! and decoded by the definitions they hold ([`message::Decoder`]); [`Survey`] tells what one holds.
+//!
 //! The primary type is [`Log`]. It knows nothing of robots or slip.
 #![forbid(unsafe_code)]
 

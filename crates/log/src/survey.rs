@@ -9,8 +9,8 @@ use crate::message::{Decoder, View};
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
 const BINS: usize = 512;
-/// An interval this many times the median is a gap.
-const GAP: f64 = 5.0;
+/// An interval of more than about five times the median is a gap: so many bins above it, 8 log2 5.
+const GAP_BINS: usize = 19;
 /// A clock that goes back by more than this jumps, ns: less is the order in which topics were recorded.
 const JUMP_NS: u64 = 100_000_000;
 /// This many damages are kept; more are only counted.
@@ -251,7 +251,7 @@ impl Tally {
         });
         // A topic without a rhythm has no gaps.
         if let Some(median) = median.filter(|_| total >= 8) {
-            let first = median + (BINS_PER_DOUBLING * GAP.log2()).ceil() as usize + 1;
+            let first = median + GAP_BINS + 1;
             topic.gaps = self
                 .bins
                 .iter()

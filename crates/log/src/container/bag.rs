@@ -17,6 +17,7 @@ const CONNECTION: u8 = 7;
 const HEADER_LIMIT: u64 = 1 << 20;
 /// How long the header of a chunk may be for it to be found after damage, bytes.
 const CHUNK_HEADER: usize = 96;
+const CHUNK_FIELDS: std::ops::Range<u32> = 16..88;
 
 /// One field of a header, by name.
 fn field<'a>(header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
@@ -293,7 +294,7 @@ fn is_chunk(bytes: &[u8], left: u64) -> bool {
         // Cheap: the header of a chunk is short, and its first field too.
         let length = fields
             .u32()
-            .filter(|length| (16..CHUNK_HEADER as u32 - 8).contains(length))?;
+            .filter(|length| CHUNK_FIELDS.contains(length))?;
         let header = fields.bytes(length as usize)?;
         let data = fields.u32()?;
         Some(

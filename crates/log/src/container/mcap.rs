@@ -14,6 +14,7 @@ const SCHEMA: u8 = 3;
 const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
+const STATISTICS: u8 = 11;
 const DATA_END: u8 = 15;
 /// Opcode and length.
 const HEAD: u64 = 9;
@@ -42,6 +43,7 @@ impl Container {
                 self.ids.clear();
                 self.schemas.clear();
                 self.closed = false;
+                self.messages = 0;
                 self.scan.begin_crc(&MAGIC);
             }
             return Ok(None);
@@ -53,8 +55,11 @@ impl Container {
             return Ok(None);
         };
         let here = self.scan.left();
+        let passed_over = self.passed_over.take();
         let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
-        if !known || (length > here && opcode != CHUNK && opcode != MESSAGE) {
+        if !known
+            || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
+        {
             return self
                 .mcap_resume(offset, "no record begins here")
                 .map(|()| None);
@@ -84,22 +89,8 @@ impl Container {
                     None
                 }));
             }
-            DATA_END => {
-                let mut record = Vec::new();
-                self.scan.read(length.min(4), &mut record)?;
-                self.scan.skip(length.saturating_sub(4))?;
-                let stored = Fields(&record).u32().unwrap_or(0);
-                if stored != 0
-                    && let Some(crc) = before
-                    && stored != crc
-                {
-                    self.lose(
-                        offset,
-                        0,
-                        format!("the CRC of the data is {crc:08x}, but {stored:08x} is stored: something before is not as it was written"),
-                    );
-                }
-            }
+            STATISTICS => self.mcap_statistics(offset, length)?,
+            DATA_END => self.mcap_data_end(offset, length, before)?,
             FOOTER => {
                 self.scan.skip(length)?;
                 let mut end = Vec::new();
@@ -113,10 +104,39 @@ impl Container {
                 }
             }
             _ => {
+                self.passed_over = Some(offset);
                 self.scan.skip(length)?;
             }
         }
         Ok(None)
+    }
+
+    /// Are all messages there that the file says it holds?
+    fn mcap_statistics(&mut self, offset: u64, length: u64) -> io::Result<()> {
+        let mut record = Vec::new();
+        self.scan.read(length.min(8), &mut record)?;
+        self.scan.skip(length.saturating_sub(8))?;
+        let found = self.messages;
+        if let Some(written) = Fields(&record).u64()
+            && written != found
+        {
+            let what = format!("the file says {written} messages, but {found} were read");
+            self.lose(offset, 0, what);
+        }
+        Ok(())
+    }
+
+    /// Is all of the data as it was written? `crc` is that of what stands before.
+    fn mcap_data_end(&mut self, offset: u64, length: u64, crc: Option<u32>) -> io::Result<()> {
+        let mut record = Vec::new();
+        self.scan.read(length.min(4), &mut record)?;
+        self.scan.skip(length.saturating_sub(4))?;
+        let stored = Fields(&record).u32().unwrap_or(0);
+        if let Some(crc) = crc.filter(|crc| stored != 0 && *crc != stored) {
+            let what = format!("the CRC of the data is {crc:08x}, but {stored:08x} is stored");
+            self.lose(offset, 0, what);
+        }
+        Ok(())
     }
 
     /// Looks for the next chunk after a place that makes no sense.
@@ -316,6 +336,7 @@ impl Container {
                         "a message belongs to channel {id}, which is not there"
                     ));
                 };
+                self.messages += 1;
                 Ok(Some(Found {
                     channel,
                     log_time_ns,

@@ -149,6 +149,10 @@ pub struct Container {
     index_at: Option<u64>,
     closed: bool,
     ended: bool,
+    /// Where the record began that was passed over last, if nothing was read since: its length may lie.
+    passed_over: Option<u64>,
+    /// Messages of this file so far.
+    messages: u64,
 }
 
 impl Container {
@@ -211,6 +215,8 @@ impl Container {
             index_at: None,
             closed: false,
             ended: false,
+            passed_over: None,
+            messages: 0,
         })
     }
 
