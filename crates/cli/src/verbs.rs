@@ -14,6 +14,7 @@ mod estimate_figure;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod log;
 mod optimize;
 mod optimize_csv;
 mod optimize_figure;
@@ -47,6 +48,7 @@ pub(crate) enum Verb {
     Estimate(estimate::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
+    Log(log::Arguments),
 }
 
 /// Runs the verb.
@@ -60,5 +62,6 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
+        Verb::Log(arguments) => log::run(&arguments, session),
     }
 }

@@ -127,6 +127,24 @@ pub enum Error {
         /// What the map's tables ask for.
         patterns: String,
     },
+    /// A log in another version of its format.
+    #[error("{file}: is {format} version {found:?}; known is {known:?}")]
+    Version {
+        /// The file.
+        file: String,
+        /// The format.
+        format: &'static str,
+        /// The version that it declares.
+        found: String,
+        /// The version that is read.
+        known: String,
+    },
+    /// Neither an MCAP file nor a ROS 1 bag.
+    #[error("{file}: is neither an MCAP file nor a ROS 1 bag")]
+    NotALog {
+        /// The file.
+        file: String,
+    },
     /// Two files for one table.
     #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
     TwoFiles {

@@ -22,17 +22,24 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! MCAP files and ROS 1 bags are read message by message by [`container::Container`], whole or damaged,
+//! and decoded by the definitions they hold ([`message::Decoder`]); [`Survey`] tells what one holds.
+//!
 //! The primary type is [`Log`]. It knows nothing of robots or slip.
 #![forbid(unsafe_code)]
 
+pub mod container;
 mod csv;
 mod error;
 mod log;
+pub mod message;
 mod order;
 mod record;
 mod source;
+mod survey;
 
 pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use record::{Reading, Record};
+pub use survey::{Survey, Topic, Use};

@@ -1,0 +1,310 @@
+//! The records of ROS 1 bags, version 2.0.
+
+use std::io;
+
+use super::unpack::{Packing, unpack};
+use super::{CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found};
+
+pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+
+const MESSAGE: u8 = 2;
+const BAG_HEADER: u8 = 3;
+const INDEX: u8 = 4;
+const CHUNK: u8 = 5;
+const CHUNK_INFO: u8 = 6;
+const CONNECTION: u8 = 7;
+/// The greatest header of a record, bytes.
+const HEADER_LIMIT: u64 = 1 << 20;
+/// How long the header of a chunk may be for it to be found after damage, bytes.
+const CHUNK_HEADER: usize = 96;
+const CHUNK_FIELDS: std::ops::Range<u32> = 16..88;
+
+/// One field of a header, by name.
+fn field<'a>(header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
+    let mut fields = Fields(header);
+    while let Some(pair) = fields.counted() {
+        let at = pair.iter().position(|byte| *byte == b'=')?;
+        if &pair[..at] == name {
+            return Some(&pair[at + 1..]);
+        }
+    }
+    None
+}
+
+fn number(header: &[u8], name: &[u8]) -> Option<u32> {
+    field(header, name).and_then(|bytes| Fields(bytes).u32())
+}
+
+fn opcode(header: &[u8]) -> Option<u8> {
+    match field(header, b"op")? {
+        [op] => Some(*op),
+        _ => None,
+    }
+}
+
+impl Container {
+    /// One record from the file.
+    pub(super) fn bag_record(&mut self) -> io::Result<Option<Found>> {
+        let offset = self.scan.offset();
+        if self.scan.left() == 0 {
+            self.ended = true;
+            self.bag_end(offset);
+            return Ok(None);
+        }
+        let mut head = Vec::new();
+        if offset > 0 && self.scan.left() >= MAGIC.len() as u64 {
+            self.scan.read(MAGIC.len() as u64, &mut head)?;
+            if head == MAGIC {
+                // A second bag behind the first.
+                self.bag_end(offset);
+                self.ids.clear();
+                (self.chunks, self.promised_chunks, self.index_at) = (0, None, None);
+                return Ok(None);
+            }
+            self.scan.go_to(offset)?;
+        }
+        if !self.scan.read(4, &mut head)? {
+            return Ok(self.bag_cut(offset, "the file ends within a record"));
+        }
+        let length = u64::from(Fields(&head).u32().unwrap_or(0));
+        if length > HEADER_LIMIT {
+            let what =
+                format!("a header declares {length} bytes, more than the limit of {HEADER_LIMIT}");
+            return self.bag_resume(offset, &what).map(|()| None);
+        }
+        let mut header = Vec::new();
+        if !self.scan.read(length, &mut header)? {
+            return self
+                .bag_resume(offset, "the file ends within a header")
+                .map(|()| None);
+        }
+        let Some(op) = opcode(&header) else {
+            return self
+                .bag_resume(offset, "no record begins here")
+                .map(|()| None);
+        };
+        if !self.scan.read(4, &mut head)? {
+            return Ok(self.bag_cut(offset, "the file ends within a record"));
+        }
+        let length = u64::from(Fields(&head).u32().unwrap_or(0));
+        let left = self.scan.left();
+        let cut = length > left;
+        if op == CHUNK {
+            return self
+                .bag_chunk(offset, &header, length.min(left), cut)
+                .map(|()| None);
+        }
+        if cut || (length > CHUNK_LIMIT && matches!(op, MESSAGE | CONNECTION)) {
+            let what = format!(
+                "a record declares {length} bytes; {left} are left, the limit is {CHUNK_LIMIT}"
+            );
+            return self.bag_resume(offset, &what).map(|()| None);
+        }
+        match op {
+            MESSAGE | CONNECTION => {
+                let mut record = std::mem::take(&mut self.record);
+                let read = self.scan.read(length, &mut record);
+                self.record = record;
+                read?;
+                let record = std::mem::take(&mut self.record);
+                let done = self.bag_content(op, &header, &record, (0, false));
+                self.record = record;
+                return Ok(done.unwrap_or_else(|what| {
+                    self.lose(offset, self.scan.offset() - offset, what);
+                    None
+                }));
+            }
+            BAG_HEADER => {
+                self.promised_chunks = number(&header, b"chunk_count").map(u64::from);
+                self.index_at = field(&header, b"index_pos").and_then(|bytes| Fields(bytes).u64());
+            }
+            INDEX | CHUNK_INFO => {}
+            _ => {
+                let what = format!("the record's kind {op} is not known");
+                return self.bag_resume(offset, &what).map(|()| None);
+            }
+        }
+        self.scan.skip(length)?;
+        Ok(None)
+    }
+
+    /// Was the bag closed, and are all chunks there?
+    fn bag_end(&mut self, offset: u64) {
+        let (chunks, promised) = (self.chunks, self.promised_chunks);
+        match (self.index_at, promised) {
+            (Some(at), Some(promised)) if at > 0 && chunks < promised => {
+                self.lose(
+                    offset,
+                    0,
+                    format!("the bag promises {promised} chunks, but {chunks} are there"),
+                );
+            }
+            (Some(0) | None, _) => {
+                self.lose(offset, 0, "the bag was not closed: it has no index");
+            }
+            _ => {}
+        }
+    }
+
+    fn bag_cut(&mut self, offset: u64, what: &str) -> Option<Found> {
+        self.ended = true;
+        self.lose(offset, self.scan.offset() + self.scan.left() - offset, what);
+        None
+    }
+
+    /// Looks for the next chunk after a place that makes no sense.
+    fn bag_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
+        self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
+        self.lose(offset, self.scan.offset() - offset, what);
+        Ok(())
+    }
+
+    fn bag_chunk(&mut self, offset: u64, header: &[u8], length: u64, cut: bool) -> io::Result<()> {
+        self.chunks += 1;
+        let packing = field(header, b"compression").and_then(Packing::named);
+        let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
+            return self.bag_resume(offset, "the chunk's compression or size is not known");
+        };
+        let mut record = std::mem::take(&mut self.record);
+        let read = self.scan.read(length, &mut record);
+        self.record = record;
+        read?;
+        let mut content = std::mem::take(&mut self.chunk.content);
+        let unpacked = unpack(packing, &self.record, declared.into(), &mut content);
+        self.chunk = Chunk {
+            content,
+            at: 0,
+            offset,
+            bytes: self.scan.offset() - offset,
+            cut,
+        };
+        if cut {
+            // A length that lies looks like a cut: what stands behind it is looked for.
+            self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
+            self.chunk.bytes = self.scan.offset() - offset;
+            self.lose(
+                offset,
+                self.chunk.bytes,
+                "the file ends within a chunk; its readable part is kept",
+            );
+        } else if let Err(what) = unpacked {
+            // A bag has no checksums: what came before the fault is kept.
+            self.chunk.cut = true;
+            self.lose(offset, self.chunk.bytes, what);
+        }
+        Ok(())
+    }
+
+    /// The next record of the chunk.
+    pub(super) fn bag_in_chunk(&mut self) -> Option<Found> {
+        let content = std::mem::take(&mut self.chunk.content);
+        let rest = content.get(self.chunk.at..).unwrap_or_default();
+        let mut fields = Fields(rest);
+        let parts = (|| Some((fields.counted()?, fields.counted()?)))();
+        let done = parts.map(|(header, data)| {
+            let end = content.len() - fields.0.len();
+            let start = end - data.len();
+            self.chunk.at = end;
+            match opcode(header) {
+                Some(op) => self.bag_content(op, header, data, (start, true)),
+                None => Err("a record of the chunk has no kind".to_owned()),
+            }
+        });
+        self.chunk.content = content;
+        match done {
+            None => {
+                self.lose_chunk("a record reaches past the end of its chunk");
+                None
+            }
+            Some(done) => done.unwrap_or_else(|what| {
+                self.lose(self.chunk.offset, 0, what);
+                None
+            }),
+        }
+    }
+
+    fn bag_content(
+        &mut self,
+        op: u8,
+        header: &[u8],
+        data: &[u8],
+        (start, in_chunk): (usize, bool),
+    ) -> Result<Option<Found>, String> {
+        let id = || number(header, b"conn").ok_or("a record names no connection");
+        match op {
+            CONNECTION => {
+                let id = id()?;
+                let name = |bytes: Option<&[u8]>, what| {
+                    let bytes = bytes.ok_or_else(|| format!("connection {id} has no {what}"))?;
+                    String::from_utf8(bytes.to_vec())
+                        .map_err(|_| format!("the {what} of connection {id} is not UTF-8 text"))
+                };
+                let channel = Channel {
+                    topic: name(field(header, b"topic"), "topic")?,
+                    type_name: name(field(data, b"type"), "type")?,
+                    encoding: Encoding::Ros1,
+                    encoding_name: "ros1".to_owned(),
+                    definition_language: "ros1msg".to_owned(),
+                    definition: field(data, b"message_definition")
+                        .unwrap_or_default()
+                        .to_vec(),
+                };
+                if self.channels.len() >= CHANNEL_LIMIT {
+                    return Err(format!("there are more than {CHANNEL_LIMIT} connections"));
+                }
+                if self.enter(id, channel) {
+                    Ok(None)
+                } else {
+                    Err(format!(
+                        "connection {id} is declared again as another: the first is kept"
+                    ))
+                }
+            }
+            MESSAGE => {
+                let id = id()?;
+                let mut time = Fields(field(header, b"time").unwrap_or_default());
+                let (Some(s), Some(ns)) = (time.u32(), time.u32()) else {
+                    return Err("a message has no time".to_owned());
+                };
+                let Some(&channel) = self.ids.get(&id) else {
+                    return Err(format!(
+                        "a message belongs to connection {id}, which is not there"
+                    ));
+                };
+                let time_ns = u64::from(s) * 1_000_000_000 + u64::from(ns);
+                Ok(Some(Found {
+                    channel,
+                    log_time_ns: time_ns,
+                    publish_time_ns: time_ns,
+                    sequence: 0,
+                    in_chunk,
+                    start,
+                    end: start + data.len(),
+                }))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Does a chunk begin here, by all that its header says?
+fn is_chunk(bytes: &[u8], left: u64) -> bool {
+    let mut fields = Fields(bytes);
+    let check = (|| {
+        // Cheap: the header of a chunk is short, and its first field too.
+        let length = fields
+            .u32()
+            .filter(|length| CHUNK_FIELDS.contains(length))?;
+        let header = fields.bytes(length as usize)?;
+        let data = fields.u32()?;
+        Some(
+            opcode(header) == Some(CHUNK)
+                && field(header, b"compression")
+                    .and_then(Packing::named)
+                    .is_some()
+                && number(header, b"size").is_some()
+                && u64::from(data) < left,
+        )
+    })();
+    check == Some(true)
+}

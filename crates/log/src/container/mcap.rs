@@ -1,0 +1,379 @@
+//! The records of MCAP.
+
+use std::io;
+
+use super::unpack::{Packing, unpack};
+use super::{
+    CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, Schema,
+};
+
+pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+const FOOTER: u8 = 2;
+const SCHEMA: u8 = 3;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+const STATISTICS: u8 = 11;
+const DATA_END: u8 = 15;
+/// Opcode and length.
+const HEAD: u64 = 9;
+/// What a chunk has before its compression's name.
+const CHUNK_HEAD: u64 = 28;
+
+impl Container {
+    /// One record from the file.
+    pub(super) fn mcap_record(&mut self) -> io::Result<Option<Found>> {
+        let offset = self.scan.offset();
+        let left = self.scan.left();
+        let before = self.scan.crc();
+        if left == 0 {
+            self.ended = true;
+            if !self.closed {
+                self.lose(offset, 0, "the file ends without its footer");
+            }
+            return Ok(None);
+        }
+        let mut head = Vec::new();
+        self.scan.read(HEAD.min(left), &mut head)?;
+        if head.starts_with(&MAGIC) {
+            // The end of one file, or the start of one put behind it.
+            self.scan.go_to(offset + MAGIC.len() as u64)?;
+            if self.scan.left() > 0 {
+                self.ids.clear();
+                self.schemas.clear();
+                self.closed = false;
+                self.messages = 0;
+                self.scan.begin_crc(&MAGIC);
+            }
+            return Ok(None);
+        }
+        let mut fields = Fields(head.get(1..).unwrap_or_default());
+        let (opcode, Some(length)) = (head[0], fields.u64()) else {
+            self.ended = true;
+            self.lose(offset, left, "the file ends within a record");
+            return Ok(None);
+        };
+        let here = self.scan.left();
+        let passed_over = self.passed_over.take();
+        let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
+        if !known
+            || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
+        {
+            return self
+                .mcap_resume(offset, "no record begins here")
+                .map(|()| None);
+        }
+        if opcode == CHUNK {
+            return self
+                .mcap_chunk(offset, length.min(here), length > here)
+                .map(|()| None);
+        }
+        if length > here || (length > CHUNK_LIMIT && matches!(opcode, SCHEMA | CHANNEL | MESSAGE)) {
+            let what = format!(
+                "a record declares {length} bytes; {here} are left, the limit is {CHUNK_LIMIT}"
+            );
+            return self.mcap_resume(offset, &what).map(|()| None);
+        }
+        match opcode {
+            SCHEMA | CHANNEL | MESSAGE => {
+                let mut record = std::mem::take(&mut self.record);
+                let read = self.scan.read(length, &mut record);
+                self.record = record;
+                read?;
+                let record = std::mem::take(&mut self.record);
+                let done = self.mcap_content(opcode, &record, (0, false));
+                self.record = record;
+                return Ok(done.unwrap_or_else(|what| {
+                    self.lose(offset, HEAD + length, what);
+                    None
+                }));
+            }
+            STATISTICS => self.mcap_statistics(offset, length)?,
+            DATA_END => self.mcap_data_end(offset, length, before)?,
+            FOOTER => {
+                self.scan.skip(length)?;
+                let mut end = Vec::new();
+                self.scan.read(MAGIC.len() as u64, &mut end)?;
+                if end == MAGIC {
+                    self.closed = true;
+                } else {
+                    self.lose(offset, 0, "the footer is not followed by the magic bytes");
+                    self.closed = true;
+                    self.scan.go_to(offset + HEAD + length)?;
+                }
+            }
+            _ => {
+                self.passed_over = Some(offset);
+                self.scan.skip(length)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Are all messages there that the file says it holds?
+    fn mcap_statistics(&mut self, offset: u64, length: u64) -> io::Result<()> {
+        let mut record = Vec::new();
+        self.scan.read(length.min(8), &mut record)?;
+        self.scan.skip(length.saturating_sub(8))?;
+        let found = self.messages;
+        if let Some(written) = Fields(&record).u64()
+            && written != found
+        {
+            let what = format!("the file says {written} messages, but {found} were read");
+            self.lose(offset, 0, what);
+        }
+        Ok(())
+    }
+
+    /// Is all of the data as it was written? `crc` is that of what stands before.
+    fn mcap_data_end(&mut self, offset: u64, length: u64, crc: Option<u32>) -> io::Result<()> {
+        let mut record = Vec::new();
+        self.scan.read(length.min(4), &mut record)?;
+        self.scan.skip(length.saturating_sub(4))?;
+        let stored = Fields(&record).u32().unwrap_or(0);
+        if let Some(crc) = crc.filter(|crc| stored != 0 && *crc != stored) {
+            let what = format!("the CRC of the data is {crc:08x}, but {stored:08x} is stored");
+            self.lose(offset, 0, what);
+        }
+        Ok(())
+    }
+
+    /// Looks for the next chunk after a place that makes no sense.
+    fn mcap_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
+        let found = self.scan.find(offset + 1, 64, |bytes, left| {
+            bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
+        })?;
+        let to = found.unwrap_or(self.scan.offset());
+        if found.is_none() {
+            self.closed = true;
+        }
+        self.lose(offset, to - offset, what);
+        Ok(())
+    }
+
+    fn mcap_chunk(&mut self, offset: u64, length: u64, cut: bool) -> io::Result<()> {
+        let mut record = std::mem::take(&mut self.record);
+        let whole = self.scan.read(length, &mut record);
+        self.record = record;
+        whole?;
+        let mut fields = Fields(&self.record);
+        let head = (|| {
+            fields.bytes(16)?;
+            let (declared, crc) = (fields.u64()?, fields.u32()?);
+            let packing = fields.counted()?;
+            Some((declared, crc, packing, fields.u64()?))
+        })();
+        let Some((declared, crc, name, packed)) = head else {
+            if cut {
+                self.lose(
+                    offset,
+                    HEAD + length,
+                    "the file ends within the head of a chunk",
+                );
+                return Ok(());
+            }
+            return self.mcap_resume(offset, "the chunk is too short for its head");
+        };
+        let Some(packing) = Packing::named(name) else {
+            let name = String::from_utf8_lossy(name)
+                .chars()
+                .take(32)
+                .collect::<String>();
+            let what = format!("the chunk is compressed as `{name}`, which is not known");
+            return self.mcap_resume(offset, &what);
+        };
+        let rest = fields.0;
+        if packed > rest.len() as u64 && !cut {
+            let what = format!(
+                "the chunk holds {} bytes, but declares {packed}",
+                rest.len()
+            );
+            return self.mcap_resume(offset, &what);
+        }
+        let packed = &rest[..rest
+            .len()
+            .min(usize::try_from(packed).unwrap_or(usize::MAX))];
+        let mut content = std::mem::take(&mut self.chunk.content);
+        let unpacked = unpack(packing, packed, declared, &mut content);
+        let found = crc32fast::hash(&content);
+        self.chunk = Chunk {
+            content,
+            at: 0,
+            offset,
+            bytes: HEAD + length,
+            cut,
+        };
+        let wrong = if cut {
+            // A length that lies looks like a cut: what stands behind it is looked for.
+            let next = self.scan.find(offset + 1, 64, is_chunk)?;
+            self.chunk.bytes = next.unwrap_or(self.scan.offset()) - offset;
+            if next.is_none() {
+                self.closed = true;
+            }
+            Some("the file ends within a chunk; its readable part is kept".to_owned())
+        } else if let Err(what) = unpacked {
+            self.chunk.content.clear();
+            Some(what)
+        } else if crc != 0 && crc != found {
+            self.chunk.content.clear();
+            Some(format!(
+                "the CRC of the chunk is {found:08x}, but {crc:08x} is stored"
+            ))
+        } else {
+            None
+        };
+        if let Some(what) = wrong {
+            self.lose(offset, self.chunk.bytes, what);
+        }
+        Ok(())
+    }
+
+    /// The next record of the chunk.
+    pub(super) fn mcap_in_chunk(&mut self) -> Option<Found> {
+        let rest = self.chunk.content.get(self.chunk.at..)?;
+        let mut fields = Fields(rest);
+        let head = (|| Some((*fields.bytes(1)?.first()?, fields.u64()?)))();
+        let Some((opcode, length)) = head else {
+            self.lose_chunk("a record reaches past the end of its chunk");
+            return None;
+        };
+        if length > fields.0.len() as u64 {
+            self.lose_chunk("a record reaches past the end of its chunk");
+            return None;
+        }
+        let length = usize::try_from(length).unwrap_or(0);
+        let start = self.chunk.at + 9;
+        self.chunk.at = start + length;
+        let content = std::mem::take(&mut self.chunk.content);
+        let done = self.mcap_content(opcode, &content[start..start + length], (start, true));
+        self.chunk.content = content;
+        done.unwrap_or_else(|what| {
+            self.lose(self.chunk.offset, 0, what);
+            None
+        })
+    }
+
+    /// A record that may stand in a chunk; `base` is its place there.
+    fn mcap_content(
+        &mut self,
+        opcode: u8,
+        content: &[u8],
+        (base, in_chunk): (usize, bool),
+    ) -> Result<Option<Found>, String> {
+        let mut fields = Fields(content);
+        let short = || "a record is too short for its fields".to_owned();
+        match opcode {
+            SCHEMA => {
+                let id = fields.u16().ok_or_else(short)?;
+                let name = text(fields.counted().ok_or_else(short)?)?;
+                let language = text(fields.counted().ok_or_else(short)?)?;
+                let body = fields.counted().ok_or_else(short)?;
+                if let Some(old) = self.schemas.get(&id) {
+                    if old.name != name || old.text != body {
+                        return Err(format!(
+                            "schema {id} is declared again as another: the first is kept"
+                        ));
+                    }
+                } else {
+                    let text = body.to_vec();
+                    self.schemas.insert(
+                        id,
+                        Schema {
+                            name,
+                            language,
+                            text,
+                        },
+                    );
+                }
+                Ok(None)
+            }
+            CHANNEL => {
+                let id = fields.u16().ok_or_else(short)?;
+                let schema = fields.u16().ok_or_else(short)?;
+                let topic = text(fields.counted().ok_or_else(short)?)?;
+                let encoding_name = text(fields.counted().ok_or_else(short)?)?;
+                let schema = match (schema, self.schemas.get(&schema)) {
+                    (_, Some(found)) => Some(found),
+                    (0, None) => None,
+                    (id, None) => {
+                        return Err(format!(
+                            "channel `{topic}` has schema {id}, which is not there"
+                        ));
+                    }
+                };
+                let channel = Channel {
+                    type_name: schema.map(|s| s.name.clone()).unwrap_or_default(),
+                    definition_language: schema.map(|s| s.language.clone()).unwrap_or_default(),
+                    definition: schema.map(|s| s.text.clone()).unwrap_or_default(),
+                    encoding: match encoding_name.as_str() {
+                        "cdr" => Encoding::Cdr,
+                        "ros1" => Encoding::Ros1,
+                        "json" => Encoding::Json,
+                        _ => Encoding::Other,
+                    },
+                    topic,
+                    encoding_name,
+                };
+                if self.channels.len() >= CHANNEL_LIMIT {
+                    return Err(format!("there are more than {CHANNEL_LIMIT} channels"));
+                }
+                if self.enter(id.into(), channel) {
+                    Ok(None)
+                } else {
+                    Err(format!(
+                        "channel {id} is declared again as another: the first is kept"
+                    ))
+                }
+            }
+            MESSAGE => {
+                let id = fields.u16().ok_or_else(short)?;
+                let sequence = fields.u32().ok_or_else(short)?;
+                let log_time_ns = fields.u64().ok_or_else(short)?;
+                let publish_time_ns = fields.u64().ok_or_else(short)?;
+                let Some(&channel) = self.ids.get(&id.into()) else {
+                    return Err(format!(
+                        "a message belongs to channel {id}, which is not there"
+                    ));
+                };
+                self.messages += 1;
+                Ok(Some(Found {
+                    channel,
+                    log_time_ns,
+                    publish_time_ns,
+                    sequence,
+                    in_chunk,
+                    start: base + content.len() - fields.0.len(),
+                    end: base + content.len(),
+                }))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+fn text(bytes: &[u8]) -> Result<String, String> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "a name is not UTF-8 text".to_owned())?;
+    Ok(text.to_owned())
+}
+
+/// Does a chunk begin here, by all that its head says?
+fn is_chunk(bytes: &[u8], left: u64) -> bool {
+    let mut fields = Fields(bytes);
+    let check = (|| {
+        if *fields.bytes(1)?.first()? != CHUNK {
+            return Some(false);
+        }
+        let length = fields.u64()?;
+        fields.bytes(20 + 8)?;
+        let name = fields.counted().filter(|name| name.len() <= 4)?;
+        let packed = fields.u64()?;
+        let head = CHUNK_HEAD + 4 + name.len() as u64 + 8;
+        Some(
+            Packing::named(name).is_some()
+                && length.checked_sub(head) == Some(packed)
+                && packed < left,
+        )
+    })();
+    check == Some(true)
+}

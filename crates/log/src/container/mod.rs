@@ -1,0 +1,360 @@
+//! MCAP files and ROS 1 bags as a stream of messages, whole or damaged.
+
+mod bag;
+mod mcap;
+mod scan;
+mod unpack;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use scan::Scan;
+
+/// The greatest size of a chunk out of its compression, and of a record, bytes.
+pub const CHUNK_LIMIT: u64 = 48 << 20;
+/// How many channels or schemas a file may declare.
+pub(crate) const CHANNEL_LIMIT: usize = 65_536;
+
+/// How the bytes of a message are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Encoding {
+    /// ROS 1.
+    Ros1,
+    /// ROS 2: CDR.
+    Cdr,
+    /// JSON.
+    Json,
+    /// Something that is not read.
+    Other,
+}
+
+/// A topic with its type.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The topic.
+    pub topic: String,
+    /// The full name of the message's type, as the file writes it.
+    pub type_name: String,
+    /// How its messages are laid out.
+    pub encoding: Encoding,
+    /// That encoding's name in MCAP.
+    pub encoding_name: String,
+    /// What language the definition is in, by its name in MCAP.
+    pub definition_language: String,
+    /// The definition of the type.
+    pub definition: Vec<u8>,
+}
+
+/// One message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Message<'a> {
+    /// The index of its channel in [`Container::channels`].
+    pub channel: usize,
+    /// When it was recorded, ns.
+    pub log_time_ns: u64,
+    /// When it was published, ns, where the file tells; else as recorded.
+    pub publish_time_ns: u64,
+    /// Its number, where the file counts.
+    pub sequence: u32,
+    /// Its bytes.
+    pub data: &'a [u8],
+}
+
+/// A place that could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Where it begins, bytes from the file's start.
+    pub offset: u64,
+    /// How many bytes of the file are lost there.
+    pub bytes: u64,
+    /// What is wrong.
+    pub what: String,
+}
+
+/// What comes next in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// A message.
+    Message(Message<'a>),
+    /// A place that could not be read; what follows it is read.
+    Damage(Damage),
+}
+
+/// A kind of file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// MCAP.
+    Mcap,
+    /// A ROS 1 bag.
+    Bag,
+}
+
+impl Format {
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mcap => "MCAP",
+            Self::Bag => "ROS 1 bag",
+        }
+    }
+}
+
+/// A message whose bytes stand in a buffer of the container.
+struct Found {
+    channel: usize,
+    log_time_ns: u64,
+    publish_time_ns: u64,
+    sequence: u32,
+    in_chunk: bool,
+    start: usize,
+    end: usize,
+}
+
+/// A chunk out of its compression.
+#[derive(Default)]
+struct Chunk {
+    content: Vec<u8>,
+    at: usize,
+    offset: u64,
+    bytes: u64,
+    /// Cut short: that its last record is too is no news.
+    cut: bool,
+}
+
+/// A schema of an MCAP file.
+struct Schema {
+    name: String,
+    language: String,
+    text: Vec<u8>,
+}
+
+/// An open file. It is read from front to back: an index is not needed, and not believed.
+///
+/// Memory is bounded by one chunk, compressed and not, and the definitions.
+pub struct Container {
+    format: Format,
+    scan: Scan,
+    channels: Vec<Channel>,
+    ids: BTreeMap<u32, usize>,
+    schemas: BTreeMap<u16, Schema>,
+    record: Vec<u8>,
+    chunk: Chunk,
+    damages: VecDeque<Damage>,
+    chunks: u64,
+    promised_chunks: Option<u64>,
+    index_at: Option<u64>,
+    closed: bool,
+    ended: bool,
+    /// Where the record began that was passed over last, if nothing was read since: its length may lie.
+    passed_over: Option<u64>,
+    /// Messages of this file so far.
+    messages: u64,
+}
+
+impl Container {
+    /// What kind of file it is by its first bytes; `None` for another kind.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn kind(path: &Path) -> Result<Option<Format>> {
+        let mut start = Vec::new();
+        let mut scan = Scan::open(path)?;
+        scan.read(16, &mut start)
+            .map_err(|source| unreadable(path, source))?;
+        Ok(if start.starts_with(&mcap::MAGIC[..5]) {
+            Some(Format::Mcap)
+        } else if start.starts_with(b"#ROSBAG") {
+            Some(Format::Bag)
+        } else {
+            None
+        })
+    }
+
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// [`Error::Version`] for another version of the format, [`Error::NotALog`] for another kind of file.
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = || path.display().to_string();
+        let Some(format) = Self::kind(path)? else {
+            return Err(Error::NotALog { file: file() });
+        };
+        let mut scan = Scan::open(path)?;
+        let (magic, version): (&[u8], _) = match format {
+            Format::Mcap => (&mcap::MAGIC, 5..6),
+            Format::Bag => (bag::MAGIC, 9..12),
+        };
+        let mut start = Vec::new();
+        scan.read(magic.len() as u64, &mut start)
+            .map_err(|source| unreadable(path, source))?;
+        if start != magic {
+            let found = start.get(version.clone()).unwrap_or_default();
+            return Err(Error::Version {
+                file: file(),
+                format: format.name(),
+                found: String::from_utf8_lossy(found).into_owned(),
+                known: String::from_utf8_lossy(&magic[version]).into_owned(),
+            });
+        }
+        scan.begin_crc(magic);
+        Ok(Self {
+            format,
+            scan,
+            channels: Vec::new(),
+            ids: BTreeMap::new(),
+            schemas: BTreeMap::new(),
+            record: Vec::new(),
+            chunk: Chunk::default(),
+            damages: VecDeque::new(),
+            chunks: 0,
+            promised_chunks: None,
+            index_at: None,
+            closed: false,
+            ended: false,
+            passed_over: None,
+            messages: 0,
+        })
+    }
+
+    /// The kind of file.
+    #[must_use]
+    pub const fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The channels that have been met so far.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// How many bytes of the file have been read.
+    #[must_use]
+    pub fn offset(&self) -> u64 {
+        self.scan.offset()
+    }
+
+    /// What comes next, in the order of the file; `None` at its end.
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "what it gives borrows from the container"
+    )]
+    pub fn next(&mut self) -> Option<Event<'_>> {
+        let found = loop {
+            if let Some(damage) = self.damages.pop_front() {
+                return Some(Event::Damage(damage));
+            }
+            if self.chunk.at < self.chunk.content.len() {
+                let found = match self.format {
+                    Format::Mcap => self.mcap_in_chunk(),
+                    Format::Bag => self.bag_in_chunk(),
+                };
+                if let Some(found) = found {
+                    break found;
+                }
+                continue;
+            }
+            if self.ended {
+                return None;
+            }
+            let found = match self.format {
+                Format::Mcap => self.mcap_record(),
+                Format::Bag => self.bag_record(),
+            };
+            match found {
+                Ok(Some(found)) => break found,
+                Ok(None) => {}
+                Err(error) => {
+                    self.ended = true;
+                    self.lose(self.scan.offset(), self.scan.left(), error.to_string());
+                }
+            }
+        };
+        let buffer = if found.in_chunk {
+            &self.chunk.content
+        } else {
+            &self.record
+        };
+        Some(Event::Message(Message {
+            channel: found.channel,
+            log_time_ns: found.log_time_ns,
+            publish_time_ns: found.publish_time_ns,
+            sequence: found.sequence,
+            data: buffer.get(found.start..found.end).unwrap_or_default(),
+        }))
+    }
+
+    fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {
+        self.damages.push_back(Damage {
+            offset,
+            bytes,
+            what: what.into(),
+        });
+    }
+
+    /// Gives up the rest of the chunk.
+    fn lose_chunk(&mut self, what: impl Into<String>) {
+        let (offset, bytes, cut) = (self.chunk.offset, self.chunk.bytes, self.chunk.cut);
+        self.chunk.at = self.chunk.content.len();
+        if !cut {
+            self.lose(offset, bytes, what);
+        }
+    }
+
+    /// Enters a channel under the number `id`; false when it contradicts the one that is there, which
+    /// stays.
+    fn enter(&mut self, id: u32, channel: Channel) -> bool {
+        if let Some(&index) = self.ids.get(&id) {
+            return self.channels[index] == channel;
+        }
+        // The same topic in a second file that was put behind the first.
+        let index = self.channels.iter().position(|other| *other == channel);
+        let index = index.unwrap_or_else(|| {
+            self.channels.push(channel);
+            self.channels.len() - 1
+        });
+        self.ids.insert(id, index);
+        true
+    }
+}
+
+fn unreadable(path: &Path, source: std::io::Error) -> Error {
+    grouser_files::Error::Unreadable {
+        file: path.display().to_string(),
+        source,
+    }
+    .into()
+}
+
+/// Little-endian numbers from the front of a slice.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        Some(u16::from_le_bytes(self.bytes(2)?.try_into().ok()?))
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        Some(u64::from_le_bytes(self.bytes(8)?.try_into().ok()?))
+    }
+
+    /// Bytes after their count.
+    fn counted(&mut self) -> Option<&'a [u8]> {
+        let count = self.u32()?;
+        self.bytes(usize::try_from(count).ok()?)
+    }
+}

@@ -1,0 +1,112 @@
+//! Messages by their definition, not by a list of known types.
+
+mod cdr;
+mod definition;
+mod value;
+mod view;
+
+pub use definition::Definition;
+pub use value::Value;
+pub use view::{Imu, JointState, Odometry, Transform, View};
+
+use crate::container::{Channel, Encoding};
+
+/// Why a message or its definition cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MessageError {
+    /// The definition says something that is not understood.
+    #[error("the definition of `{type_name}` is not understood: {what}")]
+    Definition {
+        /// The type.
+        type_name: String,
+        /// What.
+        what: String,
+    },
+    /// The message ends before its fields do.
+    #[error("the message ends within `{field}`")]
+    Short {
+        /// The field.
+        field: String,
+    },
+    /// A layout that is not read.
+    #[error("the message is laid out as {found}, which is not read")]
+    Layout {
+        /// What it is.
+        found: String,
+    },
+    /// More elements than the limit.
+    #[error("the message declares more than {limit} elements in `{field}`")]
+    TooMany {
+        /// The field.
+        field: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// Text that is not UTF-8, or JSON that is none.
+    #[error("`{field}` is not {expected}")]
+    NotText {
+        /// The field.
+        field: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+/// Reads the messages of one channel.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    encoding: Encoding,
+    definition: Option<Definition>,
+}
+
+impl Decoder {
+    /// For a channel, by the definition that its file holds.
+    ///
+    /// # Errors
+    /// [`MessageError::Definition`]; [`MessageError::Layout`] for an encoding that is not read.
+    pub fn new(channel: &Channel) -> Result<Self, MessageError> {
+        let definition = match channel.encoding {
+            Encoding::Json => None,
+            Encoding::Ros1 | Encoding::Cdr => {
+                let text = String::from_utf8_lossy(&channel.definition);
+                let language = channel.definition_language.as_str();
+                if !matches!(language, "ros1msg" | "ros2msg") {
+                    return Err(MessageError::Layout {
+                        found: format!("the schema language `{language}`"),
+                    });
+                }
+                Some(Definition::parse(&channel.type_name, &text)?)
+            }
+            Encoding::Other => {
+                return Err(MessageError::Layout {
+                    found: format!("`{}`", channel.encoding_name),
+                });
+            }
+        };
+        Ok(Self {
+            encoding: channel.encoding,
+            definition,
+        })
+    }
+
+    /// All fields of a message.
+    ///
+    /// # Errors
+    /// What the message lacks.
+    pub fn decode(&self, data: &[u8]) -> Result<Value, MessageError> {
+        match (&self.definition, self.encoding) {
+            (Some(definition), Encoding::Ros1) => cdr::decode(definition, data, cdr::Layout::Ros1),
+            (Some(definition), _) => {
+                let (layout, body) = cdr::Layout::of_cdr(data)?;
+                cdr::decode(definition, body, layout)
+            }
+            (None, _) => serde_json::from_slice(data)
+                .map(Value::from_json)
+                .map_err(|_| MessageError::NotText {
+                    field: "the message".to_owned(),
+                    expected: "JSON",
+                }),
+        }
+    }
+}

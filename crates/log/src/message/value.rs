@@ -1,0 +1,119 @@
+//! The fields of a message.
+
+use std::sync::Arc;
+
+/// A field, or a whole message.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Value {
+    /// Nothing (JSON).
+    Null,
+    /// A truth value.
+    Bool(bool),
+    /// A signed whole number.
+    Int(i64),
+    /// A whole number without sign.
+    UInt(u64),
+    /// A number.
+    Float(f64),
+    /// Text.
+    Text(String),
+    /// An array of bytes.
+    Bytes(Vec<u8>),
+    /// An array.
+    Array(Vec<Value>),
+    /// Fields by name, in their order.
+    Struct(Vec<(Arc<str>, Value)>),
+}
+
+impl Value {
+    /// A field by its path: `twist.twist.linear.x`.
+    #[must_use]
+    pub fn at(&self, path: &str) -> Option<&Self> {
+        path.split('.').try_fold(self, |value, name| match value {
+            Self::Struct(fields) => {
+                let mut fields = fields.iter();
+                fields
+                    .find(|(own, _)| &**own == name)
+                    .map(|(_, value)| value)
+            }
+            _ => None,
+        })
+    }
+
+    /// It as a number.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Int(value) => Some(*value as f64),
+            Self::UInt(value) => Some(*value as f64),
+            Self::Float(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// It as text.
+    #[must_use]
+    pub fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// Its elements, if it is an array of numbers.
+    #[must_use]
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::Array(values) => values.iter().map(Self::number).collect(),
+            _ => None,
+        }
+    }
+
+    /// Its elements, if it is an array.
+    #[must_use]
+    pub fn elements(&self) -> Option<&[Self]> {
+        match self {
+            Self::Array(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// A time in ns, from `sec` and `nanosec` or `nsec`.
+    #[must_use]
+    pub fn time_ns(&self) -> Option<i64> {
+        let whole = |value: &Self| match value {
+            Self::Int(value) => Some(*value),
+            Self::UInt(value) => i64::try_from(*value).ok(),
+            _ => None,
+        };
+        let sec = self.at("sec").or_else(|| self.at("secs")).and_then(whole)?;
+        let nanosec = ["nanosec", "nsec", "nsecs"]
+            .iter()
+            .find_map(|name| self.at(name))
+            .and_then(whole)?;
+        sec.checked_mul(1_000_000_000)?.checked_add(nanosec)
+    }
+
+    pub(super) fn from_json(json: serde_json::Value) -> Self {
+        use serde_json::Value as Json;
+        match json {
+            Json::Null => Self::Null,
+            Json::Bool(value) => Self::Bool(value),
+            Json::Number(number) => number
+                .as_i64()
+                .map(Self::Int)
+                .or_else(|| number.as_u64().map(Self::UInt))
+                .or_else(|| number.as_f64().map(Self::Float))
+                .unwrap_or(Self::Null),
+            Json::String(text) => Self::Text(text),
+            Json::Array(values) => Self::Array(values.into_iter().map(Self::from_json).collect()),
+            Json::Object(fields) => Self::Struct(
+                fields
+                    .into_iter()
+                    .map(|(name, value)| (name.into(), Self::from_json(value)))
+                    .collect(),
+            ),
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Typed views of the messages that robots commonly send.
+//!
+//! Frames and units by REP 103 and REP 105: SI, radians, x forwards, y left, z up.
+
+use super::Value;
+use super::definition::short;
+
+/// A view of a well-known message.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum View {
+    /// `sensor_msgs/JointState`.
+    JointState(JointState),
+    /// `sensor_msgs/Imu`.
+    Imu(Imu),
+    /// `nav_msgs/Odometry`.
+    Odometry(Odometry),
+    /// `geometry_msgs/Twist` or `TwistStamped`: linear m/s, angular rad/s.
+    Twist {
+        /// m/s.
+        linear: [f64; 3],
+        /// rad/s.
+        angular: [f64; 3],
+    },
+    /// `sensor_msgs/NavSatFix`: degrees and metres, as the message has them.
+    NavSatFix {
+        /// deg.
+        latitude_deg: f64,
+        /// deg.
+        longitude_deg: f64,
+        /// m.
+        altitude: f64,
+        /// Is there a fix?
+        fixed: bool,
+    },
+    /// `geometry_msgs/PoseStamped`.
+    Pose {
+        /// m.
+        position: [f64; 3],
+        /// x, y, z, w.
+        orientation: [f64; 4],
+    },
+    /// `tf2_msgs/TFMessage` or `tf/tfMessage`.
+    Transforms(Vec<Transform>),
+}
+
+/// Joints by name; an array that the message leaves empty is empty here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointState {
+    /// Names.
+    pub names: Vec<String>,
+    /// rad.
+    pub position: Vec<f64>,
+    /// rad/s.
+    pub velocity: Vec<f64>,
+}
+
+/// An inertial reading in its own frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imu {
+    /// The frame in which it is given.
+    pub frame: String,
+    /// x, y, z, w; `None` where the covariance begins with -1.
+    pub orientation: Option<[f64; 4]>,
+    /// rad/s; `None` where the covariance begins with -1.
+    pub angular_rate: Option<[f64; 3]>,
+    /// m/s², gravity included; `None` where the covariance begins with -1.
+    pub acceleration: Option<[f64; 3]>,
+}
+
+/// A pose and a twist; the twist is in the child frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Odometry {
+    /// The fixed frame.
+    pub frame: String,
+    /// The frame of the robot.
+    pub child_frame: String,
+    /// m.
+    pub position: [f64; 3],
+    /// x, y, z, w.
+    pub orientation: [f64; 4],
+    /// m/s.
+    pub linear: [f64; 3],
+    /// rad/s.
+    pub angular: [f64; 3],
+}
+
+/// One transform of a tree of frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transform {
+    /// The parent.
+    pub frame: String,
+    /// The child.
+    pub child_frame: String,
+    /// m.
+    pub translation: [f64; 3],
+    /// x, y, z, w.
+    pub rotation: [f64; 4],
+}
+
+fn vector(value: &Value, path: &str) -> Option<[f64; 3]> {
+    let at = |name| value.at(path)?.at(name)?.number();
+    Some([at("x")?, at("y")?, at("z")?])
+}
+
+fn quaternion(value: &Value, path: &str) -> Option<[f64; 4]> {
+    let [x, y, z] = vector(value, path)?;
+    Some([x, y, z, value.at(path)?.at("w")?.number()?])
+}
+
+fn text(value: &Value, path: &str) -> String {
+    value
+        .at(path)
+        .and_then(Value::text)
+        .unwrap_or_default()
+        .to_owned()
+}
+
+impl View {
+    /// Is there a view for messages of that type?
+    #[must_use]
+    pub fn exists_for(type_name: &str) -> bool {
+        matches!(
+            short(type_name).as_str(),
+            "sensor_msgs/JointState"
+                | "sensor_msgs/Imu"
+                | "nav_msgs/Odometry"
+                | "geometry_msgs/Twist"
+                | "geometry_msgs/TwistStamped"
+                | "sensor_msgs/NavSatFix"
+                | "geometry_msgs/PoseStamped"
+                | "tf2_msgs/TFMessage"
+                | "tf/tfMessage"
+        )
+    }
+
+    /// The view of a message; `None` for a type without one, or a message that lacks what its type has.
+    #[must_use]
+    pub fn new(type_name: &str, value: &Value) -> Option<Self> {
+        let twist = |at: &str| {
+            Some(Self::Twist {
+                linear: vector(value, &format!("{at}linear"))?,
+                angular: vector(value, &format!("{at}angular"))?,
+            })
+        };
+        match short(type_name).as_str() {
+            "sensor_msgs/JointState" => {
+                let names = value.at("name")?.elements()?.iter();
+                Some(Self::JointState(JointState {
+                    names: names
+                        .map(|name| Some(name.text()?.to_owned()))
+                        .collect::<Option<_>>()?,
+                    position: value.at("position")?.numbers()?,
+                    velocity: value.at("velocity")?.numbers()?,
+                }))
+            }
+            "sensor_msgs/Imu" => {
+                let is_there = |name: &str| {
+                    let covariance = value.at(name).and_then(Value::numbers);
+                    covariance.and_then(|c| c.first().copied()) != Some(-1.0)
+                };
+                let given = |name, covariance| {
+                    if is_there(covariance) {
+                        vector(value, name)
+                    } else {
+                        None
+                    }
+                };
+                Some(Self::Imu(Imu {
+                    frame: text(value, "header.frame_id"),
+                    orientation: quaternion(value, "orientation")
+                        .filter(|_| is_there("orientation_covariance")),
+                    angular_rate: given("angular_velocity", "angular_velocity_covariance"),
+                    acceleration: given("linear_acceleration", "linear_acceleration_covariance"),
+                }))
+            }
+            "nav_msgs/Odometry" => Some(Self::Odometry(Odometry {
+                frame: text(value, "header.frame_id"),
+                child_frame: text(value, "child_frame_id"),
+                position: vector(value, "pose.pose.position")?,
+                orientation: quaternion(value, "pose.pose.orientation")?,
+                linear: vector(value, "twist.twist.linear")?,
+                angular: vector(value, "twist.twist.angular")?,
+            })),
+            "geometry_msgs/Twist" => twist(""),
+            "geometry_msgs/TwistStamped" => twist("twist."),
+            "sensor_msgs/NavSatFix" => {
+                let at = |name| value.at(name)?.number();
+                Some(Self::NavSatFix {
+                    latitude_deg: at("latitude")?,
+                    longitude_deg: at("longitude")?,
+                    altitude: at("altitude")?,
+                    fixed: at("status.status")? >= 0.0,
+                })
+            }
+            "geometry_msgs/PoseStamped" => Some(Self::Pose {
+                position: vector(value, "pose.position")?,
+                orientation: quaternion(value, "pose.orientation")?,
+            }),
+            "tf2_msgs/TFMessage" | "tf/tfMessage" => {
+                let all = value.at("transforms")?.elements()?.iter();
+                let one = |value: &Value| {
+                    Some(Transform {
+                        frame: text(value, "header.frame_id"),
+                        child_frame: text(value, "child_frame_id"),
+                        translation: vector(value, "transform.translation")?,
+                        rotation: quaternion(value, "transform.rotation")?,
+                    })
+                };
+                Some(Self::Transforms(all.map(one).collect::<Option<_>>()?))
+            }
+            _ => None,
+        }
+    }
+}

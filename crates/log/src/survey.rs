@@ -1,0 +1,288 @@
+//! What a log holds: topics, rates, gaps, jumps, damage, and what Grouser can use.
+
+use std::path::Path;
+
+use crate::container::{Channel, Container, Damage, Event, Format};
+use crate::error::Result;
+use crate::message::{Decoder, View};
+
+/// Intervals are counted in bins, this many to a doubling.
+const BINS_PER_DOUBLING: f64 = 8.0;
+const BINS: usize = 512;
+/// An interval of more than about five times the median is a gap: so many bins above it, 8 log2 5.
+const GAP_BINS: usize = 19;
+/// A clock that goes back by more than this jumps, ns: less is the order in which topics were recorded.
+const JUMP_NS: u64 = 100_000_000;
+/// This many damages are kept; more are only counted.
+const DAMAGES: usize = 1000;
+
+/// What Grouser can use a topic for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Use {
+    /// Angles and rates of wheels.
+    Wheels,
+    /// The yaw rate.
+    YawRate,
+    /// A pose and a speed, of the wheels or of something better: the log does not say which.
+    Motion,
+    /// What was commanded.
+    Command,
+    /// Where it was on Earth.
+    Position,
+    /// How sensors are mounted.
+    Mounting,
+}
+
+impl Use {
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Wheels => "wheel angles or rates",
+            Self::YawRate => "yaw rate",
+            Self::Motion => "pose and speed",
+            Self::Command => "commanded speed",
+            Self::Position => "position on Earth",
+            Self::Mounting => "mounting of sensors",
+        }
+    }
+}
+
+/// What is known of one topic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Topic {
+    /// The topic, its type and its definition.
+    pub channel: Channel,
+    /// Messages.
+    pub messages: u64,
+    /// Bytes of messages.
+    pub bytes: u64,
+    /// Time of the first one, ns.
+    pub first_ns: u64,
+    /// Time of the last one, ns.
+    pub last_ns: u64,
+    /// Messages per second; `None` for fewer than two.
+    pub rate_hz: Option<f64>,
+    /// The longest interval, s.
+    pub longest_s: f64,
+    /// Intervals of more than five times the median.
+    pub gaps: u64,
+    /// How often its clock went back by more than 0.1 s.
+    pub jumps: u64,
+    /// Messages that cannot be decoded, and why the first of them cannot.
+    pub undecoded: u64,
+    /// Why the first of them cannot be.
+    pub problem: Option<String>,
+    /// What Grouser can use it for.
+    pub use_for: Option<Use>,
+    /// The joints that it names.
+    pub joints: Vec<String>,
+}
+
+/// What a log holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// The kind of file.
+    pub format: Format,
+    /// Topics in the order in which they are met.
+    pub topics: Vec<Topic>,
+    /// The earliest time, ns.
+    pub first_ns: Option<u64>,
+    /// The latest time, ns.
+    pub last_ns: Option<u64>,
+    /// The first places that could not be read.
+    pub damages: Vec<Damage>,
+    /// How many there are in all.
+    pub damage_count: u64,
+    /// Bytes of the file that are lost in them.
+    pub bytes_lost: u64,
+}
+
+struct Tally {
+    topic: Topic,
+    decoder: std::result::Result<Decoder, String>,
+    bins: Vec<u32>,
+    last_seen: Option<u64>,
+}
+
+impl Survey {
+    /// Reads a whole file; `progress` is told how many bytes of it have been read.
+    ///
+    /// # Errors
+    /// What does not let the file be opened. Damage inside is no error: it is listed.
+    pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
+        let mut container = Container::open(path)?;
+        let mut tallies: Vec<Tally> = Vec::new();
+        let mut survey = Self {
+            format: container.format(),
+            topics: Vec::new(),
+            first_ns: None,
+            last_ns: None,
+            damages: Vec::new(),
+            damage_count: 0,
+            bytes_lost: 0,
+        };
+        loop {
+            progress(container.offset());
+            let known = container.channels().len();
+            while tallies.len() < known {
+                tallies.push(Tally::new(container.channels()[tallies.len()].clone()));
+            }
+            match container.next() {
+                None => break,
+                Some(Event::Damage(damage)) => {
+                    survey.damage_count += 1;
+                    survey.bytes_lost += damage.bytes;
+                    if survey.damages.len() < DAMAGES {
+                        survey.damages.push(damage);
+                    }
+                }
+                Some(Event::Message(message)) => {
+                    let (index, time) = (message.channel, message.log_time_ns);
+                    survey.first_ns = Some(survey.first_ns.map_or(time, |first| first.min(time)));
+                    survey.last_ns = Some(survey.last_ns.map_or(time, |last| last.max(time)));
+                    let data = message.data;
+                    if let Some(tally) = tallies.get_mut(index) {
+                        tally.take(time, data);
+                        continue;
+                    }
+                    // Its channel was met on the way to it.
+                    let data = data.to_vec();
+                    while tallies.len() <= index {
+                        tallies.push(Tally::new(container.channels()[tallies.len()].clone()));
+                    }
+                    tallies[index].take(time, &data);
+                }
+            }
+        }
+        survey.topics = tallies.into_iter().map(Tally::finish).collect();
+        Ok(survey)
+    }
+
+    /// How long it is, s.
+    #[must_use]
+    pub fn duration_s(&self) -> Option<f64> {
+        Some((self.last_ns? - self.first_ns?) as f64 * 1e-9)
+    }
+
+    /// Is there a topic of that use with messages?
+    #[must_use]
+    pub fn has(&self, wanted: Use) -> bool {
+        self.topics
+            .iter()
+            .any(|topic| topic.messages > 0 && topic.use_for == Some(wanted))
+    }
+}
+
+impl Tally {
+    fn new(channel: Channel) -> Self {
+        Self {
+            decoder: Decoder::new(&channel).map_err(|error| error.to_string()),
+            topic: Topic {
+                channel,
+                messages: 0,
+                bytes: 0,
+                first_ns: 0,
+                last_ns: 0,
+                rate_hz: None,
+                longest_s: 0.0,
+                gaps: 0,
+                jumps: 0,
+                undecoded: 0,
+                problem: None,
+                use_for: None,
+                joints: Vec::new(),
+            },
+            bins: vec![0; BINS],
+            last_seen: None,
+        }
+    }
+
+    fn take(&mut self, time: u64, data: &[u8]) {
+        let topic = &mut self.topic;
+        if topic.messages == 0 {
+            (topic.first_ns, topic.last_ns) = (time, time);
+        }
+        topic.messages += 1;
+        topic.bytes += data.len() as u64;
+        if let Some(last) = self.last_seen {
+            if time + JUMP_NS < last {
+                topic.jumps += 1;
+            }
+            let interval = time.saturating_sub(last);
+            topic.longest_s = topic.longest_s.max(interval as f64 * 1e-9);
+            self.bins[bin(interval)] += 1;
+        }
+        self.last_seen = Some(time);
+        topic.first_ns = topic.first_ns.min(time);
+        topic.last_ns = topic.last_ns.max(time);
+        let decoded = match &self.decoder {
+            Ok(decoder) => decoder.decode(data).map_err(|error| error.to_string()),
+            Err(problem) => Err(problem.clone()),
+        };
+        match decoded {
+            Err(problem) => {
+                topic.undecoded += 1;
+                topic.problem.get_or_insert(problem);
+            }
+            Ok(value) if topic.use_for.is_none() => {
+                let view = View::new(&topic.channel.type_name, &value);
+                if let Some(View::JointState(joints)) = &view {
+                    topic.joints.clone_from(&joints.names);
+                }
+                topic.use_for = view.as_ref().and_then(use_of);
+            }
+            Ok(_) => {}
+        }
+    }
+
+    fn finish(self) -> Topic {
+        let mut topic = self.topic;
+        let span = (topic.last_ns - topic.first_ns) as f64 * 1e-9;
+        if topic.messages > 1 && span > 0.0 {
+            topic.rate_hz = Some((topic.messages - 1) as f64 / span);
+        }
+        let total: u32 = self.bins.iter().sum();
+        let mut passed = 0;
+        let median = self.bins.iter().position(|count| {
+            passed += count;
+            2 * passed >= total
+        });
+        // A topic without a rhythm has no gaps.
+        if let Some(median) = median.filter(|_| total >= 8) {
+            let first = median + GAP_BINS + 1;
+            topic.gaps = self
+                .bins
+                .iter()
+                .skip(first)
+                .map(|count| u64::from(*count))
+                .sum();
+        }
+        topic
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 0 and 512"
+)]
+fn bin(interval_ns: u64) -> usize {
+    let place = (interval_ns.max(1) as f64).log2() * BINS_PER_DOUBLING;
+    (place as usize).min(BINS - 1)
+}
+
+fn use_of(view: &View) -> Option<Use> {
+    Some(match view {
+        View::JointState(_) => Use::Wheels,
+        View::Imu(imu) => {
+            imu.angular_rate?;
+            Use::YawRate
+        }
+        View::Odometry(_) | View::Pose { .. } => Use::Motion,
+        View::Twist { .. } => Use::Command,
+        View::NavSatFix { .. } => Use::Position,
+        View::Transforms(_) => Use::Mounting,
+    })
+}
