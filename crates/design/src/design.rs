@@ -160,7 +160,23 @@ impl Functions for InWorld {
     }
 }
 
+/// What a constraint is called among everything that may be active: its name, marked where an objective has
+/// the same.
+pub(crate) fn told_apart(objectives: &[Objective], name: &str) -> String {
+    if objectives.iter().any(|o| o.name == name) {
+        format!("{name} (constraint)")
+    } else {
+        name.to_owned()
+    }
+}
+
 impl Design {
+    /// What a constraint is called in lists that hold objectives too, such as what is active.
+    #[must_use]
+    pub fn constraint_name(&self, name: &str) -> String {
+        told_apart(&self.objectives, name)
+    }
+
     /// The objectives' places in the file, in the solver's order: those that count by magnitude first.
     #[must_use]
     pub fn solver_order(&self) -> Vec<usize> {

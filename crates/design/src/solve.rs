@@ -42,7 +42,8 @@ pub struct Optimum {
     pub objective_multipliers: Vec<(String, f64)>,
     /// The scale of each, as the file gives it.
     pub objective_scales: Vec<f64>,
-    /// What each constraint costs; hard goals by their objective's name.
+    /// What each constraint costs; hard goals by their objective's name. Once per world where there are
+    /// several.
     pub constraint_multipliers: Vec<(String, f64)>,
     /// What the bounds of each variable cost: (lower, upper).
     pub bound_multipliers: Vec<(f64, f64)>,
@@ -287,19 +288,22 @@ impl Design {
         let first = inner.inequalities().len() - own;
         let mut list = Vec::new();
         for (name, slot) in &self.slots {
-            let (names, prices, from) = match *slot {
+            let (prices, from) = match *slot {
                 Slot::Linear(l) => {
                     list.push((name.clone(), parts.linear[l]));
                     continue;
                 }
-                Slot::Inequality(j) => (
-                    inner.inequalities(),
-                    &parts.inequalities,
-                    first + j * worlds,
-                ),
-                Slot::Equality(k) => (inner.equalities(), &parts.equalities, k * worlds),
+                Slot::Inequality(j) => (&parts.inequalities, first + j * worlds),
+                Slot::Equality(k) => (&parts.equalities, k * worlds),
             };
-            list.extend((from..from + worlds).map(|i| (names[i].clone(), prices[i])));
+            for (world, price) in self.worlds.iter().zip(&prices[from..from + worlds]) {
+                let name = if worlds > 1 {
+                    format!("{name} @ {}", world.name)
+                } else {
+                    name.clone()
+                };
+                list.push((name, *price));
+            }
         }
         list
     }

@@ -110,6 +110,21 @@ curve = "x*y = 1"
     assert_eq!(names, ["line", "right", "circle", "curve"]);
 }
 
+/// An objective and a constraint may be called alike: they stand in different lists, and in the common one
+/// the constraint is marked.
+#[test]
+fn one_name_for_an_objective_and_a_constraint() {
+    for constraint in ["x + y >= 2", "x*y >= 1"] {
+        let found = optimum(&design(&format!(
+            "method = \"minimax\"\n[variables]\nx = {{ start = 3.0 }}\ny = {{ start = 2.0 }}\n[objectives]\nload = \"x^2 + y^2\"\n[constraints]\nload = \"{constraint}\"\n"
+        )));
+        near(found.x[0], 1.0);
+        assert_eq!(found.constraint_multipliers[0].0, "load");
+        near(found.constraint_multipliers[0].1, 2.0);
+        assert_eq!(found.active, ["load", "load (constraint)"]);
+    }
+}
+
 #[test]
 fn goals_weights_scales_and_magnitudes() {
     let text = |objectives: &str, method: &str| {

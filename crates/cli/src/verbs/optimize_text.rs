@@ -90,7 +90,12 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
             .number("multiplier")
             .text("");
         for (name, price) in &optimum.constraint_multipliers {
-            let binds = optimum.active.contains(name);
+            let (own, world) = name.split_once(" @ ").unwrap_or((name, ""));
+            let mut listed = design.constraint_name(own);
+            if !world.is_empty() {
+                listed = format!("{listed} @ {world}");
+            }
+            let binds = optimum.active.contains(&listed);
             table.row([
                 name.as_str(),
                 &rounded(*price, 4),

@@ -9,7 +9,7 @@ use grouser_opt::{Algorithm, LinearConstraint, ParetoSettings, Settings};
 use super::objectives::{RawConstraint, read_constraints, read_objectives};
 use super::soils::{Worlds, read_fixed, read_worlds};
 use super::variables::read_variables;
-use crate::design::{Constraint, Design, Program, Slot, Task};
+use crate::design::{Constraint, Design, Program, Slot, Task, told_apart};
 use crate::error::{Error, Result};
 use crate::formula::{Formula, Relation};
 use crate::quantity::{Parameter, Place, Quantity};
@@ -88,7 +88,7 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
         linear,
         constraints,
         slots,
-    } = sort(raw, scope.count());
+    } = sort(raw, scope.count(), |name| told_apart(&objectives, name));
     let mut design = Design {
         file: document.name().to_owned(),
         title,
@@ -154,7 +154,7 @@ struct Sorted {
 }
 
 /// Linear constraints apart from the others: the solver never leaves them.
-fn sort(raw: Vec<RawConstraint>, variables: usize) -> Sorted {
+fn sort(raw: Vec<RawConstraint>, variables: usize, solver_name: impl Fn(&str) -> String) -> Sorted {
     let mut sorted = Sorted {
         linear: Vec::new(),
         constraints: Vec::new(),
@@ -171,7 +171,7 @@ fn sort(raw: Vec<RawConstraint>, variables: usize) -> Sorted {
         let same = |c: &&Constraint| c.equal == equal;
         let slot = if let Some(affine) = formula.affine(variables) {
             sorted.linear.push(LinearConstraint {
-                name: name.clone(),
+                name: solver_name(&name),
                 coefficients: affine.coefficients,
                 relation: if equal {
                     grouser_opt::Relation::Equal
@@ -184,7 +184,7 @@ fn sort(raw: Vec<RawConstraint>, variables: usize) -> Sorted {
         } else {
             let place = sorted.constraints.iter().filter(same).count();
             sorted.constraints.push(Constraint {
-                name: name.clone(),
+                name: solver_name(&name),
                 formula,
                 equal,
             });

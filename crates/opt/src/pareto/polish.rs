@@ -16,6 +16,8 @@ use crate::settings::Settings;
 use crate::solution::{Counts, Multipliers, Solution};
 use crate::solve::solve;
 
+/// So many iterations for one point.
+const LONGEST: usize = 200;
 /// A direction's least component: along 0 a goal would be a hard limit that nothing can move.
 const LEAST_WEIGHT: f64 = 1e-6;
 
@@ -30,6 +32,11 @@ pub(super) fn polish(
     if front.is_empty() {
         return Ok(Vec::new());
     }
+    // A point that is near needs few steps; one that does not get there is kept as the search left it.
+    let settings = &Settings {
+        max_iterations: settings.max_iterations.min(LONGEST),
+        ..settings.clone()
+    };
     let ends = ends(problem, settings, front, counts)?;
     let ideal: Vec<f64> = (0..m).map(|k| ends[k][k]).collect();
     // The ends alone do not span the front: an objective's best may be reached at several of them.

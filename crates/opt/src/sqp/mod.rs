@@ -71,8 +71,8 @@ struct Sqp<'a, 'w, 'f> {
     watch: &'w mut Watch<'f>,
 }
 
-/// The linearisation at a point.
-struct Model {
+/// A point with everything that the functions expand to there, to first order.
+struct Expansion {
     point: Point,
     jacobian: Jacobian,
 }
@@ -128,7 +128,7 @@ impl Sqp<'_, '_, '_> {
         if size > 0.0 {
             self.level_floor = size.min(1.0);
         }
-        let mut model = Model { point, jacobian };
+        let mut model = Expansion { point, jacobian };
         let status = self.iterate(&mut model);
         report::solution(
             self.program,
@@ -141,7 +141,7 @@ impl Sqp<'_, '_, '_> {
         )
     }
 
-    fn iterate(&mut self, model: &mut Model) -> Status {
+    fn iterate(&mut self, model: &mut Expansion) -> Status {
         let mut returns = 0;
         self.scale_curvature(model);
         loop {
@@ -151,7 +151,7 @@ impl Sqp<'_, '_, '_> {
             let iteration = self.evaluator.counts.iterations;
             let (rows, solution) = self.priced_step(model);
             self.multipliers.clone_from(&solution.multipliers);
-            let stationarity = self.stationarity(model, &rows);
+            let stationarity = self.stationarity(&rows);
             let violation = model.point.worst_violation(self.program);
             let progress = Progress {
                 iteration,
@@ -195,6 +195,9 @@ impl Sqp<'_, '_, '_> {
                 search::Outcome::NoStep => Some(Status::SmallStep),
             };
             if let Some(status) = ended {
+                if self.evaluator.counts.values >= self.settings.max_values {
+                    return Status::Limit(Limit::Values);
+                }
                 if !self.curvature.is_fresh() {
                     // What was learned may mislead: once more without it.
                     self.scale_curvature(model);
@@ -210,7 +213,7 @@ impl Sqp<'_, '_, '_> {
     }
 
     /// Moves to an accepted point and learns its curvature. Says so if the step was none.
-    fn advance(&mut self, model: &mut Model, mut next: Point) -> Option<Status> {
+    fn advance(&mut self, model: &mut Expansion, mut next: Point) -> Option<Status> {
         let jacobian = self.evaluator.derivatives(&mut next);
         let s: Vec<f64> = next
             .x
@@ -233,7 +236,7 @@ impl Sqp<'_, '_, '_> {
         }
         let length = s.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
         let size = model.point.x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        *model = Model {
+        *model = Expansion {
             point: next,
             jacobian,
         };
@@ -247,7 +250,7 @@ impl Sqp<'_, '_, '_> {
     /// What a stationary point means: the answer, or a change of phase (`None`).
     fn settle(
         &mut self,
-        model: &Model,
+        model: &Expansion,
         feasible: bool,
         returns: usize,
         status: Status,
@@ -267,7 +270,7 @@ impl Sqp<'_, '_, '_> {
         )))
     }
 
-    fn restart(&mut self, model: &Model) {
+    fn restart(&mut self, model: &Expansion) {
         self.multipliers.clear();
         self.history.clear();
         self.scale_curvature(model);
@@ -276,7 +279,7 @@ impl Sqp<'_, '_, '_> {
     /// Starts the curvature over: the identity, or less where the gradients are so small that the first
     /// step would be shorter than x is large. (Tried on the whole set of tests/literature: any scale above
     /// 1 costs Jacobians, because too long a step is refused by values alone.)
-    fn scale_curvature(&mut self, model: &Model) {
+    fn scale_curvature(&mut self, model: &Expansion) {
         let gradient = self
             .program
             .rows
@@ -293,7 +296,7 @@ impl Sqp<'_, '_, '_> {
         });
     }
 
-    fn not_finite(&self, model: &Model) -> Option<Status> {
+    fn not_finite(&self, model: &Expansion) -> Option<Status> {
         let function = model.point.not_finite(self.program).or_else(|| {
             self.program
                 .rows
@@ -307,7 +310,7 @@ impl Sqp<'_, '_, '_> {
     }
 
     /// The rows of the subproblem at this point and price.
-    fn linearise(&self, model: &Model, price: f64) -> Rows {
+    fn linearise(&self, model: &Expansion, price: f64) -> Rows {
         let n = self.program.dimension();
         let mut rows = Rows::default();
         for (row, &value) in self.program.rows.iter().zip(&model.point.rows) {
@@ -336,7 +339,7 @@ impl Sqp<'_, '_, '_> {
         rows
     }
 
-    fn subproblem(&mut self, model: &Model, rows: &Rows, warm: &[f64]) -> QpSolution {
+    fn subproblem(&mut self, model: &Expansion, rows: &Rows, warm: &[f64]) -> QpSolution {
         let lower: Vec<f64> = Self::room(&self.program.lower, model);
         let upper: Vec<f64> = Self::room(&self.program.upper, model);
         let factor = self.curvature.factor();
@@ -356,7 +359,7 @@ impl Sqp<'_, '_, '_> {
         .solve(warm)
     }
 
-    fn room(bounds: &[f64], model: &Model) -> Vec<f64> {
+    fn room(bounds: &[f64], model: &Expansion) -> Vec<f64> {
         bounds
             .iter()
             .zip(&model.point.x)
@@ -364,18 +367,17 @@ impl Sqp<'_, '_, '_> {
             .collect()
     }
 
-    /// ‖∇L‖∞ at the point with the subproblem's multipliers.
-    fn stationarity(&self, model: &Model, rows: &Rows) -> f64 {
+    /// ‖∇L‖∞ with the subproblem's multipliers.
+    fn stationarity(&self, rows: &Rows) -> f64 {
         let n = self.program.dimension();
         report::lagrangian_gradient(n, rows, &self.multipliers)
             .iter()
-            .zip(&model.point.x)
-            .fold(0.0, |m, (g, _)| g.abs().max(m))
+            .fold(0.0, |m, g| g.abs().max(m))
     }
 
     fn is_stationary(
         &self,
-        model: &Model,
+        model: &Expansion,
         rows: &Rows,
         solution: &QpSolution,
         stationarity: f64,
@@ -387,7 +389,7 @@ impl Sqp<'_, '_, '_> {
     /// Do the optimality conditions hold well enough to call a point without a further step a solution?
     fn nearly_stationary(
         &self,
-        model: &Model,
+        model: &Expansion,
         rows: &Rows,
         solution: &QpSolution,
         stationarity: f64,
@@ -399,7 +401,7 @@ impl Sqp<'_, '_, '_> {
     /// How far the optimality conditions are from holding, relative to their sizes.
     fn optimality(
         &self,
-        model: &Model,
+        model: &Expansion,
         rows: &Rows,
         solution: &QpSolution,
         stationarity: f64,

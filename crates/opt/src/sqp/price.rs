@@ -4,7 +4,7 @@
 
 use super::point::violation;
 use super::qp::{QpSolution, RowKind, Rows};
-use super::{LAST_PRICE, Model, Phase, Sqp, subspace};
+use super::{Expansion, LAST_PRICE, Phase, Sqp, subspace};
 use crate::program::Program;
 
 /// A tenfold price must lower the linearised violation at least to this share to be worth it.
@@ -12,7 +12,7 @@ const WORTH: f64 = 0.9;
 
 impl Sqp<'_, '_, '_> {
     /// Linearises and solves the subproblem, raising the price while that lowers the violation.
-    pub(super) fn priced_step(&mut self, model: &Model) -> (Rows, QpSolution) {
+    pub(super) fn priced_step(&mut self, model: &Expansion) -> (Rows, QpSolution) {
         let price = match self.phase {
             Phase::Optimality => self.price,
             Phase::Elastic => 1.0,

@@ -11,7 +11,7 @@
 use super::point::Point;
 use super::price::linear_violation;
 use super::qp::{QpSolution, Rows};
-use super::{Model, Phase, Sqp, subspace};
+use super::{Expansion, Phase, Sqp, subspace};
 
 /// Share of the promised decrease that a step must deliver.
 const SHARE: f64 = 1e-4;
@@ -65,7 +65,7 @@ impl Sqp<'_, '_, '_> {
         }
     }
 
-    fn at(&mut self, model: &Model, step: &[f64], bend: Option<&[f64]>, alpha: f64) -> Point {
+    fn at(&mut self, model: &Expansion, step: &[f64], bend: Option<&[f64]>, alpha: f64) -> Point {
         let x: Vec<f64> = (0..step.len())
             .map(|i| {
                 let bent = bend.map_or(0.0, |bend| alpha * alpha * (bend[i] - step[i]));
@@ -76,7 +76,12 @@ impl Sqp<'_, '_, '_> {
         self.evaluator.values(&x)
     }
 
-    pub(super) fn search(&mut self, model: &Model, rows: &Rows, solution: &QpSolution) -> Outcome {
+    pub(super) fn search(
+        &mut self,
+        model: &Expansion,
+        rows: &Rows,
+        solution: &QpSolution,
+    ) -> Outcome {
         let merit = self.merit(&model.point);
         let rounding = 16.0 * f64::EPSILON * merit.abs().max(f64::MIN_POSITIVE);
         // The subproblem's optimality gives Δ ≥ dᵀB d; near the end the difference of merits is noise.
@@ -132,7 +137,7 @@ impl Sqp<'_, '_, '_> {
     /// d̂ from the rows' values at the refused point; `None` where they are no help.
     fn corrected(
         &mut self,
-        model: &Model,
+        model: &Expansion,
         rows: &Rows,
         solution: &QpSolution,
         full: &Point,
