@@ -111,8 +111,11 @@ fn e1_a_cut_at_every_17th_byte_loses_only_what_is_behind_it() {
     }
 }
 
+/// Most messages in a chunk of these files (their message indexes say 6, 9, 9, 9 and 7).
+const LARGEST_CHUNK: usize = 9;
+
 #[test]
-fn e2_every_41st_bit_flipped_gives_the_same_data_or_is_told() {
+fn e2_every_5th_bit_flipped_gives_the_same_data_or_is_told() {
     let folder = Folder::new("flip");
     for name in &FILES[..3] {
         let bytes = std::fs::read(shipped(name)).unwrap();
@@ -121,7 +124,7 @@ fn e2_every_41st_bit_flipped_gives_the_same_data_or_is_told() {
         let first = 8 + 9 + length(8);
         assert_eq!(bytes[first], 6, "a chunk");
         let first_end = first + 9 + length(first);
-        for bit in (0..bytes.len() * 8).step_by(41) {
+        for bit in (0..bytes.len() * 8).step_by(5) {
             let mut flipped = bytes.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             let Ok((rows, damages)) = read(&folder.file("flip", &flipped)) else {
@@ -131,10 +134,11 @@ fn e2_every_41st_bit_flipped_gives_the_same_data_or_is_told() {
                 rows == whole || !damages.is_empty(),
                 "{name}: bit {bit} changes data and nothing is told"
             );
-            // The first chunk declares the channel: without it no message has a meaning.
+            // The first chunk declares the channel: without it no message has a meaning. A flip in a chunk's
+            // declared length may take the chunk behind it along.
             let lost = COUNT.saturating_sub(rows.len());
             assert!(
-                bit / 8 < first_end || lost <= 20,
+                bit / 8 < first_end || lost <= 2 * LARGEST_CHUNK,
                 "{name}: bit {bit} loses {lost}: {damages:?}"
             );
         }

@@ -191,6 +191,8 @@ impl Container {
             );
             return self.mcap_resume(offset, &what);
         }
+        // A chunk that declares more bytes than it holds would swallow its neighbours.
+        let surplus = (rest.len() as u64).saturating_sub(packed);
         let packed = &rest[..rest
             .len()
             .min(usize::try_from(packed).unwrap_or(usize::MAX))];
@@ -223,6 +225,10 @@ impl Container {
         } else {
             None
         };
+        if surplus > 0 && !cut {
+            self.scan.go_to(offset + HEAD + length - surplus)?;
+            self.chunk.bytes -= surplus;
+        }
         if let Some(what) = wrong {
             self.lose(offset, self.chunk.bytes, what);
         }
