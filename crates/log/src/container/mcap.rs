@@ -60,8 +60,9 @@ impl Container {
         if !known
             || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
         {
+            // The length of the record that was passed over may be what is wrong.
             return self
-                .mcap_resume(offset, "no record begins here")
+                .mcap_resume(passed_over.unwrap_or(offset), "no record begins here")
                 .map(|()| None);
         }
         if opcode == CHUNK {
