@@ -1,10 +1,12 @@
 //! What a log holds: topics, rates, gaps, jumps, damage, and what Grouser can use.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
-use crate::message::{Decoder, View};
+use crate::message::{Decoder, Value, View};
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -15,6 +17,9 @@ const GAP_BINS: usize = 19;
 const JUMP_NS: u64 = 100_000_000;
 /// This many damages are kept; more are only counted.
 const DAMAGES: usize = 1000;
+/// This many joints of a topic are named, and names of more bytes are left out.
+const JOINTS: usize = 64;
+const JOINT_NAME: usize = 256;
 
 /// What Grouser can use a topic for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,11 +69,14 @@ pub struct Topic {
     pub last_ns: u64,
     /// Messages per second; `None` for fewer than two.
     pub rate_hz: Option<f64>,
+    /// Are the intervals those of the stamps in its messages' headers, and not those of their recording,
+    /// which comes in bursts?
+    pub stamped: bool,
     /// The longest interval, s.
     pub longest_s: f64,
     /// Intervals of more than five times the median.
     pub gaps: u64,
-    /// How often its clock went back by more than 0.1 s.
+    /// How often its stamps or the recorder's clock went back by more than 0.1 s.
     pub jumps: u64,
     /// Messages that cannot be decoded, and why the first of them cannot.
     pub undecoded: u64,
@@ -99,11 +107,15 @@ pub struct Survey {
     pub bytes_lost: u64,
 }
 
+type SharedDecoder = Arc<std::result::Result<Decoder, String>>;
+
 struct Tally {
     topic: Topic,
-    decoder: std::result::Result<Decoder, String>,
+    /// Shared by the channels of one definition.
+    decoder: SharedDecoder,
     bins: Vec<u32>,
     last_seen: Option<u64>,
+    last_stamp: Option<u64>,
 }
 
 impl Survey {
@@ -113,7 +125,9 @@ impl Survey {
     /// What does not let the file be opened. Damage inside is no error: it is listed.
     pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
         let mut container = Container::open(path)?;
-        let mut tallies: Vec<Tally> = Vec::new();
+        // By the number of their channel.
+        let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
+        let mut known = 0;
         let mut survey = Self {
             format: container.format(),
             topics: Vec::new(),
@@ -125,9 +139,9 @@ impl Survey {
         };
         loop {
             progress(container.offset());
-            let known = container.channels().len();
-            while tallies.len() < known {
-                tallies.push(Tally::new(container.channels()[tallies.len()].clone()));
+            for channel in &container.channels()[known..] {
+                Tally::enter(&mut tallies, known, channel);
+                known += 1;
             }
             match container.next() {
                 None => break,
@@ -142,21 +156,12 @@ impl Survey {
                     let (index, time) = (message.channel, message.log_time_ns);
                     survey.first_ns = Some(survey.first_ns.map_or(time, |first| first.min(time)));
                     survey.last_ns = Some(survey.last_ns.map_or(time, |last| last.max(time)));
-                    let data = message.data;
-                    if let Some(tally) = tallies.get_mut(index) {
-                        tally.take(time, data);
-                        continue;
-                    }
-                    // Its channel was met on the way to it.
-                    let data = data.to_vec();
-                    while tallies.len() <= index {
-                        tallies.push(Tally::new(container.channels()[tallies.len()].clone()));
-                    }
-                    tallies[index].take(time, &data);
+                    // Its channel may have been met on the way to it.
+                    Tally::enter(&mut tallies, index, message.of).take(time, message.data);
                 }
             }
         }
-        survey.topics = tallies.into_iter().map(Tally::finish).collect();
+        survey.topics = tallies.into_values().map(Tally::finish).collect();
         Ok(survey)
     }
 
@@ -176,16 +181,42 @@ impl Survey {
 }
 
 impl Tally {
-    fn new(channel: Channel) -> Self {
+    /// The tally of a channel, new if it was not met before.
+    fn enter<'a>(
+        tallies: &'a mut BTreeMap<usize, Self>,
+        index: usize,
+        channel: &Channel,
+    ) -> &'a mut Self {
+        let decoder = if tallies.contains_key(&index) {
+            None
+        } else {
+            let alike = tallies.values().find(|tally| {
+                let other = &tally.topic.channel;
+                Arc::ptr_eq(&other.definition, &channel.definition)
+                    && other.type_name == channel.type_name
+                    && other.encoding_name == channel.encoding_name
+                    && other.definition_language == channel.definition_language
+            });
+            alike.map(|tally| Arc::clone(&tally.decoder))
+        };
+        tallies
+            .entry(index)
+            .or_insert_with(|| Self::new(channel, decoder))
+    }
+
+    fn new(channel: &Channel, decoder: Option<SharedDecoder>) -> Self {
         Self {
-            decoder: Decoder::new(&channel).map_err(|error| error.to_string()),
+            decoder: decoder.unwrap_or_else(|| {
+                Arc::new(Decoder::new(channel).map_err(|error| error.to_string()))
+            }),
             topic: Topic {
-                channel,
+                channel: channel.clone(),
                 messages: 0,
                 bytes: 0,
                 first_ns: 0,
                 last_ns: 0,
                 rate_hz: None,
+                stamped: false,
                 longest_s: 0.0,
                 gaps: 0,
                 jumps: 0,
@@ -194,8 +225,9 @@ impl Tally {
                 use_for: None,
                 joints: Vec::new(),
             },
-            bins: vec![0; BINS],
+            bins: Vec::new(),
             last_seen: None,
+            last_stamp: None,
         }
     }
 
@@ -206,21 +238,38 @@ impl Tally {
         }
         topic.messages += 1;
         topic.bytes += data.len() as u64;
-        if let Some(last) = self.last_seen {
-            if time + JUMP_NS < last {
-                topic.jumps += 1;
-            }
-            let interval = time.saturating_sub(last);
-            topic.longest_s = topic.longest_s.max(interval as f64 * 1e-9);
-            self.bins[bin(interval)] += 1;
-        }
-        self.last_seen = Some(time);
         topic.first_ns = topic.first_ns.min(time);
         topic.last_ns = topic.last_ns.max(time);
-        let decoded = match &self.decoder {
+        let decoded = match &*self.decoder {
             Ok(decoder) => decoder.decode(data).map_err(|error| error.to_string()),
             Err(problem) => Err(problem.clone()),
         };
+        let stamp = decoded.as_ref().ok().and_then(stamp_of);
+        if topic.messages == 1 {
+            topic.stamped = stamp.is_some();
+        }
+        let recorded = self.last_seen.replace(time);
+        let stamped = match stamp {
+            Some(_) => std::mem::replace(&mut self.last_stamp, stamp),
+            None => None,
+        };
+        let back = |last: Option<u64>, now: u64| {
+            last.is_some_and(|last| now.saturating_add(JUMP_NS) < last)
+        };
+        if back(recorded, time) || stamp.is_some_and(|stamp| back(stamped, stamp)) {
+            topic.jumps += 1;
+        }
+        let pair = if topic.stamped {
+            stamped.zip(stamp)
+        } else {
+            recorded.map(|last| (last, time))
+        };
+        if let Some((last, now)) = pair {
+            let interval = now.saturating_sub(last);
+            topic.longest_s = topic.longest_s.max(interval as f64 * 1e-9);
+            self.bins.resize(BINS, 0);
+            self.bins[bin(interval)] += 1;
+        }
         match decoded {
             Err(problem) => {
                 topic.undecoded += 1;
@@ -229,7 +278,8 @@ impl Tally {
             Ok(value) if topic.use_for.is_none() => {
                 let view = View::new(&topic.channel.type_name, &value);
                 if let Some(View::JointState(joints)) = &view {
-                    topic.joints.clone_from(&joints.names);
+                    let names = joints.names.iter().filter(|name| name.len() <= JOINT_NAME);
+                    topic.joints = names.take(JOINTS).cloned().collect();
                 }
                 topic.use_for = view.as_ref().and_then(use_of);
             }
@@ -271,6 +321,12 @@ impl Tally {
 fn bin(interval_ns: u64) -> usize {
     let place = (interval_ns.max(1) as f64).log2() * BINS_PER_DOUBLING;
     (place as usize).min(BINS - 1)
+}
+
+/// When a message was taken by its header, ns; a stamp of zero is none.
+fn stamp_of(value: &Value) -> Option<u64> {
+    let stamp = value.at("header.stamp")?.time_ns()?;
+    u64::try_from(stamp).ok().filter(|stamp| *stamp > 0)
 }
 
 fn use_of(view: &View) -> Option<Use> {

@@ -93,6 +93,14 @@ fn object(survey: &Survey) -> Object {
             ("messages", Value::from(topic.messages)),
             ("bytes", Value::from(topic.bytes)),
             ("rate_hz", Value::from(topic.rate_hz)),
+            (
+                "intervals_of",
+                Value::from(if topic.stamped {
+                    "header.stamp"
+                } else {
+                    "log_time"
+                }),
+            ),
             ("longest_interval_s", Value::from(topic.longest_s)),
             ("gaps", Value::from(topic.gaps)),
             ("clock_jumps", Value::from(topic.jumps)),

@@ -3,7 +3,7 @@
 use std::io;
 
 use super::unpack::{Packing, unpack};
-use super::{CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found};
+use super::{CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, name_of, room_for};
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 
@@ -170,7 +170,9 @@ impl Container {
         self.record = record;
         read?;
         let mut content = std::mem::take(&mut self.chunk.content);
-        let unpacked = unpack(packing, &self.record, declared.into(), &mut content);
+        let declared = u64::from(declared);
+        let limit = room_for(declared, packing, &self.scan, &mut self.unfolded);
+        let unpacked = unpack(packing, &self.record, (declared, limit), &mut content);
         self.chunk = Chunk {
             content,
             at: 0,
@@ -236,8 +238,7 @@ impl Container {
                 let id = id()?;
                 let name = |bytes: Option<&[u8]>, what| {
                     let bytes = bytes.ok_or_else(|| format!("connection {id} has no {what}"))?;
-                    String::from_utf8(bytes.to_vec())
-                        .map_err(|_| format!("the {what} of connection {id} is not UTF-8 text"))
+                    name_of(bytes, &format!("the {what} of connection {id}"))
                 };
                 let channel = Channel {
                     topic: name(field(header, b"topic"), "topic")?,
@@ -245,20 +246,10 @@ impl Container {
                     encoding: Encoding::Ros1,
                     encoding_name: "ros1".to_owned(),
                     definition_language: "ros1msg".to_owned(),
-                    definition: field(data, b"message_definition")
-                        .unwrap_or_default()
-                        .to_vec(),
+                    definition: self
+                        .definition(field(data, b"message_definition").unwrap_or_default())?,
                 };
-                if self.channels.len() >= CHANNEL_LIMIT {
-                    return Err(format!("there are more than {CHANNEL_LIMIT} connections"));
-                }
-                if self.enter(id, channel) {
-                    Ok(None)
-                } else {
-                    Err(format!(
-                        "connection {id} is declared again as another: the first is kept"
-                    ))
-                }
+                self.enter(id, channel).map(|()| None)
             }
             MESSAGE => {
                 let id = id()?;

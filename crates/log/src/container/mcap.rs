@@ -1,10 +1,12 @@
 //! The records of MCAP.
 
 use std::io;
+use std::sync::Arc;
 
 use super::unpack::{Packing, unpack};
 use super::{
     CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, Schema,
+    name_of, room_for, too_many,
 };
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -197,8 +199,9 @@ impl Container {
         let packed = &rest[..rest
             .len()
             .min(usize::try_from(packed).unwrap_or(usize::MAX))];
+        let limit = room_for(declared, packing, &self.scan, &mut self.unfolded);
         let mut content = std::mem::take(&mut self.chunk.content);
-        let unpacked = unpack(packing, packed, declared, &mut content);
+        let unpacked = unpack(packing, packed, (declared, limit), &mut content);
         let found = crc32fast::hash(&content);
         self.chunk = Chunk {
             content,
@@ -273,17 +276,19 @@ impl Container {
         match opcode {
             SCHEMA => {
                 let id = fields.u16().ok_or_else(short)?;
-                let name = text(fields.counted().ok_or_else(short)?)?;
-                let language = text(fields.counted().ok_or_else(short)?)?;
+                let name = name_of(fields.counted().ok_or_else(short)?, "the name of a type")?;
+                let language = name_of(fields.counted().ok_or_else(short)?, "a schema's language")?;
                 let body = fields.counted().ok_or_else(short)?;
                 if let Some(old) = self.schemas.get(&id) {
-                    if old.name != name || old.text != body {
+                    if old.name != name || *old.text != *body {
                         return Err(format!(
                             "schema {id} is declared again as another: the first is kept"
                         ));
                     }
+                } else if self.schemas.len() >= CHANNEL_LIMIT {
+                    return Err(too_many("schemas"));
                 } else {
-                    let text = body.to_vec();
+                    let text = self.definition(body)?;
                     self.schemas.insert(
                         id,
                         Schema {
@@ -298,8 +303,9 @@ impl Container {
             CHANNEL => {
                 let id = fields.u16().ok_or_else(short)?;
                 let schema = fields.u16().ok_or_else(short)?;
-                let topic = text(fields.counted().ok_or_else(short)?)?;
-                let encoding_name = text(fields.counted().ok_or_else(short)?)?;
+                let topic = name_of(fields.counted().ok_or_else(short)?, "a topic")?;
+                let encoding_name =
+                    name_of(fields.counted().ok_or_else(short)?, "an encoding's name")?;
                 let schema = match (schema, self.schemas.get(&schema)) {
                     (_, Some(found)) => Some(found),
                     (0, None) => None,
@@ -312,7 +318,7 @@ impl Container {
                 let channel = Channel {
                     type_name: schema.map(|s| s.name.clone()).unwrap_or_default(),
                     definition_language: schema.map(|s| s.language.clone()).unwrap_or_default(),
-                    definition: schema.map(|s| s.text.clone()).unwrap_or_default(),
+                    definition: schema.map_or_else(|| [].into(), |s| Arc::clone(&s.text)),
                     encoding: match encoding_name.as_str() {
                         "cdr" => Encoding::Cdr,
                         "ros1" => Encoding::Ros1,
@@ -322,16 +328,7 @@ impl Container {
                     topic,
                     encoding_name,
                 };
-                if self.channels.len() >= CHANNEL_LIMIT {
-                    return Err(format!("there are more than {CHANNEL_LIMIT} channels"));
-                }
-                if self.enter(id.into(), channel) {
-                    Ok(None)
-                } else {
-                    Err(format!(
-                        "channel {id} is declared again as another: the first is kept"
-                    ))
-                }
+                self.enter(id.into(), channel).map(|()| None)
             }
             MESSAGE => {
                 let id = fields.u16().ok_or_else(short)?;
@@ -357,11 +354,6 @@ impl Container {
             _ => Ok(None),
         }
     }
-}
-
-fn text(bytes: &[u8]) -> Result<String, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "a name is not UTF-8 text".to_owned())?;
-    Ok(text.to_owned())
 }
 
 /// Does a chunk begin here, by all that its head says?

@@ -5,16 +5,22 @@ mod mcap;
 mod scan;
 mod unpack;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use scan::Scan;
+use unpack::Packing;
 
-/// The greatest size of a chunk out of its compression, and of a record, bytes.
+/// The greatest size of a record, and of a chunk that is not compressed, bytes.
 pub const CHUNK_LIMIT: u64 = 48 << 20;
 /// How many channels or schemas a file may declare.
-pub(crate) const CHANNEL_LIMIT: usize = 65_536;
+pub(crate) const CHANNEL_LIMIT: usize = 8192;
+/// The greatest length of a topic, or of a name of a type, an encoding or a language, bytes.
+pub(crate) const NAME_LIMIT: usize = 1024;
+/// How long all different definitions and the names of all channels may be together, bytes.
+pub(crate) const DECLARED_LIMIT: usize = 4 << 20;
 
 /// How the bytes of a message are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,8 +49,8 @@ pub struct Channel {
     pub encoding_name: String,
     /// What language the definition is in, by its name in MCAP.
     pub definition_language: String,
-    /// The definition of the type.
-    pub definition: Vec<u8>,
+    /// The definition of the type; equal ones of a file are held once.
+    pub definition: Arc<[u8]>,
 }
 
 /// One message.
@@ -52,6 +58,8 @@ pub struct Channel {
 pub struct Message<'a> {
     /// The index of its channel in [`Container::channels`].
     pub channel: usize,
+    /// That channel.
+    pub of: &'a Channel,
     /// When it was recorded, ns.
     pub log_time_ns: u64,
     /// When it was published, ns, where the file tells; else as recorded.
@@ -103,6 +111,23 @@ impl Format {
     }
 }
 
+/// The greatest size of a chunk out of its compression, bytes, in a file of so many bytes: a small file
+/// may not unfold far. The chunk stands in memory beside the window of its decompressor, which may take
+/// twice as much, and all is to stay below 64 MiB and twice the file.
+#[must_use]
+pub const fn unpacked_limit(file_bytes: u64) -> u64 {
+    let limit = (16 << 20) + file_bytes / 2;
+    if limit < CHUNK_LIMIT {
+        limit
+    } else {
+        CHUNK_LIMIT
+    }
+}
+
+/// How many bytes chunks may unfold to in all for each byte of the file read so far, beyond the first
+/// 64 MiB: a file of many small bombs would take minutes. Logs unfold to less than a hundred.
+const UNFOLDING: u64 = 256;
+
 /// A message whose bytes stand in a buffer of the container.
 struct Found {
     channel: usize,
@@ -129,7 +154,7 @@ struct Chunk {
 struct Schema {
     name: String,
     language: String,
-    text: Vec<u8>,
+    text: Arc<[u8]>,
 }
 
 /// An open file. It is read from front to back: an index is not needed, and not believed.
@@ -141,6 +166,11 @@ pub struct Container {
     channels: Vec<Channel>,
     ids: BTreeMap<u32, usize>,
     schemas: BTreeMap<u16, Schema>,
+    definitions: BTreeSet<Arc<[u8]>>,
+    /// How long the definitions and the channels' names are, bytes.
+    declared: usize,
+    /// What all compressed chunks declared to unfold to, bytes.
+    unfolded: u64,
     record: Vec<u8>,
     chunk: Chunk,
     damages: VecDeque<Damage>,
@@ -207,6 +237,9 @@ impl Container {
             channels: Vec::new(),
             ids: BTreeMap::new(),
             schemas: BTreeMap::new(),
+            definitions: BTreeSet::new(),
+            declared: 0,
+            unfolded: 0,
             record: Vec::new(),
             chunk: Chunk::default(),
             damages: VecDeque::new(),
@@ -281,6 +314,7 @@ impl Container {
         };
         Some(Event::Message(Message {
             channel: found.channel,
+            of: &self.channels[found.channel],
             log_time_ns: found.log_time_ns,
             publish_time_ns: found.publish_time_ns,
             sequence: found.sequence,
@@ -305,21 +339,92 @@ impl Container {
         }
     }
 
-    /// Enters a channel under the number `id`; false when it contradicts the one that is there, which
-    /// stays.
-    fn enter(&mut self, id: u32, channel: Channel) -> bool {
+    /// Enters a channel under the number `id`. One that contradicts another of that number is left out.
+    fn enter(&mut self, id: u32, channel: Channel) -> std::result::Result<(), String> {
         if let Some(&index) = self.ids.get(&id) {
-            return self.channels[index] == channel;
+            return if self.channels[index] == channel {
+                Ok(())
+            } else {
+                Err(format!(
+                    "channel {id} is declared again as another: the first is kept"
+                ))
+            };
+        }
+        if self.ids.len() >= CHANNEL_LIMIT {
+            return Err(too_many("channels"));
         }
         // The same topic in a second file that was put behind the first.
-        let index = self.channels.iter().position(|other| *other == channel);
-        let index = index.unwrap_or_else(|| {
-            self.channels.push(channel);
-            self.channels.len() - 1
-        });
+        let index = match self.channels.iter().position(|other| *other == channel) {
+            Some(index) => index,
+            None if self.channels.len() >= CHANNEL_LIMIT => return Err(too_many("channels")),
+            None => {
+                let names = [
+                    &channel.topic,
+                    &channel.type_name,
+                    &channel.encoding_name,
+                    &channel.definition_language,
+                ];
+                self.declare(names.iter().map(|name| name.len()).sum())?;
+                self.channels.push(channel);
+                self.channels.len() - 1
+            }
+        };
         self.ids.insert(id, index);
-        true
+        Ok(())
     }
+
+    /// A definition, held once however often it is declared.
+    fn definition(&mut self, text: &[u8]) -> std::result::Result<Arc<[u8]>, String> {
+        if let Some(known) = self.definitions.get(text) {
+            return Ok(Arc::clone(known));
+        }
+        self.declare(text.len())?;
+        let text: Arc<[u8]> = text.into();
+        self.definitions.insert(Arc::clone(&text));
+        Ok(text)
+    }
+
+    /// Makes room for `more` bytes of definitions and names.
+    fn declare(&mut self, more: usize) -> std::result::Result<(), String> {
+        let declared = self.declared.saturating_add(more);
+        if declared > DECLARED_LIMIT {
+            return Err(format!(
+                "definitions and names have {declared} bytes, more than the limit of {DECLARED_LIMIT}"
+            ));
+        }
+        self.declared = declared;
+        Ok(())
+    }
+}
+
+/// How many bytes the chunk that was just read may unfold to, if it is packed and declares so many;
+/// `unfolded` counts them over the file.
+fn room_for(declared: u64, packing: Packing, scan: &Scan, unfolded: &mut u64) -> u64 {
+    if packing == Packing::None {
+        return CHUNK_LIMIT;
+    }
+    let all = (64 << 20) + UNFOLDING.saturating_mul(scan.offset());
+    let room = unpacked_limit(scan.length()).min(all.saturating_sub(*unfolded));
+    if declared <= room {
+        *unfolded += declared;
+    }
+    room
+}
+
+fn too_many(what: &str) -> String {
+    format!("there are more {what} than the limit of {CHANNEL_LIMIT}")
+}
+
+/// A name that a file gives to something.
+fn name_of(bytes: &[u8], what: &str) -> std::result::Result<String, String> {
+    if bytes.len() > NAME_LIMIT {
+        let found = bytes.len();
+        return Err(format!(
+            "{what} has {found} bytes, more than the limit of {NAME_LIMIT} for a name"
+        ));
+    }
+    let name = std::str::from_utf8(bytes).map_err(|_| format!("{what} is not UTF-8 text"))?;
+    Ok(name.to_owned())
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> Error {

@@ -40,6 +40,11 @@ impl Scan {
         self.offset
     }
 
+    /// Bytes of the file.
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
     /// Bytes from here to the end.
     pub(super) fn left(&self) -> u64 {
         self.length.saturating_sub(self.offset)

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::CHUNK_LIMIT;
+use ruzstd::decoding::StreamingDecoder;
 
 /// How a chunk is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,20 +25,24 @@ impl Packing {
     }
 }
 
-/// Unpacks into `out` what can be unpacked of `packed`, whose content must have `declared` bytes; what
-/// is wrong, if anything is.
+/// Unpacks into `out` what can be unpacked of `packed`, whose content must have `declared` bytes and
+/// may have at most `limit`; what is wrong, if anything is.
 pub(super) fn unpack(
     packing: Packing,
     packed: &[u8],
-    declared: u64,
+    (declared, limit): (u64, u64),
     out: &mut Vec<u8>,
 ) -> Result<(), String> {
     out.clear();
-    if declared > CHUNK_LIMIT {
+    if declared > limit {
         return Err(format!(
-            "the chunk declares {declared} bytes, more than the limit of {CHUNK_LIMIT}"
+            "the chunk declares {declared} bytes, more than the limit of {limit}"
         ));
     }
+    // At once and not by doubling, which would hold up to three times as much.
+    let room = usize::try_from(declared + 1).unwrap_or(usize::MAX);
+    out.try_reserve_exact(room)
+        .map_err(|error| error.to_string())?;
     let mut read = |from: &mut dyn Read| {
         let read = from.take(declared + 1).read_to_end(out);
         read.map_err(|error| format!("the chunk cannot be decompressed: {error}"))
@@ -47,7 +51,7 @@ pub(super) fn unpack(
         Packing::None => read(&mut &*packed),
         Packing::Bzip2 => read(&mut bzip2::read::BzDecoder::new(packed)),
         Packing::Lz4 => read(&mut lz4_flex::frame::FrameDecoder::new(packed)),
-        Packing::Zstd => match ruzstd::decoding::StreamingDecoder::new(packed) {
+        Packing::Zstd => match StreamingDecoder::new_with_max_window_size(packed, limit) {
             Ok(mut decoder) => read(&mut decoder),
             Err(error) => Err(format!("the chunk cannot be decompressed: {error}")),
         },

@@ -3,8 +3,9 @@
 use super::definition::{Definition, Field, Kind, Many};
 use super::{MessageError, Value};
 
-/// How many elements a message may have in all, bytes in arrays of bytes aside.
-const ELEMENT_LIMIT: usize = 1 << 20;
+/// How many elements and fields a message may have in all, bytes in arrays of bytes aside: each takes
+/// about 50 bytes of memory, whatever it took in the message.
+const ELEMENT_LIMIT: usize = 1 << 18;
 
 /// How numbers and texts stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +146,7 @@ impl<'a> Cursor<'a> {
                 Value::Struct(vec![("sec".into(), sec), ("nanosec".into(), nanosec)])
             }
             Kind::Struct(index) => {
-                self.count(1, field)?;
+                self.count(1 + self.definition.types[index].fields.len(), field)?;
                 self.record(index)?
             }
         })

@@ -11,6 +11,9 @@ pub use view::{Imu, JointState, Odometry, Transform, View};
 
 use crate::container::{Channel, Encoding};
 
+/// The longest message that is decoded as JSON, bytes: its values may take eighty times as much.
+pub const JSON_LIMIT: usize = 1 << 19;
+
 /// Why a message or its definition cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -35,8 +38,16 @@ pub enum MessageError {
         /// What it is.
         found: String,
     },
+    /// A message of JSON that is longer than the limit.
+    #[error("the message has {length} bytes, more than the limit of {limit} for JSON")]
+    Long {
+        /// Its length, bytes.
+        length: usize,
+        /// The limit, bytes.
+        limit: usize,
+    },
     /// More elements than the limit.
-    #[error("the message declares more than {limit} elements in `{field}`")]
+    #[error("the message has more than {limit} elements by `{field}`")]
     TooMany {
         /// The field.
         field: String,
@@ -101,6 +112,10 @@ impl Decoder {
                 let (layout, body) = cdr::Layout::of_cdr(data)?;
                 cdr::decode(definition, body, layout)
             }
+            (None, _) if data.len() > JSON_LIMIT => Err(MessageError::Long {
+                length: data.len(),
+                limit: JSON_LIMIT,
+            }),
             (None, _) => serde_json::from_slice(data)
                 .map(Value::from_json)
                 .map_err(|_| MessageError::NotText {
