@@ -145,6 +145,26 @@ pub enum Error {
         /// The file.
         file: String,
     },
+    /// A topic that is asked for is not there, or has no messages.
+    #[error("{file}: there are no messages of topic `{topic}`")]
+    NoTopic {
+        /// The file.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The topic that was probably meant.
+        meant: Option<String>,
+    },
+    /// A field that is asked for is not in the messages of its topic.
+    #[error("{file}: messages of `{topic}` have no number at `{field}`")]
+    NoField {
+        /// The file.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The path of the field.
+        field: String,
+    },
     /// Two files for one table.
     #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
     TwoFiles {
@@ -164,6 +184,9 @@ impl Error {
         match self {
             Self::File(error) => error.hint(),
             Self::NoColumn {
+                meant: Some(meant), ..
+            }
+            | Self::NoTopic {
                 meant: Some(meant), ..
             } => Some(format!("did you mean `{meant}`?")),
             Self::NotANumber { hint, .. } => hint.map(Into::into),

@@ -33,13 +33,17 @@ mod csv;
 mod error;
 mod log;
 pub mod message;
+mod messages;
 mod order;
 mod record;
+mod series;
 mod source;
 mod survey;
 
 pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
+pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
 pub use record::{Reading, Record};
+pub use series::{Series, series};
 pub use survey::{Survey, Topic, Use};
