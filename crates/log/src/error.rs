@@ -165,6 +165,46 @@ pub enum Error {
         /// The path of the field.
         field: String,
     },
+    /// The robot file names a topic that is not there.
+    #[error(
+        "{file}: there are no messages of topic `{topic}`, which the robot file names as `{key}`"
+    )]
+    NoNamedTopic {
+        /// The files.
+        file: String,
+        /// The key in `[topics]`.
+        key: &'static str,
+        /// The topic.
+        topic: String,
+        /// The topic that was probably meant.
+        meant: Option<String>,
+    },
+    /// The robot file names a topic for what its messages do not say.
+    #[error(
+        "{file}: topic `{topic}` is {type_name}, but the robot file names it as `{key}`, which is {wanted}"
+    )]
+    UnfitTopic {
+        /// The files.
+        file: String,
+        /// The key in `[topics]`.
+        key: &'static str,
+        /// The topic.
+        topic: String,
+        /// Its type.
+        type_name: String,
+        /// What it should be.
+        wanted: &'static str,
+    },
+    /// The topic that the robot file names for the wheels has none of their joints.
+    #[error("{file}: topic `{topic}` has none of the wheels' joints: it has {joints}")]
+    NoJoints {
+        /// The files.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The joints that it has.
+        joints: String,
+    },
     /// Two files for one table.
     #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
     TwoFiles {
@@ -188,7 +228,17 @@ impl Error {
             }
             | Self::NoTopic {
                 meant: Some(meant), ..
+            }
+            | Self::NoNamedTopic {
+                meant: Some(meant), ..
             } => Some(format!("did you mean `{meant}`?")),
+            Self::NoNamedTopic { .. } | Self::NoTopic { .. } => {
+                Some("`grouser log info` lists the topics of a file".into())
+            }
+            Self::UnfitTopic { .. } => {
+                Some("any number of a message can be named under `[[topics.field]]`".into())
+            }
+            Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),
             Self::TwoFiles { .. } => {
                 Some("name the files of one run, or the beginning that their names share".into())

@@ -36,14 +36,18 @@ pub mod message;
 mod messages;
 mod order;
 mod record;
+mod recording;
 mod series;
+mod slots;
 mod source;
 mod survey;
+pub mod write;
 
 pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
 pub use record::{Reading, Record};
+pub use recording::UsedTopic;
 pub use series::{Series, series};
 pub use survey::{Survey, Topic, Use};

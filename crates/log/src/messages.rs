@@ -52,6 +52,24 @@ pub struct LeftOut {
     pub late: u64,
 }
 
+impl LeftOut {
+    /// What was left out of another file of the same run.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.damages += other.damages;
+        self.bytes_lost += other.bytes_lost;
+        self.undecoded += other.undecoded;
+        self.late += other.late;
+        if self.problem.is_none() {
+            self.problem.clone_from(&other.problem);
+        }
+    }
+}
+
+/// Says whether a channel is wanted, and what is added to its times, ns.
+type Wanted = Box<dyn FnMut(&Channel) -> Option<i64> + Send>;
+/// How a channel is decoded, and what is added to its times, ns.
+type Decoding = (std::result::Result<Decoder, String>, i64);
+
 /// The messages of an MCAP file or a bag, decoded by the definitions it holds, in the order of time.
 ///
 /// Up to [`LOOK_AHEAD`] messages are held back (fewer if they are large), so that memory does not grow
@@ -59,10 +77,10 @@ pub struct LeftOut {
 /// Damage does not end it. Only channels that are wanted are decoded.
 pub struct Messages {
     container: Container,
-    wanted: Box<dyn FnMut(&Channel) -> bool + Send>,
+    wanted: Wanted,
     clock: Clock,
     /// By channel; `None`: not wanted.
-    decoders: BTreeMap<usize, Option<std::result::Result<Decoder, String>>>,
+    decoders: BTreeMap<usize, Option<Decoding>>,
     ordered: Ordered<Stamped>,
     sizes: VecDeque<usize>,
     held: usize,
@@ -78,7 +96,16 @@ impl Messages {
     pub fn open(
         path: &Path,
         clock: Clock,
-        wanted: impl FnMut(&Channel) -> bool + Send + 'static,
+        mut wanted: impl FnMut(&Channel) -> bool + Send + 'static,
+    ) -> Result<Self> {
+        Self::open_shifted(path, clock, move |channel| wanted(channel).then_some(0))
+    }
+
+    /// As [`Messages::open`]; `wanted` says what is added to the times of a channel, ns.
+    pub(crate) fn open_shifted(
+        path: &Path,
+        clock: Clock,
+        wanted: impl FnMut(&Channel) -> Option<i64> + Send + 'static,
     ) -> Result<Self> {
         Ok(Self {
             container: Container::open(path)?,
@@ -132,15 +159,18 @@ impl Messages {
             Some(Event::Message(message)) => {
                 let wanted = &mut self.wanted;
                 let decoder = self.decoders.entry(message.channel).or_insert_with(|| {
-                    wanted(message.of)
-                        .then(|| Decoder::new(message.of).map_err(|error| error.to_string()))
+                    let shift_ns = wanted(message.of)?;
+                    let decoder = Decoder::new(message.of).map_err(|error| error.to_string());
+                    Some((decoder, shift_ns))
                 });
+                let Some((decoder, shift_ns)) = decoder else {
+                    return;
+                };
                 let decoded = match decoder {
-                    None => return,
-                    Some(Ok(decoder)) => decoder
+                    Ok(decoder) => decoder
                         .decode(message.data)
                         .map_err(|error| error.to_string()),
-                    Some(Err(problem)) => Err(problem.clone()),
+                    Err(problem) => Err(problem.clone()),
                 };
                 let value = match decoded {
                     Ok(value) => value,
@@ -153,7 +183,10 @@ impl Messages {
                 let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
                 let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
                 let stamped = Stamped {
-                    time_ns: stamp.flatten().unwrap_or(recorded),
+                    time_ns: stamp
+                        .flatten()
+                        .unwrap_or(recorded)
+                        .saturating_add(*shift_ns),
                     log_time_ns: message.log_time_ns,
                     channel: message.channel,
                     value,

@@ -144,7 +144,7 @@ impl<'a> Replay<'a> {
     /// The shift of each source's clock.
     fn align(&mut self, log: &Log, file: &RobotFile) -> Result<Vec<i64>> {
         let unaligned = log.unaligned_sources();
-        let mut shifts = vec![0; log.files().count()];
+        let mut shifts = vec![0; log.sources()];
         if !unaligned.is_empty() {
             self.clock_offset_s = gyro_offset(log, file, &self.wheels, self.sensor)?;
             #[allow(

@@ -79,7 +79,7 @@ impl CsvReader {
             .map(|column| find(&names, &column.column, &header))
             .collect::<Result<Vec<usize>>>()?;
         Ok(Self {
-            plan: Plan::new(table, time, &places, wheels),
+            plan: Plan::new(table, time, places, wheels),
             lines,
             names,
             separator: table.separator,
