@@ -205,6 +205,21 @@ pub enum Error {
         /// The joints that it has.
         joints: String,
     },
+    /// One path for tables and for bags or MCAP files.
+    #[error("{path}: means both tables and bags or MCAP files")]
+    Mixed {
+        /// The path.
+        path: String,
+    },
+    /// The file that is written cannot be.
+    #[error("{0}")]
+    Output(#[source] io::Error),
+    /// What was written is not what was read: a fault of the disk, or of this program.
+    #[error("the file that was written, read again, differs: {what}")]
+    Differs {
+        /// How.
+        what: String,
+    },
     /// Two files for one table.
     #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
     TwoFiles {
@@ -238,6 +253,7 @@ impl Error {
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }
+            Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),
             Self::TwoFiles { .. } => {

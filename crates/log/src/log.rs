@@ -67,19 +67,26 @@ impl Log {
     /// As [`Log::find`]; [`Error::NoNamedTopic`], [`Error::UnfitTopic`], [`Error::NoJoints`] where
     /// `topics` does not fit what the files hold.
     pub fn find_any(paths: &[PathBuf], map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
-        let mut found = Vec::new();
-        for path in paths {
-            expand(path, &mut found)?;
-        }
         let map = map.unwrap_or(ColumnMap { tables: Vec::new() });
-        let mut recordings = Vec::new();
-        found.retain(|path| {
-            let is = is_recording(path);
-            if is {
-                recordings.push(path.clone());
+        let (mut found, mut recordings) = (Vec::new(), Vec::new());
+        for path in paths {
+            let mut here = Vec::new();
+            expand(path, &mut here)?;
+            let (bags, others): (Vec<PathBuf>, Vec<PathBuf>) =
+                here.into_iter().partition(|path| is_recording(path));
+            let is_table = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                map.tables.iter().any(|table| table.describes(&name))
+            };
+            // A run that was written in two formats would count twice.
+            if !bags.is_empty() && others.iter().any(is_table) {
+                return Err(Error::Mixed {
+                    path: path.display().to_string(),
+                });
             }
-            !is
-        });
+            recordings.extend(bags);
+            found.extend(others);
+        }
         let recording = if recordings.is_empty() {
             None
         } else {

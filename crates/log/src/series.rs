@@ -58,7 +58,7 @@ pub fn series(path: &Path, topic: &str, field: &str) -> Result<Series> {
 }
 
 /// That `topic` is not in the file, with the one that was probably meant.
-fn no_topic(path: &Path, topic: &str) -> Result<Error> {
+pub(crate) fn no_topic(path: &Path, topic: &str) -> Result<Error> {
     let mut container = Container::open(path)?;
     while let Some(event) = container.next() {
         if let Event::Message(message) = event

@@ -353,7 +353,7 @@ fn stamps_order_the_records_and_late_ones_are_counted() {
     let mut late = shuffled;
     late.push(message(5, 20_000));
     let late = log(&folder, "", &late).unwrap();
-    assert_eq!(readings(&late).len() as i64, n);
+    assert_eq!(i64::try_from(readings(&late).len()).unwrap(), n);
     assert_eq!(late.left_out().late, 1);
     // By the recorder's clock every one is in its place.
     let recorded = log(

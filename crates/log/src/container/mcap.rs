@@ -12,6 +12,7 @@ use super::{
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
+const HEADER: u8 = 1;
 const FOOTER: u8 = 2;
 const SCHEMA: u8 = 3;
 const CHANNEL: u8 = 4;
@@ -96,6 +97,12 @@ impl Container {
                     self.lose(offset, HEAD + length, what);
                     None
                 }));
+            }
+            HEADER if length <= 1024 => {
+                let mut record = Vec::new();
+                self.scan.read(length, &mut record)?;
+                let profile = Fields(&record).counted().unwrap_or_default();
+                self.profile = String::from_utf8_lossy(profile).into_owned();
             }
             STATISTICS => self.mcap_statistics(offset, length)?,
             DATA_END => self.mcap_data_end(offset, length, before)?,

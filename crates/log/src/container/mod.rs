@@ -186,6 +186,8 @@ pub struct Container {
     /// Messages of this file so far.
     messages: u64,
     attached: u64,
+    /// Whose conventions an MCAP file says it follows.
+    profile: String,
 }
 
 impl Container {
@@ -254,6 +256,7 @@ impl Container {
             passed_over: None,
             messages: 0,
             attached: 0,
+            profile: String::new(),
         })
     }
 
@@ -273,6 +276,15 @@ impl Container {
     #[must_use]
     pub fn offset(&self) -> u64 {
         self.scan.offset()
+    }
+
+    /// Whose conventions the messages follow, by what was read so far: `ros1`, `ros2` or nothing.
+    #[must_use]
+    pub fn profile(&self) -> &str {
+        match self.format {
+            Format::Mcap => &self.profile,
+            Format::Bag => "ros1",
+        }
     }
 
     /// How many attachments and metadata records of an MCAP file were passed over.

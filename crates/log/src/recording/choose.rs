@@ -53,7 +53,7 @@ pub(super) struct Choice {
 }
 
 /// Words in a topic's name that say that it measures the ground, not the wheels.
-const OVER_GROUND: [&str; 24] = [
+const OVER_GROUND: &[&str] = &[
     "vio",
     "vo",
     "visual",
@@ -78,6 +78,7 @@ const OVER_GROUND: [&str; 24] = [
     "aruco",
     "apriltag",
     "flow",
+    "ground",
 ];
 /// Stamps of the topics of one run may differ by so much more than the recorder's clock says, s.
 const STAMPS_APART: f64 = 10.0;

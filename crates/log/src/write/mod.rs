@@ -1,14 +1,20 @@
 //! Writing of MCAP files and ROS 1 bags, message by message.
 
 mod bag;
+mod copy;
 mod mcap;
+mod readings;
+mod table;
 mod topic;
 
 use std::io::{self, Seek, Write};
 
 use crate::container::{Channel, Format};
 pub use bag::BagWriter;
+pub use copy::{Copied, copy, verify};
 pub use mcap::McapWriter;
+pub use readings::ReadingWriter;
+pub use table::{Table, write_table};
 pub use topic::Topic;
 
 /// When a message was recorded and published, ns, and its number.
