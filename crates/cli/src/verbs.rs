@@ -11,6 +11,7 @@ mod curve_output;
 mod estimate;
 mod estimate_calibration;
 mod estimate_figure;
+mod estimate_mcap;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;

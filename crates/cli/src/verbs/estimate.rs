@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log};
-use grouser_replay::{Options, SoilReading, Status, Summary, run as replay, soil_readings};
+use grouser_replay::{
+    Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+};
 use grouser_slip::Reference;
 
 use super::estimate_calibration;
@@ -40,7 +42,7 @@ pub(crate) struct Arguments {
     /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
-    /// Write slip against time: a table (.csv) or a figure (.svg, .png); may be given again
+    /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
     #[arg(short, long, value_name = "OUT")]
     output: Vec<PathBuf>,
     /// Put the slips on this soil: a key of the catalogue, or a file when it contains `/` or `.`
@@ -118,15 +120,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         2
     };
     let progress = Progress::of_bytes(Some(log.bytes() * passes));
-    let mut shown = log.bytes_read();
-    let summary = replay(&log, &asked.robot, &asked.options, |row| {
-        let read = log.bytes_read();
-        if read > shown {
-            progress.advance(read - shown);
-            shown = read;
-        }
-        outputs.take(row)
-    });
+    let mut watched = Watched {
+        log: &log,
+        progress: &progress,
+        outputs: &mut outputs,
+    };
+    let summary = run_with(&log, &asked.robot, &asked.options, &mut watched);
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -155,6 +154,24 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &arguments.logs, &readings),
     })
+}
+
+/// The outputs, with the progress shown on the way.
+struct Watched<'a> {
+    log: &'a Log,
+    progress: &'a Progress,
+    outputs: &'a mut Outputs,
+}
+
+impl Take for Watched<'_> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        self.progress.reach(self.log.bytes_read());
+        self.outputs.row(row)
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.outputs.step(step)
+    }
 }
 
 fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
