@@ -19,6 +19,7 @@ mod log;
 mod log_convert;
 mod log_info;
 mod log_recover;
+mod log_sheet;
 mod optimize;
 mod optimize_csv;
 mod optimize_figure;

@@ -38,8 +38,10 @@ mod order;
 mod record;
 mod recording;
 mod series;
+mod sheet;
 mod slots;
 mod source;
+mod suggest;
 mod survey;
 pub mod write;
 
@@ -50,4 +52,6 @@ pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
 pub use record::{Reading, Record};
 pub use recording::UsedTopic;
 pub use series::{Series, series};
+pub use sheet::{Guess, Sheet, SheetColumn, SheetTime};
+pub use suggest::{suggest_for_sheet, suggest_for_survey};
 pub use survey::{Survey, Topic, Use};
