@@ -63,6 +63,7 @@ mod error;
 mod estimate;
 mod estimator;
 mod fault;
+pub mod filter;
 pub mod ground;
 mod history;
 mod measured_slip;
