@@ -1,6 +1,5 @@
 //! Batches: many operating points on one soil, eight at a time.
 
-use crate::contact::ladder::Step;
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::settings::Settings;
@@ -10,11 +9,10 @@ use crate::soil::Soil;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
+use super::forces::ForceSheet;
+use super::load::LoadSheet;
 use super::machine::Level;
-use super::plan::{Given, Plan, Prepared};
-
-/// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
-pub(super) const CHUNK: usize = 256;
+use super::plan::{CHUNK, Plan, Prepared};
 
 /// Operating points side by side: one slice a quantity, all of one length.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +74,35 @@ pub struct BatchKernel {
     soil: Soil,
     prepared: Option<Prepared>,
     level: Level,
+}
+
+/// The columns of a chunk for either question.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one of them on the stack, none copied"
+)]
+pub(super) enum Sheet {
+    Forces(ForceSheet),
+    Load(LoadSheet),
+}
+
+/// What a chunk is worked on with.
+pub(super) struct Work {
+    pub(super) plan: Plan,
+    pub(super) sheet: Sheet,
+}
+
+impl Work {
+    fn new(solve: bool) -> Self {
+        Self {
+            plan: Plan::new(),
+            sheet: if solve {
+                Sheet::Load(LoadSheet::EMPTY)
+            } else {
+                Sheet::Forces(ForceSheet::EMPTY)
+            },
+        }
+    }
 }
 
 impl Default for BatchOutcome {
@@ -164,17 +191,21 @@ impl BatchKernel {
                 });
             }
         }
-        let mut from = 0;
-        while from < n {
-            let range = from..n.min(from + CHUNK);
-            from = range.end;
+        // chunks as equal as they can be: groups that are not full are lost work
+        let chunk = n
+            .div_ceil(n.div_ceil(CHUNK).max(1))
+            .max(1)
+            .next_multiple_of(8);
+        let mut work = Work::new(solve);
+        for from in (0..n).step_by(chunk) {
+            let range = from..n.min(from + chunk);
             let part = BatchPoints {
                 radius: &points.radius[range.clone()],
                 width: &points.width[range.clone()],
                 rebound: &points.rebound[range.clone()],
                 slip: &points.slip[range.clone()],
             };
-            self.chunk(&part, &given[range.clone()], &mut out[range], solve);
+            self.chunk(&part, &given[range.clone()], &mut work, &mut out[range]);
         }
         Ok(())
     }
@@ -183,33 +214,17 @@ impl BatchKernel {
         &self,
         points: &BatchPoints<'_>,
         given: &[f64],
+        work: &mut Work,
         out: &mut [BatchOutcome],
-        solve: bool,
     ) {
-        let mut expected = [f64::NAN; CHUNK];
-        let expected = &mut expected[..given.len()];
-        let known = if solve {
-            if let Some(prepared) = &self.prepared {
-                self.level.expected(prepared, points, given, expected);
-            }
-            Given::Load {
-                load: given,
-                expected,
-            }
-        } else {
-            Given::Sinkage(given)
-        };
-        let plan = Plan::new(self.prepared.as_ref(), points, known);
         if let Some(prepared) = &self.prepared {
-            for step in (0..Step::COUNT).map(Step::at) {
-                for group in plan.groups(step) {
-                    self.level.run(prepared, points, known, (step, group), out);
-                }
-            }
+            self.level.run(prepared, points, given, work, out);
         }
         // What the lanes do not take, and what they gave back.
+        let solve = matches!(work.sheet, Sheet::Load(_));
         for i in 0..out.len() {
-            if plan.is_single(i)
+            if self.prepared.is_none()
+                || work.plan.is_single(i)
                 || matches!(out[i], BatchOutcome::NoSolution(LoadStatus::NotConverged))
             {
                 out[i] = self.single(points, given[i], i, solve);

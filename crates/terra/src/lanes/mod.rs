@@ -1,10 +1,12 @@
 //! Many operating points at once: eight lanes of f64.
 
 mod batch;
-mod group;
+mod forces;
+mod load;
 mod machine;
 mod plan;
 mod portable;
+mod sheet;
 mod vector;
 
 pub use batch::{BatchForces, BatchKernel, BatchOutcome, BatchPoints};

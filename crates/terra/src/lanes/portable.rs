@@ -194,8 +194,8 @@ impl Real for Lanes {
 
 impl Short for Lanes {
     #[inline(always)]
-    fn exp_short(self) -> Self {
-        super::vector::exp_short(self)
+    fn exp2_short(self) -> Self {
+        super::vector::exp2_short(self)
     }
 }
 
@@ -211,6 +211,12 @@ impl Vector for Lanes {
     #[inline(always)]
     fn power_of_two(self) -> Self {
         self.each(|x| f64::from_bits(x.to_bits().wrapping_add(1023) << 52))
+    }
+    #[inline(always)]
+    fn times_power_of_two(self, shifted: Self) -> Self {
+        self.with(shifted, |x, k| {
+            f64::from_bits(x.to_bits().wrapping_add(k.to_bits() << 52))
+        })
     }
     #[inline(always)]
     fn exponent_and_mantissa(self) -> (Self, Self) {

@@ -39,6 +39,10 @@ lanes_of!(Avx2, Avx2Mask, {
         _mm256_castpd_si256(x),
         _mm256_set1_epi64x(1023),
     ))),
+    times_power: |a, b| _mm256_castsi256_pd(_mm256_add_epi64(
+        _mm256_castpd_si256(a),
+        _mm256_slli_epi64::<52>(_mm256_castpd_si256(b)),
+    )),
     exponent: |x| _mm256_or_pd(
         _mm256_castsi256_pd(_mm256_srli_epi64::<52>(_mm256_castpd_si256(x))),
         _mm256_castsi256_pd(_mm256_set1_epi64x(TWO_52.cast_signed())),

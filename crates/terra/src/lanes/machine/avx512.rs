@@ -39,6 +39,10 @@ lanes_of!(Avx512, Avx512Mask, {
         _mm512_castpd_si512(x),
         _mm512_set1_epi64(1023),
     ))),
+    times_power: |a, b| _mm512_castsi512_pd(_mm512_add_epi64(
+        _mm512_castpd_si512(a),
+        _mm512_slli_epi64::<52>(_mm512_castpd_si512(b)),
+    )),
     exponent: |x| _mm512_castsi512_pd(_mm512_or_epi64(
         _mm512_srli_epi64::<52>(_mm512_castpd_si512(x)),
         _mm512_set1_epi64(TWO_52.cast_signed()),

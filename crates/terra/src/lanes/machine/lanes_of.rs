@@ -27,6 +27,7 @@ macro_rules! lanes_of {
         not: |$oa:ident| $not:expr,
         any: |$pm:ident| $any:expr,
         power_of_two: |$ux:ident| $power:expr,
+        times_power: |$ra:ident, $rb:ident| $times:expr,
         exponent: |$vx:ident| $exponent:expr,
         mantissa: |$wx:ident| $mantissa:expr $(,)?
     }) => {
@@ -220,8 +221,8 @@ macro_rules! lanes_of {
 
         impl Short for $name {
             #[inline(always)]
-            fn exp_short(self) -> Self {
-                vector::exp_short(self)
+            fn exp2_short(self) -> Self {
+                vector::exp2_short(self)
             }
         }
 
@@ -245,6 +246,10 @@ macro_rules! lanes_of {
             #[inline(always)]
             fn power_of_two(self) -> Self {
                 self.each(|$ux| unsafe { $power })
+            }
+            #[inline(always)]
+            fn times_power_of_two(self, shifted: Self) -> Self {
+                self.with(shifted, |$ra, $rb| unsafe { $times })
             }
             #[inline(always)]
             fn exponent_and_mantissa(self) -> (Self, Self) {

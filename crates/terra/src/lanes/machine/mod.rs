@@ -12,12 +12,11 @@ mod lanes_of;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use lanes_of::lanes_of;
 
-use crate::contact::ladder::Step;
-
 use super::Lanes;
-use super::batch::{BatchOutcome, BatchPoints};
-use super::group;
-use super::plan::{Given, Group, Prepared};
+use super::batch::{BatchOutcome, BatchPoints, Sheet, Work};
+use super::plan::Prepared;
+use super::vector::Vector;
+use super::{forces, load};
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -63,43 +62,39 @@ impl Level {
         }
     }
 
-    /// The expected z/r of a chunk under its loads.
-    pub(super) fn expected(
-        self,
-        prepared: &Prepared,
-        points: &BatchPoints<'_>,
-        load: &[f64],
-        out: &mut [f64],
-    ) {
-        match self {
-            Self::Portable => group::expected::<Lanes>(prepared, points, load, out),
-            // SAFETY: as in `run`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { expected_avx2(prepared, points, load, out) },
-            // SAFETY: as in `run`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { expected_avx512(prepared, points, load, out) },
-        }
-    }
-
-    /// One group on these instructions.
+    /// A chunk on these instructions.
     pub(super) fn run(
         self,
         prepared: &Prepared,
         points: &BatchPoints<'_>,
-        given: Given<'_>,
-        part: (Step, Group),
+        given: &[f64],
+        work: &mut Work,
         out: &mut [BatchOutcome],
     ) {
         match self {
-            Self::Portable => group::run::<Lanes>(prepared, points, given, part, out),
+            Self::Portable => run::<Lanes>(prepared, points, given, work, out),
             // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { run_avx2(prepared, points, given, part, out) },
+            Self::Avx2 => unsafe { run_avx2(prepared, points, given, work, out) },
             // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { run_avx512(prepared, points, given, part, out) },
+            Self::Avx512 => unsafe { run_avx512(prepared, points, given, work, out) },
         }
+    }
+}
+
+#[inline(always)]
+fn run<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    given: &[f64],
+    work: &mut Work,
+    out: &mut [BatchOutcome],
+) {
+    let plan = &mut work.plan;
+    match &mut work.sheet {
+        Sheet::Forces(sheet) => forces::run::<V>(prepared, points, given, (sheet, plan), out),
+        Sheet::Load(sheet) => load::run::<V>(prepared, points, given, (sheet, plan), out),
     }
 }
 
@@ -108,11 +103,11 @@ impl Level {
 fn run_avx2(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: Given<'_>,
-    part: (Step, Group),
+    given: &[f64],
+    work: &mut Work,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<avx2::Avx2>(prepared, points, given, part, out);
+    run::<avx2::Avx2>(prepared, points, given, work, out);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -120,21 +115,9 @@ fn run_avx2(
 fn run_avx512(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: Given<'_>,
-    part: (Step, Group),
+    given: &[f64],
+    work: &mut Work,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<avx512::Avx512>(prepared, points, given, part, out);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma")]
-fn expected_avx2(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
-    group::expected::<avx2::Avx2>(prepared, points, load, out);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn expected_avx512(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
-    group::expected::<avx512::Avx512>(prepared, points, load, out);
+    run::<avx512::Avx512>(prepared, points, given, work, out);
 }
