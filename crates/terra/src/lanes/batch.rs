@@ -84,6 +84,7 @@ pub struct BatchKernel {
 pub(super) enum Sheet {
     Forces(ForceSheet),
     Load(LoadSheet),
+    Curve(LoadSheet),
 }
 
 /// What a chunk is worked on with.
@@ -93,14 +94,12 @@ pub(super) struct Work {
 }
 
 impl Work {
-    fn new(solve: bool) -> Self {
+    // made in place: a move would copy all its columns
+    #[inline(always)]
+    const fn new(sheet: Sheet) -> Self {
         Self {
             plan: Plan::new(),
-            sheet: if solve {
-                Sheet::Load(LoadSheet::EMPTY)
-            } else {
-                Sheet::Forces(ForceSheet::EMPTY)
-            },
+            sheet,
         }
     }
 }
@@ -151,7 +150,8 @@ impl BatchKernel {
         sinkage: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        self.run(points, sinkage, out, false)
+        let mut work = Work::new(Sheet::Forces(ForceSheet::EMPTY));
+        self.run(points, sinkage, out, &mut work)
     }
 
     /// Sinkages and forces under given loads (N).
@@ -164,7 +164,60 @@ impl BatchKernel {
         load: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        self.run(points, load, out, true)
+        let mut work = Work::new(Sheet::Load(LoadSheet::EMPTY));
+        self.run(points, load, out, &mut work)
+    }
+
+    /// A slip curve: sinkages and forces of one wheel under one load (N) at many slips, on this soil with
+    /// its own rebound. Points begin where their neighbours on the curve say, so that most take one
+    /// evaluation; each is still looked at by itself, and as good as by [`BatchKernel::under_load`].
+    ///
+    /// ```
+    /// use grouser_terra::{BatchKernel, BatchOutcome, RigidWheel, catalogue};
+    /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
+    /// let slip: Vec<f64> = (0..101).map(|i| 0.009 * f64::from(i)).collect();
+    /// let mut out = [BatchOutcome::default(); 101];
+    /// kernel.curve(&RigidWheel::new(0.125, 0.1)?, 80.0, &slip, &mut out)?;
+    /// let pull = |i: usize| match out[i] {
+    ///     BatchOutcome::Done(forces) => forces.drawbar_pull,
+    ///     _ => f64::NAN,
+    /// };
+    /// assert!(pull(0) < 0.0 && pull(100) > 0.0);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Lengths`] if the slices differ in length; [`Error::OutOfRange`] for a wheel with grousers:
+    /// lanes know smooth wheels only. A bad slip is an outcome.
+    pub fn curve(
+        &self,
+        wheel: &RigidWheel,
+        load: f64,
+        slip: &[f64],
+        out: &mut [BatchOutcome],
+    ) -> Result<()> {
+        if slip.len() != out.len() {
+            return Err(Error::Lengths {
+                expected: out.len(),
+                found: slip.len(),
+            });
+        }
+        let height = wheel.grousers().map_or(0.0, |grousers| grousers.height);
+        Error::check_range("grouser_height", height, 0.0, 0.0, "m")?;
+        let rebound = self.soil.params().rebound;
+        let columns = [wheel.radius(), wheel.width(), rebound, load].map(|x| [x; CHUNK]);
+        let mut work = Work::new(Sheet::Curve(LoadSheet::EMPTY));
+        for (slip, out) in slip.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            let [radius, width, rebound, load] = columns.each_ref().map(|c| &c[..slip.len()]);
+            let points = BatchPoints {
+                radius,
+                width,
+                rebound,
+                slip,
+            };
+            self.run(&points, load, out, &mut work)?;
+        }
+        Ok(())
     }
 
     fn run(
@@ -172,7 +225,7 @@ impl BatchKernel {
         points: &BatchPoints<'_>,
         given: &[f64],
         out: &mut [BatchOutcome],
-        solve: bool,
+        work: &mut Work,
     ) -> Result<()> {
         let n = out.len();
         for len in [
@@ -196,7 +249,6 @@ impl BatchKernel {
             .div_ceil(n.div_ceil(CHUNK).max(1))
             .max(1)
             .next_multiple_of(8);
-        let mut work = Work::new(solve);
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
             let part = BatchPoints {
@@ -205,7 +257,7 @@ impl BatchKernel {
                 rebound: &points.rebound[range.clone()],
                 slip: &points.slip[range.clone()],
             };
-            self.chunk(&part, &given[range.clone()], &mut work, &mut out[range]);
+            self.chunk(&part, &given[range.clone()], work, &mut out[range]);
         }
         Ok(())
     }
@@ -221,7 +273,7 @@ impl BatchKernel {
             self.level.run(prepared, points, given, work, out);
         }
         // What the lanes do not take, and what they gave back.
-        let solve = matches!(work.sheet, Sheet::Load(_));
+        let solve = !matches!(work.sheet, Sheet::Forces(_));
         for i in 0..out.len() {
             if self.prepared.is_none()
                 || work.plan.is_single(i)

@@ -79,7 +79,7 @@ pub(super) fn run<V: Vector>(
             r_over_k: sheet.r_over_k.gather::<V>(places),
         };
         let tables = &prepared.tables;
-        let sums = contact.sums(tables.rules(group.step), &tables.power);
+        let sums = V::sums(&contact, tables.rules(group.step), &tables.power);
         let tan_phi = V::from_f64(prepared.tan_phi);
         let f = sums.forces(
             sheet.stress.gather::<V>(places),

@@ -50,6 +50,8 @@ pub(super) struct LoadSheet {
     first: [Column; 4],
     /// The slopes of DP/W and T/(r W), and the last step.
     slopes: [Column; 3],
+    /// Where the search of each point ended, if that is kept: x, dx/d ln W and the two slopes.
+    pub(super) kept: [Column; 4],
 }
 
 impl LoadSheet {
@@ -59,6 +61,7 @@ impl LoadSheet {
         per_slope: Column::EMPTY,
         first: [Column::EMPTY; 4],
         slopes: [Column::EMPTY; 3],
+        kept: [Column::EMPTY; 4],
     };
 }
 
@@ -122,7 +125,7 @@ impl<V: Vector> Loaded<V> {
             q: self.q,
             r_over_k: self.r_over_k,
         };
-        let sums = contact.sums(rules, &prepared.tables.power);
+        let sums = V::sums(&contact, rules, &prepared.tables.power);
         let y = theta_1 * theta_1;
         let ln_sin_theta = y.mul_add(horner(y, &LN_SINC), x + x);
         let stress = c(prepared.n).mul_add(ln_sin_theta, self.scale).exp() * theta_1;
@@ -154,9 +157,9 @@ fn held<V: Vector>(x: V) -> V {
 }
 
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
-/// given back as not converged.
+/// given back as not converged. `KEEP`: fill [`LoadSheet::kept`].
 #[inline(always)]
-pub(super) fn run<V: Vector>(
+pub(super) fn run<V: Vector, const KEEP: bool>(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
     load: &[f64],
@@ -225,8 +228,46 @@ pub(super) fn run<V: Vector>(
         place.store(group.at, held(x - found.off * per_slope));
     }
     for group in plan.groups() {
-        finish::<V>(prepared, points, load, (sheet, group), out);
+        finish::<V, KEEP>(prepared, points, load, (sheet, group), out);
     }
+}
+
+/// Solves every point from where it is expected: `expected` gives x, dx/d ln W and the slopes of DP/W and
+/// T/(r W) for eight slips, the slopes to `trust`.
+#[inline(always)]
+pub(super) fn run_from<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    load: &[f64],
+    (sheet, plan): (&mut LoadSheet, &mut Plan),
+    (expected, trust): (&impl Expected, f64),
+    out: &mut [BatchOutcome],
+) {
+    for at in (0..load.len()).step_by(8) {
+        set_up::<V>(prepared, points, load, (sheet, plan), at);
+        let [x, rest @ ..] = expected.at(eight::<V>(points.slip, at));
+        sheet.x.store(at, held(x));
+        for (column, x) in sheet.kept.iter_mut().zip(rest) {
+            column.store(at, x);
+        }
+        choose::<V>(sheet, plan, at);
+    }
+    plan.sort(load.len());
+    for group in plan.groups() {
+        let (at, places) = (group.at, group.places);
+        sheet.first[0].store(at, sheet.kept[0].gather::<V>(places));
+        sheet.first[3].store(at, sheet.x.gather::<V>(places));
+        sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
+        sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
+        sheet.slopes[2].store(at, V::from_f64(trust));
+        finish::<V, false>(prepared, points, load, (sheet, group), out);
+    }
+}
+
+/// Where a search begins, by slip.
+pub(super) trait Expected {
+    /// x, dx/d ln W and the slopes of DP/W and T/(r W).
+    fn at<V: Vector>(&self, slip: V) -> [V; 4];
 }
 
 /// Eight points in their natural order: what does not depend on sinkage, and where to begin.
@@ -307,11 +348,11 @@ fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
 
 /// The fine rule's evaluation, further ones where they are needed, and the outcomes.
 #[inline(always)]
-fn finish<V: Vector>(
+fn finish<V: Vector, const KEEP: bool>(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
     load: &[f64],
-    (sheet, group): (&LoadSheet, Group<'_>),
+    (sheet, group): (&mut LoadSheet, Group<'_>),
     out: &mut [BatchOutcome],
 ) {
     let c = V::from_f64;
@@ -350,6 +391,14 @@ fn finish<V: Vector>(
         };
     }
     let dx = -found.off * per_slope;
+    if KEEP {
+        let ended = [x + dx, per_slope, slopes[0], slopes[1]].map(V::to_array);
+        for (column, ended) in sheet.kept.iter_mut().zip(ended) {
+            for (&place, x) in group.places.iter().zip(ended) {
+                column.0[usize::from(place)] = x;
+            }
+        }
+    }
     let theta_1 = (x + dx).exp();
     let z_over_r = versine(theta_1);
     let stiffness = stiffness(theta_1, z_over_r, loaded.q, loaded.r_over_k);

@@ -1,6 +1,7 @@
 //! Many operating points at once: eight lanes of f64.
 
 mod batch;
+mod curve;
 mod forces;
 mod load;
 mod machine;

@@ -9,7 +9,7 @@ use crate::soil::{Soil, SoilLaws};
 use super::vector::Vector;
 
 /// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
-pub(super) const CHUNK: usize = if cfg!(feature = "std") { 256 } else { 64 };
+pub(super) const CHUNK: usize = if cfg!(feature = "std") { 192 } else { 64 };
 /// Places of a chunk whose kinds each begin at a whole group.
 pub(super) const ROOM: usize = CHUNK + 8 * Step::COUNT;
 

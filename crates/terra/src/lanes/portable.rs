@@ -5,7 +5,9 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 use grouser_real::Real;
 
 use super::vector::Vector;
-use crate::contact::lean::Short;
+use crate::contact::ladder::POWER_TERMS;
+use crate::contact::lean::{LeanContact, LeanSums, Short};
+use crate::quadrature::RuleView;
 
 /// Eight numbers, computed lane by lane in plain code that every machine has: no lane sees another.
 ///
@@ -167,15 +169,17 @@ impl Real for Lanes {
     fn sqrt(self) -> Self {
         self.each(Real::sqrt)
     }
-    #[inline(always)]
+    // not inlined: the machine has no wider code for it, and the compiler has less to do
+    #[inline(never)]
     fn exp(self) -> Self {
         super::vector::exp(self)
     }
-    #[inline(always)]
+    // not inlined: the machine has no wider code for it, and the compiler has less to do
+    #[inline(never)]
     fn ln(self) -> Self {
         super::vector::ln(self)
     }
-    #[inline(always)]
+    #[inline(never)]
     fn powf(self, n: Self) -> Self {
         (n * self.ln()).exp()
     }
@@ -227,6 +231,14 @@ impl Vector for Lanes {
             exponent,
             self.each(|x| f64::from_bits((x.to_bits() & MANTISSA) | ONE)),
         )
+    }
+    #[inline(never)]
+    fn sums(
+        contact: &LeanContact<Self>,
+        rules: (RuleView<'_>, RuleView<'_>),
+        power: &[f64; POWER_TERMS],
+    ) -> LeanSums<Self> {
+        contact.sums(rules, power)
     }
     #[inline(always)]
     fn any(mask: LaneMask) -> bool {

@@ -24,7 +24,11 @@ impl Column {
     /// The numbers at eight places.
     #[inline(always)]
     pub(super) fn gather<V: Vector>(&self, places: &[u16; 8]) -> V {
-        V::from_array(places.map(|place| self.0[usize::from(place)]))
+        let mut eight = [0.0; 8];
+        for (x, &place) in eight.iter_mut().zip(places) {
+            *x = self.0[usize::from(place)];
+        }
+        V::from_array(eight)
     }
 }
 
@@ -34,8 +38,9 @@ pub(super) fn eight<V: Vector>(values: &[f64], at: usize) -> V {
     if at + 8 <= values.len() {
         V::load(values, at)
     } else {
-        V::from_array(core::array::from_fn(|k| {
-            values[(at + k).min(values.len() - 1)]
-        }))
+        let mut eight = [values[values.len() - 1]; 8];
+        let rest = &values[at..];
+        eight[..rest.len()].copy_from_slice(rest);
+        V::from_array(eight)
     }
 }

@@ -1,6 +1,8 @@
 //! What every kind of eight lanes can do, and the exponential and logarithm made of it.
 
-use crate::contact::lean::{Short, estrin, horner};
+use crate::contact::ladder::POWER_TERMS;
+use crate::contact::lean::{LeanContact, LeanSums, Short, estrin, horner};
+use crate::quadrature::RuleView;
 
 /// Eight f64 side by side, on some set of instructions.
 pub(super) trait Vector: Short {
@@ -14,6 +16,13 @@ pub(super) trait Vector: Short {
     fn times_power_of_two(self, shifted: Self) -> Self;
     /// k and m of x = 2ᵏ m, m in [1, 2), for a positive normal x.
     fn exponent_and_mantissa(self) -> (Self, Self);
+    /// [`LeanContact::sums`], as one function of each set of instructions: compiled once, not wherever it
+    /// is called.
+    fn sums(
+        contact: &LeanContact<Self>,
+        rules: (RuleView<'_>, RuleView<'_>),
+        power: &[f64; POWER_TERMS],
+    ) -> LeanSums<Self>;
     /// Does the mask hold in any lane?
     fn any(mask: Self::Mask) -> bool;
 

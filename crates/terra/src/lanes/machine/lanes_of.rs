@@ -26,12 +26,15 @@ macro_rules! lanes_of {
         or: |$ka:ident, $kb:ident| $or:expr,
         not: |$oa:ident| $not:expr,
         any: |$pm:ident| $any:expr,
+        sums: $sums:ident,
         power_of_two: |$ux:ident| $power:expr,
         times_power: |$ra:ident, $rb:ident| $times:expr,
         exponent: |$vx:ident| $exponent:expr,
         mantissa: |$wx:ident| $mantissa:expr $(,)?
     }) => {
-        use crate::contact::lean::Short;
+        use crate::contact::ladder::POWER_TERMS;
+        use crate::contact::lean::{LeanContact, LeanSums, Short};
+        use crate::quadrature::RuleView;
         use crate::lanes::portable::{EXPONENT_BIAS, TWO_52};
         use crate::lanes::vector::{self, Vector};
         use grouser_real::Real;
@@ -255,6 +258,14 @@ macro_rules! lanes_of {
             fn exponent_and_mantissa(self) -> (Self, Self) {
                 let exponent = self.each(|$vx| unsafe { $exponent }) - Self::from_f64(EXPONENT_BIAS);
                 (exponent, self.each(|$wx| unsafe { $mantissa }))
+            }
+            #[inline(always)]
+            fn sums(
+                contact: &LeanContact<Self>,
+                rules: (RuleView<'_>, RuleView<'_>),
+                power: &[f64; POWER_TERMS],
+            ) -> LeanSums<Self> {
+                unsafe { $sums(contact, rules, power) }
             }
             #[inline(always)]
             fn any(mask: $mask) -> bool {

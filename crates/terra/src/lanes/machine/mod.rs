@@ -16,7 +16,7 @@ use super::Lanes;
 use super::batch::{BatchOutcome, BatchPoints, Sheet, Work};
 use super::plan::Prepared;
 use super::vector::Vector;
-use super::{forces, load};
+use super::{curve, forces, load};
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -94,7 +94,10 @@ fn run<V: Vector>(
     let plan = &mut work.plan;
     match &mut work.sheet {
         Sheet::Forces(sheet) => forces::run::<V>(prepared, points, given, (sheet, plan), out),
-        Sheet::Load(sheet) => load::run::<V>(prepared, points, given, (sheet, plan), out),
+        Sheet::Load(sheet) => {
+            load::run::<V, false>(prepared, points, given, (sheet, plan), out);
+        }
+        Sheet::Curve(sheet) => curve::run_curve::<V>(prepared, points, given, (sheet, plan), out),
     }
 }
 
