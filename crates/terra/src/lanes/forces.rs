@@ -100,6 +100,72 @@ pub(super) fn run<V: Vector>(
     }
 }
 
+/// What does not depend on the nodes, of points at a sinkage.
+pub(super) struct Placed<V> {
+    pub(super) contact: LeanContact<V>,
+    /// r b A (L sin θ_1)ⁿ L
+    pub(super) stress: V,
+    /// r b c (θ_1 − θ_2)
+    pub(super) hold: V,
+    /// The step of the ladder, or [`SINGLE`].
+    pub(super) step: V,
+}
+
+impl<V: Vector> Placed<V> {
+    /// Points by radius, width, rebound ratio, slip and sinkage over radius.
+    #[inline(always)]
+    pub(super) fn new(
+        prepared: &Prepared,
+        [radius, width, rebound, slip, z_over_r]: [V; 5],
+    ) -> Self {
+        let c = V::from_f64;
+        let modulus = prepared.modulus(width);
+        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+        let rise = rebound * z_over_r;
+        let sound = within(radius, 1e-3, 100.0)
+            & within(width, 1e-3, 100.0)
+            & within(rebound, 0.0, 100.0)
+            & within(slip, 0.0, 1.0)
+            & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
+            & within(rise, 0.0, GREATEST_SINKAGE)
+            & V::ZERO.lt(modulus)
+            & position.lt(V::ONE);
+
+        let theta_1 = angle(z_over_r);
+        let behind = if V::any(V::ZERO.lt(rise)) {
+            angle(rise)
+        } else {
+            V::ZERO
+        };
+        let arc = theta_1 + behind;
+        let q = V::ONE - slip;
+        let fastest = V::ONE - q * (V::ONE - z_over_r.max(rise));
+        let r_over_k = radius * c(prepared.per_k_shear);
+        let stiffness = r_over_k * c(core::f64::consts::LN_2) * arc * fastest;
+        let sound = sound & arc.le(c(2.0 * HALF_ARC));
+
+        let theta_m = position.clamp(V::ZERO, V::ONE) * theta_1;
+        let front = theta_1 - theta_m;
+        let sin_1 = (z_over_r * (c(2.0) - z_over_r)).sqrt();
+        let area = radius * width;
+        // A (L sin θ_1)ⁿ L = k (r L sin θ_1)ⁿ L
+        let power = (radius * front * sin_1).powf(c(prepared.n));
+        Self {
+            contact: LeanContact {
+                theta_1,
+                behind,
+                front,
+                rear: theta_m + behind,
+                q,
+                r_over_k,
+            },
+            stress: area * modulus * power * front,
+            hold: area * c(prepared.cohesion) * arc,
+            step: V::select(sound, step_of(stiffness), c(SINGLE)),
+        }
+    }
+}
+
 /// Eight points in their natural order: what does not depend on the nodes, and their step.
 #[inline(always)]
 fn sort_in<V: Vector>(
@@ -109,51 +175,25 @@ fn sort_in<V: Vector>(
     (sheet, plan): (&mut ForceSheet, &mut Plan),
     at: usize,
 ) {
-    let c = V::from_f64;
     let radius: V = eight(points.radius, at);
-    let width: V = eight(points.width, at);
-    let rebound: V = eight(points.rebound, at);
-    let slip: V = eight(points.slip, at);
-    let modulus = prepared.modulus(width);
-    let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
-    let z_over_r = eight::<V>(sinkage, at) / radius;
-    let rise = rebound * z_over_r;
-    let sound = within(radius, 1e-3, 100.0)
-        & within(width, 1e-3, 100.0)
-        & within(rebound, 0.0, 100.0)
-        & within(slip, 0.0, 1.0)
-        & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
-        & within(rise, 0.0, GREATEST_SINKAGE)
-        & V::ZERO.lt(modulus)
-        & position.lt(V::ONE);
-
-    let theta_1 = angle(z_over_r);
-    let behind = if V::any(V::ZERO.lt(rise)) {
-        angle(rise)
-    } else {
-        V::ZERO
-    };
-    let arc = theta_1 + behind;
-    let q = V::ONE - slip;
-    let fastest = V::ONE - q * (V::ONE - z_over_r.max(rise));
-    let per_k_shear = radius * c(prepared.per_k_shear);
-    let stiffness = per_k_shear * c(core::f64::consts::LN_2) * arc * fastest;
-    let sound = sound & arc.le(c(2.0 * HALF_ARC));
-    let step = V::select(sound, step_of(stiffness), c(SINGLE));
-    step.store(&mut plan.steps, at);
-
-    let theta_m = position.clamp(V::ZERO, V::ONE) * theta_1;
-    let front = theta_1 - theta_m;
-    let sin_1 = (z_over_r * (c(2.0) - z_over_r)).sqrt();
-    let area = radius * width;
-    // A (L sin θ_1)ⁿ L = k (r L sin θ_1)ⁿ L
-    let power = (radius * front * sin_1).powf(c(prepared.n));
-    sheet.theta_1.store(at, theta_1);
-    sheet.behind.store(at, behind);
-    sheet.front.store(at, front);
-    sheet.rear.store(at, theta_m + behind);
-    sheet.q.store(at, q);
-    sheet.r_over_k.store(at, per_k_shear);
-    sheet.stress.store(at, area * modulus * power * front);
-    sheet.hold.store(at, area * c(prepared.cohesion) * arc);
+    let placed = Placed::new(
+        prepared,
+        [
+            radius,
+            eight(points.width, at),
+            eight(points.rebound, at),
+            eight(points.slip, at),
+            eight::<V>(sinkage, at) / radius,
+        ],
+    );
+    placed.step.store(&mut plan.steps, at);
+    let contact = placed.contact;
+    sheet.theta_1.store(at, contact.theta_1);
+    sheet.behind.store(at, contact.behind);
+    sheet.front.store(at, contact.front);
+    sheet.rear.store(at, contact.rear);
+    sheet.q.store(at, contact.q);
+    sheet.r_over_k.store(at, contact.r_over_k);
+    sheet.stress.store(at, placed.stress);
+    sheet.hold.store(at, placed.hold);
 }

@@ -32,12 +32,12 @@ const LN_SINC: [f64; 7] = [
 ];
 
 /// ln θ_1 at the least and the greatest sinkage of the lanes.
-const LOW: f64 = -3.507;
-const HIGH: f64 = 0.0461;
+pub(super) const LOW: f64 = -3.507;
+pub(super) const HIGH: f64 = 0.0461;
 
 /// Where a lane may end: residual ln(W/load) times the last step in ln θ_1. The slopes were found over that
 /// step, on which they change by no more than its own length, so this bounds the error of going straight.
-const STRAIGHT: f64 = 2e-10;
+pub(super) const STRAIGHT: f64 = 2e-10;
 /// Most further passes of the fine rule.
 const MORE: usize = 6;
 
@@ -66,15 +66,62 @@ impl LoadSheet {
 }
 
 /// Eight points without their sinkage.
-struct Loaded<V> {
-    q: V,
-    r_over_k: V,
+pub(super) struct Loaded<V> {
+    pub(super) q: V,
+    pub(super) r_over_k: V,
     /// 1 − clamp(c_1 + c_2 s, 0, 1): front over θ_1.
     ahead: V,
     /// ln of r b k (r · ahead)ⁿ · ahead/load.
     scale: V,
     /// r b c/load.
     hold: V,
+}
+
+/// Points before their search.
+pub(super) struct Begun<V: Vector> {
+    pub(super) loaded: Loaded<V>,
+    pub(super) sound: V::Mask,
+    pub(super) x: V,
+    pub(super) per_slope: V,
+}
+
+impl<V: Vector> Begun<V> {
+    /// Points by radius, width, rebound ratio, slip and load.
+    #[inline(always)]
+    pub(super) fn new(prepared: &Prepared, [radius, width, rebound, slip, load]: [V; 5]) -> Self {
+        let c = V::from_f64;
+        let n = prepared.n;
+        let modulus = prepared.modulus(width);
+        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+        // With a rebound the force may fall with sinkage: that search is not for lanes.
+        let sound = within(radius, 1e-3, 100.0)
+            & within(width, 1e-3, 100.0)
+            & within(rebound, 0.0, 0.0)
+            & within(slip, 0.0, 1.0)
+            & within(load, f64::MIN_POSITIVE, 1e12)
+            & V::ZERO.lt(modulus)
+            & position.lt(V::ONE);
+        let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
+        let area = radius * width / load;
+        // ln of r b k rⁿ/load
+        let bare = c(n).mul_add(radius.ln(), (area * modulus).ln());
+        // Bekker: W = b k rⁿ⁺¹ θ_1²ⁿ⁺¹ (3 − n)/3 · 2⁻ⁿ
+        let shape = (3.0 - n).max(0.5) / 3.0;
+        let shape = Real::ln(shape) - n * core::f64::consts::LN_2;
+        let per_slope = c(1.0 / (2.0 * n + 1.0));
+        Self {
+            loaded: Loaded {
+                q: V::ONE - slip,
+                r_over_k: radius * c(prepared.per_k_shear),
+                ahead,
+                scale: c(n + 1.0).mul_add(ahead.ln(), bare),
+                hold: area * c(prepared.cohesion),
+            },
+            sound,
+            x: -(bare + c(shape)) * per_slope,
+            per_slope,
+        }
+    }
 }
 
 /// Forces over the load at a place.
@@ -112,9 +159,9 @@ impl<V: Vector> Loaded<V> {
         }
     }
 
+    /// The contact at x, and the scales of friction and cohesion.
     #[inline(always)]
-    fn forces(&self, prepared: &Prepared, rules: (RuleView<'_>, RuleView<'_>), x: V) -> Three<V> {
-        let c = V::from_f64;
+    pub(super) fn contact(&self, prepared: &Prepared, x: V) -> (LeanContact<V>, V, V) {
         let theta_1 = x.exp();
         let front = self.ahead * theta_1;
         let contact = LeanContact {
@@ -125,11 +172,17 @@ impl<V: Vector> Loaded<V> {
             q: self.q,
             r_over_k: self.r_over_k,
         };
-        let sums = V::sums(&contact, rules, &prepared.tables.power);
         let y = theta_1 * theta_1;
         let ln_sin_theta = y.mul_add(horner(y, &LN_SINC), x + x);
-        let stress = c(prepared.n).mul_add(ln_sin_theta, self.scale).exp() * theta_1;
-        sums.forces(stress, c(prepared.tan_phi), self.hold * theta_1)
+        let stress = V::from_f64(prepared.n).mul_add(ln_sin_theta, self.scale);
+        (contact, stress.exp() * theta_1, self.hold * theta_1)
+    }
+
+    #[inline(always)]
+    fn forces(&self, prepared: &Prepared, rules: (RuleView<'_>, RuleView<'_>), x: V) -> Three<V> {
+        let (contact, stress, hold) = self.contact(prepared, x);
+        let sums = V::sums(&contact, rules, &prepared.tables.power);
+        sums.forces(stress, V::from_f64(prepared.tan_phi), hold)
     }
 
     #[inline(always)]
@@ -279,40 +332,25 @@ fn set_up<V: Vector>(
     (sheet, plan): (&mut LoadSheet, &mut Plan),
     at: usize,
 ) {
-    let c = V::from_f64;
-    let n = prepared.n;
-    let radius: V = eight(points.radius, at);
-    let width: V = eight(points.width, at);
-    let rebound: V = eight(points.rebound, at);
-    let slip: V = eight(points.slip, at);
-    let load: V = eight(load, at);
-    let modulus = prepared.modulus(width);
-    let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
-    // With a rebound the force may fall with sinkage: that search is not for lanes.
-    let sound = within(radius, 1e-3, 100.0)
-        & within(width, 1e-3, 100.0)
-        & rebound.le(V::ZERO)
-        & V::ZERO.le(rebound)
-        & within(slip, 0.0, 1.0)
-        & within(load, f64::MIN_POSITIVE, 1e12)
-        & V::ZERO.lt(modulus)
-        & position.lt(V::ONE);
-    let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
-    let area = radius * width / load;
-    // ln of r b k rⁿ/load
-    let bare = c(n).mul_add(radius.ln(), (area * modulus).ln());
-    let scale = c(n + 1.0).mul_add(ahead.ln(), bare);
-    // Bekker: W = b k rⁿ⁺¹ θ_1²ⁿ⁺¹ (3 − n)/3 · 2⁻ⁿ
-    let shape = (3.0 - n).max(0.5) / 3.0;
-    let shape = Real::ln(shape) - n * core::f64::consts::LN_2;
-    let per_slope = c(1.0 / (2.0 * n + 1.0));
-    let x = -(bare + c(shape)) * per_slope;
+    let columns = [
+        eight(points.radius, at),
+        eight(points.width, at),
+        eight(points.rebound, at),
+        eight(points.slip, at),
+        eight(load, at),
+    ];
+    let Begun {
+        loaded,
+        sound,
+        x,
+        per_slope,
+    } = Begun::<V>::new(prepared, columns);
     let kept = [
-        V::ONE - slip,
-        radius * c(prepared.per_k_shear),
-        ahead,
-        scale,
-        area * c(prepared.cohesion),
+        loaded.q,
+        loaded.r_over_k,
+        loaded.ahead,
+        loaded.scale,
+        loaded.hold,
         V::select(sound, V::ONE, V::ZERO),
     ];
     for (column, x) in sheet.points.iter_mut().zip(kept) {
@@ -341,7 +379,7 @@ fn choose<V: Vector>(sheet: &LoadSheet, plan: &mut Plan, at: usize) {
 
 /// r θ_1 max|1 − q cos θ|/K.
 #[inline(always)]
-fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
+pub(super) fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
     let fastest = V::ONE - q * (V::ONE - z_over_r);
     r_over_k * V::from_f64(core::f64::consts::LN_2) * theta_1 * fastest
 }

@@ -5,10 +5,13 @@ mod curve;
 mod forces;
 mod load;
 mod machine;
+mod nodes;
 mod plan;
 mod portable;
 mod sheet;
+mod tracked;
 mod vector;
 
 pub use batch::{BatchForces, BatchKernel, BatchOutcome, BatchPoints};
 pub use portable::{LaneMask, Lanes};
+pub use tracked::{TrackedSolution, TrackedWheel};

@@ -14,6 +14,7 @@ use lanes_of::lanes_of;
 
 use super::Lanes;
 use super::batch::{BatchOutcome, BatchPoints, Sheet, Work};
+use super::nodes::{self, Carried, Single, Track};
 use super::plan::Prepared;
 use super::vector::Vector;
 use super::{curve, forces, load};
@@ -81,6 +82,37 @@ impl Level {
             Self::Avx512 => unsafe { run_avx512(prepared, points, given, work, out) },
         }
     }
+
+    /// One wheel's forces on these instructions.
+    pub(super) fn single_forces(self, single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+        match self {
+            Self::Portable => nodes::forces::<Lanes>(single, z_over_r),
+            // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { single_forces_avx2(single, z_over_r) },
+            // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { single_forces_avx512(single, z_over_r) },
+        }
+    }
+
+    /// One wheel's sinkage on these instructions.
+    pub(super) fn single_load(
+        self,
+        single: &Single<'_>,
+        load: f64,
+        track: &mut Option<Track>,
+    ) -> Option<Carried> {
+        match self {
+            Self::Portable => nodes::under_load::<Lanes>(single, load, track),
+            // SAFETY: as in `single_forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { single_load_avx2(single, load, track) },
+            // SAFETY: as in `single_forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { single_load_avx512(single, load, track) },
+        }
+    }
 }
 
 #[inline(always)]
@@ -123,4 +155,32 @@ fn run_avx512(
     out: &mut [BatchOutcome],
 ) {
     run::<avx512::Avx512>(prepared, points, given, work, out);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn single_forces_avx512(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+    nodes::forces::<avx512::Avx512>(single, z_over_r)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn single_load_avx512(
+    single: &Single<'_>,
+    load: f64,
+    track: &mut Option<Track>,
+) -> Option<Carried> {
+    nodes::under_load::<avx512::Avx512>(single, load, track)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn single_forces_avx2(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+    nodes::forces::<avx2::Avx2>(single, z_over_r)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn single_load_avx2(single: &Single<'_>, load: f64, track: &mut Option<Track>) -> Option<Carried> {
+    nodes::under_load::<avx2::Avx2>(single, load, track)
 }
