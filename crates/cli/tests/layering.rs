@@ -33,7 +33,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-files",
         ],
     ),
-    ("grouser-synthetic", &["grouser-terra", "grouser-slip"]),
+    ("grouser-synthetic", &["grouser-log"]),
     (
         "grouser",
         &[

@@ -28,7 +28,7 @@
 //! ```
 //!
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
-//! [`robot`], [`soil`], [`columns`]. The crate reads logs' *descriptions*, not logs.
+//! [`robot`], [`soil`], [`columns`], and [`topics`] within a robot file. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
 
 pub mod columns;
@@ -39,6 +39,7 @@ pub mod regular;
 pub mod robot;
 pub mod soil;
 mod suggestion;
+pub mod topics;
 pub mod unit;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};

@@ -19,5 +19,5 @@ mod five_wheel;
 mod noise;
 
 pub use drive::{Command, Leg, command};
-pub use five_wheel::{FiveWheel, NAMES, Row, Run, Truth, WHEELS, Wheel};
+pub use five_wheel::{FiveWheel, NAMES, Row, Run, START_NS, Truth, WHEELS, Wheel};
 pub use noise::{Noise, Wander};

@@ -246,6 +246,14 @@ impl Container {
                     encoding: Encoding::Ros1,
                     encoding_name: "ros1".to_owned(),
                     definition_language: "ros1msg".to_owned(),
+                    metadata: [("md5sum", 64), ("callerid", 1024), ("latching", 8)]
+                        .into_iter()
+                        .filter_map(|(key, limit)| {
+                            let bytes = field(data, key.as_bytes())?;
+                            let text = std::str::from_utf8(bytes).ok()?;
+                            (text.len() <= limit).then(|| (key.to_owned(), text.to_owned()))
+                        })
+                        .collect(),
                     definition: self
                         .definition(field(data, b"message_definition").unwrap_or_default())?,
                 };

@@ -1,5 +1,6 @@
 //! The records of MCAP.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;
 
@@ -11,15 +12,20 @@ use super::{
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
+const HEADER: u8 = 1;
 const FOOTER: u8 = 2;
 const SCHEMA: u8 = 3;
 const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
+const ATTACHMENT: u8 = 9;
 const STATISTICS: u8 = 11;
+const METADATA: u8 = 12;
 const DATA_END: u8 = 15;
 /// Opcode and length.
 const HEAD: u64 = 9;
+/// The longest text in a channel's metadata: ROS 2 puts its quality of service there.
+const METADATA_LIMIT: usize = 1 << 16;
 /// What a chunk has before its compression's name.
 const CHUNK_HEAD: u64 = 28;
 
@@ -92,6 +98,12 @@ impl Container {
                     None
                 }));
             }
+            HEADER if length <= 1024 => {
+                let mut record = Vec::new();
+                self.scan.read(length, &mut record)?;
+                let profile = Fields(&record).counted().unwrap_or_default();
+                self.profile = String::from_utf8_lossy(profile).into_owned();
+            }
             STATISTICS => self.mcap_statistics(offset, length)?,
             DATA_END => self.mcap_data_end(offset, length, before)?,
             FOOTER => {
@@ -107,6 +119,7 @@ impl Container {
                 }
             }
             _ => {
+                self.attached += u64::from(matches!(opcode, ATTACHMENT | METADATA));
                 self.passed_over = Some(offset);
                 self.scan.skip(length)?;
             }
@@ -306,6 +319,7 @@ impl Container {
                 let topic = name_of(fields.counted().ok_or_else(short)?, "a topic")?;
                 let encoding_name =
                     name_of(fields.counted().ok_or_else(short)?, "an encoding's name")?;
+                let metadata = metadata_of(&mut fields);
                 let schema = match (schema, self.schemas.get(&schema)) {
                     (_, Some(found)) => Some(found),
                     (0, None) => None,
@@ -327,6 +341,7 @@ impl Container {
                     },
                     topic,
                     encoding_name,
+                    metadata,
                 };
                 self.enter(id.into(), channel).map(|()| None)
             }
@@ -354,6 +369,21 @@ impl Container {
             _ => Ok(None),
         }
     }
+}
+
+/// What a channel says of itself besides. What is too long or no text is left out: it decodes nothing.
+fn metadata_of(fields: &mut Fields<'_>) -> BTreeMap<String, String> {
+    let mut pairs = Fields(fields.counted().unwrap_or_default());
+    let mut metadata = BTreeMap::new();
+    while let (Some(key), Some(value)) = (pairs.counted(), pairs.counted()) {
+        let fits = key.len() <= METADATA_LIMIT && value.len() <= METADATA_LIMIT;
+        if let (true, Ok(key), Ok(value)) =
+            (fits, std::str::from_utf8(key), std::str::from_utf8(value))
+        {
+            metadata.insert(key.to_owned(), value.to_owned());
+        }
+    }
+    metadata
 }
 
 /// Does a chunk begin here, by all that its head says?

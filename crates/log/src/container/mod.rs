@@ -51,6 +51,8 @@ pub struct Channel {
     pub definition_language: String,
     /// The definition of the type; equal ones of a file are held once.
     pub definition: Arc<[u8]>,
+    /// What else the file says of it: of an MCAP file its metadata, of a bag the fields of its connection.
+    pub metadata: BTreeMap<String, String>,
 }
 
 /// One message.
@@ -183,6 +185,9 @@ pub struct Container {
     passed_over: Option<u64>,
     /// Messages of this file so far.
     messages: u64,
+    attached: u64,
+    /// Whose conventions an MCAP file says it follows.
+    profile: String,
 }
 
 impl Container {
@@ -250,6 +255,8 @@ impl Container {
             ended: false,
             passed_over: None,
             messages: 0,
+            attached: 0,
+            profile: String::new(),
         })
     }
 
@@ -269,6 +276,21 @@ impl Container {
     #[must_use]
     pub fn offset(&self) -> u64 {
         self.scan.offset()
+    }
+
+    /// Whose conventions the messages follow, by what was read so far: `ros1`, `ros2` or nothing.
+    #[must_use]
+    pub fn profile(&self) -> &str {
+        match self.format {
+            Format::Mcap => &self.profile,
+            Format::Bag => "ros1",
+        }
+    }
+
+    /// How many attachments and metadata records of an MCAP file were passed over.
+    #[must_use]
+    pub fn attached(&self) -> u64 {
+        self.attached
     }
 
     /// What comes next, in the order of the file; `None` at its end.
@@ -364,7 +386,9 @@ impl Container {
                     &channel.encoding_name,
                     &channel.definition_language,
                 ];
-                self.declare(names.iter().map(|name| name.len()).sum())?;
+                let metadata = channel.metadata.iter();
+                let named: usize = names.iter().map(|name| name.len()).sum();
+                self.declare(named + metadata.map(|(a, b)| a.len() + b.len()).sum::<usize>())?;
                 self.channels.push(channel);
                 self.channels.len() - 1
             }
