@@ -4,5 +4,10 @@
 
 mod error;
 pub mod least_squares;
+mod parameter;
+pub mod table;
+pub mod validate;
+pub mod wheel;
 
 pub use error::{Error, Result};
+pub use parameter::Parameter;

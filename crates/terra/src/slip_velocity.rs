@@ -18,6 +18,9 @@ pub struct SlipVelocity<R = f64> {
     pub along: R,
     /// s_y, in [0, 1].
     pub across: R,
+    /// s_t = (V − rω cos β)/max(rω, V), in [−1, 1]: the part along the way that the wheel travels, positive
+    /// where the rim ploughs, that is, is dragged along. Straight ahead it is −s.
+    pub ploughing: R,
 }
 
 impl<R: Scalar> Motion<R> {
@@ -39,8 +42,12 @@ impl<R: Scalar> Motion<R> {
         let forward = R::select(driving, R::ONE - self.slip, R::ONE);
         let locked = self.slip.le(-R::ONE);
         let sideways = self.q_y.abs() * R::select(locked, R::ONE, rim);
-        let scale = rim.max(forward.hypot(sideways));
+        let travel = forward.hypot(sideways);
+        let scale = rim.max(travel);
+        let moves = R::ZERO.lt(travel);
+        let cosine = R::select(moves, forward / R::select(moves, travel, R::ONE), R::ONE);
         SlipVelocity {
+            ploughing: (travel - rim * cosine) / scale,
             along: (rim - forward) / scale,
             across: sideways / scale,
         }
@@ -58,9 +65,9 @@ impl<R: Scalar> SlipVelocity<R> {
         (-self.along).max(R::ZERO)
     }
 
-    /// hypot(s_x, s_y): straight ahead |s|.
-    pub fn whole(&self) -> R {
-        self.along.hypot(self.across)
+    /// hypot(s_x⁺, s_t⁺), driving and ploughing together: straight ahead |s|.
+    pub fn working(&self) -> R {
+        self.driving().hypot(self.ploughing.max(R::ZERO))
     }
 }
 
@@ -74,7 +81,7 @@ mod tests {
             let motion = Kinematics::straight(Slip::new(s).unwrap()).motion::<f64>();
             let slip = motion.slip_velocity();
             assert!((slip.along - s).abs() < 1e-15 && slip.across == 0.0, "{s}");
-            assert!((slip.whole() - s.abs()).abs() < 1e-15);
+            assert!((slip.working() - s.abs()).abs() < 1e-15 && (slip.ploughing + s).abs() < 1e-15);
         }
     }
 

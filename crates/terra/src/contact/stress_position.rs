@@ -11,8 +11,8 @@ pub enum StressPosition {
     /// The slip in the wheel's plane, signed. The default.
     #[default]
     InPlane,
-    /// The size of the whole slip velocity, drift included: braking and drift move the greatest stress
-    /// forwards as driving does.
+    /// hypot(s_x⁺, s_t⁺), what the wheel drives and what it ploughs along its way together: both move the
+    /// greatest stress forwards ([`SlipVelocity`](crate::SlipVelocity)). Straight ahead |s|.
     ///
     /// Source: ours. \[WR67\] II has other coefficients for a towed wheel than for a driven one; upstream of
     /// the Carnegie Mellon data gives θ_m a constant of its own while braking. Both say that the signed
@@ -34,7 +34,7 @@ impl StressPosition {
     pub(crate) fn slip_of<R: Scalar>(self, motion: &Motion<R>) -> R {
         match self {
             Self::InPlane => motion.slip,
-            Self::Whole => motion.slip_velocity().whole(),
+            Self::Whole => motion.slip_velocity().working(),
         }
     }
 }

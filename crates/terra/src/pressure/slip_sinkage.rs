@@ -70,7 +70,7 @@ impl<R: Scalar> SinkageExponent<R> {
     /// ```
     /// use grouser_terra::{SinkageExponent, SlipVelocity};
     /// let n = SinkageExponent { n_0: 1.4, n_1: 0.2, n_2: 0.3 };
-    /// let dragged = SlipVelocity { along: -0.4, across: 0.3 };
+    /// let dragged = SlipVelocity { along: -0.4, across: 0.3, ploughing: 0.5 };
     /// let exponent: f64 = n.at_whole(&dragged);
     /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-15);
     /// ```
