@@ -38,6 +38,7 @@ mod error;
 pub mod regular;
 pub mod robot;
 pub mod soil;
+mod soil_text;
 mod suggestion;
 pub mod topics;
 pub mod unit;
