@@ -26,6 +26,7 @@ use std::path::Path;
 use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
 use grouser_terra::Angle;
 
+use crate::body::{self, BodyFile};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 
@@ -71,6 +72,8 @@ pub struct RobotFile {
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
     pub wheel_sensor: Option<WheelSensor>,
+    /// Masses, links and motors, if the file describes them.
+    pub body: Option<BodyFile>,
 }
 
 /// Wide enough for any sensible value; the robot itself checks more closely.
@@ -103,7 +106,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         settings
             .check()
             .map_err(|source| Error::Robot { at, source })?;
-        let wheels = root.sections("wheel", read_wheel)?;
+        let wheels = root.sections("wheel", |section| {
+            Ok((read_wheel(section)?, body::read_wheel(section)?))
+        })?;
+        let (wheels, bodies) = wheels.into_iter().unzip();
+        let body = body::read(root, bodies)?;
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
@@ -113,6 +120,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             settings,
             reference,
             wheel_sensor,
+            body,
         })
     })
 }
@@ -133,11 +141,13 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
         })?;
         root.sections("wheel", |section| {
             let wheel = read_wheel(section)?;
+            body::read_wheel(section)?;
             if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
                 radii.push((span, wheel.radius * factor));
             }
             Ok(())
-        })
+        })?;
+        body::read(root, Vec::new())
     })?;
     let mut text = document.text().to_owned();
     // From the end, so that the places before stay right.
