@@ -57,6 +57,7 @@ extern crate alloc;
 
 mod body;
 mod clock;
+pub mod control;
 mod counter;
 mod error;
 mod estimate;

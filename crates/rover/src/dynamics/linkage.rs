@@ -169,6 +169,20 @@ impl Linkage {
         &self.holds
     }
 
+    /// Moves the chassis' centre of gravity, and stretches everything along x and y.
+    pub(crate) fn adjust(&mut self, by: Vector, (lengthen, widen): (f64, f64)) {
+        let stretched = |v: Vector| Vector::new(v.x * lengthen, v.y * widen, v.z);
+        for body in &mut self.bodies {
+            body.centre = stretched(body.centre);
+            if body.link.is_none() {
+                body.centre += by;
+            }
+        }
+        for link in &mut self.links {
+            link.pivot = stretched(link.pivot);
+        }
+    }
+
     /// Mass of the whole, kg.
     #[must_use]
     pub fn mass(&self) -> f64 {

@@ -1,11 +1,11 @@
 //! The ground: its height, the soil of each place, and the ruts that wheels leave.
 
-// mod file;
+mod file;
 mod height_map;
 mod noise;
 mod shape;
 
-// pub use file::{HeightFile, read_heights};
+pub use file::{HeightFile, read_heights};
 pub use height_map::HeightMap;
 pub use noise::Noise;
 pub use shape::{Rocks, Shape};
@@ -40,6 +40,18 @@ pub enum Place {
 }
 
 impl Place {
+    /// The same place, moved by (x, y) m.
+    #[must_use]
+    pub fn moved(mut self, right: f64, up: f64) -> Self {
+        match &mut self {
+            Self::Disc { x, y, .. } | Self::Box { x, y, .. } => {
+                *x += right;
+                *y += up;
+            }
+        }
+        self
+    }
+
     fn holds(&self, at_x: f64, at_y: f64) -> bool {
         match *self {
             Self::Disc { x, y, radius } => (at_x - x).hypot(at_y - y) <= radius,
