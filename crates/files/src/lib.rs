@@ -31,6 +31,7 @@
 //! [`robot`], [`soil`], [`columns`], and [`topics`] within a robot file. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
 
+pub mod body;
 pub mod columns;
 mod document;
 mod entries;
