@@ -14,12 +14,26 @@ pub(super) const LEFT_BIAS: usize = 5;
 /// The powered wheels' common slip; after it come each wheel's own slip and radius.
 pub(super) const COMMON_SLIP: usize = 6;
 
+/// Numbers of one wheel.
+pub(super) const PER_WHEEL: usize = 4;
+
+/// The wheel's own slip, beside the common one.
 pub(super) const fn own_slip(wheel: usize) -> usize {
-    COMMON_SLIP + 1 + 2 * wheel
+    COMMON_SLIP + 1 + PER_WHEEL * wheel
 }
 
+/// How much larger its radius is than told, as a share.
 pub(super) const fn radius(wheel: usize) -> usize {
-    COMMON_SLIP + 2 + 2 * wheel
+    own_slip(wheel) + 1
+}
+
+/// How far its rim was from the counter's last tick at the end of a window (m), for two windows in turn.
+pub(super) const fn remainder(wheel: usize, odd: bool) -> usize {
+    if odd {
+        own_slip(wheel) + 3
+    } else {
+        own_slip(wheel) + 2
+    }
 }
 
 /// Specific force in the robot's frame and its time, for the next steps.
@@ -42,31 +56,32 @@ pub(super) fn start(state: &mut Kalman, settings: &FilterSettings) {
     }
 }
 
-/// Moves the robot on by `dt` (s): with an accelerometer by what it feels, else by chance.
+/// Moves the robot on by `dt` (s): with an accelerometer by what it feels, else by chance. Gives how much its
+/// speeds have changed by what was felt, m/s.
 pub(super) fn advance(
     state: &mut Kalman,
     settings: &FilterSettings,
     dt: f64,
     heard: Option<Heard>,
-) {
+    walk: f64,
+) -> [f64; 2] {
     let yaw = state.mean(YAW);
     let (v_x, v_y) = (state.mean(FORWARD), state.mean(LEFT));
     let most = settings.max_speed;
-    let walk = match heard {
-        Some(Heard {
-            force: [a_x, a_y], ..
-        }) => {
-            // a turning frame: v̇ = a − Ω × v
-            let rise_x = a_x - state.mean(FORWARD_BIAS) + yaw * v_y;
-            let rise_y = a_y - state.mean(LEFT_BIAS) - yaw * v_x;
-            state.couple(FORWARD, FORWARD_BIAS, -dt);
-            state.couple(LEFT, LEFT_BIAS, -dt);
-            state.set_mean(FORWARD, (v_x + rise_x * dt).clamp(-most, most));
-            state.set_mean(LEFT, (v_y + rise_y * dt).clamp(-most, most));
-            settings.accelerometer_noise
-        }
-        None => settings.speed_walk,
-    };
+    let mut felt = [0.0; 2];
+    if let Some(Heard {
+        force: [a_x, a_y], ..
+    }) = heard
+    {
+        // a turning frame: v̇ = a − Ω × v
+        let rise_x = a_x - state.mean(FORWARD_BIAS) + yaw * v_y;
+        let rise_y = a_y - state.mean(LEFT_BIAS) - yaw * v_x;
+        felt = [rise_x * dt, rise_y * dt];
+        state.couple(FORWARD, FORWARD_BIAS, -dt);
+        state.couple(LEFT, LEFT_BIAS, -dt);
+        state.set_mean(FORWARD, (v_x + felt[0]).clamp(-most, most));
+        state.set_mean(LEFT, (v_y + felt[1]).clamp(-most, most));
+    }
     let square = |x: f64| x * x;
     for i in [FORWARD, LEFT] {
         state.widen(i, square(walk) * dt, square(most));
@@ -84,6 +99,7 @@ pub(super) fn advance(
             square(settings.accelerometer_bias),
         );
     }
+    felt
 }
 
 /// Moves the slips on by `dt` (s): each is drawn towards what is believed of it.

@@ -38,7 +38,10 @@ use crate::sample::{Measurement, Sample};
 use crate::settings::Settings;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
-use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, LEFT, YAW, along, own_slip, radius};
+use body::{
+    COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, LEFT, PER_WHEEL, YAW, along, own_slip, radius,
+    remainder,
+};
 use kalman::{Kalman, Scalar};
 use order::{Offered, Order};
 use reference::{Reference, Seen};
@@ -62,6 +65,9 @@ const STANDS: f64 = 0.2;
 const EVERY: f64 = 0.02;
 /// Independent statements of a pseudo-measurement come this often, s.
 const APART: f64 = 0.5;
+/// Without a reference for this long the speed follows the wheels, s; how much looser it is then.
+const ALONE: f64 = 0.5;
+const LOOSE: f64 = 10.0;
 const MAX_YAW_RATE: f64 = 100.0;
 const MAX_FORCE: f64 = 1000.0;
 
@@ -136,8 +142,10 @@ pub struct SlipFilter {
     wheels: Box<[Tracked]>,
     estimates: Box<[WheelEstimate]>,
     sideways: Option<[f64; 3]>,
-    /// Integrals of the estimated speeds, for measurements over a time.
+    /// How much the accelerometer has changed the speeds (m/s), and how far the gyro has turned (rad): what a measurement
+    /// over a past time needs to be one of the present.
     path: History<3>,
+    turning: f64,
     totals: [f64; 3],
     now_ns: Option<i64>,
     held_ns: Option<i64>,
@@ -176,13 +184,14 @@ impl SlipFilter {
                 max_sigma: settings.max_sigma,
                 ..Settings::default()
             },
-            state: Kalman::new(COMMON_SLIP + 1 + 2 * count),
+            state: Kalman::new(COMMON_SLIP + 1 + PER_WHEEL * count),
             order: Order::new(QUEUE, nanoseconds(settings.horizon)),
             estimates: alloc::vec![WheelEstimate::NOTHING; count].into_boxed_slice(),
             sideways: sideways(&wheels),
             wheels: wheels.into_boxed_slice(),
             path: History::new(512, nanoseconds(longest)),
             totals: [0.0; 3],
+            turning: 0.0,
             now_ns: None,
             held_ns: None,
             heard: None,
@@ -373,12 +382,13 @@ impl SlipFilter {
             let silent =
                 |heard: &Heard| seconds_between(heard.time_ns, time_ns) <= self.settings.dropout;
             let heard = self.heard.filter(silent);
-            body::advance(&mut self.state, &self.settings, dt, heard);
+            let walk = self.walk();
+            let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
             let free = self.wheels.iter().map(|wheel| wheel.free);
             body::advance_slips(&mut self.state, &self.settings, dt, free);
-            for (total, i) in self.totals.iter_mut().zip([FORWARD, LEFT, YAW]) {
-                *total += self.state.mean(i) * dt;
-            }
+            self.totals[0] += felt[0];
+            self.totals[1] += felt[1];
+            self.totals[2] += self.turning * dt;
             self.distances[0] += self.state.mean(FORWARD) * dt;
         }
         self.path.push(time_ns, self.totals);
@@ -425,6 +435,7 @@ impl SlipFilter {
         };
         self.gyro.judge(time_ns, true, self.settings.failure);
         self.gyro_ns = Some(time_ns);
+        self.turning = rate;
         self.nis = self.state.take(&seen);
         Ok(())
     }
@@ -479,15 +490,21 @@ impl SlipFilter {
         Ok(())
     }
 
-    /// The robot's mean speed along `row` from `from_ns` to `to_ns` by the filter itself.
+    /// The robot's mean speed along `row` from `from_ns` to `to_ns` by the filter itself: what it is now, less what was
+    /// felt of its change since. Past estimates would bring back what the measurements since have put right.
     fn mean_along(&self, row: [f64; 3], from_ns: i64, to_ns: i64) -> f64 {
+        let mut mean = [FORWARD, LEFT, YAW].map(|i| self.state.mean(i));
         let window = seconds_between(from_ns, to_ns);
-        let now = [FORWARD, LEFT, YAW].map(|i| self.state.mean(i));
-        let mean = self
-            .path
-            .between(from_ns, to_ns)
-            .filter(|_| window > 0.0)
-            .map_or(now, |way| way.map(|part| part / window));
+        let middle = to_ns.saturating_sub(nanoseconds(0.5 * window));
+        if let Some(then) = self.path.at(middle) {
+            mean[0] -= self.totals[0] - then[0];
+            mean[1] -= self.totals[1] - then[1];
+        }
+        if let Some([_, _, turned]) = self.path.between(from_ns, to_ns)
+            && window > 0.0
+        {
+            mean[2] += turned / window - self.turning;
+        }
         crate::body::dot(row, mean)
     }
 
@@ -496,31 +513,52 @@ impl SlipFilter {
         let forward = self.mean_along(row, from_ns, to_ns);
         let grown = self.state.mean(radius(index));
         let u = rim.value * (1.0 + grown);
-        let faster = if forward.abs() > u.abs() { forward } else { u };
-        let braking = forward.abs() > u.abs();
         let slip = self.slip_mean(index);
+        // the branch goes by the slip, not by which of two noisy speeds happens to be greater, unless they leave no doubt
+        let excess = forward.abs() - u.abs();
+        let doubt = 3.0 * (self.state.sigma(FORWARD) + rim.sigma());
+        let braking = excess > doubt || (slip < 0.0 && excess > -doubt);
+        let faster = if braking { forward } else { u };
         // what the rim has beyond the robot, as a share of the faster of the two
         let by_speed = if braking {
             1.0 + slip.clamp(-1.0, 0.0)
         } else {
             1.0
         };
-        let mut slopes = [(FORWARD, 0.0); 6];
+        // near standstill a slip is no number, and says nothing
+        let shows = faster.abs() > self.settings.low_speed;
+        // The slope by the slip comes from the readings before: that of this one would share its error, and its square
+        // would draw the slip upwards reading by reading.
+        let usual = if braking {
+            forward
+        } else {
+            self.wheels[index].usual_rim()
+        };
+        let by_slip = if shows { usual } else { 0.0 };
+        self.wheels[index].remember(u);
+        let mut slopes = [(FORWARD, 0.0); 8];
         slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
-        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { faster });
-        slopes[4] = (own_slip(index), faster);
+        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { by_slip });
+        slopes[4] = (own_slip(index), by_slip);
         slopes[5] = (radius(index), -rim.value);
-        let lag = 0.5
-            * self.settings.speed_walk
-            * self.settings.speed_walk
-            * seconds_between(from_ns, to_ns);
-        let tiny = self.settings.standstill_speed * self.settings.standstill_speed;
+        // the mean over the window, where the robot's speed has wandered since
+        let walk = self.walk();
+        let wandered = walk * walk * seconds_between(from_ns, to_ns) / 3.0;
+        let window = seconds_between(from_ns, to_ns);
+        let (odd, begun) = self.remainders(index);
+        slopes[6] = (remainder(index, odd), -1.0 / window);
+        slopes[7] = (remainder(index, !odd), 1.0 / window);
+        let remainders = self.state.mean(remainder(index, !odd)) / window;
+        let tick = self.wheels[index].tick;
+        let counted = begun * tick * tick / 6.0 / (window * window);
+        let unseen = if shows { 0.0 } else { 0.3 * faster } + 1e-4;
         let seen = Scalar {
             slopes: &slopes,
-            residual: u - forward - slip * faster,
-            variance: rim.variance + lag * 0.05 + 0.01 * tiny,
+            residual: u - forward - if shows { slip * faster } else { 0.0 } - remainders,
+            variance: (rim.variance - counted).max(0.0) + wandered + unseen * unseen,
         };
         let (residual, variance) = self.state.innovation(&seen);
+        self.wheels[index].remainder = Some(odd);
         let off = residual.abs() > self.settings.gate * Real::sqrt(variance);
         let still = self.wheels[index].stillness(to_ns) >= WRONG;
         let against = rim.value * forward < 0.0
@@ -540,7 +578,7 @@ impl SlipFilter {
             self.reference_ns = Some(to_ns);
         } else if against || (still && off) {
             return;
-        } else if off && faster.abs() > self.settings.low_speed {
+        } else if off && shows {
             // it has broken away: its own slip is another one
             let step = residual / faster;
             self.state.widen(own_slip(index), step * step, 4.0);
@@ -548,6 +586,24 @@ impl SlipFilter {
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
         self.state.set_mean(own_slip(index), held);
+    }
+
+    /// The counter shows whole ticks: what it does not show at a window's end it shows in the next. Gives which remainder
+    /// is the new one, and 1 where remainders stand for the ticks' share of the variance, else 0.
+    fn remainders(&mut self, index: usize) -> (bool, f64) {
+        let wheel = &self.wheels[index];
+        let tick = if wheel.track.counts() {
+            wheel.tick
+        } else {
+            0.0
+        };
+        let variance = tick * tick / 12.0;
+        let odd = wheel.remainder.is_some_and(|last| !last);
+        if wheel.remainder.is_none() {
+            self.state.restart(remainder(index, !odd), 0.0, variance);
+        }
+        self.state.restart(remainder(index, odd), 0.0, variance);
+        (odd, f64::from(u8::from(tick > 0.0)))
     }
 
     fn slip_slopes(&self, index: usize) -> [(usize, f64); 2] {
@@ -601,15 +657,27 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// How the speed wanders between readings, m/s per √s. With nothing but the wheels it goes where they go: a speed that
+    /// were slow to change would make slip of every start.
+    fn walk(&self) -> f64 {
+        let now_ns = self.now_ns.unwrap_or(0);
+        let alone = self
+            .reference_ns
+            .is_none_or(|then| seconds_between(then, now_ns) > ALONE);
+        if alone {
+            LOOSE * self.settings.speed_walk
+        } else if self.heard.is_some() {
+            self.settings.accelerometer_noise
+        } else {
+            self.settings.speed_walk
+        }
+    }
+
     /// A measured motion as statements about the present: what has changed since is added to its variance.
     fn statements(&self, seen: &Seen, now_ns: i64) -> [Option<Statement>; 3] {
         let age =
             seconds_between(seen.to_ns, now_ns) + 0.5 * seconds_between(seen.from_ns, seen.to_ns);
-        let walk = if self.heard.is_some() {
-            self.settings.accelerometer_noise
-        } else {
-            self.settings.speed_walk
-        };
+        let walk = self.walk();
         let since = walk * walk * age;
         let turned = self.settings.yaw_rate_sigma * self.settings.yaw_rate_sigma;
         let variance = seen.sigma * seen.sigma;

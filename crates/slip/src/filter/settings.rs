@@ -76,11 +76,11 @@ impl Default for FilterSettings {
     fn default() -> Self {
         Self {
             horizon: 0.02,
-            wheel_window: 0.02,
-            speed_walk: 0.3,
+            wheel_window: 0.05,
+            speed_walk: 0.1,
             accelerometer_noise: 0.03,
             accelerometer_bias: 0.3,
-            accelerometer_drift: 0.1,
+            accelerometer_drift: 0.03,
             yaw_walk: 0.5,
             yaw_rate_sigma: 0.005,
             gyro_bias: 0.02,
@@ -91,7 +91,7 @@ impl Default for FilterSettings {
                 sigma: 0.2,
             },
             slip_memory: 20.0,
-            wheel_slip_sigma: 0.1,
+            wheel_slip_sigma: 0.08,
             wheel_slip_memory: 0.5,
             free_slip: SlipPrior {
                 mean: 0.0,

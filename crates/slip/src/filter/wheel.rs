@@ -13,7 +13,9 @@ use super::watch::Watch;
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;
 /// A window ends after this long however few ticks it has, in windows.
-const LONGEST: f64 = 5.0;
+const LONGEST: f64 = 4.0;
+/// Share of a new window in the smoothed rim speed.
+const SMOOTHING: f64 = 0.3;
 
 /// What is kept of a wheel.
 #[derive(Clone, Debug)]
@@ -21,11 +23,15 @@ pub(super) struct Tracked {
     pub(super) row: [f64; 3],
     pub(super) free: bool,
     pub(super) track: WheelTrack,
-    tick: f64,
+    pub(super) tick: f64,
     /// Where the open window began.
     from_ns: Option<i64>,
+    /// Which of the two remainders is that of the open window's beginning; `None` where it is not known.
+    pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
+    /// Its rim speed smoothed over a few windows.
+    usual: f64,
     /// The rim has not moved since.
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
@@ -55,7 +61,9 @@ impl Tracked {
                 track: WheelTrack::new(index, wheel, &windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
                 from_ns: None,
+                remainder: None,
                 rim: None,
+                usual: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
                 torque: None,
@@ -70,6 +78,7 @@ impl Tracked {
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
             self.from_ns = Some(now_ns);
+            self.remainder = None;
             return None;
         }
         if age < window {
@@ -78,6 +87,7 @@ impl Tracked {
         let Some(rim) = self.track.speed(from, now_ns) else {
             // a sensor that began anew, or fell silent
             self.from_ns = Some(now_ns);
+            self.remainder = None;
             return None;
         };
         let few = (rim.value * age).abs() < FEW_TICKS * self.tick;
@@ -92,6 +102,16 @@ impl Tracked {
             self.still_since_ns = None;
         }
         Some((rim, from))
+    }
+
+    /// The rim speed as it has been, m/s.
+    pub(super) const fn usual_rim(&self) -> f64 {
+        self.usual
+    }
+
+    /// One more window's rim speed, m/s.
+    pub(super) fn remember(&mut self, rim: f64) {
+        self.usual += SMOOTHING * (rim - self.usual);
     }
 
     /// Seconds since its last reading.
