@@ -74,10 +74,15 @@ impl Drop for Folder {
     }
 }
 
-/// The Jackal's bag; `None` (said on stderr) where it is absent, which in CI is a failure.
+/// The Jackal's bag.
 fn jackal() -> Option<String> {
+    data("jackal/jackal_61s.bag")
+}
+
+/// A file of the measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
+fn data(name: &str) -> Option<String> {
     let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root().join("data"), PathBuf::from);
-    let path = root().join(base).join("jackal/jackal_61s.bag");
+    let path = root().join(base).join(name);
     if path.is_file() {
         return Some(path.to_str().unwrap().to_owned());
     }
@@ -124,6 +129,23 @@ fn a_table_becomes_mcap_with_the_same_slips() {
     let second = "20000000,0,20000000,base_link,front_left,front_right,rear_left,rear_right,fifth,\
                   60000,100,65000,30000,64000";
     assert_eq!(text.lines().nth(2), Some(second));
+}
+
+#[test]
+fn a_run_of_several_tables_becomes_one_mcap_with_the_same_slips() {
+    let Some(imu) = data("kobuki/left_faulty__mobile_base_sensors_imu_data.csv.gz") else {
+        return;
+    };
+    let run = imu.replace("__mobile_base_sensors_imu_data.csv.gz", "");
+    let folder = Folder::new("kobuki");
+    let (mcap, robot) = (folder.path("run.mcap"), "examples/kobuki/robot.toml");
+    let map = ["--map", "examples/kobuki/columns.toml"];
+    json(&[&["log", "convert", &run, &mcap], &map[..]].concat(), 0);
+    // Its gyro has a clock of its own in both, which is estimated.
+    assert_eq!(
+        slips(&mcap, robot, &[], &folder),
+        slips(&run, robot, &[], &folder)
+    );
 }
 
 #[test]

@@ -90,6 +90,10 @@ fn words(name: &str) -> impl Iterator<Item = String> + '_ {
         .map(str::to_lowercase)
 }
 
+fn is_ticks(seen: &Seen) -> bool {
+    matches!(seen.view, Some(View::WheelTicks { .. }))
+}
+
 fn is_over_ground(topic: &str) -> bool {
     let mut words = words(topic);
     words.any(|word| OVER_GROUND.contains(&word.as_str()))
@@ -248,7 +252,8 @@ impl<'a> Choosing<'a> {
             });
             found.collect()
         };
-        let seen = if let Some(name) = &self.topics.wheels {
+        let mut found = Vec::new();
+        if let Some(name) = &self.topics.wheels {
             let seen = self.named("wheels", name)?;
             if joints_of(seen).is_empty() {
                 return Err(Error::NoJoints {
@@ -257,24 +262,26 @@ impl<'a> Choosing<'a> {
                     joints: seen.joints.keys().cloned().collect::<Vec<_>>().join(", "),
                 });
             }
-            Some(seen)
-        } else if self.measures_wheels() {
-            None
-        } else {
-            // The one with the most wheels, the first of these.
-            let free = self.free().map(|seen| (joints_of(seen).len(), seen));
-            let best = free.filter(|(count, _)| *count > 0);
-            let best = best.reduce(|a, b| if b.0 > a.0 { b } else { a });
-            best.map(|(_, seen)| seen)
-        };
-        if let Some(seen) = seen {
+            found.push(seen);
+        } else if !self.measures_wheels() {
+            // Of counters and of joints the one with the most wheels, the first of these: the wheels' sensor
+            // is chosen among all that was measured.
+            for wanted in [true, false] {
+                let free = self.free().filter(|seen| is_ticks(seen) == wanted);
+                let all = free.map(|seen| (joints_of(seen).len(), seen));
+                let best = all
+                    .filter(|(count, _)| *count > 0)
+                    .reduce(|a, b| if b.0 > a.0 { b } else { a });
+                found.extend(best.map(|(_, seen)| seen));
+            }
+        }
+        for seen in found {
             let joints = joints_of(seen);
-            let is_ticks = matches!(seen.view, Some(View::WheelTicks { .. }));
             let mut measures = Vec::new();
             for (name, wheel) in &joints {
                 let (position, velocity) = seen.joints.get(name).copied().unwrap_or_default();
                 let has = [
-                    (is_ticks, Meaning::WheelCount),
+                    (is_ticks(seen), Meaning::WheelCount),
                     (position, Meaning::WheelAngle),
                     (velocity, Meaning::WheelRate),
                 ];
