@@ -205,6 +205,24 @@ fn e7_a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
 }
 
 #[test]
+fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
+    let folder = Folder::new("damaged");
+    let bytes = fs::read(root().join(MCAP)).unwrap();
+    let cut = folder.path("cut.mcap");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let object = json(&["estimate", &cut, "--robot", ROBOT], 0);
+    assert_eq!(object["left_out"]["damages"], 1);
+    assert!(object["duration_s"].as_f64().unwrap() > 28.0, "{object}");
+    assert_eq!(object["topics"][0]["topic"], "/wheel_ticks");
+    let told = grouser(&["estimate", &cut, "--robot", ROBOT]).stderr;
+    let told = String::from_utf8(told).unwrap();
+    assert!(
+        told.contains("warning: 1 places of the log are damaged"),
+        "{told}"
+    );
+}
+
+#[test]
 fn e7_what_cannot_be_read_at_all_leaves_no_file() {
     let folder = Folder::new("e7-nothing");
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
