@@ -82,8 +82,8 @@ fn main() {
         ];
         vec![
             (vec![0.0], b.clone(), vec![]),
+            (vec![0.0], with(b.clone(), &[P::Cohesion]), vec![]),
             (vec![0.0], nl.clone(), vec![(P::Rebound, 0.25)]),
-            (vec![0.0], nn, vec![(P::ExponentDriving, 0.0)]),
             (vec![0.0, 60.0], b.clone(), vec![]),
             (vec![0.0, 60.0], with(b.clone(), &[P::Cohesion]), vec![]),
         ]
@@ -105,7 +105,15 @@ fn main() {
                     .iter()
                     .any(|b| (t.slip_angle.to_degrees() - b).abs() < 1e-6)
             })
-            .map(|t| t.test)
+            .map(|t| {
+                let mut x = t.test;
+                if t.slip_angle > 1.5 {
+                    x.support = Support::Sinkage(1.0);
+                    x.pull = None;
+                    x.sinkage = None;
+                }
+                x
+            })
             .collect();
         let model = WheelModel::new(fixed, &straight, &ps);
         let start: Vec<Bounded> = ps.iter().map(|p| p.bounded(&soil)).collect();

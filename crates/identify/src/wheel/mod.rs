@@ -4,4 +4,4 @@ mod model;
 mod test;
 
 pub use model::{Fixed, Prediction, WheelModel, predict};
-pub use test::{Quantity, Scatter, WheelTest};
+pub use test::{Quantity, Scatter, Support, WheelTest};
