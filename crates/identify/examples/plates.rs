@@ -20,6 +20,9 @@ fn main() {
                 height_unit: 1e-3,
                 clock: 7,
                 controller: Some((6, 1e-3)),
+                surface: std::env::args()
+                    .nth(1)
+                    .map(|_| if n == 1 { -9.62e-3 } else { -9.0e-3 }),
             },
         )
         .unwrap();

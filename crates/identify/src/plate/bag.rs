@@ -48,6 +48,8 @@ pub struct DepthColumn {
     pub clock: usize,
     /// The field of the controller's own clock, and s per unit of it, where it has one.
     pub controller: Option<(usize, f64)>,
+    /// The height of the ground's surface, m, where it was measured; where the force begins otherwise.
+    pub surface: Option<f64>,
 }
 
 /// A plate test as it was read, and what was found out on the way.
@@ -118,7 +120,9 @@ pub fn read_bag(
             if now.1 < best.1 { now } else { best }
         });
     let shifted: Vec<f64> = own.iter().map(|t| t + zone + offset).collect();
-    let contact_height = at(&shifted, &height, times[first]);
+    let contact_height = depth
+        .surface
+        .unwrap_or_else(|| at(&shifted, &height, times[first]));
     let (depths, forces) = loading(&times, &force, (&shifted, &height), (first, contact_height));
     Ok(PlateRecord {
         test: PlateTest {
