@@ -6,6 +6,7 @@ mod error;
 pub mod least_squares;
 mod parameter;
 pub mod plate;
+pub mod shear;
 pub mod table;
 pub mod validate;
 pub mod wheel;

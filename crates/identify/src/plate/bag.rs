@@ -8,6 +8,7 @@ use grouser_log::message::Decoder;
 use super::align::{at, straightened, time_zone};
 use super::test::{Plate, PlateTest};
 use crate::error::{Error, Result};
+use crate::least_squares::solve_damped;
 
 /// How far above the noise the force must stand for the plate to have met the ground, N and deviations.
 const CONTACT: (f64, f64) = (0.5, 6.0);
@@ -186,8 +187,9 @@ fn loading(
         .unzip()
 }
 
-/// How far force is from being a rising function of depth when the depth's clock is shifted: the mean square of
-/// ln force about its straight line in ln depth.
+/// How far force is from being a smooth function of depth when the depth's clock is shifted: the mean square of
+/// ln force about its best quartic in ln depth. A plate that is pressed in by fits and starts tells the
+/// offset: with a wrong one the force rises while the depth rests.
 fn roughness(
     times: &[f64],
     force: &[f64],
@@ -203,21 +205,31 @@ fn roughness(
         .filter(|(z, f)| **z > 1e-3 && **f > 0.0)
         .map(|(z, f)| (z.ln(), f.ln()))
         .collect();
-    let count = points.len() as f64;
-    if points.len() < 10 {
+    if points.len() < 20 {
         return f64::INFINITY;
     }
-    let (x_mean, y_mean) = (
-        points.iter().map(|p| p.0).sum::<f64>() / count,
-        points.iter().map(|p| p.1).sum::<f64>() / count,
-    );
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in &points {
-        xx += (x - x_mean).powi(2);
-        xy += (x - x_mean) * (y - y_mean);
-        yy += (y - y_mean).powi(2);
-    }
-    (yy - xy * xy / xx) / count
+    let low = points.iter().fold(f64::INFINITY, |m, p| m.min(p.0));
+    let high = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.0));
+    let rows: Vec<Vec<f64>> = points
+        .iter()
+        .map(|(x, _)| {
+            let u = 2.0 * (x - low) / (high - low) - 1.0;
+            (0..5).map(|power| u.powi(power)).collect()
+        })
+        .collect();
+    let right: Vec<f64> = points.iter().map(|(_, y)| -y).collect();
+    let Some(found) = solve_damped(&rows, &right, &[1e-9; 5]) else {
+        return f64::INFINITY;
+    };
+    let squares: f64 = rows
+        .iter()
+        .zip(&right)
+        .map(|(row, y)| {
+            let said: f64 = row.iter().zip(&found).map(|(a, b)| a * b).sum();
+            (said + y).powi(2)
+        })
+        .sum();
+    squares / points.len() as f64
 }
 
 fn median(values: &mut [f64]) -> f64 {

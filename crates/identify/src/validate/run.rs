@@ -109,10 +109,19 @@ const CHRONO: [(Quantity, f64); 3] = [
     (Quantity::Sinkage, 5.9),
 ];
 
-/// Where the plate tests stand below the folder of measured data: name, disc diameter in m.
-pub const PLATES: [(&str, f64); 2] = [
-    ("cmu-wheel/f-d-large-box__force-displacement_1", 0.06),
-    ("cmu-wheel/f-d-large-box__force-displacement_4", 0.1),
+/// Where the plate tests stand below the folder of measured data: name, disc diameter (m) and the height of the
+/// sand's surface (m), as the script that was published with them has it.
+pub const PLATES: [(&str, f64, f64); 2] = [
+    (
+        "cmu-wheel/f-d-large-box__force-displacement_1",
+        0.06,
+        -9.62e-3,
+    ),
+    (
+        "cmu-wheel/f-d-large-box__force-displacement_4",
+        0.1,
+        -9.0e-3,
+    ),
 ];
 
 /// Every measured data set below `data` against the model, plain Wong-Reece and what was published.
@@ -146,7 +155,7 @@ pub fn validate(data: &Path) -> Result<Validation> {
 pub fn plate_tests(data: &Path) -> Result<Vec<PlateTest>> {
     PLATES
         .iter()
-        .map(|(name, diameter)| {
+        .map(|(name, diameter, surface)| {
             let file = |ending: &str| data.join(format!("{name}.{ending}"));
             let record = read_bag(
                 &format!("{} mm disc", (1e3 * diameter).round()),
@@ -164,7 +173,7 @@ pub fn plate_tests(data: &Path) -> Result<Vec<PlateTest>> {
                     height_unit: 1e-3,
                     clock: 7,
                     controller: Some((6, 1e-3)),
-                    surface: None,
+                    surface: Some(*surface),
                 },
             )?;
             Ok(record.test)
