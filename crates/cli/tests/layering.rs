@@ -34,6 +34,10 @@ const FLOORS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "grouser-rover",
+        &["grouser-terra", "grouser-slip", "grouser-files"],
+    ),
+    (
         "grouser-identify",
         &[
             "grouser-real",
@@ -43,7 +47,10 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-log",
         ],
     ),
-    ("grouser-synthetic", &["grouser-terra", "grouser-slip"]),
+    (
+        "grouser-synthetic",
+        &["grouser-terra", "grouser-slip", "grouser-log"],
+    ),
     (
         "grouser",
         &[

@@ -49,7 +49,8 @@
 //! ```
 //!
 //! The primary type is [`Estimator`]. It does not read files, know of soil, or filter: each slip is
-//! that of a window of time, from what was measured in it.
+//! that of a window of time, from what was measured in it. Beside it [`ground`] learns the soil's strength and
+//! contact angles from slower readings.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
@@ -57,11 +58,15 @@ extern crate alloc;
 
 mod body;
 mod clock;
+pub mod control;
 mod counter;
+pub mod detect;
 mod error;
 mod estimate;
 mod estimator;
 mod fault;
+pub mod filter;
+pub mod ground;
 mod history;
 mod measured_slip;
 mod reference_track;

@@ -21,7 +21,8 @@
 //! # Ok::<(), grouser_terra::Error>(())
 //! ```
 //!
-//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once, and
+//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once,
+//! [`TrackedWheel`] the one for a control loop, and
 //! [`Contact`] the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
 //!
 //! Three outcomes are never mixed: bad input is an [`Error`] that names field, value, limit and unit; a load
@@ -75,7 +76,10 @@ pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
-pub use lanes::{BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes};
+pub use lanes::{
+    BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes, TrackedSolution,
+    TrackedWheel,
+};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
