@@ -3,6 +3,7 @@
 mod angles;
 mod breakpoints;
 mod integrals;
+mod jump;
 pub(crate) mod ladder;
 pub(crate) mod lean;
 mod panels;
