@@ -46,6 +46,11 @@ impl Prepared {
         })
     }
 
+    /// dx/d ln W of a wheel without shear, x = ln θ_1.
+    pub(super) fn per_slope(&self) -> f64 {
+        1.0 / (2.0 * self.n + 1.0)
+    }
+
     /// The pressure-sinkage modulus under wheels of these widths.
     #[inline(always)]
     pub(super) fn modulus<V: Vector>(&self, width: V) -> V {
