@@ -229,7 +229,8 @@ fn held<V: Vector>(x: V) -> V {
 }
 
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
-/// given back as not converged. `KEEP`: fill [`LoadSheet::kept`].
+/// given back as not converged. `KEEP`: fill
+/// [`LoadSheet::kept`], and take one rule for all.
 #[inline(always)]
 pub(super) fn run<V: Vector, const KEEP: bool>(
     prepared: &Prepared,
@@ -264,6 +265,9 @@ pub(super) fn run<V: Vector, const KEEP: bool>(
     }
     for at in (0..n).step_by(8) {
         choose::<V>(sheet, plan, at);
+    }
+    if KEEP {
+        plan.level(n);
     }
     plan.sort(n);
     for group in plan.groups() {
