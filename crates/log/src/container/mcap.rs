@@ -69,9 +69,8 @@ impl Container {
         if !known
             || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
         {
-            // The length of the record that was passed over may be what is wrong.
             return self
-                .mcap_resume(passed_over.unwrap_or(offset), "no record begins here")
+                .mcap_resume(offset, passed_over, "no record begins here")
                 .map(|()| None);
         }
         if opcode != MESSAGE_INDEX {
@@ -87,7 +86,7 @@ impl Container {
             let what = format!(
                 "a record declares {length} bytes; {here} are left, the limit is {CHUNK_LIMIT}"
             );
-            return self.mcap_resume(offset, &what).map(|()| None);
+            return self.mcap_resume(offset, passed_over, &what).map(|()| None);
         }
         match opcode {
             SCHEMA | CHANNEL | MESSAGE => {
@@ -137,15 +136,20 @@ impl Container {
     fn mcap_index(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let mut record = Vec::new();
         self.scan.read(length.min(6), &mut record)?;
-        self.scan.skip(length.saturating_sub(6))?;
-        self.passed_over = Some(offset);
         let mut fields = Fields(&record);
         if let (Some(_), Some(bytes)) = (fields.u16(), fields.u32())
             && u64::from(bytes) + 6 == length
         {
             self.indexed(u64::from(bytes) / 16);
+            self.scan.skip(length - 6)?;
+            return Ok(());
         }
-        Ok(())
+        // Its length may be what is wrong.
+        self.mcap_resume(
+            offset,
+            None,
+            "a chunk's index does not have the length that it declares",
+        )
     }
 
     /// Are all messages there that the file says it holds?
@@ -176,16 +180,16 @@ impl Container {
         Ok(())
     }
 
-    /// Looks for the next chunk after a place that makes no sense.
-    fn mcap_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
-        let found = self.scan.find(offset + 1, 64, |bytes, left| {
+    /// Looks for the next chunk after a place that makes no sense, first in what the record at `suspect`
+    /// made it pass over.
+    fn mcap_resume(&mut self, offset: u64, suspect: Option<u64>, what: &str) -> io::Result<()> {
+        let from = self.look_again(offset, suspect, 64, |bytes, left| {
             bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
         })?;
-        let to = found.unwrap_or(self.scan.offset());
-        if found.is_none() {
+        if self.scan.left() == 0 {
             self.closed = true;
         }
-        self.lose(offset, to - offset, what);
+        self.lose(from, self.scan.offset() - from, what);
         Ok(())
     }
 
@@ -283,7 +287,7 @@ impl Container {
         let sound = opcode.is_some_and(|opcode| (1..=DATA_END).contains(&opcode))
             && behind.is_some_and(|length| length < left);
         if !sound {
-            return self.mcap_resume(offset, what);
+            return self.mcap_resume(offset, None, what);
         }
         self.chunk = Chunk {
             offset,

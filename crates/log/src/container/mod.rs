@@ -388,6 +388,25 @@ impl Container {
         self.spare = None;
     }
 
+    /// Goes to the next place after `offset` where `fits` finds a record, or to one before it that the
+    /// record at `suspect` made the reading pass over; from where on nothing is read.
+    fn look_again(
+        &mut self,
+        offset: u64,
+        suspect: Option<u64>,
+        reach: usize,
+        fits: impl Fn(&[u8], u64) -> bool,
+    ) -> std::io::Result<u64> {
+        if let Some(suspect) = suspect
+            && let Some(found) = self.scan.find(suspect + 1, reach, &fits)?
+            && found < offset
+        {
+            return Ok(suspect);
+        }
+        self.scan.find(offset + 1, reach, &fits)?;
+        Ok(offset)
+    }
+
     fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {
         self.settle();
         self.damages.push_back(Damage {
