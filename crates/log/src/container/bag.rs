@@ -5,8 +5,8 @@ use std::io;
 use super::scan::Scan;
 use super::unpack::Packing;
 use super::{
-    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, name_of,
-    room_for,
+    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, SWALLOWED,
+    name_of, room_for,
 };
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -54,6 +54,12 @@ impl Container {
     pub(super) fn bag_record(&mut self) -> io::Result<Option<Found>> {
         let offset = self.scan.offset();
         if self.scan.left() == 0 {
+            if let Some(suspect) = self.passed_over.take()
+                && self.swallowed(suspect, offset, CHUNK_HEADER, is_chunk)?
+            {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
             self.ended = true;
             self.bag_end(offset);
             return Ok(None);
@@ -183,13 +189,17 @@ impl Container {
         let packing = field(header, b"compression").and_then(Packing::named);
         let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
             // By its length, if a record stands behind it.
+            let what = "the chunk's compression or size is not known";
             self.scan.skip(length)?;
+            if !is_record(self.scan.peek(64)?) {
+                return self.bag_resume(offset, None, what).map(|_| ());
+            }
             self.chunk = Chunk {
                 offset,
                 bytes: self.scan.offset() - offset,
                 ..Chunk::default()
             };
-            self.lose_of_chunk("the chunk's compression or size is not known");
+            self.lose_of_chunk(what);
             return Ok(());
         };
         let mut record = std::mem::take(&mut self.record);
@@ -341,6 +351,14 @@ pub(super) fn record(
         }
     }
     Ok(true)
+}
+
+/// Does a record begin here, by its header's first field?
+fn is_record(bytes: &[u8]) -> bool {
+    let mut fields = Fields(bytes);
+    let length = fields.u32().unwrap_or(0);
+    let first = fields.counted().unwrap_or_default();
+    u64::from(length) <= HEADER_LIMIT && first.len() < length as usize && first.contains(&b'=')
 }
 
 /// Does a chunk begin here, by all that its header says?
