@@ -17,3 +17,7 @@ test:
 # write the five-wheel example anew (a test compares it byte for byte)
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
+
+# draw the README's figure anew from measured data
+measured data:
+    cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
