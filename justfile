@@ -21,3 +21,10 @@ example:
 # draw the README's figure anew from measured data
 measured data:
     cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
+
+# the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
+rivals:
+    cargo build --release --manifest-path bench/Cargo.toml
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy scipy numba
+    bench/target/venv/bin/python bench/rivals.py

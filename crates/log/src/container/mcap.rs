@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::unpack::Packing;
 use super::{
-    CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, Schema,
-    name_of, room_for, too_many,
+    CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, SWALLOWED,
+    Schema, name_of, room_for, too_many,
 };
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -37,6 +37,12 @@ impl Container {
         let left = self.scan.left();
         let before = self.scan.crc();
         if left == 0 {
+            if let Some(suspect) = self.passed_over.take()
+                && self.swallowed(suspect, offset, 64, is_chunk_or_file)?
+            {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
             self.ended = true;
             if !self.closed {
                 self.lose(offset, 0, "the file ends without its footer");
@@ -66,12 +72,19 @@ impl Container {
         let here = self.scan.left();
         let passed_over = self.passed_over.take();
         let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
-        if !known
-            || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
+        if length > here
+            && let Some(suspect) = passed_over
+            && let back = self.scan.offset()
         {
-            // The length of the record that was passed over may be what is wrong.
+            if self.swallowed(suspect, offset, 64, is_chunk_or_file)? {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
+            self.scan.go_to(back);
+        }
+        if !known || (length > here && !matches!(opcode, CHUNK | MESSAGE)) {
             return self
-                .mcap_resume(passed_over.unwrap_or(offset), "no record begins here")
+                .mcap_resume(offset, passed_over, "no record begins here")
                 .map(|()| None);
         }
         if opcode != MESSAGE_INDEX {
@@ -87,7 +100,7 @@ impl Container {
             let what = format!(
                 "a record declares {length} bytes; {here} are left, the limit is {CHUNK_LIMIT}"
             );
-            return self.mcap_resume(offset, &what).map(|()| None);
+            return self.mcap_resume(offset, passed_over, &what).map(|()| None);
         }
         match opcode {
             SCHEMA | CHANNEL | MESSAGE => {
@@ -106,6 +119,7 @@ impl Container {
             HEADER if length <= 1024 => {
                 let mut record = Vec::new();
                 self.scan.read(length, &mut record)?;
+                self.passed_over = Some(offset);
                 let profile = Fields(&record).counted().unwrap_or_default();
                 self.profile = String::from_utf8_lossy(profile).into_owned();
             }
@@ -137,15 +151,20 @@ impl Container {
     fn mcap_index(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let mut record = Vec::new();
         self.scan.read(length.min(6), &mut record)?;
-        self.scan.skip(length.saturating_sub(6))?;
-        self.passed_over = Some(offset);
         let mut fields = Fields(&record);
         if let (Some(_), Some(bytes)) = (fields.u16(), fields.u32())
             && u64::from(bytes) + 6 == length
         {
             self.indexed(u64::from(bytes) / 16);
+            self.scan.skip(length - 6)?;
+            return Ok(());
         }
-        Ok(())
+        // Its length may be what is wrong.
+        self.mcap_resume(
+            offset,
+            None,
+            "a chunk's index does not have the length that it declares",
+        )
     }
 
     /// Are all messages there that the file says it holds?
@@ -176,16 +195,14 @@ impl Container {
         Ok(())
     }
 
-    /// Looks for the next chunk after a place that makes no sense.
-    fn mcap_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
-        let found = self.scan.find(offset + 1, 64, |bytes, left| {
-            bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
-        })?;
-        let to = found.unwrap_or(self.scan.offset());
-        if found.is_none() {
+    /// Looks for the next chunk after a place that makes no sense, first in what the record at `suspect`
+    /// made it pass over.
+    fn mcap_resume(&mut self, offset: u64, suspect: Option<u64>, what: &str) -> io::Result<()> {
+        let from = self.look_again(offset, suspect, 64, is_chunk_or_file)?;
+        if self.scan.left() == 0 {
             self.closed = true;
         }
-        self.lose(offset, to - offset, what);
+        self.lose(from, self.scan.offset() - from, what);
         Ok(())
     }
 
@@ -283,7 +300,7 @@ impl Container {
         let sound = opcode.is_some_and(|opcode| (1..=DATA_END).contains(&opcode))
             && behind.is_some_and(|length| length < left);
         if !sound {
-            return self.mcap_resume(offset, what);
+            return self.mcap_resume(offset, None, what);
         }
         self.chunk = Chunk {
             offset,
@@ -434,6 +451,10 @@ fn metadata_of(fields: &mut Fields<'_>) -> BTreeMap<String, String> {
         }
     }
     metadata
+}
+
+fn is_chunk_or_file(bytes: &[u8], left: u64) -> bool {
+    bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
 }
 
 /// Does a chunk begin here, by all that its head says?

@@ -2,6 +2,8 @@
 
 mod angles;
 mod breakpoints;
+#[cfg(all(test, feature = "std"))]
+mod effort;
 mod integrals;
 mod jump;
 pub(crate) mod ladder;
