@@ -18,6 +18,10 @@ test:
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
 
+# draw the README's figure anew from measured data
+measured data:
+    cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
+
 # the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
 rivals:
     cargo build --release --manifest-path bench/Cargo.toml
