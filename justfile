@@ -17,3 +17,10 @@ test:
 # write the five-wheel example anew (a test compares it byte for byte)
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
+
+# the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
+rivals:
+    cargo build --release --manifest-path bench/Cargo.toml
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy scipy numba
+    bench/target/venv/bin/python bench/rivals.py

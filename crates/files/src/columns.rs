@@ -90,8 +90,9 @@ impl Meaning {
         matches!(self, Self::WheelCount | Self::WheelAngle | Self::WheelRate)
     }
 
-    /// The meanings without which this one says nothing.
-    const fn needs(self) -> Option<Self> {
+    /// The meaning without which this one says nothing.
+    #[must_use]
+    pub const fn needs(self) -> Option<Self> {
         match self {
             Self::DisplacementLeft | Self::DisplacementTurn => Some(Self::DisplacementForward),
             Self::PoseY | Self::PoseYaw => Some(Self::PoseX),

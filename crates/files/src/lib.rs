@@ -31,6 +31,7 @@
 //! [`robot`], [`soil`], [`columns`], and [`topics`] within a robot file. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
 
+pub mod body;
 pub mod columns;
 mod document;
 mod entries;
@@ -38,6 +39,7 @@ mod error;
 pub mod regular;
 pub mod robot;
 pub mod soil;
+mod soil_text;
 mod suggestion;
 pub mod topics;
 pub mod unit;

@@ -30,6 +30,7 @@ use std::path::Path;
 use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
 use grouser_terra::Angle;
 
+use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
@@ -81,6 +82,8 @@ pub struct RobotFile {
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
     pub columns: Option<ColumnMap>,
+    /// Masses, links and motors, if the file describes them.
+    pub body: Option<BodyFile>,
 }
 
 /// Wide enough for any sensible value; the robot itself checks more closely.
@@ -117,8 +120,10 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut joints = Vec::new();
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
-            read_wheel(section)
+            Ok((read_wheel(section)?, body::read_wheel(section)?))
         })?;
+        let (wheels, bodies) = wheels.into_iter().unzip();
+        let body = body::read(root, bodies)?;
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
@@ -134,6 +139,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             wheel_sensor,
             topics,
             columns,
+            body,
         })
     })
 }
@@ -164,11 +170,13 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
             let wheel = read_wheel(section)?;
+            body::read_wheel(section)?;
             if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
                 radii.push((span, wheel.radius * factor));
             }
             Ok(())
-        })
+        })?;
+        body::read(root, Vec::new())
     })?;
     let mut text = document.text().to_owned();
     // From the end, so that the places before stay right.

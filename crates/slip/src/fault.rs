@@ -36,6 +36,14 @@ pub enum Fault {
         /// The time of the sensor's last sample, ns.
         last_ns: i64,
     },
+    /// A time far from the last one: counted once, and followed if the next sample agrees with it.
+    #[error("time {time_ns} ns is far from {last_ns} ns")]
+    ClockStep {
+        /// The sample's time, ns.
+        time_ns: i64,
+        /// The newest time before it, ns.
+        last_ns: i64,
+    },
     /// The robot has no such wheel.
     #[error("wheel index {index} of a robot with {wheels} wheels")]
     UnknownWheel {
@@ -116,7 +124,7 @@ impl Rejected {
     pub(crate) fn count(&mut self, fault: &Fault) {
         let counter = match fault {
             Fault::NotFinite { .. } | Fault::OutOfRange { .. } => &mut self.bad_value,
-            Fault::NotLater { .. } => &mut self.not_later,
+            Fault::NotLater { .. } | Fault::ClockStep { .. } => &mut self.not_later,
             Fault::Jump { .. } => &mut self.jump,
             Fault::UnknownWheel { .. } | Fault::NoTicks { .. } => &mut self.unknown,
         };

@@ -58,11 +58,14 @@ extern crate alloc;
 
 mod body;
 mod clock;
+pub mod control;
 mod counter;
+pub mod detect;
 mod error;
 mod estimate;
 mod estimator;
 mod fault;
+pub mod filter;
 pub mod ground;
 mod history;
 mod measured_slip;

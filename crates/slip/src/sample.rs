@@ -74,6 +74,20 @@ pub enum Measurement {
         /// To the left, m/s; `None` where it is not measured.
         left: Option<f64>,
     },
+    /// Specific force in the robot's frame, m/s²: what an accelerometer feels, gravity's share on a slope included.
+    Acceleration {
+        /// Forwards.
+        forward: f64,
+        /// To the left.
+        left: f64,
+    },
+    /// Torque on a wheel, N m, positive when it drives forwards.
+    WheelTorque {
+        /// The wheel's index.
+        wheel: usize,
+        /// The torque.
+        torque: f64,
+    },
     /// The speed that the robot was told to take; it sets the direction along which the robot's slip
     /// is counted.
     Command {

@@ -90,6 +90,8 @@ pub enum Invalid {
     Dropout,
     /// Nothing tells how fast the robot travels.
     NoReference,
+    /// The wheel's sensor contradicts the others: stuck, or turning the other way.
+    Inconsistent,
 }
 
 impl Degraded {
@@ -113,6 +115,7 @@ impl Invalid {
         match self {
             Self::Dropout => "Dropout",
             Self::NoReference => "NoReference",
+            Self::Inconsistent => "Inconsistent",
         }
     }
 }

@@ -93,6 +93,11 @@ impl WheelTrack {
         }
     }
 
+    /// Does it count whole ticks at the times of its readings?
+    pub(crate) fn counts(&self) -> bool {
+        self.edges.is_none() && self.resolution > 0.0
+    }
+
     /// Takes a reading of this wheel's sensor.
     pub(crate) fn take(&mut self, time_ns: i64, measurement: &Measurement) -> Result<(), Fault> {
         match *measurement {

@@ -1,7 +1,7 @@
 //! `log`: what a recorded log holds, in another format, and what can be saved of a damaged one.
 
 use std::fmt::Write as _; // writing to a string cannot fail
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use grouser_log::container::{Damage, Format};
 use grouser_log::write::Copied;
@@ -25,12 +25,8 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand, Debug)]
 enum Job {
-    /// Topics, types, rates, gaps, clock jumps, damage, and what Grouser can use
-    Info {
-        /// The log: an MCAP file or a ROS 1 bag
-        #[arg(value_name = "FILE")]
-        file: PathBuf,
-    },
+    /// Topics or columns, types, rates, gaps, clock jumps, damage, and what Grouser can use
+    Info(log_info::Arguments),
     /// Write a log in another format, chosen by the ending of OUT: .mcap, .bag, or .csv for one topic
     Convert(log_convert::Arguments),
     /// Write everything that can be read of a damaged MCAP file or bag, and say what is lost
@@ -39,7 +35,7 @@ enum Job {
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     match &arguments.job {
-        Job::Info { file } => log_info::info(file, session),
+        Job::Info(arguments) => log_info::run(arguments, session),
         Job::Convert(arguments) => log_convert::run(arguments, session),
         Job::Recover(arguments) => log_recover::run(arguments, session),
     }
@@ -71,6 +67,7 @@ pub(super) fn damages_object(damages: &[Damage]) -> Value {
         Value::Object(keyed([
             ("offset", Value::from(damage.offset)),
             ("bytes", Value::from(damage.bytes)),
+            ("messages", Value::from(damage.messages)),
             ("what", Value::from(damage.what.as_str())),
         ]))
     };
@@ -80,8 +77,11 @@ pub(super) fn damages_object(damages: &[Damage]) -> Value {
 /// The same as lines, the first twenty.
 pub(super) fn damages_text(damages: &[Damage]) -> String {
     let one = |damage: &Damage| {
+        let messages = damage
+            .messages
+            .map_or_else(String::new, |lost| format!(" and {lost} messages"));
         format!(
-            "damaged at byte {}, {} bytes lost: {}\n",
+            "damaged at byte {}, {} bytes{messages} lost: {}\n",
             damage.offset,
             damage.bytes,
             printable(&damage.what)
@@ -146,6 +146,7 @@ pub(super) fn copied_object(copied: &Copied, output: &Path) -> Object {
         ("topics", copied.channels.iter().map(topic).collect()),
         ("damage_count", Value::from(copied.damage_count)),
         ("bytes_lost", Value::from(copied.bytes_lost)),
+        ("messages_lost", Value::from(copied.messages_lost)),
         ("damages", damages_object(&copied.damages)),
         ("attachments_left_out", Value::from(copied.attached)),
         ("verified", Value::from(true)),

@@ -1,38 +1,58 @@
 //! `log info`: what a recorded log holds.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use grouser_log::container::Container;
-use grouser_log::{Survey, Use};
+use grouser_log::{Sheet, Survey, Use, suggest_for_sheet, suggest_for_survey};
 use serde_json::Value;
 
 use super::estimate::{log_error, note_input};
 use super::log::{damages_object, damages_text, keyed, printable};
-use crate::error::{Error, Result};
+use super::log_sheet;
+use crate::error::Result;
 use crate::progress::Progress;
 use crate::report::{Object, Report};
 use crate::session::Session;
 use crate::table::Table;
 
-pub(super) fn info(file: &Path, session: &mut Session) -> Result<Report> {
-    if Container::kind(file).map_err(log_error)?.is_none() {
-        return Err(Error::usage(
-            format!("{} is neither an MCAP file nor a ROS 1 bag", file.display()),
-            "tables of text are read by `estimate` through a column map",
-        ));
-    }
-    let length = std::fs::metadata(file).ok().map(|found| found.len());
-    let progress = Progress::of_bytes(length);
-    let survey = Survey::read(file, |offset| progress.reach(offset));
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Example:\n  grouser log info examples/five-wheel/log.csv --suggest-robot > robot.toml\n  grouser \
+        estimate examples/five-wheel/log.csv --robot robot.toml"
+)]
+pub(super) struct Arguments {
+    /// The log: an MCAP file, a ROS 1 bag, or a table (CSV, plain or gzip)
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Print a robot file to start from instead: what the log cannot tell is marked in it
+    #[arg(long)]
+    suggest_robot: bool,
+}
+
+pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let file = &arguments.file;
+    let is_table = Container::kind(file).map_err(log_error)?.is_none();
+    let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
+    let (mut report, robot) = if is_table {
+        let sheet = Sheet::read(file, |read| progress.reach(read)).map_err(log_error)?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        (log_sheet::report(&sheet), suggest_for_sheet(&sheet, &name))
+    } else {
+        let survey = Survey::read(file, |offset| progress.reach(offset)).map_err(log_error)?;
+        let mut report = Report::done(object(&survey), text(&survey));
+        if survey.damage_count > 0 {
+            report.warnings.push(format!(
+                "{} places are damaged, {} bytes are lost in them",
+                survey.damage_count, survey.bytes_lost
+            ));
+        }
+        (report, suggest_for_survey(&survey))
+    };
     drop(progress);
-    let survey = survey.map_err(log_error)?;
     note_input(session, file)?;
-    let mut report = Report::done(object(&survey), text(&survey));
-    if survey.damage_count > 0 {
-        report.warnings.push(format!(
-            "{} places are damaged, {} bytes are lost in them",
-            survey.damage_count, survey.bytes_lost
-        ));
+    if arguments.suggest_robot {
+        report.text.clone_from(&robot);
+        report.object.insert("suggested_robot".into(), robot.into());
     }
     Ok(report)
 }

@@ -1,0 +1,157 @@
+//! The robot's motion in the filter: speeds, yaw rate and the biases of what measures them.
+
+use grouser_real::Real;
+
+use super::kalman::{Kalman, Scalar};
+use super::settings::FilterSettings;
+
+pub(super) const FORWARD: usize = 0;
+pub(super) const LEFT: usize = 1;
+pub(super) const YAW: usize = 2;
+pub(super) const GYRO_BIAS: usize = 3;
+pub(super) const FORWARD_BIAS: usize = 4;
+pub(super) const LEFT_BIAS: usize = 5;
+/// The powered wheels' common slip; after it come each wheel's own slip and radius.
+pub(super) const COMMON_SLIP: usize = 6;
+
+/// Numbers of one wheel.
+pub(super) const PER_WHEEL: usize = 4;
+
+/// The wheel's own slip, beside the common one.
+pub(super) const fn own_slip(wheel: usize) -> usize {
+    COMMON_SLIP + 1 + PER_WHEEL * wheel
+}
+
+/// How much larger its radius is than told, as a share.
+pub(super) const fn radius(wheel: usize) -> usize {
+    own_slip(wheel) + 1
+}
+
+/// How far its rim was from the counter's last tick at the end of a window (m), for two windows in turn.
+pub(super) const fn remainder(wheel: usize, odd: bool) -> usize {
+    if odd {
+        own_slip(wheel) + 3
+    } else {
+        own_slip(wheel) + 2
+    }
+}
+
+/// Specific force in the robot's frame and its time, for the next steps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Heard {
+    pub(super) time_ns: i64,
+    pub(super) force: [f64; 2],
+}
+
+/// All that is unknown of the robot's motion at the start.
+pub(super) fn start(state: &mut Kalman, settings: &FilterSettings) {
+    let square = |x: f64| x * x;
+    for i in [FORWARD, LEFT] {
+        state.restart(i, 0.0, square(1.0_f64.min(settings.max_speed)));
+    }
+    state.restart(YAW, 0.0, 1.0);
+    state.restart(GYRO_BIAS, 0.0, square(settings.gyro_bias));
+    for i in [FORWARD_BIAS, LEFT_BIAS] {
+        state.restart(i, 0.0, square(settings.accelerometer_bias));
+    }
+}
+
+/// Moves the robot on by `dt` (s): with an accelerometer by what it feels, else by chance. Gives how much its
+/// speeds have changed by what was felt, m/s.
+pub(super) fn advance(
+    state: &mut Kalman,
+    settings: &FilterSettings,
+    dt: f64,
+    heard: Option<Heard>,
+    walk: f64,
+) -> [f64; 2] {
+    let yaw = state.mean(YAW);
+    let (v_x, v_y) = (state.mean(FORWARD), state.mean(LEFT));
+    let most = settings.max_speed;
+    let mut felt = [0.0; 2];
+    if let Some(Heard {
+        force: [a_x, a_y], ..
+    }) = heard
+    {
+        // a turning frame: v̇ = a − Ω × v
+        let rise_x = a_x - state.mean(FORWARD_BIAS) + yaw * v_y;
+        let rise_y = a_y - state.mean(LEFT_BIAS) - yaw * v_x;
+        felt = [rise_x * dt, rise_y * dt];
+        state.couple(FORWARD, FORWARD_BIAS, -dt);
+        state.couple(LEFT, LEFT_BIAS, -dt);
+        state.set_mean(FORWARD, (v_x + felt[0]).clamp(-most, most));
+        state.set_mean(LEFT, (v_y + felt[1]).clamp(-most, most));
+    }
+    let square = |x: f64| x * x;
+    for i in [FORWARD, LEFT] {
+        state.widen(i, square(walk) * dt, square(most));
+    }
+    state.widen(YAW, square(settings.yaw_walk) * dt, 1e4);
+    state.widen(
+        GYRO_BIAS,
+        square(settings.gyro_drift) * dt,
+        square(settings.gyro_bias),
+    );
+    for i in [FORWARD_BIAS, LEFT_BIAS] {
+        state.widen(
+            i,
+            square(settings.accelerometer_drift) * dt,
+            square(settings.accelerometer_bias),
+        );
+    }
+    felt
+}
+
+/// Moves the slips on by `dt` (s): each is drawn towards what is believed of it.
+pub(super) fn advance_slips(
+    state: &mut Kalman,
+    settings: &FilterSettings,
+    dt: f64,
+    wheels: impl Iterator<Item = bool>,
+) {
+    let mut draw = |i: usize, mean: f64, sigma: f64, memory: f64| {
+        let a = Real::exp(-dt / memory);
+        state.relax(i, mean, a);
+        state.widen(i, (1.0 - a * a) * sigma * sigma, f64::MAX);
+    };
+    draw(
+        COMMON_SLIP,
+        settings.slip.mean,
+        settings.slip.sigma,
+        settings.slip_memory,
+    );
+    for (wheel, free) in wheels.enumerate() {
+        if free {
+            let prior = settings.free_slip;
+            draw(
+                own_slip(wheel),
+                prior.mean,
+                prior.sigma,
+                settings.free_slip_memory,
+            );
+        } else {
+            draw(
+                own_slip(wheel),
+                0.0,
+                settings.wheel_slip_sigma,
+                settings.wheel_slip_memory,
+            );
+        }
+    }
+}
+
+/// The robot's speed along `row` · (v_x, v_y, Ω).
+pub(super) fn along(row: [f64; 3]) -> [(usize, f64); 3] {
+    [(FORWARD, row[0]), (LEFT, row[1]), (YAW, row[2])]
+}
+
+/// A pseudo-measurement: the robot's speed along `row` is `value` within `sigma`.
+pub(super) fn hold(state: &mut Kalman, row: [f64; 3], value: f64, sigma: f64) {
+    let slopes = along(row);
+    let predicted: f64 = slopes.iter().map(|&(i, a)| a * state.mean(i)).sum();
+    state.take(&Scalar {
+        slopes: &slopes,
+        residual: value - predicted,
+        variance: sigma * sigma,
+    });
+}

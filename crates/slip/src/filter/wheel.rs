@@ -1,0 +1,129 @@
+//! One wheel in the filter: its readings, windows and state.
+
+use crate::estimate::WheelEstimate;
+use crate::history::seconds_between;
+use crate::robot::{Drive, Robot};
+use crate::settings::Settings;
+use crate::speed::Measured;
+use crate::wheel_track::WheelTrack;
+
+use super::settings::FilterSettings;
+use super::watch::Watch;
+
+/// Fewer ticks than this do not end a window before its time.
+const FEW_TICKS: f64 = 4.0;
+/// A window ends after this long however few ticks it has, in windows.
+pub(super) const LONGEST: f64 = 4.0;
+/// Share of a new window in the smoothed rim speed.
+const SMOOTHING: f64 = 0.3;
+
+/// What is kept of a wheel.
+#[derive(Clone, Debug)]
+pub(super) struct Tracked {
+    pub(super) row: [f64; 3],
+    pub(super) free: bool,
+    pub(super) track: WheelTrack,
+    pub(super) tick: f64,
+    /// Where the open window began.
+    from_ns: Option<i64>,
+    /// Which of the two remainders is that of the open window's beginning; `None` where it is not known.
+    pub(super) remainder: Option<bool>,
+    /// The last whole window's rim speed and end.
+    pub(super) rim: Option<(Measured, i64)>,
+    /// Its rim speed smoothed over a few windows.
+    usual: f64,
+    /// The rim has not moved since.
+    pub(super) still_since_ns: Option<i64>,
+    /// It has turned against the robot's way since.
+    pub(super) against_since_ns: Option<i64>,
+    pub(super) torque: Option<(i64, f64)>,
+    pub(super) watch: Watch,
+    pub(super) estimate: WheelEstimate,
+}
+
+impl Tracked {
+    /// The wheels of `robot`.
+    pub(super) fn all(robot: &Robot, settings: &FilterSettings) -> impl Iterator<Item = Self> {
+        let windows = Settings {
+            window: LONGEST * settings.wheel_window,
+            max_speed: settings.max_speed,
+            dropout: settings.dropout,
+            history: 64,
+            ..Settings::default()
+        };
+        robot
+            .wheels()
+            .iter()
+            .enumerate()
+            .map(move |(index, wheel)| Self {
+                row: wheel.speed_row(),
+                free: wheel.drive == Drive::Free,
+                track: WheelTrack::new(index, wheel, &windows),
+                tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
+                from_ns: None,
+                remainder: None,
+                rim: None,
+                usual: 0.0,
+                still_since_ns: None,
+                against_since_ns: None,
+                torque: None,
+                watch: Watch::default(),
+                estimate: WheelEstimate::NOTHING,
+            })
+    }
+
+    /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
+    pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
+        let from = *self.from_ns.get_or_insert(now_ns);
+        let age = seconds_between(from, now_ns);
+        if age < 0.0 {
+            self.from_ns = Some(now_ns);
+            self.remainder = None;
+            return None;
+        }
+        if age < window {
+            return None;
+        }
+        let Some(rim) = self.track.speed(from, now_ns) else {
+            // a sensor that began anew, or fell silent
+            self.from_ns = Some(now_ns);
+            self.remainder = None;
+            return None;
+        };
+        let few = (rim.value * age).abs() < FEW_TICKS * self.tick;
+        if few && age < LONGEST * window {
+            return None;
+        }
+        self.from_ns = Some(now_ns);
+        self.rim = Some((rim, now_ns));
+        if rim.value == 0.0 {
+            self.still_since_ns.get_or_insert(from);
+        } else {
+            self.still_since_ns = None;
+        }
+        Some((rim, from))
+    }
+
+    /// The rim speed as it has been, m/s.
+    pub(super) const fn usual_rim(&self) -> f64 {
+        self.usual
+    }
+
+    /// One more window's rim speed, m/s.
+    pub(super) fn remember(&mut self, rim: f64) {
+        self.usual += SMOOTHING * (rim - self.usual);
+    }
+
+    /// Seconds since its last reading.
+    pub(super) fn silence(&self, now_ns: i64) -> Option<f64> {
+        self.track
+            .newest_time()
+            .map(|last| seconds_between(last, now_ns))
+    }
+
+    /// Seconds since its rim last moved; 0 where it moves.
+    pub(super) fn stillness(&self, now_ns: i64) -> f64 {
+        self.still_since_ns
+            .map_or(0.0, |since| seconds_between(since, now_ns))
+    }
+}
