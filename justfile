@@ -17,3 +17,11 @@ test:
 # write the five-wheel example anew (a test compares it byte for byte)
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
+
+# one reader or promise under libFuzzer, a million executions (fuzz/README.md): just fuzz mcap_read
+fuzz target executions="1000000":
+    fuzz/run {{target}} {{executions}}
+
+# reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
+bench-log:
+    cargo run --release --manifest-path bench/log/Cargo.toml
