@@ -5,8 +5,8 @@ use std::io;
 use super::scan::Scan;
 use super::unpack::Packing;
 use super::{
-    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, name_of,
-    room_for,
+    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, SWALLOWED,
+    name_of, room_for,
 };
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -54,6 +54,12 @@ impl Container {
     pub(super) fn bag_record(&mut self) -> io::Result<Option<Found>> {
         let offset = self.scan.offset();
         if self.scan.left() == 0 {
+            if let Some(suspect) = self.passed_over.take()
+                && self.swallowed(suspect, offset, CHUNK_HEADER, is_chunk)?
+            {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
             self.ended = true;
             self.bag_end(offset);
             return Ok(None);
@@ -66,7 +72,7 @@ impl Container {
             self.scan.skip(MAGIC.len() as u64)?;
             return Ok(None);
         }
-        let suspect = self.passed_over.take();
+        let suspect = self.passed_over;
         let mut head = Vec::new();
         if !self.scan.read(4, &mut head)? {
             return self.bag_resume(offset, suspect, "the file ends within a record");
@@ -110,7 +116,9 @@ impl Container {
         };
         if entry == 0 || count * entry != length {
             // Its length may be what is wrong, if nothing makes sense behind it.
-            self.passed_over = Some(offset);
+            self.passed_over.get_or_insert(offset);
+        } else {
+            self.passed_over = None;
         }
         if op == INDEX {
             self.indexed(count);
@@ -171,6 +179,7 @@ impl Container {
         suspect: Option<u64>,
         what: &str,
     ) -> io::Result<Option<Found>> {
+        self.passed_over = None;
         let from = self.look_again(offset, suspect, CHUNK_HEADER, is_chunk)?;
         self.lose(from, self.scan.offset() - from, what);
         Ok(None)
@@ -183,13 +192,17 @@ impl Container {
         let packing = field(header, b"compression").and_then(Packing::named);
         let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
             // By its length, if a record stands behind it.
+            let what = "the chunk's compression or size is not known";
             self.scan.skip(length)?;
+            if !is_record(self.scan.peek(64)?) {
+                return self.bag_resume(offset, None, what).map(|_| ());
+            }
             self.chunk = Chunk {
                 offset,
                 bytes: self.scan.offset() - offset,
                 ..Chunk::default()
             };
-            self.lose_of_chunk("the chunk's compression or size is not known");
+            self.lose_of_chunk(what);
             return Ok(());
         };
         let mut record = std::mem::take(&mut self.record);
@@ -212,7 +225,8 @@ impl Container {
         };
         if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
+            self.scan
+                .find(offset + 1..u64::MAX, CHUNK_HEADER, is_chunk)?;
             self.chunk.bytes = self.scan.offset() - offset;
             self.lose_of_chunk("the file ends within a chunk; its readable part is kept");
         } else if let Err(what) = unpacked {
@@ -341,6 +355,14 @@ pub(super) fn record(
         }
     }
     Ok(true)
+}
+
+/// Does a record begin here, by its header's first field?
+fn is_record(bytes: &[u8]) -> bool {
+    let mut fields = Fields(bytes);
+    let length = fields.u32().unwrap_or(0);
+    let first = fields.counted().unwrap_or_default();
+    u64::from(length) <= HEADER_LIMIT && first.len() < length as usize && first.contains(&b'=')
 }
 
 /// Does a chunk begin here, by all that its header says?
