@@ -25,3 +25,10 @@ fuzz target executions="1000000":
 # reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
 bench-log:
     cargo run --release --manifest-path bench/log/Cargo.toml
+
+# the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
+rivals:
+    cargo build --release --manifest-path bench/Cargo.toml
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy scipy numba
+    bench/target/venv/bin/python bench/rivals.py

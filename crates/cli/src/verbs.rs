@@ -15,6 +15,9 @@ mod estimate_mcap;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod identify;
+mod identify_figure;
+mod identify_text;
 mod log;
 mod log_convert;
 mod log_info;
@@ -35,6 +38,11 @@ mod slip_model_figure;
 mod slip_model_grid;
 mod slip_model_output;
 mod soils;
+mod validate;
+mod validate_csv;
+mod validate_figure;
+mod validate_object;
+mod validate_text;
 mod wheel;
 mod wheel_figure;
 
@@ -53,6 +61,8 @@ pub(crate) enum Verb {
     Estimate(estimate::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
+    Identify(identify::Arguments),
+    Validate(validate::Arguments),
     Log(log::Arguments),
 }
 
@@ -67,6 +77,8 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
+        Verb::Identify(arguments) => identify::run(&arguments, session),
+        Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
     }
 }

@@ -34,6 +34,10 @@ const FLOORS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "grouser-rover",
+        &["grouser-terra", "grouser-slip", "grouser-files"],
+    ),
+    (
         "grouser-identify",
         &[
             "grouser-real",
