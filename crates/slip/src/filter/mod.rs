@@ -47,7 +47,7 @@ use order::{Offered, Order};
 use reference::{Reference, Seen};
 pub use settings::{FilterSettings, SlipPrior};
 use watch::Watch;
-use wheel::Tracked;
+use wheel::{LONGEST, Tracked};
 
 /// The most wheels that the filter takes: its cost grows with their square.
 pub const MAX_FILTER_WHEELS: usize = 8;
@@ -68,6 +68,14 @@ const APART: f64 = 0.5;
 /// Without a reference for this long the speed follows the wheels, s; how much looser it is then.
 const ALONE: f64 = 0.5;
 const LOOSE: f64 = 10.0;
+/// Wheels whose readings are off to one side by this much in the mean, in sigma, break away together; how fast that mean
+/// forgets, a reading; and the most that one reading says.
+const PULLED: f64 = 0.7;
+const TOGETHER: f64 = 0.2;
+const BREAKS: f64 = 4.0;
+/// How fast a wheel's unrest is learnt, a reading, and its limits.
+const LEARNING: f64 = 0.005;
+const UNREST: (f64, f64) = (0.1, 100.0);
 const MAX_YAW_RATE: f64 = 100.0;
 const MAX_FORCE: f64 = 1000.0;
 
@@ -155,6 +163,8 @@ pub struct SlipFilter {
     reference: Reference,
     reference_ns: Option<i64>,
     suspect_ns: Option<i64>,
+    /// Mean of the powered wheels' residuals, in sigma.
+    pull: f64,
     distances: [f64; 2],
     nis: f64,
     rejected: Rejected,
@@ -200,6 +210,7 @@ impl SlipFilter {
             reference: Reference::default(),
             reference_ns: None,
             suspect_ns: None,
+            pull: 0.0,
             distances: [0.0; 2],
             nis: 0.0,
             rejected: Rejected::default(),
@@ -384,8 +395,8 @@ impl SlipFilter {
             let heard = self.heard.filter(silent);
             let walk = self.walk();
             let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
-            let free = self.wheels.iter().map(|wheel| wheel.free);
-            body::advance_slips(&mut self.state, &self.settings, dt, free);
+            let wheels = self.wheels.iter().map(|wheel| (wheel.free, wheel.unrest));
+            body::advance_slips(&mut self.state, &self.settings, dt, wheels);
             self.totals[0] += felt[0];
             self.totals[1] += felt[1];
             self.totals[2] += self.turning * dt;
@@ -409,6 +420,15 @@ impl SlipFilter {
         if let Some(row) = self.sideways {
             let sigma = weight * self.settings.lateral_sigma;
             body::hold(&mut self.state, row, 0.0, sigma);
+        }
+        for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
+            let still = wheel.stillness(time_ns);
+            let believed = !wheel.watch.is_suspect() && !wheel.watch.has_failed();
+            if still >= STANDS && believed {
+                // it has gone less than a tick since
+                let sigma = (0.6 * wheel.tick / still).max(0.002);
+                body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
+            }
         }
         let stand = self
             .wheels
@@ -578,10 +598,23 @@ impl SlipFilter {
             self.reference_ns = Some(to_ns);
         } else if against || (still && off) {
             return;
-        } else if off && shows {
-            // it has broken away: its own slip is another one
+        } else if shows {
+            let expected = Real::sqrt(variance);
+            let r = (residual / expected).clamp(-BREAKS, BREAKS);
+            self.pull += TOGETHER * (r - self.pull);
+            // sigmas that fit what is seen: residuals larger than they should be are slips that wander more
+            let learnt = Real::exp(LEARNING * (r * r - 1.0));
+            let unrest = &mut self.wheels[index].unrest;
+            *unrest = (*unrest * learnt).clamp(UNREST.0, UNREST.1);
             let step = residual / faster;
-            self.state.widen(own_slip(index), step * step, 4.0);
+            if off {
+                // it has broken away: its own slip is another one
+                self.state.widen(own_slip(index), step * step, 4.0);
+            }
+            if self.pull.abs() > PULLED {
+                // they break away together: the ground is another one
+                self.state.widen(COMMON_SLIP, step * step, 4.0);
+            }
         }
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
@@ -770,7 +803,7 @@ impl SlipFilter {
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
         match age {
             None => Health::Degraded(Degraded::Relative),
-            Some(age) if age > self.settings.dropout.max(2.0 * self.settings.wheel_window) => {
+            Some(age) if age > self.settings.dropout + LONGEST * self.settings.wheel_window => {
                 Health::Degraded(Degraded::ReferenceLost)
             }
             Some(_) if sigma > self.settings.max_sigma => Health::Degraded(Degraded::Quantised),

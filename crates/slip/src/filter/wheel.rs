@@ -13,7 +13,7 @@ use super::watch::Watch;
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;
 /// A window ends after this long however few ticks it has, in windows.
-const LONGEST: f64 = 4.0;
+pub(super) const LONGEST: f64 = 4.0;
 /// Share of a new window in the smoothed rim speed.
 const SMOOTHING: f64 = 0.3;
 
@@ -38,6 +38,8 @@ pub(super) struct Tracked {
     pub(super) against_since_ns: Option<i64>,
     pub(super) torque: Option<(i64, f64)>,
     pub(super) watch: Watch,
+    /// How much more its slip wanders than was told, as a share of that variance.
+    pub(super) unrest: f64,
     pub(super) estimate: WheelEstimate,
 }
 
@@ -68,6 +70,7 @@ impl Tracked {
                 against_since_ns: None,
                 torque: None,
                 watch: Watch::default(),
+                unrest: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
     }

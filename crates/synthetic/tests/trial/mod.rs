@@ -14,8 +14,12 @@ pub(crate) const RATE: u32 = 100;
 pub(crate) const FREE: usize = WHEELS - 1;
 
 /// When a fault comes, s: at rest, while the speed rises, on the way, while it brakes.
-pub(crate) const PHASES: [(&str, f64); 4] =
-    [("start", 0.5), ("converge", 2.5), ("steady", 9.0), ("stop", 21.0)];
+pub(crate) const PHASES: [(&str, f64); 4] = [
+    ("start", 0.5),
+    ("converge", 2.5),
+    ("steady", 9.0),
+    ("stop", 21.0),
+];
 
 /// The robot: rest until 2 s, at 0.3 m/s from 4 s to 20 s with a soft patch and a curve, at rest from 23 s to 26 s.
 pub(crate) fn five_wheel(seed: u64) -> FiveWheel {
@@ -55,7 +59,11 @@ pub(crate) fn described(robot: &FiveWheel, bits: u32) -> Robot {
         y: wheel.y,
         heading: Angle::from_deg(0.0),
         radius: wheel.radius,
-        drive: if wheel.free { Drive::Free } else { Drive::Powered },
+        drive: if wheel.free {
+            Drive::Free
+        } else {
+            Drive::Powered
+        },
         encoder: Encoder {
             shaft: Shaft::Wheel,
             gear: 1.0,
@@ -142,7 +150,11 @@ impl Trial {
             let known = filter.latest();
             for wheel in known.wheels {
                 assert!(wheel.slip.is_none_or(|slip| slip.value().abs() <= 1.0));
-                assert!(wheel.sigma.is_none_or(|sigma| sigma.is_finite() && sigma > 0.0));
+                assert!(
+                    wheel
+                        .sigma
+                        .is_none_or(|sigma| sigma.is_finite() && sigma > 0.0)
+                );
             }
             assert!(known.body.forward.value.is_finite() && known.body.forward.variance > 0.0);
             if last == Some(known.time_ns) {
@@ -160,6 +172,8 @@ impl Trial {
                 reason = "checked above"
             )]
             let row = row as usize;
+            // what the sensors tell of ends at the row
+            let row = row.saturating_sub(1);
             let step = &course.steps[row];
             out.moments.push(Moment {
                 time,
@@ -187,10 +201,7 @@ impl Moment {
     /// Estimate less truth, and sigma, where both are.
     pub(crate) fn error(&self, wheel: usize) -> Option<(f64, f64)> {
         let estimate = &self.wheels[wheel];
-        Some((
-            estimate.slip?.value() - self.truth[wheel]?,
-            estimate.sigma?,
-        ))
+        Some((estimate.slip?.value() - self.truth[wheel]?, estimate.sigma?))
     }
 }
 
