@@ -59,6 +59,7 @@ extern crate alloc;
 mod body;
 mod clock;
 mod counter;
+pub mod detect;
 mod error;
 mod estimate;
 mod estimator;

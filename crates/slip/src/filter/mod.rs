@@ -607,14 +607,24 @@ impl SlipFilter {
             let unrest = &mut self.wheels[index].unrest;
             *unrest = (*unrest * learnt).clamp(UNREST.0, UNREST.1);
             let step = residual / faster;
-            if off {
-                // it has broken away: its own slip is another one
-                self.state.widen(own_slip(index), step * step, 4.0);
-            }
             if self.pull.abs() > PULLED {
                 // they break away together: the ground is another one
                 self.state.widen(COMMON_SLIP, step * step, 4.0);
             }
+            if off && !core::mem::replace(&mut self.wheels[index].was_off, true) {
+                // once may be the play of its gears
+                return;
+            }
+            if off {
+                // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
+                let own = self.state.mean(own_slip(index)) + step;
+                let spread = 2.0 * self.settings.wheel_slip_sigma;
+                self.state
+                    .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
+                self.nis = residual * residual / variance;
+                return;
+            }
+            self.wheels[index].was_off = false;
         }
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
@@ -799,6 +809,9 @@ impl SlipFilter {
         }
         if measured.slip.is_none() {
             return measured.health;
+        }
+        if moves && wheel.stillness(now_ns) > 0.0 {
+            return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
         match age {
