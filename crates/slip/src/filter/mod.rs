@@ -599,6 +599,10 @@ impl SlipFilter {
         } else if against || (still && off) {
             return;
         } else if shows {
+            if off && !core::mem::replace(&mut self.wheels[index].was_off, true) {
+                // once may be the play of its gears
+                return;
+            }
             let expected = Real::sqrt(variance);
             let r = (residual / expected).clamp(-BREAKS, BREAKS);
             self.pull += TOGETHER * (r - self.pull);
@@ -610,10 +614,6 @@ impl SlipFilter {
             if self.pull.abs() > PULLED {
                 // they break away together: the ground is another one
                 self.state.widen(COMMON_SLIP, step * step, 4.0);
-            }
-            if off && !core::mem::replace(&mut self.wheels[index].was_off, true) {
-                // once may be the play of its gears
-                return;
             }
             if off {
                 // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
