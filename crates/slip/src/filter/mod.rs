@@ -57,6 +57,8 @@ const QUEUE: usize = 256;
 const AT_ONCE: usize = 4;
 /// A clock that goes further than this at once has been set, s.
 const CLOCK_STEP: f64 = 1.0;
+/// When all samples have come too late for this long, the clock has been set back, s.
+const LATE: f64 = 0.1;
 /// A wheel that stands while the robot moves for this long is stuck, or turns against it: its encoder is wrong, s.
 const WRONG: f64 = 0.25;
 /// All wheels still for this long: the robot stands, s.
@@ -163,6 +165,8 @@ pub struct SlipFilter {
     reference: Reference,
     reference_ns: Option<i64>,
     suspect_ns: Option<i64>,
+    /// Nothing but samples that came too late, since this one.
+    late_from_ns: Option<i64>,
     /// Mean of the powered wheels' residuals, in sigma.
     pull: f64,
     distances: [f64; 2],
@@ -210,6 +214,7 @@ impl SlipFilter {
             reference: Reference::default(),
             reference_ns: None,
             suspect_ns: None,
+            late_from_ns: None,
             pull: 0.0,
             distances: [0.0; 2],
             nis: 0.0,
@@ -312,11 +317,19 @@ impl SlipFilter {
             outcome = self.work_off(oldest);
         }
         if self.order.offer(sample) == Offered::TooLate {
-            return Err(Fault::NotLater {
-                time_ns: sample.time_ns,
-                last_ns: self.now_ns.unwrap_or(sample.time_ns),
-            });
+            let last_ns = self.now_ns.unwrap_or(sample.time_ns);
+            let from = *self.late_from_ns.get_or_insert(sample.time_ns);
+            if seconds_between(from, sample.time_ns) < LATE {
+                return Err(Fault::NotLater {
+                    time_ns: sample.time_ns,
+                    last_ns,
+                });
+            }
+            // nothing but late samples: the clock was set back
+            self.restart_clock();
+            self.order.offer(sample);
         }
+        self.late_from_ns = None;
         for _ in 0..AT_ONCE {
             let Some(next) = self.order.release(false) else {
                 break;
@@ -346,18 +359,23 @@ impl SlipFilter {
                 last_ns: newest,
             });
         }
+        self.restart_clock();
+        Ok(())
+    }
+
+    fn restart_clock(&mut self) {
         self.suspect_ns = None;
+        self.late_from_ns = None;
         self.order.clear();
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
         self.heard = None;
         self.reference = Reference::default();
-        // biases outlast a pause, speeds and slips do not
-        let biases = [GYRO_BIAS, body::FORWARD_BIAS, body::LEFT_BIAS].map(|i| self.state.mean(i));
+        // the gyro's bias outlasts a pause, speeds and slips do not
+        let bias = self.state.mean(GYRO_BIAS);
         self.start();
-        self.state.set_mean(GYRO_BIAS, biases[0]);
-        Ok(())
+        self.state.set_mean(GYRO_BIAS, bias);
     }
 
     fn work_off(&mut self, sample: Sample) -> core::result::Result<(), Fault> {
