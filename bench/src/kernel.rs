@@ -167,8 +167,9 @@ pub fn run(json: bool) {
         timed(curves.len(), curve, &mut checks[2], || {
             let mut sum = 0.0;
             for ((set, kernel), load) in curves.iter().zip(&kernels).zip(&curve_loads) {
+                let wheel = RigidWheel::new(set.radius[0], set.width[0]).expect("a wheel");
                 kernel
-                    .under_load(&batch(set), load, &mut curve_out)
+                    .curve(&wheel, load[0], &set.slip, &mut curve_out)
                     .expect("equal lengths");
                 sum += curve_out.iter().map(|f| done(f).drawbar_pull).sum::<f64>();
             }

@@ -1,9 +1,12 @@
 //! `kernel`: the direct kernel at 1e-9 against the naive program, in one run, on one core.
 //!
+//! `loop`: one wheel in a control loop, call by call.
+//!
 //! `paths`: every path that is not the common one.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | paths`
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | paths`
 
+mod control;
 mod kernel;
 mod naive;
 mod paths;
@@ -15,9 +18,10 @@ fn main() {
     match words[..] {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
+        ["loop"] => control::run(),
         ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json] | paths");
+            eprintln!("usage: grouser-bench kernel [--json] | loop | paths");
             std::process::exit(2);
         }
     }

@@ -58,6 +58,7 @@ extern crate alloc;
 
 mod body;
 mod clock;
+pub mod control;
 mod counter;
 pub mod detect;
 mod error;

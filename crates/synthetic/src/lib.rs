@@ -24,6 +24,6 @@ mod sensors;
 pub use course::{Course, Event, Step, slip};
 pub use drive::{Command, Leg, command};
 pub use faults::{Fault, inject};
-pub use five_wheel::{FiveWheel, NAMES, Row, Run, Truth, WHEELS, Wheel};
+pub use five_wheel::{FiveWheel, NAMES, Row, Run, START_NS, Truth, WHEELS, Wheel};
 pub use noise::{Noise, Wander};
 pub use sensors::{Camera, Sensors};

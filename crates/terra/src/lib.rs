@@ -21,7 +21,8 @@
 //! # Ok::<(), grouser_terra::Error>(())
 //! ```
 //!
-//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once, and
+//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once,
+//! [`TrackedWheel`] the one for a control loop, and
 //! [`Contact`] the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
 //!
 //! Three outcomes are never mixed: bad input is an [`Error`] that names field, value, limit and unit; a load
@@ -57,6 +58,7 @@ mod shear;
 mod sinkage;
 mod slip;
 mod slip_model;
+mod slip_velocity;
 mod soil;
 mod traction;
 mod wheel;
@@ -67,21 +69,26 @@ pub use bulldozing::{Bulldozing, bulldozing_hegedus};
 pub use caution::{Caution, Cautions};
 pub use closed_form::ClosedForm;
 pub use contact::{
-    Contact, ContactAngles, Motion, WheelSize, entry_angle, sinkage_from_entry_angle,
+    Contact, ContactAngles, Motion, StressPosition, WheelSize, entry_angle,
+    sinkage_from_entry_angle,
 };
 pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
-pub use lanes::{BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes};
+pub use lanes::{
+    BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes, TrackedSolution,
+    TrackedWheel,
+};
 pub use operating_point::OperatingPoint;
-pub use pressure::{Bekker, Pressure, Reece, SinkageExponent};
+pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
 pub use sinkage::{LoadSolution, LoadStatus, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
-pub use soil::{Soil, SoilLaws, SoilParams};
+pub use slip_velocity::SlipVelocity;
+pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
 pub use traction::{BestSlip, SlopeOutcome};
 pub use wheel::{GrouserRule, Grousers, RigidWheel};
 pub use wheel_on_soil::WheelOnSoil;

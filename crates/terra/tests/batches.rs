@@ -252,3 +252,51 @@ fn a_soil_that_digs_with_slip_runs_one_at_a_time() {
     let out = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 3]).forces(&BatchKernel::new(soil));
     assert!(out.iter().all(|f| done(f).vertical_force > 0.0));
 }
+
+#[test]
+fn a_curve_is_as_good_as_its_points() {
+    for key in ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"] {
+        let kernel = BatchKernel::new(catalogue::find(key).unwrap().soil().unwrap());
+        let wheel = RigidWheel::new(0.2, 0.15).unwrap();
+        for (from, to, load) in [
+            (0.0, 0.9, 300.0),
+            (0.0, 1.0, 3.0),
+            (-0.2, 0.4, 100.0),
+            (0.3, 0.301, 900.0),
+        ] {
+            let slip: Vec<f64> = (0..301)
+                .map(|i| from + (to - from) * f64::from(i) / 300.0)
+                .collect();
+            let mut out = vec![BatchOutcome::default(); slip.len()];
+            kernel.curve(&wheel, load, &slip, &mut out).unwrap();
+            for (s, got) in slip.iter().zip(&out) {
+                let p = (0.2, 0.15, 0.0, *s, 0.0);
+                let motion = Kinematics::straight(Slip::new(*s).unwrap());
+                let exact = pair(kernel.soil(), p).under_load(load, &motion).unwrap();
+                let Some(point) = exact.point else {
+                    assert!(matches!(got, BatchOutcome::NoSolution(_)));
+                    continue;
+                };
+                let (got, f) = (done(got), point.forces);
+                let size = f
+                    .vertical_force
+                    .max(f.drawbar_pull.abs())
+                    .max(f.torque.abs() / 0.2);
+                let off = (f.vertical_force - got.vertical_force)
+                    .abs()
+                    .max((f.drawbar_pull - got.drawbar_pull).abs())
+                    .max((f.torque - got.torque).abs() / 0.2);
+                // the forces' own 1e-9 and, at the same load, what 1e-9 of sinkage makes of them
+                assert!(
+                    off <= 2e-9 * size,
+                    "{key} slip {s} load {load}: {:e}",
+                    off / size
+                );
+                assert!(
+                    (got.sinkage / point.sinkage - 1.0).abs() < 2e-9,
+                    "{key} slip {s} load {load}"
+                );
+            }
+        }
+    }
+}

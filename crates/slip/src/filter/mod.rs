@@ -20,6 +20,7 @@ mod kalman;
 mod order;
 mod reference;
 mod settings;
+mod turn;
 mod watch;
 mod wheel;
 
@@ -46,6 +47,7 @@ use kalman::{Kalman, Scalar};
 use order::{Offered, Order};
 use reference::{Reference, Seen};
 pub use settings::{FilterSettings, SlipPrior};
+use turn::Turn;
 use watch::Watch;
 use wheel::{LONGEST, Tracked};
 
@@ -79,7 +81,17 @@ const BREAKS: f64 = 4.0;
 const LEARNING: f64 = 0.005;
 const UNREST: (f64, f64) = (0.1, 100.0);
 const MAX_YAW_RATE: f64 = 100.0;
-const MAX_FORCE: f64 = 1000.0;
+/// No wheeled robot is pushed harder than this, m/s²: an accelerometer that shows more has been hit.
+const MAX_FORCE: f64 = 20.0;
+/// A gyro that shows the same to the bit for this long while the wheels turn is stuck, s.
+const SAME: f64 = 0.5;
+/// A free wheel that failed is believed again when it is within this share of the robot's speed.
+const RETURNS: f64 = 0.15;
+/// A free wheel whose skid is less certain than this is no reference.
+const SKID_KNOWN: f64 = 0.1;
+/// How fast the accelerometer's unrest is learnt, a reading of a reference, and its limits.
+const FELT: f64 = 0.005;
+const FELT_UNREST: (f64, f64) = (1.0, 1000.0);
 
 /// A speed that was seen: slopes, residual, variance.
 type Statement = ([(usize, f64); 3], f64, f64);
@@ -162,6 +174,13 @@ pub struct SlipFilter {
     heard: Option<Heard>,
     gyro: Watch,
     gyro_ns: Option<i64>,
+    /// The gyro's last reading to the bit, and since when.
+    gyro_same: Option<(u64, i64)>,
+    turn: Turn,
+    turned_ns: Option<i64>,
+    contradicted: Watch,
+    /// How much worse than told the accelerometer foresees the speed, as a share of that variance.
+    felt_unrest: f64,
     reference: Reference,
     reference_ns: Option<i64>,
     suspect_ns: Option<i64>,
@@ -211,6 +230,11 @@ impl SlipFilter {
             heard: None,
             gyro: Watch::default(),
             gyro_ns: None,
+            gyro_same: None,
+            turn: Turn::default(),
+            turned_ns: None,
+            contradicted: Watch::default(),
+            felt_unrest: 1.0,
             reference: Reference::default(),
             reference_ns: None,
             suspect_ns: None,
@@ -471,11 +495,57 @@ impl SlipFilter {
             residual: rate - self.state.mean(YAW) - self.state.mean(GYRO_BIAS),
             variance: sigma * sigma,
         };
-        self.gyro.judge(time_ns, true, self.settings.failure);
+        let (residual, variance) = self.state.innovation(&seen);
+        let agreed = residual.abs() <= self.settings.gate * Real::sqrt(variance)
+            && !self.is_stuck(time_ns, rate);
+        let believed = self.gyro.judge(time_ns, agreed, self.settings.failure);
         self.gyro_ns = Some(time_ns);
+        if let Some(wheels) = self.turn_by_wheels() {
+            let dt = seconds_between(self.turned_ns.replace(time_ns).unwrap_or(time_ns), time_ns);
+            self.turn.take(rate, wheels, dt);
+        }
+        let same_way = !self.turn.contradicts();
+        self.contradicted
+            .judge(time_ns, same_way, self.settings.failure);
+        if !agreed || !believed || self.contradicted.has_failed() {
+            self.turning = self.state.mean(YAW);
+            return Ok(());
+        }
         self.turning = rate;
         self.nis = self.state.take(&seen);
         Ok(())
+    }
+
+    /// Has the gyro shown the same to the bit for long, while wheels turn?
+    fn is_stuck(&mut self, time_ns: i64, rate: f64) -> bool {
+        let same = rate.to_bits();
+        let moves = self.wheels.iter().any(|wheel| wheel.turns());
+        match self.gyro_same {
+            Some((bits, since)) if bits == same && moves => seconds_between(since, time_ns) >= SAME,
+            _ => {
+                self.gyro_same = Some((same, time_ns));
+                false
+            }
+        }
+    }
+
+    /// The yaw rate that the powered wheels would give without slip, where all point one way.
+    fn turn_by_wheels(&self) -> Option<f64> {
+        self.sideways?;
+        let powered = || self.wheels.iter().filter(|wheel| !wheel.free);
+        let count = powered().count() as f64;
+        let (mut rims, mut arms) = (0.0, 0.0);
+        for wheel in powered() {
+            rims += wheel.rim?.0.value;
+            arms += wheel.row[2];
+        }
+        let (mut product, mut square) = (0.0, 0.0);
+        for wheel in powered() {
+            let arm = wheel.row[2] - arms / count;
+            product += arm * (wheel.rim?.0.value - rims / count);
+            square += arm * arm;
+        }
+        (square > 1e-6).then(|| product / square)
     }
 
     fn take_acceleration(
@@ -609,11 +679,22 @@ impl SlipFilter {
             wheel.against_since_ns = None;
         }
         if free {
-            let believed = wheel.watch.judge(to_ns, !off, self.settings.failure);
-            if off || !believed {
+            let near = (u - forward).abs() <= RETURNS * faster.abs() + self.settings.low_speed;
+            let agreed = !off && (near || !wheel.watch.has_failed());
+            let believed = wheel.watch.judge(to_ns, agreed, self.settings.failure);
+            let was_off = core::mem::replace(&mut wheel.was_off, off);
+            if off && !was_off && shows {
+                // the robot's speed has changed unfelt, or its skid has: from now on that is less certain
+                let step = residual / faster;
+                self.state.widen(own_slip(index), step * step, 1.0);
+            }
+            self.learn_felt(residual, variance);
+            if !agreed || !believed {
                 return;
             }
-            self.reference_ns = Some(to_ns);
+            if self.state.sigma(own_slip(index)) < SKID_KNOWN {
+                self.reference_ns = Some(to_ns);
+            }
         } else if against || (still && off) {
             return;
         } else if shows {
@@ -665,6 +746,13 @@ impl SlipFilter {
         }
         self.state.restart(remainder(index, odd), 0.0, variance);
         (odd, f64::from(u8::from(tick > 0.0)))
+    }
+
+    /// A speed that comes out otherwise than the accelerometer foresaw makes that less certain.
+    fn learn_felt(&mut self, residual: f64, variance: f64) {
+        let r = (residual / Real::sqrt(variance)).clamp(-BREAKS, BREAKS);
+        let learnt = Real::exp(FELT * (r * r - 1.0));
+        self.felt_unrest = (self.felt_unrest * learnt).clamp(FELT_UNREST.0, FELT_UNREST.1);
     }
 
     fn slip_slopes(&self, index: usize) -> [(usize, f64); 2] {
@@ -728,7 +816,8 @@ impl SlipFilter {
         if alone {
             LOOSE * self.settings.speed_walk
         } else if self.heard.is_some() {
-            self.settings.accelerometer_noise
+            (self.settings.accelerometer_noise * Real::sqrt(self.felt_unrest))
+                .min(LOOSE * self.settings.speed_walk)
         } else {
             self.settings.speed_walk
         }
@@ -828,7 +917,7 @@ impl SlipFilter {
         if measured.slip.is_none() {
             return measured.health;
         }
-        if moves && wheel.stillness(now_ns) > 0.0 {
+        if self.contradicted.has_failed() || (moves && wheel.stillness(now_ns) > 0.0) {
             return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));

@@ -127,6 +127,11 @@ impl Tracked {
             .map(|last| seconds_between(last, now_ns))
     }
 
+    /// Did its rim move in the last window?
+    pub(super) fn turns(&self) -> bool {
+        self.still_since_ns.is_none() && self.rim.is_some()
+    }
+
     /// Seconds since its rim last moved; 0 where it moves.
     pub(super) fn stillness(&self, now_ns: i64) -> f64 {
         self.still_since_ns

@@ -3,14 +3,14 @@
 use grouser_real::Real;
 
 use crate::quadrature::{
-    LEGENDRE_6, LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32, Rule, RuleView,
-    gauss_jacobi,
+    LEGENDRE_2, LEGENDRE_6, LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32, Rule,
+    RuleView, gauss_jacobi,
 };
 
 /// Greatest stiffness of the shear (`ShearState::stiffness`) at which each step of the ladder is good to
 /// 1e-9 of the forces. Over 60 000 random contacts the first errors of 5e-10 appear at 1.4, 4.8, 18, 45
 /// and 100.
-const LIMITS: [f64; 5] = [1.2, 4.5, 16.0, 40.0, 90.0];
+pub(crate) const LIMITS: [f64; 5] = [1.2, 4.5, 16.0, 40.0, 90.0];
 
 /// Entry angle (rad) up to which the first step is good; beyond it the sines ask for the second.
 const SHALLOW: f64 = 1.048;
@@ -56,6 +56,7 @@ pub(crate) const POWER_TERMS: usize = 13;
 /// What one sinkage exponent prepares: Gauss-Jacobi rules and the power of the lean kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExponentTables {
+    first: Rule<2>,
     coarse: (Rule<4>, Rule<5>),
     rules: (Rule<6>, Rule<8>, Rule<12>, Rule<16>, Rule<24>),
     /// ((y + 3)/4)ⁿ in powers of y = 4·ratio − 3 for ratio in [½, 1]. In the raw ratio the coefficients
@@ -66,6 +67,7 @@ pub(crate) struct ExponentTables {
 impl ExponentTables {
     pub(crate) fn new(n: f64) -> Self {
         Self {
+            first: gauss_jacobi(n),
             coarse: (gauss_jacobi(n), gauss_jacobi(n)),
             rules: (
                 gauss_jacobi(n),
@@ -76,6 +78,11 @@ impl ExponentTables {
             ),
             power: power_polynomial(n),
         }
+    }
+
+    /// The coarsest of all, for a start: good to some 1e-3 of the forces.
+    pub(crate) fn first_rules(&self) -> (RuleView<'_>, RuleView<'static>) {
+        (self.first.view(), LEGENDRE_2.view())
     }
 
     /// Coarser rules for the beginning of a search: good to some 1e-5 of the forces.

@@ -2,36 +2,37 @@
 //!
 //! It is the same stress model as [`Contact`](super::Contact), cut to the case that nearly every question
 //! is about (no slip angle, no change of sign of the shear, sinkage at most half the radius), so that each
-//! node costs one sine, one exponential and two dozen products. Written over [`Real`]: on lanes a lane is
-//! an operating point, or a node of one operating point.
+//! node costs one short sine and cosine, one exponential and a dozen products. Written over [`Real`]: on
+//! lanes a lane is an operating point, or a node of one operating point.
 //!
-//! With h = (θ_1 − θ)/2: cos θ − cos θ_1 = 2 sin(θ_1 − h) sin h and sin θ_1 − sin θ = 2 cos(θ_1 − h) sin h, so
-//! that sin h and cos h by short polynomials give everything by angle addition. σ is A (L sin θ_1)ⁿ tⁿ ratioⁿ
-//! with ratio = (cos(θ_1 − u) − cos θ_1)/(u sin θ_1) in [½, 1]: its power is a polynomial of the soil.
+//! σ is A (L sin θ_1)ⁿ tⁿ ratioⁿ with ratio = (cos(θ_1 − u) − cos θ_1)/(u sin θ_1) in [½, 1]: its power is a
+//! polynomial of the soil. The cohesion rule is symmetric about the middle of the arc: two nodes share one
+//! sine and cosine. sin θ − θ and cos θ − 1 + θ²/2 are what the polynomials stand for, so that differences
+//! of sines and cosines keep their digits at small angles.
 
 use grouser_real::Real;
 
 use super::ladder::POWER_TERMS;
 use crate::quadrature::RuleView;
 
-/// (sin h/h − 1)/h² and (cos h − 1)/h² in h² for |h| ≤ 0.85, by interpolation at Chebyshev's points:
-/// relative errors 4e-13 and 2e-12. The leading 1 stays exact, so that nothing is lost at small angles.
+/// (sin θ/θ − 1)/θ² in θ² for |θ| ≤ 1.048, by interpolation at Chebyshev's points: relative error of the
+/// sine 6e-13.
 const SINE: [f64; 5] = [
-    -0.166_666_666_666_605_46,
-    0.008_333_333_329_096_262,
-    -0.000_198_412_651_480_058_1,
-    2.755_549_892_557_353e-6,
-    -2.476_365_781_832_745e-8,
+    -0.166_666_666_666_168_08,
+    0.008_333_333_310_668_682,
+    -0.000_198_412_533_487_939_2,
+    2.755_311_601_872_065_5e-6,
+    -2.461_422_335_420_465e-8,
 ];
-const COSINE: [f64; 5] = [
-    -0.499_999_999_999_205_2,
-    0.041_666_666_611_657_05,
-    -0.001_388_888_279_531_379,
-    2.479_922_359_605_860_4e-5,
-    -2.718_267_551_536_134_5e-7,
+/// (cos θ − 1 + θ²/2)/θ⁴ likewise: error of the cosine 3e-11 at the end of the range.
+const COSINE: [f64; 4] = [
+    0.041_666_666_643_074_085,
+    -0.001_388_888_202_429_255_2,
+    2.479_846_383_885_636_7e-5,
+    -2.710_182_686_706_967_5e-7,
 ];
 
-/// Greatest half arc that the polynomials serve, rad.
+/// Greatest half arc that the rules of the ladder were tried on, rad.
 pub(crate) const HALF_ARC: f64 = 0.85;
 
 /// Least sinkage over radius: below it j loses digits by cancellation when slip is near 0.
@@ -39,86 +40,177 @@ pub(crate) const LEAST_SINKAGE: f64 = 4.5e-4;
 /// Greatest sinkage over radius: θ_1 = 60°.
 pub(crate) const GREATEST_SINKAGE: f64 = 0.5;
 
-/// A number whose exponential of a negative argument may be short: to 1e-12 of 1.
+/// A number whose power of two may be short.
 pub(crate) trait Short: Real {
-    /// eˣ for −700 ≤ x ≤ 0.
+    /// 2ˣ for −1000 ≤ x ≤ ½: to 1.1e-10, and 2ˣ − 1 near 0 to 3e-10 of itself.
     #[inline(always)]
-    fn exp_short(self) -> Self {
-        self.exp()
+    fn exp2_short(self) -> Self {
+        (self * Self::from_f64(core::f64::consts::LN_2)).exp()
     }
 }
 
 impl Short for f64 {}
-impl Short for f32 {}
-impl<const N: usize> Short for grouser_real::Dual<N> {}
 
 /// An operating point as the lean kernel takes it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeanContact<R> {
-    pub(crate) sin_1: R,
-    pub(crate) cos_1: R,
-    /// 1/sin θ_1.
-    pub(crate) inverse_sin_1: R,
+    pub(crate) theta_1: R,
+    /// −θ_2 ≥ 0.
+    pub(crate) behind: R,
     /// θ_1 − θ_m.
     pub(crate) front: R,
     /// θ_m − θ_2.
     pub(crate) rear: R,
     /// q = v/(r ω).
     pub(crate) q: R,
-    /// −r/K.
-    pub(crate) minus_r_over_k: R,
-    pub(crate) tan_phi: R,
+    /// r log₂e/K.
+    pub(crate) r_over_k: R,
 }
 
-/// Σ over nodes of weight times what makes vertical force, drawbar pull and torque.
+/// Integrals over the contact: of friction per A (L sin θ_1)ⁿ L, of cohesion per c times the arc. x is the
+/// mobilised share 1 − e^(−j/K).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeanSums<R> {
-    pub(crate) vertical: R,
-    pub(crate) pull: R,
+    /// ∫ σ cos θ
+    pub(crate) bearing: R,
+    /// ∫ σ sin θ
+    pub(crate) resistance: R,
+    /// ∫ σ x sin θ
+    pub(crate) grip_up: R,
+    /// ∫ σ x cos θ
+    pub(crate) grip_along: R,
+    /// ∫ σ x
+    pub(crate) grip: R,
+    /// ∫ x sin θ
+    pub(crate) hold_up: R,
+    /// ∫ x cos θ
+    pub(crate) hold_along: R,
+    /// ∫ x
+    pub(crate) hold: R,
+}
+
+/// Vertical force, drawbar pull and torque/r per whatever the scales are in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Three<R> {
+    pub(crate) vertical_force: R,
+    pub(crate) drawbar_pull: R,
     pub(crate) torque: R,
 }
 
 impl<R: Real> LeanSums<R> {
     #[inline(always)]
     pub(crate) fn zero() -> Self {
+        let zero = R::ZERO;
         Self {
-            vertical: R::ZERO,
-            pull: R::ZERO,
-            torque: R::ZERO,
+            bearing: zero,
+            resistance: zero,
+            grip_up: zero,
+            grip_along: zero,
+            grip: zero,
+            hold_up: zero,
+            hold_along: zero,
+            hold: zero,
+        }
+    }
+
+    /// The forces, for the friction's scale r b A (L sin θ_1)ⁿ L and the cohesion's r b c (θ_1 − θ_2).
+    #[inline(always)]
+    pub(crate) fn forces(&self, stress: R, tan_phi: R, cohesion: R) -> Three<R> {
+        let up = tan_phi.mul_add(self.grip_up, self.bearing);
+        let along = tan_phi * self.grip_along - self.resistance;
+        Three {
+            vertical_force: stress.mul_add(up, cohesion * self.hold_up),
+            drawbar_pull: stress.mul_add(along, cohesion * self.hold_along),
+            torque: stress.mul_add(tan_phi * self.grip, cohesion * self.hold),
         }
     }
 }
 
-/// What one angle of the contact needs.
-struct Node<R> {
-    sin: R,
-    cos: R,
-    /// 1 − e^(−j/K).
-    mobilised: R,
-    /// sin(θ_1 − h) sin h/h.
-    shape: R,
+/// What is the same for all nodes of a contact.
+pub(crate) struct Frame<R> {
+    contact: LeanContact<R>,
+    /// The exponent of mobilisation is `start` + r/K θ − q r/K sin θ.
+    start: R,
+    q_r_over_k: R,
+    cos_1: R,
+    /// 1/(L sin θ_1).
+    per_drop: R,
+    /// Rear over front.
+    shares: R,
+    /// The exponent's part at the middle that is not the sine's.
+    start_middle: R,
+    sin_middle: R,
+    cos_middle: R,
+    arc: R,
 }
 
 impl<R: Short> LeanContact<R> {
-    /// The angle half an arc `h` twice behind the entry.
     #[inline(always)]
-    fn node(&self, h: R) -> Node<R> {
-        let y = h * h;
-        let sinc = horner(y, &SINE).mul_add(y, R::ONE);
-        let cos_h = horner(y, &COSINE).mul_add(y, R::ONE);
-        let sin_h = sinc * h;
-        let low = self.sin_1 * cos_h - self.cos_1 * sin_h; // sin(θ_1 − h)
-        let high = self.sin_1.mul_add(sin_h, self.cos_1 * cos_h); // cos(θ_1 − h)
-        let twice = sin_h + sin_h;
-        let chord = high * twice; // sin θ_1 − sin θ
-        let arc = h + h;
-        let stretch = arc - self.q * chord; // j/r
-        Node {
-            sin: self.sin_1 - chord,
-            cos: low.mul_add(twice, self.cos_1),
-            mobilised: R::ONE - (stretch * self.minus_r_over_k).exp_short(),
-            shape: low * sinc,
+    pub(crate) fn frame(self) -> Frame<R> {
+        let half = R::from_f64(0.5);
+        let (sin_1, cos_1) = sine_cosine(self.theta_1);
+        let q_r_over_k = self.q * self.r_over_k;
+        let start = q_r_over_k * sin_1 - self.r_over_k * self.theta_1;
+        let middle = half * (self.theta_1 - self.behind);
+        let (sin_middle, cos_middle) = sine_cosine(middle);
+        let per_front = R::ONE / (self.front * sin_1);
+        Frame {
+            start,
+            q_r_over_k,
+            cos_1,
+            per_drop: per_front,
+            shares: self.rear * sin_1 * per_front,
+            start_middle: self.r_over_k.mul_add(middle, start),
+            sin_middle,
+            cos_middle,
+            arc: self.theta_1 + self.behind,
+            contact: self,
         }
+    }
+
+    /// All nodes, one after the other.
+    #[inline(always)]
+    pub(crate) fn sums(
+        self,
+        rules: (RuleView<'_>, RuleView<'_>),
+        power: &[f64; POWER_TERMS],
+    ) -> LeanSums<R> {
+        let frame = self.frame();
+        let mut sums = LeanSums::zero();
+        for (&t, &weight) in rules.0.nodes.iter().zip(rules.0.weights) {
+            let four_per_t = R::from_f64(4.0 / t);
+            frame.friction(
+                R::from_f64(t),
+                four_per_t,
+                R::from_f64(weight),
+                power,
+                &mut sums,
+            );
+        }
+        // every rule of Legendre's in use has an even number of nodes: its upper half tells them all
+        let half = rules.1.nodes.len() / 2;
+        for (&x, &weight) in rules.1.nodes[half..].iter().zip(&rules.1.weights[half..]) {
+            frame.cohesion(R::from_f64(x - 0.5), R::from_f64(weight), &mut sums);
+        }
+        frame.finish(&mut sums);
+        sums
+    }
+}
+
+impl<R: Short> Frame<R> {
+    /// The mobilised share, where `along` is the part of the exponent that is not the sine's.
+    #[inline(always)]
+    fn share(&self, sin: R, along: R) -> R {
+        let exponent = (-self.q_r_over_k).mul_add(sin, along);
+        R::ONE - exponent.exp2_short()
+    }
+
+    /// Sine, cosine and mobilised share at an angle.
+    #[inline(always)]
+    fn node(&self, theta: R) -> (R, R, R) {
+        let (sin, cos) = sine_cosine(theta);
+        let along = self.contact.r_over_k.mul_add(theta, self.start);
+        (sin, cos, self.share(sin, along))
     }
 
     /// A node of the friction rule: both pieces at once, since σ is the same in both.
@@ -126,61 +218,76 @@ impl<R: Short> LeanContact<R> {
     pub(crate) fn friction(
         &self,
         t: R,
+        four_per_t: R,
         weight: R,
         power: &[f64; POWER_TERMS],
         sums: &mut LeanSums<R>,
     ) {
-        let half = R::from_f64(0.5);
-        let front = self.node(t * self.front * half);
-        let ratio = front.shape * self.inverse_sin_1;
-        let sigma = weight * estrin(ratio.mul_add(R::from_f64(4.0), R::from_f64(-3.0)), power);
-        sums.stress(&front, sigma * self.front, self.tan_phi);
-        let rear = self.node((self.front + self.rear - t * self.rear) * half);
-        sums.stress(&rear, sigma * self.rear, self.tan_phi);
+        let contact = &self.contact;
+        let (sin, cos, share) = self.node((-t).mul_add(contact.front, contact.theta_1));
+        let ratio = (cos - self.cos_1) * self.per_drop;
+        let sigma = weight * estrin(ratio.mul_add(four_per_t, R::from_f64(-3.0)), power);
+        sums.stress(sigma, (sin, cos, share));
+        let rear = self.node(t.mul_add(contact.rear, -contact.behind));
+        sums.stress(sigma * self.shares, rear);
     }
 
-    /// A node of the cohesion rule, at the share `x` of the arc.
+    /// Two nodes of the cohesion rule, the share `x` of the arc before and behind its middle. What it
+    /// sums is still to be turned by the middle's angle: see [`Frame::finish`].
     #[inline(always)]
     pub(crate) fn cohesion(&self, x: R, weight: R, sums: &mut LeanSums<R>) {
-        let node = self.node(x * (self.front + self.rear) * R::from_f64(0.5));
-        let tau = weight * node.mobilised;
-        sums.vertical = tau.mul_add(node.sin, sums.vertical);
-        sums.pull = tau.mul_add(node.cos, sums.pull);
-        sums.torque += tau;
+        let d = x * self.arc;
+        let (sin_d, cos_d) = sine_cosine(d);
+        let (beside, across) = (self.sin_middle * cos_d, self.cos_middle * sin_d);
+        let shift = self.contact.r_over_k * d;
+        let ahead = self.share(beside + across, self.start_middle + shift);
+        let astern = self.share(beside - across, self.start_middle - shift);
+        let both = weight * (ahead + astern);
+        sums.hold += both;
+        sums.hold_along = both.mul_add(cos_d, sums.hold_along);
+        sums.hold_up = (weight * (ahead - astern)).mul_add(sin_d, sums.hold_up);
     }
 
-    /// All nodes, one after the other. Friction per A (L sin θ_1)ⁿ, cohesion per c times the arc.
+    /// Σ x sin θ and Σ x cos θ from the sums of [`Frame::cohesion`], by angle addition.
     #[inline(always)]
-    pub(crate) fn sums(
-        &self,
-        rules: (RuleView<'_>, RuleView<'_>),
-        power: &[f64; POWER_TERMS],
-    ) -> (LeanSums<R>, LeanSums<R>) {
-        let (mut friction, mut cohesion) = (LeanSums::zero(), LeanSums::zero());
-        for (&t, &weight) in rules.0.nodes.iter().zip(rules.0.weights) {
-            self.friction(R::from_f64(t), R::from_f64(weight), power, &mut friction);
-        }
-        for (&x, &weight) in rules.1.nodes.iter().zip(rules.1.weights) {
-            self.cohesion(R::from_f64(x), R::from_f64(weight), &mut cohesion);
-        }
-        (friction, cohesion)
+    pub(crate) fn finish(&self, sums: &mut LeanSums<R>) {
+        let (even, odd) = (sums.hold_along, sums.hold_up);
+        sums.hold_up = self.sin_middle * even + self.cos_middle * odd;
+        sums.hold_along = self.cos_middle * even - self.sin_middle * odd;
     }
 }
 
 impl<R: Real> LeanSums<R> {
-    /// σ (cos θ + tan φ x sin θ), σ (tan φ x cos θ − sin θ) and σ tan φ x.
     #[inline(always)]
-    fn stress(&mut self, node: &Node<R>, sigma: R, tan_phi: R) {
-        let grip = tan_phi * node.mobilised;
-        self.vertical = sigma.mul_add(grip.mul_add(node.sin, node.cos), self.vertical);
-        self.pull = sigma.mul_add(grip * node.cos - node.sin, self.pull);
-        self.torque = sigma.mul_add(grip, self.torque);
+    fn stress(&mut self, sigma: R, (sin, cos, share): (R, R, R)) {
+        let grip = sigma * share;
+        self.bearing = sigma.mul_add(cos, self.bearing);
+        self.resistance = sigma.mul_add(sin, self.resistance);
+        self.grip_up = grip.mul_add(sin, self.grip_up);
+        self.grip_along = grip.mul_add(cos, self.grip_along);
+        self.grip += grip;
     }
+}
+
+/// Sine and cosine up to 60°.
+#[inline(always)]
+pub(crate) fn sine_cosine<R: Real>(theta: R) -> (R, R) {
+    let y = theta * theta;
+    let sin = (theta * y).mul_add(horner(y, &SINE), theta);
+    let cos = horner(y, &COSINE).mul_add(y, R::from_f64(-0.5));
+    (sin, cos.mul_add(y, R::ONE))
+}
+
+/// 1 − cos θ up to 60°, with all its digits.
+#[inline(always)]
+pub(crate) fn versine<R: Real>(theta: R) -> R {
+    let y = theta * theta;
+    y * (R::from_f64(0.5) - y * horner(y, &COSINE))
 }
 
 /// Σ c_k xᵏ by Horner's rule: the fewest operations.
 #[inline(always)]
-fn horner<R: Real>(x: R, coefficients: &[f64]) -> R {
+pub(crate) fn horner<R: Real>(x: R, coefficients: &[f64]) -> R {
     let mut sum = R::ZERO;
     for (i, &c) in coefficients.iter().rev().enumerate() {
         sum = if i == 0 {
@@ -219,4 +326,21 @@ pub(crate) fn estrin<R: Real, const N: usize>(x: R, coefficients: &[f64; N]) -> 
         count = half;
     }
     terms[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_sine_and_cosine_up_to_60_degrees() {
+        for i in 1..=1048 {
+            let theta = f64::from(i) * 1e-3;
+            let (sin, cos) = sine_cosine(theta);
+            assert!((sin / theta.sin() - 1.0).abs() < 1e-12, "{theta}");
+            assert!((cos - theta.cos()).abs() < 4e-11, "{theta}");
+            let sine = (0.5 * theta).sin();
+            assert!((versine(theta) / (2.0 * sine * sine) - 1.0).abs() < 1e-10);
+        }
+    }
 }

@@ -1,6 +1,5 @@
 //! Batches: many operating points on one soil, eight at a time.
 
-use crate::contact::ladder::Step;
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::settings::Settings;
@@ -10,11 +9,10 @@ use crate::soil::Soil;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
+use super::forces::ForceSheet;
+use super::load::LoadSheet;
 use super::machine::Level;
-use super::plan::{Given, Plan, Prepared};
-
-/// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
-pub(super) const CHUNK: usize = 256;
+use super::plan::{CHUNK, Plan, Prepared};
 
 /// Operating points side by side: one slice a quantity, all of one length.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +76,34 @@ pub struct BatchKernel {
     level: Level,
 }
 
+/// The columns of a chunk for either question.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one of them on the stack, none copied"
+)]
+pub(super) enum Sheet {
+    Forces(ForceSheet),
+    Load(LoadSheet),
+    Curve(LoadSheet),
+}
+
+/// What a chunk is worked on with.
+pub(super) struct Work {
+    pub(super) plan: Plan,
+    pub(super) sheet: Sheet,
+}
+
+impl Work {
+    // made in place: a move would copy all its columns
+    #[inline(always)]
+    const fn new(sheet: Sheet) -> Self {
+        Self {
+            plan: Plan::new(),
+            sheet,
+        }
+    }
+}
+
 impl Default for BatchOutcome {
     fn default() -> Self {
         Self::NoSolution(LoadStatus::NotConverged)
@@ -124,7 +150,8 @@ impl BatchKernel {
         sinkage: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        self.run(points, sinkage, out, false)
+        let mut work = Work::new(Sheet::Forces(ForceSheet::EMPTY));
+        self.run(points, sinkage, out, &mut work)
     }
 
     /// Sinkages and forces under given loads (N).
@@ -137,7 +164,60 @@ impl BatchKernel {
         load: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        self.run(points, load, out, true)
+        let mut work = Work::new(Sheet::Load(LoadSheet::EMPTY));
+        self.run(points, load, out, &mut work)
+    }
+
+    /// A slip curve: sinkages and forces of one wheel under one load (N) at many slips, on this soil with
+    /// its own rebound. Points begin where their neighbours on the curve say, so that most take one
+    /// evaluation; each is still looked at by itself, and as good as by [`BatchKernel::under_load`].
+    ///
+    /// ```
+    /// use grouser_terra::{BatchKernel, BatchOutcome, RigidWheel, catalogue};
+    /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
+    /// let slip: Vec<f64> = (0..101).map(|i| 0.009 * f64::from(i)).collect();
+    /// let mut out = [BatchOutcome::default(); 101];
+    /// kernel.curve(&RigidWheel::new(0.125, 0.1)?, 80.0, &slip, &mut out)?;
+    /// let pull = |i: usize| match out[i] {
+    ///     BatchOutcome::Done(forces) => forces.drawbar_pull,
+    ///     _ => f64::NAN,
+    /// };
+    /// assert!(pull(0) < 0.0 && pull(100) > 0.0);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Lengths`] if the slices differ in length; [`Error::OutOfRange`] for a wheel with grousers:
+    /// lanes know smooth wheels only. A bad slip is an outcome.
+    pub fn curve(
+        &self,
+        wheel: &RigidWheel,
+        load: f64,
+        slip: &[f64],
+        out: &mut [BatchOutcome],
+    ) -> Result<()> {
+        if slip.len() != out.len() {
+            return Err(Error::Lengths {
+                expected: out.len(),
+                found: slip.len(),
+            });
+        }
+        let height = wheel.grousers().map_or(0.0, |grousers| grousers.height);
+        Error::check_range("grouser_height", height, 0.0, 0.0, "m")?;
+        let rebound = self.soil.params().rebound;
+        let columns = [wheel.radius(), wheel.width(), rebound, load].map(|x| [x; CHUNK]);
+        let mut work = Work::new(Sheet::Curve(LoadSheet::EMPTY));
+        for (slip, out) in slip.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
+            let [radius, width, rebound, load] = columns.each_ref().map(|c| &c[..slip.len()]);
+            let points = BatchPoints {
+                radius,
+                width,
+                rebound,
+                slip,
+            };
+            self.run(&points, load, out, &mut work)?;
+        }
+        Ok(())
     }
 
     fn run(
@@ -145,7 +225,7 @@ impl BatchKernel {
         points: &BatchPoints<'_>,
         given: &[f64],
         out: &mut [BatchOutcome],
-        solve: bool,
+        work: &mut Work,
     ) -> Result<()> {
         let n = out.len();
         for len in [
@@ -164,17 +244,20 @@ impl BatchKernel {
                 });
             }
         }
-        let mut from = 0;
-        while from < n {
-            let range = from..n.min(from + CHUNK);
-            from = range.end;
+        // chunks as equal as they can be: groups that are not full are lost work
+        let chunk = n
+            .div_ceil(n.div_ceil(CHUNK).max(1))
+            .max(1)
+            .next_multiple_of(8);
+        for from in (0..n).step_by(chunk) {
+            let range = from..n.min(from + chunk);
             let part = BatchPoints {
                 radius: &points.radius[range.clone()],
                 width: &points.width[range.clone()],
                 rebound: &points.rebound[range.clone()],
                 slip: &points.slip[range.clone()],
             };
-            self.chunk(&part, &given[range.clone()], &mut out[range], solve);
+            self.chunk(&part, &given[range.clone()], work, &mut out[range]);
         }
         Ok(())
     }
@@ -183,33 +266,17 @@ impl BatchKernel {
         &self,
         points: &BatchPoints<'_>,
         given: &[f64],
+        work: &mut Work,
         out: &mut [BatchOutcome],
-        solve: bool,
     ) {
-        let mut expected = [f64::NAN; CHUNK];
-        let expected = &mut expected[..given.len()];
-        let known = if solve {
-            if let Some(prepared) = &self.prepared {
-                self.level.expected(prepared, points, given, expected);
-            }
-            Given::Load {
-                load: given,
-                expected,
-            }
-        } else {
-            Given::Sinkage(given)
-        };
-        let plan = Plan::new(self.prepared.as_ref(), points, known);
         if let Some(prepared) = &self.prepared {
-            for step in (0..Step::COUNT).map(Step::at) {
-                for group in plan.groups(step) {
-                    self.level.run(prepared, points, known, (step, group), out);
-                }
-            }
+            self.level.run(prepared, points, given, work, out);
         }
         // What the lanes do not take, and what they gave back.
+        let solve = !matches!(work.sheet, Sheet::Forces(_));
         for i in 0..out.len() {
-            if plan.is_single(i)
+            if self.prepared.is_none()
+                || work.plan.is_single(i)
                 || matches!(out[i], BatchOutcome::NoSolution(LoadStatus::NotConverged))
             {
                 out[i] = self.single(points, given[i], i, solve);

@@ -2,32 +2,23 @@
 
 use grouser_real::Real;
 
-use crate::contact::ladder::{ExponentTables, Step};
-use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE};
+use crate::contact::ladder::{ExponentTables, LIMITS, Step};
 use crate::pressure::Pressure;
 use crate::soil::{Soil, SoilLaws};
 
-use super::batch::{BatchPoints, CHUNK};
+use super::vector::Vector;
+
+/// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
+pub(super) const CHUNK: usize = if cfg!(feature = "std") { 192 } else { 64 };
+/// Places of a chunk whose kinds each begin at a whole group.
+pub(super) const ROOM: usize = CHUNK + 8 * Step::COUNT;
 
 /// The step of a point that runs by itself.
-const SINGLE: u8 = 5;
+pub(super) const SINGLE: f64 = 5.0;
 const _: () = assert!(
-    SINGLE as usize == Step::COUNT && CHUNK <= 1 << 16,
+    LIMITS.len() == 5 && Step::COUNT == 5 && ROOM <= 1 << 16,
     "counts fit their types"
 );
-
-/// What is known of the points of a chunk.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Given<'a> {
-    /// Their sinkages, m.
-    Sinkage(&'a [f64]),
-    /// Their loads, N.
-    Load {
-        load: &'a [f64],
-        /// z/r that these loads are expected to sink to.
-        expected: &'a [f64],
-    },
-}
 
 /// A soil as the lanes take it.
 #[derive(Clone, Debug)]
@@ -36,157 +27,138 @@ pub(super) struct Prepared {
     pub(super) laws: SoilLaws<f64>,
     pub(super) n: f64,
     pub(super) tan_phi: f64,
-    pub(super) inverse_k_shear: f64,
+    pub(super) cohesion: f64,
+    /// log₂e/K
+    pub(super) per_k_shear: f64,
 }
 
 impl Prepared {
-    /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it.
+    /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it; and for one
+    /// whose contact changes with slip by a law that the lanes do not have.
     pub(super) fn new(soil: &Soil) -> Option<Self> {
         let laws = soil.laws::<f64>();
+        if laws.rear_driving != 0.0 || laws.transport_layer != 0.0 {
+            return None;
+        }
         soil.tables().map(|tables| Self {
             tables: *tables,
             n: laws.exponent.n_0,
             tan_phi: Real::tan(laws.strength.phi),
-            inverse_k_shear: 1.0 / laws.k_shear,
+            cohesion: laws.strength.cohesion,
+            per_k_shear: core::f64::consts::LOG2_E / laws.k_shear,
             laws,
         })
     }
 
-    /// Is the pressure-sinkage modulus positive under this width? (Without a division where it can be.)
-    fn carries(&self, width: f64) -> bool {
+    /// The pressure-sinkage modulus under wheels of these widths.
+    #[inline(always)]
+    pub(super) fn modulus<V: Vector>(&self, width: V) -> V {
         match self.laws.pressure {
-            Pressure::Bekker(law) => law.k_phi * width + law.k_c > 0.0,
-            Pressure::Reece(_) => self.laws.modulus(width, self.n) > 0.0,
+            Pressure::Bekker(law) => V::from_f64(law.k_c) / width + V::from_f64(law.k_phi),
+            // powers of the width, one by one: the price of a law that is rare in catalogues
+            Pressure::Reece(_) => {
+                V::from_array(width.to_array().map(|b| self.laws.modulus(b, self.n)))
+            }
         }
     }
+}
 
-    /// c_1 + c_2 s.
-    pub(super) fn position(&self, slip: f64) -> f64 {
-        self.laws.c_1 + self.laws.c_2 * slip
+/// The step (as a number) that the shear r·arc·max|1 − q cos θ|/K asks for; the same limits as
+/// [`Step::for_stiffness`].
+#[inline(always)]
+pub(super) fn step_of<V: Vector>(stiffness: V) -> V {
+    let mut step = V::ZERO;
+    for limit in LIMITS {
+        let within = stiffness.le(V::from_f64(limit));
+        step += V::select(within, V::ZERO, V::ONE);
     }
+    step
+}
 
-    /// r·arc·max|1 − q cos θ|/K and the arc at a sinkage over radius; as `ShearState::stiffness`.
-    pub(super) fn stiffness(
-        &self,
-        radius: f64,
-        rebound: f64,
-        slip: f64,
-        z_over_r: f64,
-    ) -> (f64, f64) {
-        let q = 1.0 - slip;
-        // An upper bound of 2 asin √(z/2r) is enough: chord ≤ arc ≤ chord·π/3 up to 60°.
-        let arc = |x: f64| 1.048 * Real::sqrt(2.0 * x);
-        let behind = rebound * z_over_r;
-        let total = arc(z_over_r) + if rebound > 0.0 { arc(behind) } else { 0.0 };
-        let fastest = 1.0 - q * (1.0 - z_over_r.max(behind));
-        (radius * total * fastest * self.inverse_k_shear, total)
-    }
+/// Are the numbers in a range? NaN is in none.
+#[inline(always)]
+pub(super) fn within<V: Vector>(x: V, low: f64, high: f64) -> V::Mask {
+    V::from_f64(low).le(x) & x.le(V::from_f64(high))
 }
 
 /// The points of a chunk sorted by the step of the ladder that they need.
 pub(super) struct Plan {
-    /// The step of each point; `Step::COUNT` for one that runs by itself.
-    steps: [u8; CHUNK],
-    order: [u16; CHUNK],
-    /// Where each step's points begin in `order`.
-    starts: [usize; Step::COUNT + 2],
+    /// The step of each point; [`SINGLE`] for one that runs by itself.
+    pub(super) steps: [f64; ROOM],
+    /// Places by step, each step's from a whole group on, its last group filled up with its last place.
+    order: [u16; ROOM],
+    ranges: [(usize, usize); Step::COUNT],
 }
 
-/// Up to eight points of one step: their places, the last one repeated to fill up, and how many count.
+/// Up to eight points of one step: their places, and how many count.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Group {
-    pub(super) places: [usize; 8],
+pub(super) struct Group<'a> {
+    pub(super) step: Step,
+    /// Where they stand in the order of the plan.
+    pub(super) at: usize,
+    pub(super) places: &'a [u16; 8],
     pub(super) count: usize,
 }
 
 impl Plan {
+    pub(super) const fn new() -> Self {
+        Self {
+            steps: [SINGLE; ROOM],
+            order: [0; ROOM],
+            ranges: [(0, 0); Step::COUNT],
+        }
+    }
+
+    /// Sorts the first `n` points by their steps. Stable, so that neighbours stay neighbours.
     #[allow(
         clippy::cast_possible_truncation,
-        reason = "both counts are asserted to fit"
+        clippy::cast_sign_loss,
+        reason = "steps are 0 to 5 and places below 2^16, both asserted"
     )]
-    pub(super) fn new(
-        prepared: Option<&Prepared>,
-        points: &BatchPoints<'_>,
-        given: Given<'_>,
-    ) -> Self {
-        let n = points.slip.len();
-        let mut plan = Self {
-            steps: [SINGLE; CHUNK],
-            order: [0; CHUNK],
-            starts: [0; Step::COUNT + 2],
-        };
-        if let Some(prepared) = prepared {
-            for (i, step) in plan.steps.iter_mut().enumerate().take(n) {
-                if let Some(found) = step_of(prepared, points, given, i) {
-                    *step = found.index() as u8;
-                }
+    pub(super) fn sort(&mut self, n: usize) {
+        let mut counts = [0_usize; Step::COUNT + 1];
+        for &step in &self.steps[..n] {
+            counts[(step as usize).min(Step::COUNT)] += 1;
+        }
+        let mut next = [0; Step::COUNT + 1];
+        let mut from = 0;
+        for step in 0..Step::COUNT {
+            self.ranges[step] = (from, from + counts[step]);
+            next[step] = from;
+            from += counts[step].next_multiple_of(8);
+        }
+        for (i, &step) in self.steps[..n].iter().enumerate() {
+            let step = (step as usize).min(Step::COUNT);
+            if step < Step::COUNT {
+                self.order[next[step]] = i as u16;
+                next[step] += 1;
             }
         }
-        // Counting sort: stable, so that neighbours in the input stay neighbours in a group.
-        for &step in &plan.steps[..n] {
-            plan.starts[usize::from(step) + 1] += 1;
+        for (_, end) in self.ranges {
+            if !end.is_multiple_of(8) {
+                let last = self.order[end - 1];
+                self.order[end..end.next_multiple_of(8)].fill(last);
+            }
         }
-        for k in 0..=Step::COUNT {
-            plan.starts[k + 1] += plan.starts[k];
-        }
-        let mut next = plan.starts;
-        for (i, &step) in plan.steps[..n].iter().enumerate() {
-            let place = &mut next[usize::from(step)];
-            plan.order[*place] = i as u16;
-            *place += 1;
-        }
-        plan
     }
 
     pub(super) fn is_single(&self, i: usize) -> bool {
-        usize::from(self.steps[i]) == Step::COUNT
+        self.steps[i] >= SINGLE
     }
 
-    /// The groups of a step.
-    pub(super) fn groups(&self, step: Step) -> impl Iterator<Item = Group> + '_ {
-        let range = self.starts[step.index()]..self.starts[step.index() + 1];
-        self.order[range].chunks(8).map(|places| {
-            let last = places.len() - 1;
-            Group {
-                places: core::array::from_fn(|k| usize::from(places[k.min(last)])),
-                count: places.len(),
-            }
-        })
+    /// All groups.
+    pub(super) fn groups(&self) -> impl Iterator<Item = Group<'_>> {
+        self.ranges
+            .iter()
+            .enumerate()
+            .flat_map(move |(step, &(from, to))| {
+                let places = self.order[from..to.next_multiple_of(8)].as_chunks::<8>().0;
+                places.iter().enumerate().map(move |(k, places)| Group {
+                    step: Step::at(step),
+                    at: from + 8 * k,
+                    places,
+                    count: 8.min(to - from - 8 * k),
+                })
+            })
     }
-}
-
-/// The step on which a point runs on lanes; `None` for one that is bad or not of their kind.
-fn step_of(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    given: Given<'_>,
-    i: usize,
-) -> Option<Step> {
-    let (radius, width) = (points.radius[i], points.width[i]);
-    let (rebound, slip) = (points.rebound[i], points.slip[i]);
-    let sound = (1e-3..=100.0).contains(&radius)
-        && (1e-3..=100.0).contains(&width)
-        && (0.0..=1.0).contains(&slip)
-        && prepared.carries(width)
-        && prepared.position(slip) < 1.0;
-    if !sound {
-        return None;
-    }
-    let z_over_r = match given {
-        // With a rebound the force may fall with sinkage: that search is not for lanes. The guess is taken
-        // a third deeper, so that the rule still serves where the search ends.
-        Given::Load { load, expected } => {
-            let inside = (1.3 * LEAST_SINKAGE..=0.7 * GREATEST_SINKAGE).contains(&expected[i]);
-            (inside && rebound == 0.0 && load[i] > 0.0).then_some(1.35 * expected[i])?
-        }
-        Given::Sinkage(sinkage) => {
-            let z_over_r = sinkage[i] / radius;
-            let inside = (LEAST_SINKAGE..=GREATEST_SINKAGE).contains(&z_over_r);
-            (inside && (0.0..=100.0).contains(&rebound)).then_some(z_over_r)?
-        }
-    };
-    let (stiffness, arc) = prepared.stiffness(radius, rebound, slip, z_over_r);
-    (arc <= 2.0 * HALF_ARC && rebound * z_over_r <= GREATEST_SINKAGE)
-        .then(|| Step::for_stiffness(stiffness, 1.0))
-        .flatten()
 }

@@ -5,7 +5,9 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 use grouser_real::Real;
 
 use super::vector::Vector;
-use crate::contact::lean::Short;
+use crate::contact::ladder::POWER_TERMS;
+use crate::contact::lean::{LeanContact, LeanSums, Short};
+use crate::quadrature::RuleView;
 
 /// Eight numbers, computed lane by lane in plain code that every machine has: no lane sees another.
 ///
@@ -167,15 +169,17 @@ impl Real for Lanes {
     fn sqrt(self) -> Self {
         self.each(Real::sqrt)
     }
-    #[inline(always)]
+    // not inlined: the machine has no wider code for it, and the compiler has less to do
+    #[inline(never)]
     fn exp(self) -> Self {
         super::vector::exp(self)
     }
-    #[inline(always)]
+    // not inlined: the machine has no wider code for it, and the compiler has less to do
+    #[inline(never)]
     fn ln(self) -> Self {
         super::vector::ln(self)
     }
-    #[inline(always)]
+    #[inline(never)]
     fn powf(self, n: Self) -> Self {
         (n * self.ln()).exp()
     }
@@ -194,8 +198,8 @@ impl Real for Lanes {
 
 impl Short for Lanes {
     #[inline(always)]
-    fn exp_short(self) -> Self {
-        super::vector::exp_short(self)
+    fn exp2_short(self) -> Self {
+        super::vector::exp2_short(self)
     }
 }
 
@@ -213,6 +217,12 @@ impl Vector for Lanes {
         self.each(|x| f64::from_bits(x.to_bits().wrapping_add(1023) << 52))
     }
     #[inline(always)]
+    fn times_power_of_two(self, shifted: Self) -> Self {
+        self.with(shifted, |x, k| {
+            f64::from_bits(x.to_bits().wrapping_add(k.to_bits() << 52))
+        })
+    }
+    #[inline(always)]
     fn exponent_and_mantissa(self) -> (Self, Self) {
         const MANTISSA: u64 = 0x000f_ffff_ffff_ffff;
         const ONE: u64 = 0x3ff0_0000_0000_0000;
@@ -221,6 +231,14 @@ impl Vector for Lanes {
             exponent,
             self.each(|x| f64::from_bits((x.to_bits() & MANTISSA) | ONE)),
         )
+    }
+    #[inline(never)]
+    fn sums(
+        contact: &LeanContact<Self>,
+        rules: (RuleView<'_>, RuleView<'_>),
+        power: &[f64; POWER_TERMS],
+    ) -> LeanSums<Self> {
+        contact.sums(rules, power)
     }
     #[inline(always)]
     fn any(mask: LaneMask) -> bool {

@@ -1,6 +1,8 @@
 //! What every kind of eight lanes can do, and the exponential and logarithm made of it.
 
-use crate::contact::lean::{Short, estrin};
+use crate::contact::ladder::POWER_TERMS;
+use crate::contact::lean::{LeanContact, LeanSums, Short, estrin, horner};
+use crate::quadrature::RuleView;
 
 /// Eight f64 side by side, on some set of instructions.
 pub(super) trait Vector: Short {
@@ -10,20 +12,32 @@ pub(super) trait Vector: Short {
     fn to_array(self) -> [f64; 8];
     /// 2ᵏ, where the number is [`ROUNDER`] + k with a whole k in [−1022, 1023].
     fn power_of_two(self) -> Self;
+    /// x 2ᵏ, where the other number is [`ROUNDER`] + k and the result a normal number.
+    fn times_power_of_two(self, shifted: Self) -> Self;
     /// k and m of x = 2ᵏ m, m in [1, 2), for a positive normal x.
     fn exponent_and_mantissa(self) -> (Self, Self);
+    /// [`LeanContact::sums`], as one function of each set of instructions: compiled once, not wherever it
+    /// is called.
+    fn sums(
+        contact: &LeanContact<Self>,
+        rules: (RuleView<'_>, RuleView<'_>),
+        power: &[f64; POWER_TERMS],
+    ) -> LeanSums<Self>;
     /// Does the mask hold in any lane?
     fn any(mask: Self::Mask) -> bool;
 
-    /// Σ c_k xᵏ by Horner's rule.
+    /// The eight numbers from a place on.
     #[inline(always)]
-    fn polynomial(self, coefficients: &[f64]) -> Self {
-        let mut sum = Self::ZERO;
-        for (i, &c) in coefficients.iter().rev().enumerate() {
-            let c = Self::from_f64(c);
-            sum = if i == 0 { c } else { sum.mul_add(self, c) };
-        }
-        sum
+    fn load(from: &[f64], at: usize) -> Self {
+        let mut array = [0.0; 8];
+        array.copy_from_slice(&from[at..at + 8]);
+        Self::from_array(array)
+    }
+
+    /// Puts the eight numbers from a place on.
+    #[inline(always)]
+    fn store(self, to: &mut [f64], at: usize) {
+        to[at..at + 8].copy_from_slice(&self.to_array());
     }
 }
 
@@ -49,17 +63,15 @@ const EXP: [f64; 12] = [
     2.511_120_325_747_114e-8,
 ];
 
-/// The same, shorter: relative error 1.1e-12.
-const EXP_SHORT: [f64; 9] = [
-    1.0,
-    0.999_999_999_979_622_7,
-    0.499_999_999_997_963_13,
-    0.166_666_668_923_964_95,
-    0.041_666_666_892_307_004,
-    0.008_333_265_828_313_5,
-    0.001_388_882_140_813_945_3,
-    0.000_199_160_164_406_045_05,
-    2.487_631_345_479_937e-5,
+/// (2ˣ − 1)/x on |x| ≤ ½ likewise: error of 2ˣ 1.1e-10, and none at 0.
+const EXP2_SHORT: [f64; 7] = [
+    core::f64::consts::LN_2,
+    0.240_226_509_222_887_57,
+    0.055_504_108_839_096_185,
+    0.009_618_056_678_524_637,
+    0.001_333_350_238_616_277,
+    0.000_154_614_446_985_691_3,
+    1.529_732_376_070_107_5e-5,
 ];
 
 /// eˣ; 0 below −708 (where eˣ is no normal number), ∞ above 709. NaN in a lane stays in it.
@@ -73,19 +85,20 @@ pub(super) fn exp<V: Vector>(x: V) -> V {
     let whole = shifted - c(ROUNDER);
     let r = whole.mul_add(c(-LN_2_HIGH), x);
     let r = whole.mul_add(c(-LN_2_LOW), r);
-    let y = r.polynomial(&EXP) * shifted.power_of_two();
+    let y = horner(r, &EXP) * shifted.power_of_two();
     let y = V::select(x.lt(low), V::ZERO, y);
     V::select(high.lt(x), c(f64::INFINITY), y)
 }
 
-/// eˣ for −700 ≤ x ≤ 0, to 1e-12 of 1.
+/// 2ˣ for −1000 ≤ x ≤ ½, to 1.1e-10.
 #[inline(always)]
-pub(super) fn exp_short<V: Vector>(x: V) -> V {
+pub(super) fn exp2_short<V: Vector>(x: V) -> V {
     let c = V::from_f64;
-    let shifted = x.mul_add(c(core::f64::consts::LOG2_E), c(ROUNDER));
-    let whole = shifted - c(ROUNDER);
-    // One constant for ln 2: with a whole number below 1000 its rounding weighs 1e-13 of the result.
-    estrin(whole.mul_add(c(-core::f64::consts::LN_2), x), &EXP_SHORT) * shifted.power_of_two()
+    let shifted = x + c(ROUNDER);
+    let part = x - (shifted - c(ROUNDER));
+    horner(part, &EXP2_SHORT)
+        .mul_add(part, V::ONE)
+        .times_power_of_two(shifted)
 }
 
 /// Natural logarithm of a positive normal number: ln(2ᵏ m) = k ln 2 + 2 artanh((m − 1)/(m + 1)) with m in
@@ -112,7 +125,7 @@ pub(super) fn ln<V: Vector>(x: V) -> V {
     let m = V::select(high, c(0.5) * m, m);
     let k = V::select(high, k + V::ONE, k);
     let s = (m - V::ONE) / (m + V::ONE);
-    let series = (s * s).polynomial(&ARTANH);
+    let series = estrin(s * s, &ARTANH);
     let low = k.mul_add(c(LN_2_LOW), (s + s) * series);
     let y = k.mul_add(c(LN_2_HIGH), low);
     let y = V::select(x.lt(c(f64::MIN_POSITIVE)), c(f64::NEG_INFINITY), y);
@@ -144,8 +157,12 @@ mod tests {
                 "{y:e}"
             );
             if x <= 0.0 {
-                let short = exp_short(Lanes::from_f64(x)).0[1];
-                assert!((short - x.exp()).abs() < 2e-12, "{x}");
+                let short = exp2_short(Lanes::from_f64(x)).0[1];
+                assert!((short / x.exp2() - 1.0).abs() < 1.6e-10, "{x}");
+                let small = 1e-3 * x;
+                let change = exp2_short(Lanes::from_f64(small)).0[1] - 1.0;
+                let exact = (small * core::f64::consts::LN_2).exp_m1();
+                assert!((change - exact).abs() <= 3e-10 * exact.abs() + 2e-16, "{x}");
             }
         }
     }

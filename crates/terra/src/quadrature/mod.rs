@@ -38,6 +38,7 @@ impl RuleView<'_> {
 }
 
 /// The Gauss-Legendre rules in use.
+pub(crate) static LEGENDRE_2: Rule<2> = gauss_legendre();
 pub(crate) static LEGENDRE_6: Rule<6> = gauss_legendre();
 pub(crate) static LEGENDRE_8: Rule<8> = gauss_legendre();
 pub(crate) static LEGENDRE_10: Rule<10> = gauss_legendre();

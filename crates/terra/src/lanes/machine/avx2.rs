@@ -35,10 +35,15 @@ lanes_of!(Avx2, Avx2Mask, {
     or: |a, b| _mm256_or_pd(a, b),
     not: |a| _mm256_xor_pd(a, _mm256_castsi256_pd(ones())),
     any: |m| _mm256_movemask_pd(m) != 0,
+    sums: sums,
     power_of_two: |x| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
         _mm256_castpd_si256(x),
         _mm256_set1_epi64x(1023),
     ))),
+    times_power: |a, b| _mm256_castsi256_pd(_mm256_add_epi64(
+        _mm256_castpd_si256(a),
+        _mm256_slli_epi64::<52>(_mm256_castpd_si256(b)),
+    )),
     exponent: |x| _mm256_or_pd(
         _mm256_castsi256_pd(_mm256_srli_epi64::<52>(_mm256_castpd_si256(x))),
         _mm256_castsi256_pd(_mm256_set1_epi64x(TWO_52.cast_signed())),
@@ -54,4 +59,14 @@ lanes_of!(Avx2, Avx2Mask, {
 unsafe fn ones() -> __m256i {
     // SAFETY: as all above.
     unsafe { _mm256_set1_epi64x(-1) }
+}
+
+/// The sums on these instructions.
+#[target_feature(enable = "avx2,fma")]
+fn sums(
+    contact: &LeanContact<Avx2>,
+    rules: (RuleView<'_>, RuleView<'_>),
+    power: &[f64; POWER_TERMS],
+) -> LeanSums<Avx2> {
+    contact.sums(rules, power)
 }

@@ -26,11 +26,15 @@ macro_rules! lanes_of {
         or: |$ka:ident, $kb:ident| $or:expr,
         not: |$oa:ident| $not:expr,
         any: |$pm:ident| $any:expr,
+        sums: $sums:ident,
         power_of_two: |$ux:ident| $power:expr,
+        times_power: |$ra:ident, $rb:ident| $times:expr,
         exponent: |$vx:ident| $exponent:expr,
         mantissa: |$wx:ident| $mantissa:expr $(,)?
     }) => {
-        use crate::contact::lean::Short;
+        use crate::contact::ladder::POWER_TERMS;
+        use crate::contact::lean::{LeanContact, LeanSums, Short};
+        use crate::quadrature::RuleView;
         use crate::lanes::portable::{EXPONENT_BIAS, TWO_52};
         use crate::lanes::vector::{self, Vector};
         use grouser_real::Real;
@@ -220,8 +224,8 @@ macro_rules! lanes_of {
 
         impl Short for $name {
             #[inline(always)]
-            fn exp_short(self) -> Self {
-                vector::exp_short(self)
+            fn exp2_short(self) -> Self {
+                vector::exp2_short(self)
             }
         }
 
@@ -247,9 +251,21 @@ macro_rules! lanes_of {
                 self.each(|$ux| unsafe { $power })
             }
             #[inline(always)]
+            fn times_power_of_two(self, shifted: Self) -> Self {
+                self.with(shifted, |$ra, $rb| unsafe { $times })
+            }
+            #[inline(always)]
             fn exponent_and_mantissa(self) -> (Self, Self) {
                 let exponent = self.each(|$vx| unsafe { $exponent }) - Self::from_f64(EXPONENT_BIAS);
                 (exponent, self.each(|$wx| unsafe { $mantissa }))
+            }
+            #[inline(always)]
+            fn sums(
+                contact: &LeanContact<Self>,
+                rules: (RuleView<'_>, RuleView<'_>),
+                power: &[f64; POWER_TERMS],
+            ) -> LeanSums<Self> {
+                unsafe { $sums(contact, rules, power) }
             }
             #[inline(always)]
             fn any(mask: $mask) -> bool {

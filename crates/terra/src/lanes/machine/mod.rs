@@ -12,12 +12,12 @@ mod lanes_of;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use lanes_of::lanes_of;
 
-use crate::contact::ladder::Step;
-
 use super::Lanes;
-use super::batch::{BatchOutcome, BatchPoints};
-use super::group;
-use super::plan::{Given, Group, Prepared};
+use super::batch::{BatchOutcome, BatchPoints, Sheet, Work};
+use super::nodes::{self, Carried, Single, Track};
+use super::plan::Prepared;
+use super::vector::Vector;
+use super::{curve, forces, load};
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -63,43 +63,73 @@ impl Level {
         }
     }
 
-    /// The expected z/r of a chunk under its loads.
-    pub(super) fn expected(
-        self,
-        prepared: &Prepared,
-        points: &BatchPoints<'_>,
-        load: &[f64],
-        out: &mut [f64],
-    ) {
-        match self {
-            Self::Portable => group::expected::<Lanes>(prepared, points, load, out),
-            // SAFETY: as in `run`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { expected_avx2(prepared, points, load, out) },
-            // SAFETY: as in `run`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { expected_avx512(prepared, points, load, out) },
-        }
-    }
-
-    /// One group on these instructions.
+    /// A chunk on these instructions.
     pub(super) fn run(
         self,
         prepared: &Prepared,
         points: &BatchPoints<'_>,
-        given: Given<'_>,
-        part: (Step, Group),
+        given: &[f64],
+        work: &mut Work,
         out: &mut [BatchOutcome],
     ) {
         match self {
-            Self::Portable => group::run::<Lanes>(prepared, points, given, part, out),
+            Self::Portable => run::<Lanes>(prepared, points, given, work, out),
             // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { run_avx2(prepared, points, given, part, out) },
+            Self::Avx2 => unsafe { run_avx2(prepared, points, given, work, out) },
             // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { run_avx512(prepared, points, given, part, out) },
+            Self::Avx512 => unsafe { run_avx512(prepared, points, given, work, out) },
         }
+    }
+
+    /// One wheel's forces on these instructions.
+    pub(super) fn single_forces(self, single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+        match self {
+            Self::Portable => nodes::forces::<Lanes>(single, z_over_r),
+            // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { single_forces_avx2(single, z_over_r) },
+            // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { single_forces_avx512(single, z_over_r) },
+        }
+    }
+
+    /// One wheel's sinkage on these instructions.
+    pub(super) fn single_load(
+        self,
+        single: &Single<'_>,
+        load: f64,
+        track: &mut Option<Track>,
+    ) -> Option<Carried> {
+        match self {
+            Self::Portable => nodes::under_load::<Lanes>(single, load, track),
+            // SAFETY: as in `single_forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { single_load_avx2(single, load, track) },
+            // SAFETY: as in `single_forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { single_load_avx512(single, load, track) },
+        }
+    }
+}
+
+#[inline(always)]
+fn run<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    given: &[f64],
+    work: &mut Work,
+    out: &mut [BatchOutcome],
+) {
+    let plan = &mut work.plan;
+    match &mut work.sheet {
+        Sheet::Forces(sheet) => forces::run::<V>(prepared, points, given, (sheet, plan), out),
+        Sheet::Load(sheet) => {
+            load::run::<V, false>(prepared, points, given, (sheet, plan), out);
+        }
+        Sheet::Curve(sheet) => curve::run_curve::<V>(prepared, points, given, (sheet, plan), out),
     }
 }
 
@@ -108,11 +138,11 @@ impl Level {
 fn run_avx2(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: Given<'_>,
-    part: (Step, Group),
+    given: &[f64],
+    work: &mut Work,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<avx2::Avx2>(prepared, points, given, part, out);
+    run::<avx2::Avx2>(prepared, points, given, work, out);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -120,21 +150,37 @@ fn run_avx2(
 fn run_avx512(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
-    given: Given<'_>,
-    part: (Step, Group),
+    given: &[f64],
+    work: &mut Work,
     out: &mut [BatchOutcome],
 ) {
-    group::run::<avx512::Avx512>(prepared, points, given, part, out);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma")]
-fn expected_avx2(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
-    group::expected::<avx2::Avx2>(prepared, points, load, out);
+    run::<avx512::Avx512>(prepared, points, given, work, out);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn expected_avx512(prepared: &Prepared, points: &BatchPoints<'_>, load: &[f64], out: &mut [f64]) {
-    group::expected::<avx512::Avx512>(prepared, points, load, out);
+fn single_forces_avx512(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+    nodes::forces::<avx512::Avx512>(single, z_over_r)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn single_load_avx512(
+    single: &Single<'_>,
+    load: f64,
+    track: &mut Option<Track>,
+) -> Option<Carried> {
+    nodes::under_load::<avx512::Avx512>(single, load, track)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn single_forces_avx2(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+    nodes::forces::<avx2::Avx2>(single, z_over_r)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn single_load_avx2(single: &Single<'_>, load: f64, track: &mut Option<Track>) -> Option<Carried> {
+    nodes::under_load::<avx2::Avx2>(single, load, track)
 }

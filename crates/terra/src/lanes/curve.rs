@@ -1,0 +1,165 @@
+//! A slip curve of one wheel under one load: most points begin where their neighbours say.
+//!
+//! Sixteen slips, Chebyshev's of the curve's range, are solved from nothing. What their searches ended with
+//! is smooth in slip: interpolated, it tells every other point its sinkage to some 1e-6, and one evaluation
+//! of the fine rule ends the search. The residual of every point is looked at; where the curve is less
+//! smooth, the fine rule goes on.
+
+use super::batch::{BatchOutcome, BatchPoints};
+use super::load::{Expected, LoadSheet, run, run_from};
+use super::plan::{CHUNK, Plan, Prepared};
+use super::vector::Vector;
+
+/// Slips that are solved from nothing.
+const NODES: usize = 16;
+/// Least number of points for which this is worth while.
+const LEAST: usize = 40;
+/// How far the interpolated slopes are trusted: a residual of ln W below 2e-7 is gone straight.
+const TRUST: f64 = 1e-3;
+
+/// cos(π i/32) for i from 0 to 16.
+const COSINES: [f64; 17] = [
+    1.0,
+    0.995_184_726_672_196_9,
+    0.980_785_280_403_230_4,
+    0.956_940_335_732_208_8,
+    0.923_879_532_511_286_7,
+    0.881_921_264_348_355,
+    0.831_469_612_302_545_2,
+    0.773_010_453_362_737,
+    core::f64::consts::FRAC_1_SQRT_2,
+    0.634_393_284_163_645_5,
+    0.555_570_233_019_602_3,
+    0.471_396_736_825_997_8,
+    0.382_683_432_365_089_84,
+    0.290_284_677_254_462_33,
+    0.195_090_322_016_128_33,
+    0.098_017_140_329_560_77,
+    0.0,
+];
+
+/// cos(π i/32)
+const fn cosine(i: usize) -> f64 {
+    let i = i % 64;
+    let i = if i > 32 { 64 - i } else { i };
+    if i > 16 { -COSINES[32 - i] } else { COSINES[i] }
+}
+
+/// What the value at the k-th node gives to the j-th coefficient, by the discrete orthogonality of the
+/// cosines.
+const TRANSFORM: [[f64; NODES]; NODES] = {
+    let mut rows = [[0.0; NODES]; NODES];
+    let mut k = 0;
+    while k < NODES {
+        let mut j = 0;
+        while j < NODES {
+            let share = if j == 0 { 1.0 } else { 2.0 };
+            rows[k][j] = share / NODES as f64 * cosine(j * (2 * k + 1));
+            j += 1;
+        }
+        k += 1;
+    }
+    rows
+};
+
+/// Four smooth functions of slip as sums of Chebyshev polynomials.
+struct Smooth {
+    coefficients: [[f64; NODES]; 4],
+    middle: f64,
+    per_half: f64,
+}
+
+impl Smooth {
+    #[inline(always)]
+    fn new(values: [&[f64]; 4], (low, high): (f64, f64)) -> Self {
+        let mut coefficients = [[0.0; NODES]; 4];
+        for (sums, values) in coefficients.iter_mut().zip(values) {
+            for (value, row) in values.iter().zip(&TRANSFORM) {
+                for (sum, share) in sums.iter_mut().zip(row) {
+                    *sum += value * share;
+                }
+            }
+        }
+        Self {
+            coefficients,
+            middle: 0.5 * (low + high),
+            per_half: 2.0 / (high - low),
+        }
+    }
+}
+
+impl Expected for Smooth {
+    /// Clenshaw's sum.
+    #[inline(always)]
+    fn at<V: Vector>(&self, slip: V) -> [V; 4] {
+        let t = (slip - V::from_f64(self.middle)) * V::from_f64(self.per_half);
+        let twice = t + t;
+        let mut out = [V::ZERO; 4];
+        for (out, coefficients) in out.iter_mut().zip(&self.coefficients) {
+            let (mut b, mut after) = (V::ZERO, V::ZERO);
+            for &c in coefficients[1..].iter().rev() {
+                (b, after) = (twice.mul_add(b, V::from_f64(c) - after), b);
+            }
+            *out = t.mul_add(b, V::from_f64(coefficients[0]) - after);
+        }
+        out
+    }
+}
+
+/// Solves a chunk of a curve: points that differ in nothing but slip.
+#[inline(always)]
+pub(super) fn run_curve<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    load: &[f64],
+    (sheet, plan): (&mut LoadSheet, &mut Plan),
+    out: &mut [BatchOutcome],
+) {
+    let good = |s: &&f64| (0.0..=1.0).contains(*s);
+    let low = points.slip.iter().filter(good).copied().fold(1.0, f64::min);
+    let high = points.slip.iter().filter(good).copied().fold(0.0, f64::max);
+    if load.len() < LEAST.min(CHUNK) || !(high - low > 1e-3) {
+        return run::<V, false>(prepared, points, load, (sheet, plan), out);
+    }
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let slip: [f64; NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
+    let nodes = BatchPoints {
+        radius: &points.radius[..NODES],
+        width: &points.width[..NODES],
+        rebound: &points.rebound[..NODES],
+        slip: &slip,
+    };
+    let mut ended = [BatchOutcome::default(); NODES];
+    run::<V, true>(prepared, &nodes, &load[..NODES], (sheet, plan), &mut ended);
+    if !ended.iter().all(|end| matches!(end, BatchOutcome::Done(_))) {
+        return run::<V, false>(prepared, points, load, (sheet, plan), out);
+    }
+    let smooth = Smooth::new(
+        sheet.kept.each_ref().map(|column| &column.0[..]),
+        (low, high),
+    );
+    run_from::<V>(prepared, points, load, (sheet, plan), (&smooth, TRUST), out);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Lanes;
+    use super::*;
+
+    #[test]
+    fn smooth_functions_come_back() {
+        let (low, high) = (0.1, 0.7);
+        let slip: [f64; NODES] = core::array::from_fn(|k| {
+            0.4 + 0.3 * (core::f64::consts::PI * (k as f64 + 0.5) / 16.0).cos()
+        });
+        let values = slip.map(|s| (3.0 * s).exp());
+        let smooth = Smooth::new([&values, &slip, &values, &values], (low, high));
+        for i in 0..=60 {
+            let s = 0.1 + 0.01 * f64::from(i);
+            let [exponential, line, ..] = smooth.at(Lanes([s; 8]));
+            // sixteen points leave 0.9¹⁶/16!/2¹⁵ of it and rounding
+            assert!((exponential.0[0] - (3.0 * s).exp()).abs() < 1e-13);
+            assert!((line.0[7] - s).abs() < 1e-14);
+        }
+    }
+}

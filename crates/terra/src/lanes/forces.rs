@@ -1,0 +1,199 @@
+//! Forces of a chunk at given sinkages.
+
+use crate::contact::lean::estrin;
+use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE, LeanContact};
+
+use super::batch::{BatchForces, BatchOutcome, BatchPoints};
+use super::plan::{Plan, Prepared, SINGLE, step_of, within};
+use super::sheet::{Column, eight};
+use super::vector::Vector;
+
+/// arcsin x/x in x² for 0 ≤ x ≤ ½ by interpolation at Chebyshev's points; relative error 4e-15.
+const ARCSINE: [f64; 11] = [
+    1.000_000_000_000_003,
+    0.166_666_666_663_602_3,
+    0.075_000_000_488_015_58,
+    0.044_642_826_955_757_35,
+    0.030_382_897_420_132_21,
+    0.022_354_717_951_662_17,
+    0.017_550_046_245_694_55,
+    0.012_550_386_671_737_955,
+    0.017_924_305_774_952_437,
+    -0.007_309_161_310_274_521,
+    0.031_500_978_582_855_19,
+];
+
+/// What the nodes need of every point.
+pub(super) struct ForceSheet {
+    theta_1: Column,
+    behind: Column,
+    front: Column,
+    rear: Column,
+    q: Column,
+    r_over_k: Column,
+    stress: Column,
+    hold: Column,
+}
+
+impl ForceSheet {
+    pub(super) const EMPTY: Self = Self {
+        theta_1: Column::EMPTY,
+        behind: Column::EMPTY,
+        front: Column::EMPTY,
+        rear: Column::EMPTY,
+        q: Column::EMPTY,
+        r_over_k: Column::EMPTY,
+        stress: Column::EMPTY,
+        hold: Column::EMPTY,
+    };
+}
+
+/// 2 arcsin √(x/2): the angle of a sinkage or a rise over the radius.
+#[inline(always)]
+fn angle<V: Vector>(x: V) -> V {
+    let y = V::from_f64(0.5) * x;
+    V::from_f64(2.0) * y.sqrt() * estrin(y, &ARCSINE)
+}
+
+/// Computes the forces of every point that the lanes serve and leaves the others to the plan.
+#[inline(always)]
+pub(super) fn run<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    sinkage: &[f64],
+    (sheet, plan): (&mut ForceSheet, &mut Plan),
+    out: &mut [BatchOutcome],
+) {
+    for at in (0..sinkage.len()).step_by(8) {
+        sort_in::<V>(prepared, points, sinkage, (sheet, plan), at);
+    }
+    plan.sort(sinkage.len());
+    for group in plan.groups() {
+        let places = group.places;
+        let contact = LeanContact {
+            theta_1: sheet.theta_1.gather::<V>(places),
+            behind: sheet.behind.gather::<V>(places),
+            front: sheet.front.gather::<V>(places),
+            rear: sheet.rear.gather::<V>(places),
+            q: sheet.q.gather::<V>(places),
+            r_over_k: sheet.r_over_k.gather::<V>(places),
+        };
+        let tables = &prepared.tables;
+        let sums = V::sums(&contact, tables.rules(group.step), &tables.power);
+        let tan_phi = V::from_f64(prepared.tan_phi);
+        let f = sums.forces(
+            sheet.stress.gather::<V>(places),
+            tan_phi,
+            sheet.hold.gather::<V>(places),
+        );
+        let vertical_force = f.vertical_force.to_array();
+        let (drawbar_pull, torque) = (f.drawbar_pull.to_array(), f.torque.to_array());
+        for (k, &place) in group.places.iter().enumerate().take(group.count) {
+            let place = usize::from(place);
+            out[place] = BatchOutcome::Done(BatchForces {
+                sinkage: sinkage[place],
+                vertical_force: vertical_force[k],
+                drawbar_pull: drawbar_pull[k],
+                torque: points.radius[place] * torque[k],
+            });
+        }
+    }
+}
+
+/// What does not depend on the nodes, of points at a sinkage.
+pub(super) struct Placed<V> {
+    pub(super) contact: LeanContact<V>,
+    /// r b A (L sin θ_1)ⁿ L
+    pub(super) stress: V,
+    /// r b c (θ_1 − θ_2)
+    pub(super) hold: V,
+    /// The step of the ladder, or [`SINGLE`].
+    pub(super) step: V,
+}
+
+impl<V: Vector> Placed<V> {
+    /// Points by radius, width, rebound ratio, slip and sinkage over radius.
+    #[inline(always)]
+    pub(super) fn new(
+        prepared: &Prepared,
+        [radius, width, rebound, slip, z_over_r]: [V; 5],
+    ) -> Self {
+        let c = V::from_f64;
+        let modulus = prepared.modulus(width);
+        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+        let rise = rebound * z_over_r;
+        let sound = within(radius, 1e-3, 100.0)
+            & within(width, 1e-3, 100.0)
+            & within(rebound, 0.0, 100.0)
+            & within(slip, 0.0, 1.0)
+            & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
+            & within(rise, 0.0, GREATEST_SINKAGE)
+            & V::ZERO.lt(modulus)
+            & position.lt(V::ONE);
+
+        let theta_1 = angle(z_over_r);
+        let behind = if V::any(V::ZERO.lt(rise)) {
+            angle(rise)
+        } else {
+            V::ZERO
+        };
+        let arc = theta_1 + behind;
+        let q = V::ONE - slip;
+        let fastest = V::ONE - q * (V::ONE - z_over_r.max(rise));
+        let r_over_k = radius * c(prepared.per_k_shear);
+        let stiffness = r_over_k * c(core::f64::consts::LN_2) * arc * fastest;
+        let sound = sound & arc.le(c(2.0 * HALF_ARC));
+
+        let theta_m = position.clamp(V::ZERO, V::ONE) * theta_1;
+        let front = theta_1 - theta_m;
+        let sin_1 = (z_over_r * (c(2.0) - z_over_r)).sqrt();
+        let area = radius * width;
+        // A (L sin θ_1)ⁿ L = k (r L sin θ_1)ⁿ L
+        let power = (radius * front * sin_1).powf(c(prepared.n));
+        Self {
+            contact: LeanContact {
+                theta_1,
+                behind,
+                front,
+                rear: theta_m + behind,
+                q,
+                r_over_k,
+            },
+            stress: area * modulus * power * front,
+            hold: area * c(prepared.cohesion) * arc,
+            step: V::select(sound, step_of(stiffness), c(SINGLE)),
+        }
+    }
+}
+
+/// Eight points in their natural order: what does not depend on the nodes, and their step.
+#[inline(always)]
+fn sort_in<V: Vector>(
+    prepared: &Prepared,
+    points: &BatchPoints<'_>,
+    sinkage: &[f64],
+    (sheet, plan): (&mut ForceSheet, &mut Plan),
+    at: usize,
+) {
+    let radius: V = eight(points.radius, at);
+    let placed = Placed::new(
+        prepared,
+        [
+            radius,
+            eight(points.width, at),
+            eight(points.rebound, at),
+            eight(points.slip, at),
+            eight::<V>(sinkage, at) / radius,
+        ],
+    );
+    placed.step.store(&mut plan.steps, at);
+    let contact = placed.contact;
+    sheet.theta_1.store(at, contact.theta_1);
+    sheet.behind.store(at, contact.behind);
+    sheet.front.store(at, contact.front);
+    sheet.rear.store(at, contact.rear);
+    sheet.q.store(at, contact.q);
+    sheet.r_over_k.store(at, contact.r_over_k);
+    sheet.stress.store(at, placed.stress);
+    sheet.hold.store(at, placed.hold);
+}

@@ -1,0 +1,46 @@
+//! The columns of a chunk in work.
+
+use super::plan::ROOM;
+use super::vector::Vector;
+
+/// One quantity of all points of a chunk, where whole vectors are loaded and stored.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Column(pub(super) [f64; ROOM]);
+
+impl Column {
+    pub(super) const EMPTY: Self = Self([0.0; ROOM]);
+
+    #[inline(always)]
+    pub(super) fn load<V: Vector>(&self, at: usize) -> V {
+        V::load(&self.0, at)
+    }
+
+    #[inline(always)]
+    pub(super) fn store<V: Vector>(&mut self, at: usize, x: V) {
+        x.store(&mut self.0, at);
+    }
+
+    /// The numbers at eight places.
+    #[inline(always)]
+    pub(super) fn gather<V: Vector>(&self, places: &[u16; 8]) -> V {
+        let mut eight = [0.0; 8];
+        for (x, &place) in eight.iter_mut().zip(places) {
+            *x = self.0[usize::from(place)];
+        }
+        V::from_array(eight)
+    }
+}
+
+/// Eight numbers of a slice from a place on, the last one repeated where it ends.
+#[inline(always)]
+pub(super) fn eight<V: Vector>(values: &[f64], at: usize) -> V {
+    if at + 8 <= values.len() {
+        V::load(values, at)
+    } else {
+        let mut eight = [values[values.len() - 1]; 8];
+        let rest = &values[at..];
+        eight[..rest.len()].copy_from_slice(rest);
+        V::from_array(eight)
+    }
+}
