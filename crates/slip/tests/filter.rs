@@ -96,7 +96,7 @@ fn slips_of_a_five_wheeled_robot_are_found_within_their_sigmas() {
         (0, false, 0.025),
         (0, true, 0.02),
         (25, false, 0.025),
-        (25, true, 0.02),
+        (25, true, 0.022),
     ] {
         let world = World {
             accelerometer,

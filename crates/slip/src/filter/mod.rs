@@ -266,6 +266,27 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// The free wheels skid otherwise than was believed: on another soil, or under another load.
+    ///
+    /// # Errors
+    /// As [`SlipFilter::believe`].
+    pub fn believe_free_wheels(&mut self, free_slip: SlipPrior) -> Result<()> {
+        let settings = FilterSettings {
+            free_slip,
+            ..self.settings
+        };
+        settings.check()?;
+        self.settings = settings;
+        for index in 0..self.wheels.len() {
+            if self.wheels[index].free {
+                let variance = free_slip.sigma * free_slip.sigma;
+                self.state
+                    .restart(own_slip(index), free_slip.mean, variance);
+            }
+        }
+        Ok(())
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..

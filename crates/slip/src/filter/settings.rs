@@ -97,7 +97,7 @@ impl Default for FilterSettings {
                 mean: 0.0,
                 sigma: 0.01,
             },
-            free_slip_memory: 5.0,
+            free_slip_memory: 1000.0,
             radius_sigma: 0.01,
             position_sigma: 0.001,
             speed_sigma: 0.01,
