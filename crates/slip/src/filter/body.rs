@@ -102,12 +102,13 @@ pub(super) fn advance(
     felt
 }
 
-/// Moves the slips on by `dt` (s): each is drawn towards what is believed of it.
+/// Moves the slips on by `dt` (s): each is drawn towards what is believed of it. Of each wheel: is it free, and how much
+/// more does its slip wander than was told?
 pub(super) fn advance_slips(
     state: &mut Kalman,
     settings: &FilterSettings,
     dt: f64,
-    wheels: impl Iterator<Item = bool>,
+    wheels: impl Iterator<Item = (bool, f64)>,
 ) {
     let mut draw = |i: usize, mean: f64, sigma: f64, memory: f64| {
         let a = Real::exp(-dt / memory);
@@ -120,7 +121,7 @@ pub(super) fn advance_slips(
         settings.slip.sigma,
         settings.slip_memory,
     );
-    for (wheel, free) in wheels.enumerate() {
+    for (wheel, (free, unrest)) in wheels.enumerate() {
         if free {
             let prior = settings.free_slip;
             draw(
@@ -133,7 +134,7 @@ pub(super) fn advance_slips(
             draw(
                 own_slip(wheel),
                 0.0,
-                settings.wheel_slip_sigma,
+                settings.wheel_slip_sigma * Real::sqrt(unrest),
                 settings.wheel_slip_memory,
             );
         }

@@ -57,6 +57,8 @@ const QUEUE: usize = 256;
 const AT_ONCE: usize = 4;
 /// A clock that goes further than this at once has been set, s.
 const CLOCK_STEP: f64 = 1.0;
+/// When all samples have come too late for this long, the clock has been set back, s.
+const LATE: f64 = 0.1;
 /// A wheel that stands while the robot moves for this long is stuck, or turns against it: its encoder is wrong, s.
 const WRONG: f64 = 0.25;
 /// All wheels still for this long: the robot stands, s.
@@ -68,6 +70,14 @@ const APART: f64 = 0.5;
 /// Without a reference for this long the speed follows the wheels, s; how much looser it is then.
 const ALONE: f64 = 0.5;
 const LOOSE: f64 = 10.0;
+/// Wheels whose readings are off to one side by this much in the mean, in sigma, break away together; how fast that mean
+/// forgets, a reading; and the most that one reading says.
+const PULLED: f64 = 0.7;
+const TOGETHER: f64 = 0.2;
+const BREAKS: f64 = 4.0;
+/// How fast a wheel's unrest is learnt, a reading, and its limits.
+const LEARNING: f64 = 0.005;
+const UNREST: (f64, f64) = (0.1, 100.0);
 const MAX_YAW_RATE: f64 = 100.0;
 const MAX_FORCE: f64 = 1000.0;
 
@@ -155,6 +165,10 @@ pub struct SlipFilter {
     reference: Reference,
     reference_ns: Option<i64>,
     suspect_ns: Option<i64>,
+    /// Nothing but samples that came too late, since this one.
+    late_from_ns: Option<i64>,
+    /// Mean of the powered wheels' residuals, in sigma.
+    pull: f64,
     distances: [f64; 2],
     nis: f64,
     rejected: Rejected,
@@ -200,6 +214,8 @@ impl SlipFilter {
             reference: Reference::default(),
             reference_ns: None,
             suspect_ns: None,
+            late_from_ns: None,
+            pull: 0.0,
             distances: [0.0; 2],
             nis: 0.0,
             rejected: Rejected::default(),
@@ -322,11 +338,19 @@ impl SlipFilter {
             outcome = self.work_off(oldest);
         }
         if self.order.offer(sample) == Offered::TooLate {
-            return Err(Fault::NotLater {
-                time_ns: sample.time_ns,
-                last_ns: self.now_ns.unwrap_or(sample.time_ns),
-            });
+            let last_ns = self.now_ns.unwrap_or(sample.time_ns);
+            let from = *self.late_from_ns.get_or_insert(sample.time_ns);
+            if seconds_between(from, sample.time_ns) < LATE {
+                return Err(Fault::NotLater {
+                    time_ns: sample.time_ns,
+                    last_ns,
+                });
+            }
+            // nothing but late samples: the clock was set back
+            self.restart_clock();
+            self.order.offer(sample);
         }
+        self.late_from_ns = None;
         for _ in 0..AT_ONCE {
             let Some(next) = self.order.release(false) else {
                 break;
@@ -356,18 +380,23 @@ impl SlipFilter {
                 last_ns: newest,
             });
         }
+        self.restart_clock();
+        Ok(())
+    }
+
+    fn restart_clock(&mut self) {
         self.suspect_ns = None;
+        self.late_from_ns = None;
         self.order.clear();
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
         self.heard = None;
         self.reference = Reference::default();
-        // biases outlast a pause, speeds and slips do not
-        let biases = [GYRO_BIAS, body::FORWARD_BIAS, body::LEFT_BIAS].map(|i| self.state.mean(i));
+        // the gyro's bias outlasts a pause, speeds and slips do not
+        let bias = self.state.mean(GYRO_BIAS);
         self.start();
-        self.state.set_mean(GYRO_BIAS, biases[0]);
-        Ok(())
+        self.state.set_mean(GYRO_BIAS, bias);
     }
 
     fn work_off(&mut self, sample: Sample) -> core::result::Result<(), Fault> {
@@ -405,8 +434,8 @@ impl SlipFilter {
             let heard = self.heard.filter(silent);
             let walk = self.walk();
             let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
-            let free = self.wheels.iter().map(|wheel| wheel.free);
-            body::advance_slips(&mut self.state, &self.settings, dt, free);
+            let wheels = self.wheels.iter().map(|wheel| (wheel.free, wheel.unrest));
+            body::advance_slips(&mut self.state, &self.settings, dt, wheels);
             self.totals[0] += felt[0];
             self.totals[1] += felt[1];
             self.totals[2] += self.turning * dt;
@@ -430,6 +459,15 @@ impl SlipFilter {
         if let Some(row) = self.sideways {
             let sigma = weight * self.settings.lateral_sigma;
             body::hold(&mut self.state, row, 0.0, sigma);
+        }
+        for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
+            let still = wheel.stillness(time_ns);
+            let believed = !wheel.watch.is_suspect() && !wheel.watch.has_failed();
+            if still >= STANDS && believed {
+                // it has gone less than a tick since
+                let sigma = (0.6 * wheel.tick / still).max(0.002);
+                body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
+            }
         }
         let stand = self
             .wheels
@@ -599,14 +637,33 @@ impl SlipFilter {
             self.reference_ns = Some(to_ns);
         } else if against || (still && off) {
             return;
-        } else if off && shows {
-            // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
-            let own = self.state.mean(own_slip(index)) + residual / faster;
-            let spread = 2.0 * self.settings.wheel_slip_sigma;
-            self.state
-                .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
-            self.nis = residual * residual / variance;
-            return;
+        } else if shows {
+            if off && !core::mem::replace(&mut self.wheels[index].was_off, true) {
+                // once may be the play of its gears
+                return;
+            }
+            let expected = Real::sqrt(variance);
+            let r = (residual / expected).clamp(-BREAKS, BREAKS);
+            self.pull += TOGETHER * (r - self.pull);
+            // sigmas that fit what is seen: residuals larger than they should be are slips that wander more
+            let learnt = Real::exp(LEARNING * (r * r - 1.0));
+            let unrest = &mut self.wheels[index].unrest;
+            *unrest = (*unrest * learnt).clamp(UNREST.0, UNREST.1);
+            let step = residual / faster;
+            if self.pull.abs() > PULLED {
+                // they break away together: the ground is another one
+                self.state.widen(COMMON_SLIP, step * step, 4.0);
+            }
+            if off {
+                // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
+                let own = self.state.mean(own_slip(index)) + step;
+                let spread = 2.0 * self.settings.wheel_slip_sigma;
+                self.state
+                    .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
+                self.nis = residual * residual / variance;
+                return;
+            }
+            self.wheels[index].was_off = false;
         }
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
@@ -791,6 +848,9 @@ impl SlipFilter {
         }
         if measured.slip.is_none() {
             return measured.health;
+        }
+        if moves && wheel.stillness(now_ns) > 0.0 {
+            return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
         match age {

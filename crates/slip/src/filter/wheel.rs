@@ -36,8 +36,12 @@ pub(super) struct Tracked {
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
     pub(super) against_since_ns: Option<i64>,
+    /// Its last reading was far from what was expected.
+    pub(super) was_off: bool,
     pub(super) torque: Option<(i64, f64)>,
     pub(super) watch: Watch,
+    /// How much more its slip wanders than was told, as a share of that variance.
+    pub(super) unrest: f64,
     pub(super) estimate: WheelEstimate,
 }
 
@@ -66,8 +70,10 @@ impl Tracked {
                 usual: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
+                was_off: false,
                 torque: None,
                 watch: Watch::default(),
+                unrest: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
     }
