@@ -123,7 +123,7 @@ pub(super) fn advance_slips(
     );
     for (wheel, (free, unrest)) in wheels.enumerate() {
         if free {
-            let prior = settings.free_slip;
+            let prior = settings.free_slip.by_rim();
             draw(
                 own_slip(wheel),
                 prior.mean,

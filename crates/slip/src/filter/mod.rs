@@ -78,6 +78,8 @@ const BREAKS: f64 = 4.0;
 /// How fast a wheel's unrest is learnt, a reading, and its limits.
 const LEARNING: f64 = 0.005;
 const UNREST: (f64, f64) = (0.1, 100.0);
+/// What a rim and the robot may differ by for other reasons than slip, m/s.
+const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;
 const MAX_FORCE: f64 = 1000.0;
 
@@ -295,9 +297,8 @@ impl SlipFilter {
         self.settings = settings;
         for index in 0..self.wheels.len() {
             if self.wheels[index].free {
-                let variance = free_slip.sigma * free_slip.sigma;
-                self.state
-                    .restart(own_slip(index), free_slip.mean, variance);
+                let SlipPrior { mean, sigma } = free_slip.by_rim();
+                self.state.restart(own_slip(index), mean, sigma * sigma);
             }
         }
         Ok(())
@@ -312,11 +313,14 @@ impl SlipFilter {
         state.restart(COMMON_SLIP, settings.slip.mean, square(settings.slip.sigma));
         for (i, wheel) in self.wheels.iter().enumerate() {
             let (mean, sigma) = if wheel.free {
-                (settings.free_slip.mean, settings.free_slip.sigma)
+                let SlipPrior { mean, sigma } = settings.free_slip.by_rim();
+                (mean, sigma)
             } else {
                 (0.0, settings.wheel_slip_sigma)
             };
             state.restart(own_slip(i), mean, square(sigma));
+            // Nothing tells a larger radius from a smaller slip.
+            state.consider(radius(i), true);
             state.restart(
                 radius(i),
                 0.0,
@@ -576,7 +580,7 @@ impl SlipFilter {
         // the branch goes by the slip, not by which of two noisy speeds happens to be greater, unless they leave no doubt
         let excess = forward.abs() - u.abs();
         let doubt = 3.0 * (self.state.sigma(FORWARD) + rim.sigma());
-        let braking = excess > doubt || (slip < 0.0 && excess > -doubt);
+        let braking = !free && (excess > doubt || (slip < 0.0 && excess > -doubt));
         let faster = if braking { forward } else { u };
         // what the rim has beyond the robot, as a share of the faster of the two
         let by_speed = if braking {
@@ -584,7 +588,7 @@ impl SlipFilter {
         } else {
             1.0
         };
-        // near standstill a slip is no number, and says nothing
+        // near standstill a slip is no number
         let shows = faster.abs() > self.settings.low_speed;
         // The slope by the slip comes from the readings before: that of this one would share its error, and its square
         // would draw the slip upwards reading by reading.
@@ -593,12 +597,11 @@ impl SlipFilter {
         } else {
             self.wheels[index].usual_rim()
         };
-        let by_slip = if shows { usual } else { 0.0 };
         self.wheels[index].remember(u);
         let mut slopes = [(FORWARD, 0.0); 8];
         slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
-        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { by_slip });
-        slopes[4] = (own_slip(index), by_slip);
+        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { usual });
+        slopes[4] = (own_slip(index), usual);
         slopes[5] = (radius(index), -rim.value);
         // the mean over the window, where the robot's speed has wandered since
         let walk = self.walk();
@@ -610,12 +613,17 @@ impl SlipFilter {
         let remainders = self.state.mean(remainder(index, !odd)) / window;
         let tick = self.wheels[index].tick;
         let counted = begun * tick * tick / 6.0 / (window * window);
-        let unseen = if shows { 0.0 } else { 0.3 * faster } + 1e-4;
         let seen = Scalar {
             slopes: &slopes,
-            residual: u - forward - if shows { slip * faster } else { 0.0 } - remainders,
-            variance: (rim.variance - counted).max(0.0) + wandered + unseen * unseen,
+            residual: u - forward - slip * faster - remainders,
+            variance: (rim.variance - counted).max(0.0) + wandered + CREEP * CREEP,
         };
+        if free {
+            // Nor a free wheel's skid from the robot's speed, unless something else tells that.
+            let told = self.reference.accepted_ns;
+            let alone = told.is_none_or(|then| seconds_between(then, to_ns) > ALONE);
+            self.state.consider(own_slip(index), alone);
+        }
         let (residual, variance) = self.state.innovation(&seen);
         self.wheels[index].remainder = Some(odd);
         let off = residual.abs() > self.settings.gate * Real::sqrt(variance);
@@ -816,8 +824,12 @@ impl SlipFilter {
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slips = self.slip_slopes(index);
-        let sigma = Real::sqrt(self.state.variance_of(&slips));
-        let slip = self.slip_mean(index).clamp(-1.0, 1.0);
+        let kept = SlipPrior {
+            mean: self.slip_mean(index),
+            sigma: Real::sqrt(self.state.variance_of(&slips)),
+        };
+        let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
+        let slip = mean.clamp(-1.0, 1.0);
         let shows = measured.slip.is_some();
         let mut estimate = WheelEstimate {
             slip: Slip::new(slip).ok().filter(|_| shows),
