@@ -127,7 +127,7 @@ pub(super) fn advance_slips(
     );
     for (wheel, (free, unrest)) in wheels.enumerate() {
         if free {
-            let prior = settings.free_slip;
+            let prior = settings.free_slip.by_rim();
             // doubt about its skid does not last
             let doubted = state.covariance(own_slip(wheel), own_slip(wheel))
                 > 2.0 * prior.sigma * prior.sigma;

@@ -80,6 +80,8 @@ const BREAKS: f64 = 4.0;
 /// How fast a wheel's unrest is learnt, a reading, and its limits.
 const LEARNING: f64 = 0.005;
 const UNREST: (f64, f64) = (0.1, 100.0);
+/// What a rim and the robot may differ by for other reasons than slip, m/s.
+const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;
 /// No wheeled robot is pushed harder than this, m/s²: an accelerometer that shows more has been hit.
 const MAX_FORCE: f64 = 20.0;
@@ -90,8 +92,15 @@ const RETURNS: f64 = 0.15;
 /// A free wheel whose skid is less certain than this is no reference.
 const SKID_KNOWN: f64 = 0.1;
 /// How fast the accelerometer's unrest is learnt, a reading of a reference, and its limits.
-const FELT: f64 = 0.005;
-const FELT_UNREST: (f64, f64) = (1.0, 1000.0);
+const FELT: f64 = 0.01;
+const FELT_UNREST: (f64, f64) = (1.0, 40.0);
+/// How far the yaw rate is from what the powered wheels would give, as a share and rad/s.
+const BY_WHEELS: (f64, f64) = (0.3, 0.05);
+/// How fast the mean residual of a camera or its like forgets, a reading, and from where on it is a contradiction, in sigma.
+const ONE_SIDE: f64 = 0.3;
+const ONE_SIDED: f64 = 2.0;
+/// A robot this much faster than its fastest wheel (as a share, and m/s) for long is an error of the filter.
+const RUNAWAY: (f64, f64) = (1.5, 0.05);
 
 /// A speed that was seen: slopes, residual, variance.
 type Statement = ([(usize, f64); 3], f64, f64);
@@ -179,6 +188,7 @@ pub struct SlipFilter {
     turn: Turn,
     turned_ns: Option<i64>,
     contradicted: Watch,
+    runaway: Watch,
     /// How much worse than told the accelerometer foresees the speed, as a share of that variance.
     felt_unrest: f64,
     reference: Reference,
@@ -234,6 +244,7 @@ impl SlipFilter {
             turn: Turn::default(),
             turned_ns: None,
             contradicted: Watch::default(),
+            runaway: Watch::default(),
             felt_unrest: 1.0,
             reference: Reference::default(),
             reference_ns: None,
@@ -306,6 +317,26 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// The free wheels skid otherwise than was believed: on another soil, or under another load.
+    ///
+    /// # Errors
+    /// As [`SlipFilter::believe`].
+    pub fn believe_free_wheels(&mut self, free_slip: SlipPrior) -> Result<()> {
+        let settings = FilterSettings {
+            free_slip,
+            ..self.settings
+        };
+        settings.check()?;
+        self.settings = settings;
+        for index in 0..self.wheels.len() {
+            if self.wheels[index].free {
+                let SlipPrior { mean, sigma } = free_slip.by_rim();
+                self.state.restart(own_slip(index), mean, sigma * sigma);
+            }
+        }
+        Ok(())
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..
@@ -315,11 +346,14 @@ impl SlipFilter {
         state.restart(COMMON_SLIP, settings.slip.mean, square(settings.slip.sigma));
         for (i, wheel) in self.wheels.iter().enumerate() {
             let (mean, sigma) = if wheel.free {
-                (settings.free_slip.mean, settings.free_slip.sigma)
+                let SlipPrior { mean, sigma } = settings.free_slip.by_rim();
+                (mean, sigma)
             } else {
                 (0.0, settings.wheel_slip_sigma)
             };
             state.restart(own_slip(i), mean, square(sigma));
+            // Nothing tells a larger radius from a smaller slip.
+            state.consider(radius(i), true);
             state.restart(
                 radius(i),
                 0.0,
@@ -434,7 +468,7 @@ impl SlipFilter {
         if dt > 0.0 {
             let silent =
                 |heard: &Heard| seconds_between(heard.time_ns, time_ns) <= self.settings.dropout;
-            let heard = self.heard.filter(silent);
+            let heard = self.heard.filter(silent).filter(|_| self.feels());
             let walk = self.walk();
             let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
             let wheels = self.wheels.iter().map(|wheel| (wheel.free, wheel.unrest));
@@ -451,6 +485,7 @@ impl SlipFilter {
         if due {
             self.held_ns = Some(time_ns);
             self.assume(time_ns);
+            self.catch_runaway(time_ns);
             self.state.tidy();
         }
     }
@@ -463,10 +498,20 @@ impl SlipFilter {
             let sigma = weight * self.settings.lateral_sigma;
             body::hold(&mut self.state, row, 0.0, sigma);
         }
+        let heard = self
+            .gyro_ns
+            .is_some_and(|then| seconds_between(then, time_ns) <= self.settings.dropout);
+        let believed = !self.gyro.has_failed() && !self.contradicted.has_failed();
+        if !(heard && believed)
+            && let Some(turn) = self.turn_by_wheels()
+        {
+            // nothing else tells how the robot turns
+            let sigma = BY_WHEELS.0 * turn.abs() + BY_WHEELS.1;
+            body::hold(&mut self.state, [0.0, 0.0, 1.0], turn, weight * sigma);
+        }
         for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
             let still = wheel.stillness(time_ns);
-            let believed = !wheel.watch.is_suspect() && !wheel.watch.has_failed();
-            if still >= STANDS && believed {
+            if still >= STANDS && wheel.watch.is_clean() {
                 // it has gone less than a tick since
                 let sigma = (0.6 * wheel.tick / still).max(0.002);
                 body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
@@ -480,6 +525,8 @@ impl SlipFilter {
             // without a free wheel it may still slide with its wheels locked
             let rolls = self.wheels.iter().any(|wheel| wheel.free);
             let sigma = if rolls { 0.002 } else { 0.02 };
+            let variance = self.state.variance_of(&[(FORWARD, 1.0)]) + sigma * sigma;
+            self.learn_felt(self.state.mean(FORWARD), variance);
             for row in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
                 body::hold(&mut self.state, row, 0.0, weight * sigma);
             }
@@ -625,7 +672,7 @@ impl SlipFilter {
         // the branch goes by the slip, not by which of two noisy speeds happens to be greater, unless they leave no doubt
         let excess = forward.abs() - u.abs();
         let doubt = 3.0 * (self.state.sigma(FORWARD) + rim.sigma());
-        let braking = excess > doubt || (slip < 0.0 && excess > -doubt);
+        let braking = !free && (excess > doubt || (slip < 0.0 && excess > -doubt));
         let faster = if braking { forward } else { u };
         // what the rim has beyond the robot, as a share of the faster of the two
         let by_speed = if braking {
@@ -633,7 +680,7 @@ impl SlipFilter {
         } else {
             1.0
         };
-        // near standstill a slip is no number, and says nothing
+        // near standstill a slip is no number
         let shows = faster.abs() > self.settings.low_speed;
         // The slope by the slip comes from the readings before: that of this one would share its error, and its square
         // would draw the slip upwards reading by reading.
@@ -642,12 +689,11 @@ impl SlipFilter {
         } else {
             self.wheels[index].usual_rim()
         };
-        let by_slip = if shows { usual } else { 0.0 };
         self.wheels[index].remember(u);
         let mut slopes = [(FORWARD, 0.0); 8];
         slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
-        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { by_slip });
-        slopes[4] = (own_slip(index), by_slip);
+        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { usual });
+        slopes[4] = (own_slip(index), usual);
         slopes[5] = (radius(index), -rim.value);
         // the mean over the window, where the robot's speed has wandered since
         let walk = self.walk();
@@ -659,12 +705,17 @@ impl SlipFilter {
         let remainders = self.state.mean(remainder(index, !odd)) / window;
         let tick = self.wheels[index].tick;
         let counted = begun * tick * tick / 6.0 / (window * window);
-        let unseen = if shows { 0.0 } else { 0.3 * faster } + 1e-4;
         let seen = Scalar {
             slopes: &slopes,
-            residual: u - forward - if shows { slip * faster } else { 0.0 } - remainders,
-            variance: (rim.variance - counted).max(0.0) + wandered + unseen * unseen,
+            residual: u - forward - slip * faster - remainders,
+            variance: (rim.variance - counted).max(0.0) + wandered + CREEP * CREEP,
         };
+        if free {
+            // Nor a free wheel's skid from the robot's speed, unless something else tells that.
+            let told = self.reference.accepted_ns;
+            let alone = told.is_none_or(|then| seconds_between(then, to_ns) > ALONE);
+            self.state.consider(own_slip(index), alone);
+        }
         let (residual, variance) = self.state.innovation(&seen);
         self.wheels[index].remainder = Some(odd);
         let off = residual.abs() > self.settings.gate * Real::sqrt(variance);
@@ -683,10 +734,14 @@ impl SlipFilter {
             let agreed = !off && (near || !wheel.watch.has_failed());
             let believed = wheel.watch.judge(to_ns, agreed, self.settings.failure);
             let was_off = core::mem::replace(&mut wheel.was_off, off);
-            if off && !was_off && shows {
-                // the robot's speed has changed unfelt, or its skid has: from now on that is less certain
-                let step = residual / faster;
-                self.state.widen(own_slip(index), step * step, 1.0);
+            if off && was_off && shows && rim.value != 0.0 {
+                // The robot's speed has changed unfelt, or the wheel skids: from now on both are less certain. That the
+                // wheel runs ahead of the robot cannot be: nothing drives it.
+                self.state.widen(FORWARD, residual * residual, 1e4);
+                if residual * u < 0.0 {
+                    let step = residual / faster;
+                    self.state.widen(own_slip(index), step * step, step * step);
+                }
             }
             self.learn_felt(residual, variance);
             if !agreed || !believed {
@@ -748,6 +803,48 @@ impl SlipFilter {
         (odd, f64::from(u8::from(tick > 0.0)))
     }
 
+    /// Is the accelerometer better than nothing?
+    fn feels(&self) -> bool {
+        self.settings.accelerometer_noise * Real::sqrt(self.felt_unrest) < self.settings.speed_walk
+    }
+
+    /// A filter that has lost its way: the robot would be much faster than the fastest of its wheels. It begins again from
+    /// these.
+    fn catch_runaway(&mut self, time_ns: i64) {
+        let rims = || {
+            self.wheels
+                .iter()
+                .filter_map(|wheel| Some(wheel.rim?.0.value))
+        };
+        let Some(fastest) = rims().reduce(|a, b| if b.abs() > a.abs() { b } else { a }) else {
+            return;
+        };
+        let speed = self.state.mean(FORWARD);
+        let runs = speed.abs() > RUNAWAY.0 * fastest.abs() + RUNAWAY.1;
+        if self.runaway.judge(time_ns, !runs, self.settings.failure) {
+            return;
+        }
+        self.runaway = Watch::default();
+        self.felt_unrest = FELT_UNREST.1;
+        let sigma = 0.5 * fastest.abs() + RUNAWAY.1;
+        self.state.restart(FORWARD, fastest, sigma * sigma);
+        self.state.restart(
+            COMMON_SLIP,
+            self.settings.slip.mean,
+            self.settings.slip.sigma * self.settings.slip.sigma,
+        );
+        for (index, wheel) in self.wheels.iter_mut().enumerate() {
+            wheel.watch = Watch::default();
+            if wheel.free {
+                let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();
+                self.state.restart(own_slip(index), mean, sigma * sigma);
+            } else {
+                let sigma = self.settings.wheel_slip_sigma;
+                self.state.restart(own_slip(index), 0.0, sigma * sigma);
+            }
+        }
+    }
+
     /// A speed that comes out otherwise than the accelerometer foresaw makes that less certain.
     fn learn_felt(&mut self, residual: f64, variance: f64) {
         let r = (residual / Real::sqrt(variance)).clamp(-BREAKS, BREAKS);
@@ -779,13 +876,27 @@ impl SlipFilter {
         let frozen = self.reference.is_frozen(&seen, self.settings.failure) && moving;
         let statements = self.statements(&seen, time_ns);
         let mut agreed = !frozen;
+        let mut first = None;
         for (slopes, residual, variance) in statements.iter().flatten() {
             let (residual, variance) = self.state.innovation(&Scalar {
                 slopes,
                 residual: *residual,
                 variance: *variance,
             });
-            agreed &= residual.abs() <= self.settings.gate * Real::sqrt(variance);
+            let r = residual / Real::sqrt(variance);
+            agreed &= r.abs() <= self.settings.gate;
+            first.get_or_insert(r);
+        }
+        // one side for long is a scale or a delay, though no single reading is far off
+        let r = first.unwrap_or(0.0).clamp(-BREAKS, BREAKS);
+        self.reference.pull += ONE_SIDE * (r - self.reference.pull);
+        agreed &= self.reference.pull.abs() <= ONE_SIDED;
+        if self.reference.watch.has_failed()
+            && let Some((_, residual, _)) = statements[0]
+        {
+            // Without it the speed is known so badly that anything would agree.
+            let near = RETURNS * self.state.mean(FORWARD).abs() + self.settings.low_speed;
+            agreed &= residual.abs() <= near;
         }
         let believed = self
             .reference
@@ -815,7 +926,7 @@ impl SlipFilter {
             .is_none_or(|then| seconds_between(then, now_ns) > ALONE);
         if alone {
             LOOSE * self.settings.speed_walk
-        } else if self.heard.is_some() {
+        } else if self.heard.is_some() && self.feels() {
             (self.settings.accelerometer_noise * Real::sqrt(self.felt_unrest))
                 .min(LOOSE * self.settings.speed_walk)
         } else {
@@ -884,8 +995,12 @@ impl SlipFilter {
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slips = self.slip_slopes(index);
-        let sigma = Real::sqrt(self.state.variance_of(&slips));
-        let slip = self.slip_mean(index).clamp(-1.0, 1.0);
+        let kept = SlipPrior {
+            mean: self.slip_mean(index),
+            sigma: Real::sqrt(self.state.variance_of(&slips)),
+        };
+        let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
+        let slip = mean.clamp(-1.0, 1.0);
         let shows = measured.slip.is_some();
         let mut estimate = WheelEstimate {
             slip: Slip::new(slip).ok().filter(|_| shows),

@@ -40,6 +40,11 @@ impl Watch {
         self.is_refused
     }
 
+    /// Has it agreed for long?
+    pub(super) const fn is_clean(&self) -> bool {
+        self.refused <= 0.0 && !self.failed
+    }
+
     pub(super) const fn has_failed(&self) -> bool {
         self.failed
     }

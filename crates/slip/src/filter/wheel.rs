@@ -30,8 +30,9 @@ pub(super) struct Tracked {
     pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
-    /// Its rim speed smoothed over a few windows.
+    /// Its rim speed smoothed over a few windows, the last one left out; and that one.
     usual: f64,
+    last_rim: f64,
     /// The rim has not moved since.
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
@@ -68,6 +69,7 @@ impl Tracked {
                 remainder: None,
                 rim: None,
                 usual: 0.0,
+                last_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
                 was_off: false,
@@ -110,14 +112,15 @@ impl Tracked {
         Some((rim, from))
     }
 
-    /// The rim speed as it has been, m/s.
+    /// The rim speed as it was before the last window, m/s: the last one shares a tick with the present one.
     pub(super) const fn usual_rim(&self) -> f64 {
         self.usual
     }
 
     /// One more window's rim speed, m/s.
     pub(super) fn remember(&mut self, rim: f64) {
-        self.usual += SMOOTHING * (rim - self.usual);
+        self.usual += SMOOTHING * (self.last_rim - self.usual);
+        self.last_rim = rim;
     }
 
     /// Seconds since its last reading.
