@@ -111,10 +111,6 @@ pub(crate) enum Outcome {
     /// Without its result: no solution, not converged, infeasible.
     NoResult,
     /// With a part of its result.
-    #[allow(
-        dead_code,
-        reason = "`log recover` gives it; no verb of this stage does"
-    )]
     Partial,
 }
 

@@ -1,7 +1,7 @@
 //! Output files: written beside their place and renamed when complete.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result, shown};
@@ -87,6 +87,13 @@ impl OutputFile {
         Ok(line)
     }
 
+    /// Writes what is buffered, and says where the file stands until it is finished.
+    pub(crate) fn unfinished(&mut self) -> Result<&Path> {
+        let flushed = self.flush();
+        flushed.map_err(|error| Error::file("write", &self.target, &error))?;
+        Ok(self.beside.as_deref().unwrap_or(&self.target))
+    }
+
     /// Puts the complete file in its place.
     pub(crate) fn finish(mut self) -> Result<()> {
         let written = self.close();
@@ -148,6 +155,15 @@ impl Write for OutputFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.writer.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl Seek for OutputFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.writer {
+            Some(writer) => writer.seek(to),
+            None => Err(io::ErrorKind::NotConnected.into()),
+        }
     }
 }
 

@@ -10,8 +10,10 @@ impl Progress {
     /// Of a job of `total` bytes (unknown: a count without an end).
     pub(crate) fn of_bytes(total: Option<u64>) -> Self {
         let template = match total {
-            Some(_) => "{wide_bar} {percent:>3} %  {bytes}/{total_bytes}  {eta} left",
-            None => "{spinner} {bytes}  {elapsed}",
+            Some(_) => {
+                "{wide_bar} {percent:>3} %  {bytes}/{total_bytes}  {bytes_per_sec}  {eta} left"
+            }
+            None => "{spinner} {bytes}  {bytes_per_sec}  {elapsed}",
         };
         Self::new(total, template)
     }
@@ -22,6 +24,14 @@ impl Progress {
             bar.set_style(style);
         }
         Self(bar)
+    }
+
+    /// `done` of the whole is done.
+    pub(crate) fn reach(&self, done: u64) {
+        // Told for every message: the bar itself is asked only when something has changed.
+        if done > self.0.position() {
+            self.0.set_position(done);
+        }
     }
 
     /// `amount` more is done.

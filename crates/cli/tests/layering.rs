@@ -33,7 +33,24 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-files",
         ],
     ),
-    ("grouser-synthetic", &["grouser-terra", "grouser-slip"]),
+    (
+        "grouser-rover",
+        &["grouser-terra", "grouser-slip", "grouser-files"],
+    ),
+    (
+        "grouser-identify",
+        &[
+            "grouser-real",
+            "grouser-terra",
+            "grouser-opt",
+            "grouser-files",
+            "grouser-log",
+        ],
+    ),
+    (
+        "grouser-synthetic",
+        &["grouser-terra", "grouser-slip", "grouser-log"],
+    ),
     (
         "grouser",
         &[
@@ -45,12 +62,13 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-log",
             "grouser-replay",
             "grouser-design",
+            "grouser-identify",
         ],
     ),
 ];
 
 /// Where threads may live.
-const THREADED: &[&str] = &["grouser-opt", "grouser"];
+const THREADED: &[&str] = &["grouser-opt", "grouser-identify", "grouser"];
 
 /// Crates that build without the standard library, on bare metal.
 const BARE: &[&str] = &["grouser-real", "grouser-terra", "grouser-slip"];

@@ -20,7 +20,7 @@
 use std::path::Path;
 
 use crate::document::{Document, Section};
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::unit::Quantity;
 
 /// What a column means.
@@ -90,8 +90,9 @@ impl Meaning {
         matches!(self, Self::WheelCount | Self::WheelAngle | Self::WheelRate)
     }
 
-    /// The meanings without which this one says nothing.
-    const fn needs(self) -> Option<Self> {
+    /// The meaning without which this one says nothing.
+    #[must_use]
+    pub const fn needs(self) -> Option<Self> {
         match self {
             Self::DisplacementLeft | Self::DisplacementTurn => Some(Self::DisplacementForward),
             Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
@@ -201,7 +202,7 @@ pub fn parse(document: &Document) -> Result<ColumnMap> {
     })
 }
 
-fn read_table(section: &Section<'_>) -> Result<Table> {
+pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
     let separator = match section.optional_text("separator")?.unwrap_or(",") {
         "tab" => b'\t',
         text => single_byte(section, "separator", text)?,
@@ -298,6 +299,17 @@ fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Resul
 }
 
 fn read_column(section: &Section<'_>) -> Result<Column> {
+    let (meaning, wheel, factor) = read_meaning(section)?;
+    Ok(Column {
+        column: section.text("column")?.into(),
+        meaning,
+        wheel,
+        factor,
+    })
+}
+
+/// What a column or a field means: its meaning, its wheel, and what one of it is in SI.
+pub(crate) fn read_meaning(section: &Section<'_>) -> Result<(Meaning, Option<String>, f64)> {
     let names = Meaning::ALL.map(|(name, meaning, quantity)| (name, (meaning, quantity)));
     let (meaning, quantity) = section.choice("meaning", &names)?;
     let unit = section.choice("unit", &quantity.units())?;
@@ -321,16 +333,10 @@ fn read_column(section: &Section<'_>) -> Result<Column> {
             },
         });
     }
-    Ok(Column {
-        column: section.text("column")?.into(),
-        meaning,
-        wheel: wheel.map(Into::into),
-        factor: unit * scale.unwrap_or(1.0),
-    })
+    Ok((meaning, wheel.map(Into::into), unit * scale.unwrap_or(1.0)))
 }
 
 fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
-    let at = || section.place_of("columns");
     if columns.is_empty() {
         return Err(Error::MissingKey {
             at: section.place(),
@@ -338,13 +344,18 @@ fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
             key: "columns",
         });
     }
+    check_together(&section.place_of("columns"), columns)
+}
+
+/// Is every meaning there once, with those that it needs beside it?
+pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
     for (index, column) in columns.iter().enumerate() {
         let twice = columns[..index]
             .iter()
             .any(|other| other.meaning == column.meaning && other.wheel == column.wheel);
         if twice {
             return Err(Error::Contradiction {
-                at: at(),
+                at: at.clone(),
                 message: format!("`{}` is given by two columns", column.meaning.name()),
             });
         }
@@ -352,7 +363,7 @@ fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
             && !columns.iter().any(|other| other.meaning == needed)
         {
             return Err(Error::Contradiction {
-                at: at(),
+                at: at.clone(),
                 message: format!(
                     "`{}` needs `{}` beside it",
                     column.meaning.name(),

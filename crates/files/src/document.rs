@@ -240,6 +240,12 @@ impl<'a> Section<'a> {
         self.table.get(key).map(Spanned::span)
     }
 
+    /// Is there a value for `key`?
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
     fn missing(&self, key: &'static str) -> Error {
         // A key that nobody knows and that looks like the missing one is the better message.
         let known = self.known.borrow();

@@ -28,9 +28,10 @@
 //! ```
 //!
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
-//! [`robot`], [`soil`], [`columns`]. The crate reads logs' *descriptions*, not logs.
+//! [`robot`], [`soil`], [`columns`], and [`topics`] within a robot file. The crate reads logs' *descriptions*, not logs.
 #![forbid(unsafe_code)]
 
+pub mod body;
 pub mod columns;
 mod document;
 mod entries;
@@ -38,7 +39,9 @@ mod error;
 pub mod regular;
 pub mod robot;
 pub mod soil;
+mod soil_text;
 mod suggestion;
+pub mod topics;
 pub mod unit;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};

@@ -19,15 +19,22 @@
 //! gear = 16.0                 # motor turns per wheel turn
 //! ticks_per_turn = 2000       # of the encoder's shaft
 //! counter_bits = 32           # the counter's width, 8 to 64
+//! joint = "left_wheel_joint"  # its joint in messages, where its name is not enough
 //! ```
+//!
+//! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
+//! table mean, as in a column map ([`crate::columns`]), for those who want one file.
 
 use std::path::Path;
 
 use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
 use grouser_terra::Angle;
 
+use crate::body::{self, BodyFile};
+use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
+use crate::topics::{Topics, Track, put_wheels, read_topics};
 
 /// Which of a wheel's sensors is to be used where a log holds several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +78,12 @@ pub struct RobotFile {
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
     pub wheel_sensor: Option<WheelSensor>,
+    /// What the topics of a bag mean.
+    pub topics: Topics,
+    /// What the columns of a table mean, if the file says it.
+    pub columns: Option<ColumnMap>,
+    /// Masses, links and motors, if the file describes them.
+    pub body: Option<BodyFile>,
 }
 
 /// Wide enough for any sensible value; the robot itself checks more closely.
@@ -103,18 +116,40 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         settings
             .check()
             .map_err(|source| Error::Robot { at, source })?;
-        let wheels = root.sections("wheel", read_wheel)?;
+        let (mut topics, track, columns) = read_meanings(root)?;
+        let mut joints = Vec::new();
+        let wheels = root.sections("wheel", |section| {
+            joints.push(section.optional_text("joint")?.map(str::to_owned));
+            Ok((read_wheel(section)?, body::read_wheel(section)?))
+        })?;
+        let (wheels, bodies) = wheels.into_iter().unzip();
+        let body = body::read(root, bodies)?;
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
+        })?;
+        put_wheels(&mut topics, track, &robot, joints).map_err(|message| Error::Contradiction {
+            at: root.place_of("topics"),
+            message,
         })?;
         Ok(RobotFile {
             robot,
             settings,
             reference,
             wheel_sensor,
+            topics,
+            columns,
+            body,
         })
     })
+}
+
+/// What the file says of topics and of columns.
+fn read_meanings(root: &Section<'_>) -> Result<(Topics, Track, Option<ColumnMap>)> {
+    let (topics, track) = root.section("topics", read_topics)?.unwrap_or_default();
+    let tables = root.sections("table", read_table)?;
+    let columns = (!tables.is_empty()).then_some(ColumnMap { tables });
+    Ok((topics, track, columns))
 }
 
 /// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre;
@@ -131,13 +166,17 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
             read_estimator(section, &mut Settings::default())?;
             section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
         })?;
+        read_meanings(root)?;
         root.sections("wheel", |section| {
+            section.optional_text("joint")?;
             let wheel = read_wheel(section)?;
+            body::read_wheel(section)?;
             if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
                 radii.push((span, wheel.radius * factor));
             }
             Ok(())
-        })
+        })?;
+        body::read(root, Vec::new())
     })?;
     let mut text = document.text().to_owned();
     // From the end, so that the places before stay right.

@@ -13,16 +13,26 @@
 //! c_1 = 0.18
 //! c_2 = 0.32
 //! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
-//! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad
+//! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad,
+//! # rear_driving, rear_drift, transport_layer_m, and the laws that these numbers were identified with:
+//! # slip_sinkage = "in-plane" or "whole", stress_position = "in-plane" or "whole",
+//! # shear = "coupled", "slip-velocity", "independent" or "towed-wong-reece",
+//! # bulldozing = "scaled", "full", "chord" or "off"
 //! ```
+//!
+//! [`text`] writes such a file.
 
 use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
-use grouser_terra::{Angle, Soil, SoilParams};
+use grouser_terra::{
+    Angle, Bulldozing, LawChoice, ShearLaw, SlipSinkage, Soil, SoilParams, StressPosition,
+};
 
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
+
+pub use crate::soil_text::text;
 
 /// Any finite number; the soil itself checks more closely.
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
@@ -102,6 +112,10 @@ fn read_params(root: &Section<'_>) -> Result<SoilParams> {
         c_2: open("c_2")?,
         rebound: zero("rebound")?,
         unit_weight: optional("unit_weight_n_per_m3")?,
+        rear_driving: zero("rear_driving")?,
+        rear_drift: zero("rear_drift")?,
+        transport_layer: zero("transport_layer_m")?,
+        laws: read_laws(root)?,
         ..SoilParams::bekker(
             1e3 * number("k_c_kn_per_m_n1")?,
             1e3 * number("k_phi_kn_per_m_n2")?,
@@ -110,9 +124,47 @@ fn read_params(root: &Section<'_>) -> Result<SoilParams> {
     })
 }
 
+fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
+    let own = LawChoice::default();
+    Ok(LawChoice {
+        slip_sinkage: root
+            .optional_choice(
+                "slip_sinkage",
+                &[SlipSinkage::InPlane, SlipSinkage::Whole].map(|law| (law.key(), law)),
+            )?
+            .unwrap_or(own.slip_sinkage),
+        stress_position: root
+            .optional_choice(
+                "stress_position",
+                &[StressPosition::InPlane, StressPosition::Whole].map(|law| (law.key(), law)),
+            )?
+            .unwrap_or(own.stress_position),
+        shear: root.optional_choice(
+            "shear",
+            &[
+                ShearLaw::Coupled,
+                ShearLaw::SlipVelocity,
+                ShearLaw::Independent,
+                ShearLaw::TowedWongReece,
+            ]
+            .map(|law| (law.key(), law)),
+        )?,
+        bulldozing: root.optional_choice(
+            "bulldozing",
+            &[
+                Bulldozing::Scaled,
+                Bulldozing::Full,
+                Bulldozing::Chord,
+                Bulldozing::Off,
+            ]
+            .map(|law| (law.key(), law)),
+        )?,
+    })
+}
+
 /// The place of the number that the soil refuses.
 fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::Place {
-    const KEYS: [(&str, &str); 12] = [
+    const KEYS: [(&str, &str); 13] = [
         ("k_c", "k_c_kn_per_m_n1"),
         ("k_phi", "k_phi_kn_per_m_n2"),
         ("cohesion", "cohesion_kpa"),
@@ -125,6 +177,7 @@ fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::P
         ("c_1", "c_1"),
         ("c_2", "c_2"),
         ("rebound", "rebound"),
+        ("transport_layer", "transport_layer_m"),
     ];
     let field = error.field().unwrap_or_default();
     let key = KEYS
@@ -135,6 +188,24 @@ fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::P
 }
 
 impl SoilFile {
+    /// A soil with its name and source, ready to be written.
+    #[must_use]
+    pub fn new(name: &str, source: &str, params: SoilParams) -> Self {
+        Self {
+            key: None,
+            name: name.to_owned(),
+            source: source.to_owned(),
+            note: String::new(),
+            params,
+        }
+    }
+
+    /// The numbers; K, c_1 and c_2 are NaN where the file does not give them.
+    #[must_use]
+    pub const fn params(&self) -> &SoilParams {
+        &self.params
+    }
+
     /// The soil, with what `completion` gives in place of the file's own or missing numbers.
     ///
     /// # Errors

@@ -67,3 +67,32 @@ fn bad_numbers_and_keys_are_refused_with_their_place() {
     let unknown = parse(&format!("{SAND}rebund = 0.1\n")).unwrap_err();
     assert_eq!(unknown.hint().unwrap(), "did you mean `rebound`?");
 }
+
+#[test]
+fn what_is_written_reads_back_to_the_same_bits() {
+    use grouser_terra::{Bulldozing, LawChoice, ShearLaw, SlipSinkage, StressPosition};
+    let sand = parse(SAND).unwrap();
+    let params = grouser_terra::SoilParams {
+        n_2: 0.1 + 0.2,
+        cohesion: 1000.0 / 3.0,
+        phi: grouser_terra::Angle::from_deg(100.0 / 3.1),
+        unit_weight: Some(13.1e3 / 7.0),
+        rebound: 0.25,
+        rear_driving: 2.0,
+        rear_drift: 1.0,
+        transport_layer: 1e-3 / 3.0,
+        laws: LawChoice {
+            slip_sinkage: SlipSinkage::Whole,
+            stress_position: StressPosition::Whole,
+            shear: Some(ShearLaw::SlipVelocity),
+            bulldozing: Some(Bulldozing::Chord),
+        },
+        ..*sand.params()
+    };
+    let mut file = soil::SoilFile::new("a \"quoted\" \\ name", "plate tests", params);
+    file.note = "two\nlines".to_owned();
+    let text = soil::text(&file, &["made by a test", "of two lines\nand more"]).unwrap();
+    assert_eq!(parse(&text).unwrap(), file);
+    let wrong = parse(&text.replace("\"whole\"", "\"hole\"")).unwrap_err();
+    assert!(wrong.to_string().contains("slip_sinkage"), "{wrong}");
+}

@@ -145,6 +145,81 @@ pub enum Error {
         /// The file.
         file: String,
     },
+    /// A topic that is asked for is not there, or has no messages.
+    #[error("{file}: there are no messages of topic `{topic}`")]
+    NoTopic {
+        /// The file.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The topic that was probably meant.
+        meant: Option<String>,
+    },
+    /// A field that is asked for is not in the messages of its topic.
+    #[error("{file}: messages of `{topic}` have no number at `{field}`")]
+    NoField {
+        /// The file.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The path of the field.
+        field: String,
+    },
+    /// The robot file names a topic that is not there.
+    #[error(
+        "{file}: there are no messages of topic `{topic}`, which the robot file names as `{key}`"
+    )]
+    NoNamedTopic {
+        /// The files.
+        file: String,
+        /// The key in `[topics]`.
+        key: &'static str,
+        /// The topic.
+        topic: String,
+        /// The topic that was probably meant.
+        meant: Option<String>,
+    },
+    /// The robot file names a topic for what its messages do not say.
+    #[error(
+        "{file}: topic `{topic}` is {type_name}, but the robot file names it as `{key}`, which is {wanted}"
+    )]
+    UnfitTopic {
+        /// The files.
+        file: String,
+        /// The key in `[topics]`.
+        key: &'static str,
+        /// The topic.
+        topic: String,
+        /// Its type.
+        type_name: String,
+        /// What it should be.
+        wanted: &'static str,
+    },
+    /// The topic that the robot file names for the wheels has none of their joints.
+    #[error("{file}: topic `{topic}` has none of the wheels' joints: it has {joints}")]
+    NoJoints {
+        /// The files.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The joints that it has.
+        joints: String,
+    },
+    /// One path for tables and for bags or MCAP files.
+    #[error("{path}: means both tables and bags or MCAP files")]
+    Mixed {
+        /// The path.
+        path: String,
+    },
+    /// The file that is written cannot be.
+    #[error("{0}")]
+    Output(#[source] io::Error),
+    /// What was written is not what was read: a fault of the disk, or of this program.
+    #[error("the file that was written, read again, differs: {what}")]
+    Differs {
+        /// How.
+        what: String,
+    },
     /// Two files for one table.
     #[error("{first} and {second} both fit the table \"{pattern}\" of the column map")]
     TwoFiles {
@@ -165,7 +240,21 @@ impl Error {
             Self::File(error) => error.hint(),
             Self::NoColumn {
                 meant: Some(meant), ..
+            }
+            | Self::NoTopic {
+                meant: Some(meant), ..
+            }
+            | Self::NoNamedTopic {
+                meant: Some(meant), ..
             } => Some(format!("did you mean `{meant}`?")),
+            Self::NoNamedTopic { .. } | Self::NoTopic { .. } => {
+                Some("`grouser log info` lists the topics of a file".into())
+            }
+            Self::UnfitTopic { .. } => {
+                Some("any number of a message can be named under `[[topics.field]]`".into())
+            }
+            Self::Mixed { .. } => Some("name the files that are meant".into()),
+            Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),
             Self::TwoFiles { .. } => {
                 Some("name the files of one run, or the beginning that their names share".into())

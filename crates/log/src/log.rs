@@ -6,16 +6,23 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use grouser_files::columns::{ColumnMap, Meaning};
+use grouser_files::topics::Topics;
 
+use crate::container::Container;
 use crate::csv::CsvReader;
 use crate::error::{Error, Result};
+use crate::messages::LeftOut;
 use crate::record::Record;
+use crate::recording::{Recording, RecordingReader, UsedTopic};
 
-/// The files of one run with what their columns mean.
+/// The files of one run with what their columns or topics mean.
 #[derive(Clone, Debug)]
 pub struct Log {
     map: ColumnMap,
+    /// Tables, each with the table of the map that describes it.
     files: Vec<(PathBuf, usize)>,
+    /// Bags and MCAP files.
+    recording: Option<Recording>,
     unused: Vec<PathBuf>,
     wheels: Vec<String>,
     /// Bytes read of the files, by all readers together.
@@ -33,10 +40,58 @@ impl Log {
     /// # Errors
     /// [`Error::NoTable`] when no file fits a table, [`Error::TwoFiles`], and what the system refuses.
     pub fn find(paths: &[PathBuf], map: ColumnMap) -> Result<Self> {
+        Self::find_any(paths, Some(map), &Topics::default())
+    }
+
+    /// Does one of the paths hold a table, which is read through a column map?
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn needs_columns(paths: &[PathBuf]) -> Result<bool> {
         let mut found = Vec::new();
         for path in paths {
             expand(path, &mut found)?;
         }
+        for path in &found {
+            if is_recording(path) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// As [`Log::find`]; the files may be bags and MCAP files as well, whose topics are chosen by
+    /// `topics` and, where that says nothing, by type and name.
+    ///
+    /// # Errors
+    /// As [`Log::find`]; [`Error::NoNamedTopic`], [`Error::UnfitTopic`], [`Error::NoJoints`] where
+    /// `topics` does not fit what the files hold.
+    pub fn find_any(paths: &[PathBuf], map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
+        let map = map.unwrap_or(ColumnMap { tables: Vec::new() });
+        let (mut found, mut recordings) = (Vec::new(), Vec::new());
+        for path in paths {
+            let mut here = Vec::new();
+            expand(path, &mut here)?;
+            let (bags, others): (Vec<PathBuf>, Vec<PathBuf>) =
+                here.into_iter().partition(|path| is_recording(path));
+            let is_table = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                map.tables.iter().any(|table| table.describes(&name))
+            };
+            // A run that was written in two formats would count twice.
+            if !bags.is_empty() && others.iter().any(is_table) {
+                return Err(Error::Mixed {
+                    path: path.display().to_string(),
+                });
+            }
+            recordings.extend(bags);
+            found.extend(others);
+        }
+        let recording = if recordings.is_empty() {
+            None
+        } else {
+            Some(Recording::open(recordings, topics)?)
+        };
         let mut files: Vec<(PathBuf, usize)> = Vec::new();
         let mut unused = Vec::new();
         for path in found {
@@ -54,7 +109,7 @@ impl Log {
             }
             files.push((path, table));
         }
-        if files.is_empty() {
+        if files.is_empty() && recording.is_none() {
             let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
             let patterns: Vec<String> = (0..map.tables.len()).map(|t| pattern(&map, t)).collect();
             return Err(Error::NoTable {
@@ -62,7 +117,9 @@ impl Log {
                 patterns: patterns.join(", "),
             });
         }
-        let mut wheels: Vec<String> = Vec::new();
+        let mut wheels = recording
+            .as_ref()
+            .map_or_else(Vec::new, |recording| recording.wheels.clone());
         for column in files
             .iter()
             .flat_map(|(_, table)| &map.tables[*table].columns)
@@ -76,6 +133,7 @@ impl Log {
         Ok(Self {
             map,
             files,
+            recording,
             unused,
             wheels,
             read: Arc::default(),
@@ -84,7 +142,35 @@ impl Log {
 
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.files.iter().map(|(path, _)| path.as_path())
+        let tables = self.files.iter().map(|(path, _)| path);
+        let recordings = self.recording.iter().flat_map(|all| &all.files);
+        tables.chain(recordings).map(PathBuf::as_path)
+    }
+
+    /// How many sources records may come from ([`Record::source`]): every table is one, and every topic
+    /// that is used.
+    #[must_use]
+    pub fn sources(&self) -> usize {
+        self.files.len() + self.recording.as_ref().map_or(0, Recording::sources)
+    }
+
+    /// The topics that are used of bags and MCAP files.
+    pub fn topics(&self) -> impl Iterator<Item = UsedTopic> {
+        self.recording.iter().flat_map(Recording::used)
+    }
+
+    /// What is to be known of how topics were chosen.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        self.recording.as_ref().map_or(&[], |all| &all.notes)
+    }
+
+    /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
+    /// or came too late. Tables leave nothing out.
+    #[must_use]
+    pub fn left_out(&self) -> LeftOut {
+        let recording = self.recording.as_ref();
+        recording.map_or_else(LeftOut::default, Recording::left_out)
     }
 
     /// How many bytes the files hold, as they stand (compressed or not).
@@ -115,12 +201,14 @@ impl Log {
     /// Does any column of the log have that meaning?
     #[must_use]
     pub fn measures(&self, meaning: Meaning) -> bool {
-        self.files.iter().any(|(_, table)| {
-            self.map.tables[*table]
-                .columns
-                .iter()
-                .any(|c| c.meaning == meaning)
-        })
+        let recording = self.recording.as_ref();
+        recording.is_some_and(|all| all.measures(meaning))
+            || self.files.iter().any(|(_, table)| {
+                self.map.tables[*table]
+                    .columns
+                    .iter()
+                    .any(|c| c.meaning == meaning)
+            })
     }
 
     /// Does any column of the log have that meaning for that wheel?
@@ -130,14 +218,19 @@ impl Log {
             .files
             .iter()
             .flat_map(|(_, table)| &self.map.tables[*table].columns);
-        columns.any(|c| c.meaning == meaning && c.wheel.as_deref() == Some(wheel))
+        let recording = self.recording.as_ref();
+        recording.is_some_and(|all| all.measures_wheel(meaning, wheel))
+            || columns.any(|c| c.meaning == meaning && c.wheel.as_deref() == Some(wheel))
     }
 
     /// The sources ([`Record::source`]) whose clock is to be aligned with the others'.
     #[must_use]
     pub fn unaligned_sources(&self) -> Vec<usize> {
-        (0..self.files.len())
+        let tables = self.files.len();
+        let recording = self.recording.iter().flat_map(Recording::unaligned);
+        (0..tables)
             .filter(|&source| self.map.tables[self.files[source].1].align_clock)
+            .chain(recording.map(|topic| tables + topic))
             .collect()
     }
 
@@ -161,11 +254,30 @@ impl Log {
                 next: None,
             });
         }
+        if let Some(recording) = &self.recording {
+            recording.begin();
+            let first_source = self.files.len();
+            for path in &recording.files {
+                let reader =
+                    RecordingReader::open(path, recording, first_source, (shift_ns, &self.read))?;
+                readers.push(Shifted {
+                    reader: Box::new(reader),
+                    // Its topics have clocks of their own: it shifts them itself.
+                    shift_ns: 0,
+                    next: None,
+                });
+            }
+        }
         Ok(Records {
             readers,
             failed: false,
         })
     }
+}
+
+/// Is it an MCAP file or a bag? What cannot be opened is left to whoever opens it.
+fn is_recording(path: &Path) -> bool {
+    matches!(Container::kind(path), Ok(Some(_)))
 }
 
 fn pattern(map: &ColumnMap, table: usize) -> String {

@@ -1,46 +1,44 @@
-//! Putting rows into the order of time with a bounded look-ahead.
+//! Putting rows and messages into the order of time with a bounded look-ahead.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::record::Record;
-
 /// Holds the newest rows back until `look_ahead` others have come, and gives records out by time;
 /// records of equal time keep their order.
-pub(crate) struct Ordered {
+pub(crate) struct Ordered<T> {
     look_ahead: usize,
-    heap: BinaryHeap<Reverse<Held>>,
+    heap: BinaryHeap<Reverse<Held<T>>>,
     rows: BinaryHeap<Reverse<i64>>,
     sequence: u64,
     given_ns: Option<i64>,
 }
 
-struct Held {
+struct Held<T> {
     key: (i64, u64),
-    record: Record,
+    held: T,
 }
 
-impl PartialEq for Held {
+impl<T> PartialEq for Held<T> {
     fn eq(&self, other: &Self) -> bool {
         self.key == other.key
     }
 }
 
-impl Eq for Held {}
+impl<T> Eq for Held<T> {}
 
-impl PartialOrd for Held {
+impl<T> PartialOrd for Held<T> {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Held {
+impl<T> Ord for Held<T> {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.key.cmp(&other.key)
     }
 }
 
-impl Ordered {
+impl<T> Ordered<T> {
     pub(crate) fn new(look_ahead: usize) -> Self {
         Self {
             look_ahead,
@@ -66,10 +64,10 @@ impl Ordered {
         Ok(())
     }
 
-    pub(crate) fn push(&mut self, record: Record) {
+    pub(crate) fn push(&mut self, time_ns: i64, held: T) {
         self.heap.push(Reverse(Held {
-            key: (record.time_ns, self.sequence),
-            record,
+            key: (time_ns, self.sequence),
+            held,
         }));
         self.sequence += 1;
     }
@@ -79,18 +77,21 @@ impl Ordered {
         self.rows.len() > self.look_ahead && !self.heap.is_empty()
     }
 
-    pub(crate) fn pop(&mut self) -> Option<Record> {
-        let Reverse(held) = self.heap.pop()?;
-        let time_ns = held.record.time_ns;
+    /// The earliest, with its time.
+    pub(crate) fn pop(&mut self) -> Option<(i64, T)> {
+        let Reverse(Held {
+            key: (time_ns, _),
+            held,
+        }) = self.heap.pop()?;
         self.given_ns = Some(time_ns);
         let next_is_later = self
             .heap
             .peek()
-            .is_none_or(|Reverse(next)| next.record.time_ns > time_ns);
+            .is_none_or(|Reverse(next)| next.key.0 > time_ns);
         while next_is_later && self.rows.peek().is_some_and(|Reverse(row)| *row <= time_ns) {
             self.rows.pop();
         }
-        Some(held.record)
+        Some((time_ns, held))
     }
 
     pub(crate) fn clear(&mut self) {

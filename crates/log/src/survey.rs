@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
-use crate::message::{Decoder, Value, View};
+use crate::message::{Decoder, View};
+use crate::messages::stamp_of;
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -245,6 +246,7 @@ impl Tally {
             Err(problem) => Err(problem.clone()),
         };
         let stamp = decoded.as_ref().ok().and_then(stamp_of);
+        let stamp = stamp.map(i64::cast_unsigned);
         if topic.messages == 1 {
             topic.stamped = stamp.is_some();
         }
@@ -277,10 +279,13 @@ impl Tally {
             }
             Ok(value) if topic.use_for.is_none() => {
                 let view = View::new(&topic.channel.type_name, &value);
-                if let Some(View::JointState(joints)) = &view {
-                    let names = joints.names.iter().filter(|name| name.len() <= JOINT_NAME);
-                    topic.joints = names.take(JOINTS).cloned().collect();
-                }
+                let names = match &view {
+                    Some(View::JointState(joints)) => joints.names.as_slice(),
+                    Some(View::WheelTicks { names, .. }) => names.as_slice(),
+                    _ => &[],
+                };
+                let names = names.iter().filter(|name| name.len() <= JOINT_NAME);
+                topic.joints = names.take(JOINTS).cloned().collect();
                 topic.use_for = view.as_ref().and_then(use_of);
             }
             Ok(_) => {}
@@ -323,20 +328,14 @@ fn bin(interval_ns: u64) -> usize {
     (place as usize).min(BINS - 1)
 }
 
-/// When a message was taken by its header, ns; a stamp of zero is none.
-fn stamp_of(value: &Value) -> Option<u64> {
-    let stamp = value.at("header.stamp")?.time_ns()?;
-    u64::try_from(stamp).ok().filter(|stamp| *stamp > 0)
-}
-
 fn use_of(view: &View) -> Option<Use> {
     Some(match view {
-        View::JointState(_) => Use::Wheels,
+        View::JointState(_) | View::WheelTicks { .. } => Use::Wheels,
         View::Imu(imu) => {
             imu.angular_rate?;
             Use::YawRate
         }
-        View::Odometry(_) | View::Pose { .. } => Use::Motion,
+        View::Odometry(_) | View::Pose { .. } | View::Displacement { .. } => Use::Motion,
         View::Twist { .. } => Use::Command,
         View::NavSatFix { .. } => Use::Position,
         View::Transforms(_) => Use::Mounting,

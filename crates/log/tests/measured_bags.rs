@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_log::container::{Container, Event};
 use grouser_log::message::Decoder;
-use grouser_log::{Survey, Use};
+use grouser_log::{Error, Survey, Use, series};
 
 /// A file of the measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
 fn data(name: &str) -> Option<PathBuf> {
@@ -94,6 +94,21 @@ fn the_plates_force_is_read_by_the_definition_in_its_bag() {
             last = number("temperature");
         }
         assert_eq!((force, last), (least, temperature));
+        // The same as a series over time.
+        let topic = "/rokubimini_cosmo/forcetorque_readings";
+        let force_z = series(&path, topic, "wrench.wrench.force.z").unwrap();
+        assert_eq!(force_z.samples.len() as u64, count);
+        let lowest = force_z
+            .samples
+            .iter()
+            .map(|s| s.1)
+            .fold(f64::INFINITY, f64::min);
+        assert_eq!(lowest, least);
+        assert!(force_z.samples.is_sorted_by(|a, b| a.0 <= b.0));
+        let wrong = series(&path, topic, "wrench.force.z").unwrap_err();
+        assert!(matches!(wrong, Error::NoField { .. }), "{wrong}");
+        let wrong = series(&path, "/rokubimini_cosmo/forcetorque_reading", "x").unwrap_err();
+        assert_eq!(wrong.hint().unwrap(), format!("did you mean `{topic}`?"));
         // Recorded in bursts, every 40 ms, but taken every 10 ms without a gap.
         let survey = Survey::read(&path, |_| ()).unwrap();
         let topic = &survey.topics[0];

@@ -74,6 +74,7 @@ fn values_of_python_writers_are_equal_to_the_bit() {
                 names: vec!["left".into(), "right".into()],
                 position: vec![k.sqrt(), -1.0 / (k + 1.0)],
                 velocity: vec![0.1 * k],
+                effort: vec![],
             };
             let view = View::new("sensor_msgs/msg/JointState", &value);
             assert_eq!(view, Some(View::JointState(expected)), "{name}");

@@ -29,6 +29,7 @@
 mod align;
 mod calibration;
 mod choice;
+mod dead_reckoning;
 mod error;
 mod quantiles;
 mod run;
@@ -37,8 +38,9 @@ mod soil_reading;
 mod summary;
 
 pub use calibration::{Calibration, calibrate_radius};
+pub use dead_reckoning::{DeadReckoning, Odometry};
 pub use error::{Error, Result};
 pub use quantiles::Quantiles;
-pub use run::{Options, Row, run};
+pub use run::{Options, Row, Step, Take, run, run_with};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};

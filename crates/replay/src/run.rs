@@ -2,7 +2,7 @@
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{Drive, Estimator, Health, Motion, Reference};
+use grouser_slip::{Drive, Estimate, Estimator, Health, Motion, Reference};
 
 use crate::align::gyro_offset;
 use crate::choice;
@@ -47,6 +47,46 @@ pub struct Row<'a> {
     pub health: Health,
 }
 
+/// The whole robot at one time: when some wheel was read.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// When, ns on the log's clock.
+    pub time_ns: i64,
+    /// Seconds since the log's start.
+    pub time_s: f64,
+    /// The window of the estimate, s.
+    pub window_s: f64,
+    /// What is known.
+    pub estimate: &'a Estimate<'a>,
+}
+
+/// Whoever takes what a run gives.
+pub trait Take {
+    /// One wheel, whenever it was read.
+    ///
+    /// # Errors
+    /// What ends the run.
+    fn row(&mut self, row: &Row<'_>) -> std::io::Result<()>;
+
+    /// The whole robot, after the rows of one time.
+    ///
+    /// # Errors
+    /// What ends the run.
+    fn step(&mut self, step: &Step<'_>) -> std::io::Result<()> {
+        let _ = step;
+        Ok(())
+    }
+}
+
+/// Takes rows alone.
+struct Rows<F>(F);
+
+impl<F: FnMut(&Row<'_>) -> std::io::Result<()>> Take for Rows<F> {
+    fn row(&mut self, row: &Row<'_>) -> std::io::Result<()> {
+        (self.0)(row)
+    }
+}
+
 /// Runs a log through the estimator; `take` gets a row for every wheel whenever that wheel was read.
 ///
 /// # Errors
@@ -55,14 +95,27 @@ pub fn run(
     log: &Log,
     file: &RobotFile,
     options: &Options,
-    mut take: impl FnMut(&Row<'_>) -> std::io::Result<()>,
+    take: impl FnMut(&Row<'_>) -> std::io::Result<()>,
+) -> Result<Summary> {
+    run_with(log, file, options, &mut Rows(take))
+}
+
+/// As [`run`], for one who takes more than rows.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(
+    log: &Log,
+    file: &RobotFile,
+    options: &Options,
+    take: &mut impl Take,
 ) -> Result<Summary> {
     let mut replay = Replay::new(log, file, options)?;
     let shifts = replay.align(log, file)?;
     for record in log.records(&shifts)? {
         let record = record?;
         if replay.group_ns.is_some_and(|group| group != record.time_ns) {
-            replay.close_group(&mut take)?;
+            replay.close_group(take)?;
         }
         replay.group_ns = Some(record.time_ns);
         replay.start_ns.get_or_insert(record.time_ns);
@@ -75,7 +128,7 @@ pub fn run(
             replay.tallies[wheel].was_read = true;
         }
     }
-    replay.close_group(&mut take)?;
+    replay.close_group(take)?;
     Ok(replay.summary())
 }
 
@@ -144,7 +197,7 @@ impl<'a> Replay<'a> {
     /// The shift of each source's clock.
     fn align(&mut self, log: &Log, file: &RobotFile) -> Result<Vec<i64>> {
         let unaligned = log.unaligned_sources();
-        let mut shifts = vec![0; log.files().count()];
+        let mut shifts = vec![0; log.sources()];
         if !unaligned.is_empty() {
             self.clock_offset_s = gyro_offset(log, file, &self.wheels, self.sensor)?;
             #[allow(
@@ -160,10 +213,7 @@ impl<'a> Replay<'a> {
     }
 
     /// All records of one time have been taken: rows for the wheels that were read.
-    fn close_group(
-        &mut self,
-        take: &mut impl FnMut(&Row<'_>) -> std::io::Result<()>,
-    ) -> Result<()> {
+    fn close_group(&mut self, take: &mut impl Take) -> Result<()> {
         let (Some(start), Some(now)) = (self.start_ns, self.group_ns) else {
             return Ok(());
         };
@@ -172,10 +222,12 @@ impl<'a> Replay<'a> {
         let Some(estimate) = self.estimator.latest() else {
             return Ok(());
         };
+        let mut any = false;
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if !std::mem::take(&mut tally.was_read) {
                 continue;
             }
+            any = true;
             let last = tally.last_ns.replace(now);
             if !wanted {
                 continue;
@@ -198,7 +250,15 @@ impl<'a> Replay<'a> {
             tally
                 .shares
                 .add(row.motion, row.health, since.min(self.window));
-            take(&row)?;
+            take.row(&row)?;
+        }
+        if any && wanted {
+            take.step(&Step {
+                time_ns: now,
+                time_s,
+                window_s: self.window,
+                estimate: &estimate,
+            })?;
         }
         let body = estimate.body;
         if !wanted {

@@ -50,6 +50,23 @@ fn rows() -> Vec<Kept> {
 }
 
 #[test]
+fn the_mcap_gives_the_same_slips_as_the_table() {
+    let five = example("five-wheel");
+    let rows = |name: &str| {
+        let path = root().join("examples/five-wheel").join(name);
+        let mut rows = Vec::new();
+        let keep = |row: &Row<'_>| {
+            rows.push((row.time_s, row.wheel, row.slip, row.slip_sigma, row.motion));
+            Ok(())
+        };
+        let summary = run(&five.log(path), &five.robot, &Options::default(), keep).unwrap();
+        (rows, summary)
+    };
+    // Whole numbers of nanoseconds and of ticks: not even a rounding apart.
+    assert_eq!(rows("log.csv"), rows("log.mcap"));
+}
+
+#[test]
 fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
     let truth = FiveWheel::default().generate().truth;
     let window = 25; // rows of 20 ms

@@ -58,7 +58,9 @@ extern crate alloc;
 
 mod body;
 mod clock;
+pub mod control;
 mod counter;
+pub mod detect;
 mod error;
 mod estimate;
 mod estimator;

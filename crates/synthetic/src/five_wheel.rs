@@ -2,9 +2,16 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
+use std::io;
+
+use grouser_log::write::ReadingWriter;
+use grouser_log::{Reading, Record};
 
 use crate::drive::{Command, Leg, command};
 use crate::noise::{Noise, Wander};
+
+/// When the run begins in files that tell a date, ns since 1970: 1 September 2012.
+pub const START_NS: i64 = 1_346_457_600_000_000_000;
 
 /// Number of wheels.
 pub const WHEELS: usize = 5;
@@ -293,6 +300,31 @@ impl Run {
             let _ = writeln!(out, ",{:.4}", row.yaw_rate);
         }
         out
+    }
+
+    /// The log as an MCAP file of ROS 2 messages: counters by wheel, and the gyro as an IMU whose z axis
+    /// points up. It begins at [`START_NS`].
+    ///
+    /// # Errors
+    /// None for a run that [`FiveWheel::generate`] made.
+    pub fn log_mcap(&self) -> io::Result<Vec<u8>> {
+        let mut writer = ReadingWriter::new(Vec::new(), &NAMES.map(str::to_owned))?;
+        for row in &self.rows {
+            let time_ns = START_NS + i64::try_from(row.time_ms).unwrap_or(0) * 1_000_000;
+            let mut record = |reading| {
+                writer.record(&Record {
+                    time_ns,
+                    source: 0,
+                    reading,
+                })
+            };
+            for (wheel, count) in row.counts.into_iter().enumerate() {
+                let raw = u64::from(count);
+                record(Reading::WheelCount { wheel, raw })?;
+            }
+            record(Reading::YawRate { rate: row.yaw_rate })?;
+        }
+        Ok(writer.finish()?.0)
     }
 
     /// The truth as CSV, every fifth row.

@@ -14,10 +14,16 @@
 //! so that what is tested against it is tested against something else.
 #![forbid(unsafe_code)]
 
+mod course;
 mod drive;
+mod faults;
 mod five_wheel;
 mod noise;
+mod sensors;
 
+pub use course::{Course, Event, Step, slip};
 pub use drive::{Command, Leg, command};
-pub use five_wheel::{FiveWheel, NAMES, Row, Run, Truth, WHEELS, Wheel};
+pub use faults::{Fault, inject};
+pub use five_wheel::{FiveWheel, NAMES, Row, Run, START_NS, Truth, WHEELS, Wheel};
 pub use noise::{Noise, Wander};
+pub use sensors::{Camera, Sensors};

@@ -28,6 +28,19 @@ fn the_shipped_example_is_the_generators() {
 }
 
 #[test]
+fn the_shipped_mcap_is_the_generators() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/five-wheel");
+    let fresh = FiveWheel::default().generate().log_mcap().unwrap();
+    let shipped = fs::read(folder.join("log.mcap")).unwrap();
+    let differing = shipped.iter().zip(&fresh).position(|(a, b)| a != b);
+    assert!(
+        shipped == fresh,
+        "log.mcap differs from byte {differing:?} on; if that is meant: \
+         cargo run -p grouser-synthetic --example write -- examples/five-wheel"
+    );
+}
+
+#[test]
 fn another_seed_is_another_run() {
     let other = FiveWheel {
         seed: 1,

@@ -2,6 +2,7 @@
 
 use grouser_real::Dual;
 
+use crate::bulldozing::Bulldozing;
 use crate::contact::{Contact, Motion, WheelSize, sinkage_from_entry_angle};
 use crate::error::Result;
 use crate::forces::Forces;
@@ -40,6 +41,10 @@ pub struct DualInputs<const N: usize> {
     /// The motion.
     pub motion: Motion<Dual<N>>,
     law: ShearLaw,
+    bulldozing: Bulldozing,
+    kappa: f64,
+    /// The sign of the side force.
+    side: f64,
 }
 
 /// A wheel under its load, with the derivatives of everything in the chosen inputs.
@@ -51,6 +56,8 @@ pub struct DualSolution<const N: usize> {
     pub theta_1: Dual<N>,
     /// Forces and torque.
     pub forces: Forces<Dual<N>>,
+    /// Side force with the bulldozing, N, positive to the left. (κ carries no derivative in the slip angle.)
+    pub side_force: Dual<N>,
 }
 
 impl<const N: usize> DualInputs<N> {
@@ -62,6 +69,16 @@ impl<const N: usize> DualInputs<N> {
             soil: pair.soil().laws(),
             motion: kinematics.motion(),
             law: pair.settings().shear,
+            bulldozing: pair.settings().bulldozing,
+            kappa: match pair.soil().params().unit_weight {
+                Some(_) => pair.settings().bulldozing.kappa(kinematics),
+                None => 0.0,
+            },
+            side: if kinematics.q_y() == 0.0 {
+                0.0
+            } else {
+                -kinematics.q_y().signum()
+            },
         }
     }
 
@@ -94,10 +111,26 @@ impl<const N: usize> DualInputs<N> {
         let here = self.forces(Dual::constant(angle)).vertical_force;
         let theta_1 =
             Dual::constant(angle) + (load - here) * Dual::constant(1.0 / slope.gradient[0]);
-        Ok(Some(DualSolution {
+        Ok(Some(self.at_entry_angle(theta_1)))
+    }
+
+    /// Everything at the entry angle `theta_1` (rad).
+    #[must_use]
+    pub fn at_entry_angle(&self, theta_1: Dual<N>) -> DualSolution<N> {
+        let contact = Contact::new(&self.size, &self.soil, self.law, &self.motion, theta_1);
+        let forces = contact.forces();
+        let ploughed = self.bulldozing.resistance(
+            &self.soil.strength,
+            self.soil.unit_weight,
+            self.size.radius,
+            &contact.angles(),
+        );
+        DualSolution {
             sinkage: sinkage_from_entry_angle(theta_1, self.size.radius),
             theta_1,
-            forces: self.forces(theta_1),
-        }))
+            forces,
+            side_force: Dual::constant(self.side)
+                * (forces.side_shear + Dual::constant(self.kappa) * ploughed),
+        }
     }
 }

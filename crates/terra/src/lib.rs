@@ -58,6 +58,7 @@ mod shear;
 mod sinkage;
 mod slip;
 mod slip_model;
+mod slip_velocity;
 mod soil;
 mod surrogate;
 mod traction;
@@ -69,7 +70,8 @@ pub use bulldozing::{Bulldozing, bulldozing_hegedus};
 pub use caution::{Caution, Cautions};
 pub use closed_form::ClosedForm;
 pub use contact::{
-    Contact, ContactAngles, Motion, WheelSize, entry_angle, sinkage_from_entry_angle,
+    Contact, ContactAngles, Motion, StressPosition, WheelSize, entry_angle,
+    sinkage_from_entry_angle,
 };
 pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
@@ -80,13 +82,14 @@ pub use lanes::{
     TrackedWheel,
 };
 pub use operating_point::OperatingPoint;
-pub use pressure::{Bekker, Pressure, Reece, SinkageExponent};
+pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
 pub use sinkage::{LoadSolution, LoadStatus, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
-pub use soil::{Soil, SoilLaws, SoilParams};
+pub use slip_velocity::SlipVelocity;
+pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
 pub use surrogate::{Surrogate, SurrogateBounds, SurrogateBox};
 pub use traction::{BestSlip, SlopeOutcome};
 pub use wheel::{GrouserRule, Grousers, RigidWheel};

@@ -1,12 +1,17 @@
 //! The soil: its parameters, checked once.
 
-use grouser_real::Real;
+use grouser_real::{Real, Scalar};
 
 use crate::angle::Angle;
-use crate::contact::ExponentTables;
+use crate::bulldozing::Bulldozing;
+use crate::contact::{
+    ExponentTables, Motion, StressPosition, rear_share, sinkage_from_entry_angle,
+};
 use crate::error::{Error, Result};
-use crate::pressure::{Bekker, Pressure, Reece, SinkageExponent};
-use crate::shear::MohrCoulomb;
+use crate::pressure::{
+    Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, share_left, transport_depth_reece,
+};
+use crate::shear::{MohrCoulomb, ShearLaw};
 
 /// The sinkage exponents that the laws are used with.
 pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
@@ -58,6 +63,28 @@ pub struct SoilParams {
     pub rebound: f64,
     /// Unit weight γ = ρ g, N/m³. Asked for by Reece's law and by bulldozing only.
     pub unit_weight: Option<f64>,
+    /// Loss of the rear contact with driving slip, ε_1; 0 for none.
+    pub rear_driving: f64,
+    /// Loss of the rear contact with drift, ε_2; 0 for none.
+    pub rear_drift: f64,
+    /// Thickness δ of the layer that a driving rim carries backwards, m; 0 for none.
+    pub transport_layer: f64,
+    /// The laws that these numbers were identified with.
+    pub laws: LawChoice,
+}
+
+/// The laws that go with a soil's numbers, where they are not the usual ones: a number identified with one
+/// law means nothing to another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LawChoice {
+    /// Which slip the sinkage exponent grows with.
+    pub slip_sinkage: SlipSinkage,
+    /// Which slip moves the greatest stress.
+    pub stress_position: StressPosition,
+    /// How displacement makes shear stress; `None`: as the [`Settings`](crate::Settings) say.
+    pub shear: Option<ShearLaw>,
+    /// How ploughed soil enters the side force; `None`: as the [`Settings`](crate::Settings) say.
+    pub bulldozing: Option<Bulldozing>,
 }
 
 impl SoilParams {
@@ -100,6 +127,10 @@ impl SoilParams {
             c_2: f64::NAN,
             rebound: 0.0,
             unit_weight: None,
+            rear_driving: 0.0,
+            rear_drift: 0.0,
+            transport_layer: 0.0,
+            laws: LawChoice::default(),
         }
     }
 }
@@ -154,6 +185,9 @@ impl Soil {
         if let Some(gamma) = p.unit_weight {
             Error::check_range("unit_weight", gamma, 0.0, 1e6, "N/m^3")?;
         }
+        Error::check_range("rear_driving", p.rear_driving, 0.0, 100.0, "1")?;
+        Error::check_range("rear_drift", p.rear_drift, 0.0, 100.0, "1")?;
+        Error::check_range("transport_layer", p.transport_layer, 0.0, 1.0, "m")?;
         let constant = p.n_1 == 0.0 && p.n_2 == 0.0;
         Ok(Self {
             params,
@@ -228,6 +262,10 @@ impl Soil {
             c_2: r(p.c_2),
             rebound: r(p.rebound),
             unit_weight: r(p.unit_weight.unwrap_or(0.0)),
+            rear_driving: r(p.rear_driving),
+            rear_drift: r(p.rear_drift),
+            transport_layer: r(p.transport_layer),
+            choice: p.laws,
         }
     }
 }
@@ -257,6 +295,47 @@ pub struct SoilLaws<R = f64> {
     pub rebound: R,
     /// Unit weight, N/m³; 0 where unknown.
     pub unit_weight: R,
+    /// Loss of the rear contact with driving slip.
+    pub rear_driving: R,
+    /// Loss of the rear contact with drift.
+    pub rear_drift: R,
+    /// Thickness of the layer that a driving rim carries backwards, m.
+    pub transport_layer: R,
+    /// The laws that go with these numbers.
+    pub choice: LawChoice,
+}
+
+impl<R: Scalar> SoilLaws<R> {
+    /// The sinkage exponent in this motion.
+    pub fn exponent_at(&self, motion: &Motion<R>) -> R {
+        match self.choice.slip_sinkage {
+            SlipSinkage::InPlane => self.exponent.at(motion.slip),
+            SlipSinkage::Whole => self.exponent.at_whole(&motion.slip_velocity()),
+        }
+    }
+
+    /// θ_m/θ_1 in this motion, before it is held in [0, 1].
+    pub fn position_at(&self, motion: &Motion<R>) -> R {
+        self.c_1 + self.c_2 * self.choice.stress_position.slip_of(motion)
+    }
+
+    /// The rebound ratio in this motion: λ times the square of the share of the rear that is left.
+    pub fn rebound_at(&self, motion: &Motion<R>) -> R {
+        if self.rebound.value() == 0.0 {
+            return self.rebound;
+        }
+        let share = rear_share(&motion.slip_velocity(), self.rear_driving, self.rear_drift);
+        self.rebound * share * share
+    }
+
+    /// What soil carried away leaves of the pressure at the entry angle `theta_1`.
+    pub(crate) fn share_left(&self, motion: &Motion<R>, theta_1: R, radius: R, n: R) -> R {
+        if self.transport_layer.value() == 0.0 {
+            return R::ONE;
+        }
+        let dug = transport_depth_reece(self.transport_layer, motion.slip_velocity().driving());
+        share_left(dug, sinkage_from_entry_angle(theta_1, radius), n)
+    }
 }
 
 impl<R: Real> SoilLaws<R> {

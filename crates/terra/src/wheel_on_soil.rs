@@ -1,6 +1,5 @@
 //! A wheel on a soil, ready to be asked.
 
-use crate::bulldozing::{Bulldozing, side_resistance};
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
     Contact, ContactAngles, ExponentTables, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
@@ -38,7 +37,8 @@ pub struct WheelOnSoil {
 }
 
 impl WheelOnSoil {
-    /// Puts a wheel on a soil.
+    /// Puts a wheel on a soil. A law that the soil's numbers were identified with
+    /// ([`LawChoice`](crate::LawChoice)) goes before that of the settings.
     ///
     /// # Errors
     /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive.
@@ -46,6 +46,12 @@ impl WheelOnSoil {
         let laws = soil.laws();
         let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
         Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")?;
+        let choice = soil.params().laws;
+        let settings = Settings {
+            shear: choice.shear.unwrap_or(settings.shear),
+            bulldozing: choice.bulldozing.unwrap_or(settings.bulldozing),
+            ..settings
+        };
         Ok(Self {
             wheel,
             soil,
@@ -119,7 +125,7 @@ impl WheelOnSoil {
     }
 
     pub(crate) fn check_exponent(&self, kinematics: &Kinematics) -> Result<()> {
-        let n = self.laws.exponent.at(kinematics.slip().value());
+        let n = self.laws.exponent_at(&kinematics.motion());
         Error::check_range("n at this slip", n, EXPONENT.0, EXPONENT.1, "1")
     }
 
@@ -211,15 +217,11 @@ impl WheelOnSoil {
         if q_y == 0.0 {
             return 0.0;
         }
-        let kappa = match self.settings.bulldozing {
-            Bulldozing::Scaled => kinematics.slip_angle().sin().abs(),
-            Bulldozing::Full => 1.0,
-            Bulldozing::Off => 0.0,
-        };
+        let kappa = self.settings.bulldozing.kappa(kinematics);
         let gamma = self.soil.params().unit_weight;
         cautions.insert_if(kappa > 0.0 && gamma.is_none(), Caution::NoBulldozing);
         let ploughed = gamma.map_or(0.0, |gamma| {
-            side_resistance(
+            self.settings.bulldozing.resistance(
                 &self.laws.strength,
                 gamma,
                 self.size.radius,
@@ -238,7 +240,7 @@ impl WheelOnSoil {
     ) {
         let angles = contact.angles();
         let sinkage = sinkage_from_entry_angle(angles.theta_1, self.size.radius);
-        let position = self.laws.c_1 + self.laws.c_2 * kinematics.slip().value();
+        let position = self.laws.position_at(&kinematics.motion());
         cautions.insert_if(position >= 1.0, Caution::NoNormalStress);
         cautions.insert_if(position < 0.0, Caution::MaximumStressHeld);
         cautions.insert_if(sinkage > self.size.radius / 3.0, Caution::DeepSinkage);

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
-use grouser_log::Log;
-use grouser_replay::{Options, SoilReading, Status, Summary, run as replay, soil_readings};
+use grouser_log::{LOOK_AHEAD, Log};
+use grouser_replay::{
+    Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+};
 use grouser_slip::Reference;
 
 use super::estimate_calibration;
@@ -26,7 +28,7 @@ use crate::soil_choice::{self, Overrides};
 #[derive(clap::Args, Debug)]
 #[command(
     about = "Tell the slip of every wheel from a recorded log",
-    after_help = "A LOG is a file (CSV, plain or gzip), a folder, or the beginning that the names of one \
+    after_help = "A LOG is a file (MCAP, a ROS 1 bag, or CSV, plain or gzip), a folder, or the beginning that the names of one \
         run's files share.\n\nExample:\n  grouser estimate examples/five-wheel/log.csv --robot \
         examples/five-wheel/robot.toml --soil dry-sand -o slip.svg"
 )]
@@ -37,10 +39,10 @@ pub(crate) struct Arguments {
     /// The robot file
     #[arg(long, value_name = "R.toml")]
     robot: PathBuf,
-    /// The column map; `columns.toml` beside the robot file unless told
+    /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
-    /// Write slip against time: a table (.csv) or a figure (.svg, .png); may be given again
+    /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
     #[arg(short, long, value_name = "OUT")]
     output: Vec<PathBuf>,
     /// Put the slips on this soil: a key of the catalogue, or a file when it contains `/` or `.`
@@ -87,7 +89,7 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
 /// What a log is read with.
 pub(super) struct Asked {
     pub(super) robot: RobotFile,
-    pub(super) map: ColumnMap,
+    pub(super) map: Option<ColumnMap>,
     pub(super) options: Options,
 }
 
@@ -108,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
-    let log = Log::find(&arguments.logs, asked.map.clone()).map_err(log_error)?;
+    let log = asked.log(&arguments.logs)?;
     let wheels = asked.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
     // Clocks are aligned in a pass of their own.
@@ -118,15 +120,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         2
     };
     let progress = Progress::of_bytes(Some(log.bytes() * passes));
-    let mut shown = log.bytes_read();
-    let summary = replay(&log, &asked.robot, &asked.options, |row| {
-        let read = log.bytes_read();
-        if read > shown {
-            progress.advance(read - shown);
-            shown = read;
-        }
-        outputs.take(row)
-    });
+    let mut watched = Watched {
+        log: &log,
+        progress: &progress,
+        outputs: &mut outputs,
+    };
+    let summary = run_with(&log, &asked.robot, &asked.options, &mut watched);
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -157,22 +156,31 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
+/// The outputs, with the progress shown on the way.
+struct Watched<'a> {
+    log: &'a Log,
+    progress: &'a Progress,
+    outputs: &'a mut Outputs,
+}
+
+impl Take for Watched<'_> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        self.progress.reach(self.log.bytes_read());
+        self.outputs.row(row)
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.outputs.step(step)
+    }
+}
+
 fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
     let robot = robot::read(&arguments.robot).map_err(|error| file_error(&error))?;
     note_input(session, &arguments.robot)?;
-    let beside = arguments.robot.with_file_name("columns.toml");
-    let map = arguments.map.as_deref().unwrap_or(&beside);
-    if arguments.map.is_none() && !beside.exists() {
-        return Err(Error::usage(
-            "no column map is given, and there is no `columns.toml` beside the robot file",
-            "`--map C.toml` says what the log's columns mean",
-        ));
-    }
-    let columns = columns::read(map).map_err(|error| file_error(&error))?;
-    note_input(session, map)?;
+    let map = column_map(arguments, &robot, session)?;
     Ok(Asked {
         robot,
-        map: columns,
+        map,
         options: Options {
             reference: arguments.reference,
             wheel_sensor: arguments.wheel_sensor,
@@ -181,6 +189,38 @@ fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
             to_s: arguments.to_s,
         },
     })
+}
+
+/// The column map: as told, else the robot file's own, else the one beside it; bags need none.
+fn column_map(
+    arguments: &Arguments,
+    robot: &RobotFile,
+    session: &mut Session,
+) -> Result<Option<ColumnMap>> {
+    let beside = arguments.robot.with_file_name("columns.toml");
+    let path = match &arguments.map {
+        Some(path) => path,
+        None if robot.columns.is_some() => return Ok(robot.columns.clone()),
+        None if beside.exists() => &beside,
+        None if !Log::needs_columns(&arguments.logs).map_err(log_error)? => return Ok(None),
+        None => {
+            return Err(Error::usage(
+                "no column map is given, and there is no `columns.toml` beside the robot file",
+                "`--map C.toml` says what the log's columns mean; `grouser log info LOG --suggest-robot` \
+                 proposes one",
+            ));
+        }
+    };
+    let columns = columns::read(path).map_err(|error| file_error(&error))?;
+    note_input(session, path)?;
+    Ok(Some(columns))
+}
+
+impl Asked {
+    /// The log at these paths.
+    pub(super) fn log(&self, paths: &[PathBuf]) -> Result<Log> {
+        Log::find_any(paths, self.map.clone(), &self.robot.topics).map_err(log_error)
+    }
 }
 
 /// Reads a file once more for its hash.
@@ -217,6 +257,27 @@ fn warnings(
         out.push(format!(
             "{} samples were rejected",
             summary.rejected.total()
+        ));
+    }
+    out.extend(log.notes().iter().cloned());
+    let left_out = log.left_out();
+    if left_out.damages > 0 {
+        out.push(format!(
+            "{} places of the log are damaged, {} bytes are lost in them",
+            left_out.damages, left_out.bytes_lost
+        ));
+    }
+    if left_out.undecoded > 0 {
+        out.push(format!(
+            "{} messages could not be decoded: {}",
+            left_out.undecoded,
+            left_out.problem.unwrap_or_default()
+        ));
+    }
+    if left_out.late > 0 {
+        out.push(format!(
+            "{} messages came more than {LOOK_AHEAD} messages too late and were left out",
+            left_out.late
         ));
     }
     // What else lies in a folder is no matter.

@@ -5,12 +5,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, robot};
-use grouser_log::Log;
 use grouser_replay::calibrate_radius;
 use grouser_slip::Drive;
 use serde_json::{Value, json};
 
-use super::estimate::{Asked, file_error, log_error, note_input, replay_error};
+use super::estimate::{Asked, file_error, note_input, replay_error};
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
 use crate::report::{Object, Report};
@@ -27,7 +26,7 @@ pub(super) fn run(
     let mut output = OutputFile::create(target)?;
     let mut logs = Vec::new();
     for path in paths {
-        let log = Log::find(std::slice::from_ref(path), asked.map.clone()).map_err(log_error)?;
+        let log = asked.log(std::slice::from_ref(path))?;
         for file in log.files() {
             note_input(session, file)?;
         }

@@ -1,6 +1,6 @@
 //! The JSON object of `estimate`.
 
-use grouser_log::Log;
+use grouser_log::{Log, UsedTopic};
 use grouser_replay::{SoilReading, Spread, Summary};
 use serde_json::{Value, json};
 
@@ -74,10 +74,29 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
             "unused_files",
             files(&mut log.unused().iter().map(std::path::PathBuf::as_path)),
         ),
+        ("topics", topics(log)),
+        ("notes", log.notes().into()),
+        ("left_out", left_out(log)),
     ]
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
+}
+
+/// The topics that were used of bags and MCAP files.
+fn topics(log: &Log) -> Value {
+    let one = |used: UsedTopic| json!({"topic": used.topic, "type": used.type_name, "used_for": used.used_for});
+    log.topics().map(one).collect()
+}
+
+fn left_out(log: &Log) -> Value {
+    let left_out = log.left_out();
+    json!({
+        "damages": left_out.damages,
+        "bytes_lost": left_out.bytes_lost,
+        "undecoded": left_out.undecoded,
+        "late": left_out.late,
+    })
 }
 
 fn spread(spread: &Spread) -> Object {

@@ -1,15 +1,16 @@
-//! The files of `estimate`: slip against time as a table or as a figure.
+//! The files of `estimate`: slip against time as a table, as a figure, or as messages.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{Row, Summary};
+use grouser_replay::{Row, Step, Summary, Take};
 use grouser_slip::Wheel;
 
 use super::estimate::replay_error;
 use super::estimate_figure::{Trace, draw};
+use super::estimate_mcap::Recording;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
 use crate::number::exact;
@@ -19,8 +20,9 @@ use crate::output::OutputFile;
 pub(super) struct Outputs {
     tables: Vec<OutputFile>,
     figures: Vec<Target>,
+    recordings: Vec<Recording>,
     traces: Vec<Trace>,
-    /// The table that could not be written.
+    /// The table or recording that could not be written.
     broken: Option<PathBuf>,
 }
 
@@ -30,6 +32,7 @@ impl Outputs {
         let mut outputs = Self {
             tables: Vec::new(),
             figures: Vec::new(),
+            recordings: Vec::new(),
             traces: wheels.iter().map(|_| Trace::default()).collect(),
             broken: None,
         };
@@ -41,28 +44,19 @@ impl Outputs {
                 outputs.tables.push(table);
             } else if is_figure(path) {
                 outputs.figures.push(Target::of(path)?);
+            } else if figure_file::ending(path).as_deref() == Some("mcap") {
+                outputs.recordings.push(Recording::begin(path, wheels)?);
             } else {
                 return Err(Error::usage(
-                    format!("{} does not end in `.csv`, `.svg` or `.png`", shown(path)),
+                    format!(
+                        "{} does not end in `.csv`, `.svg`, `.png` or `.mcap`",
+                        shown(path)
+                    ),
                     "the ending of an output's name chooses its format",
                 ));
             }
         }
         Ok(outputs)
-    }
-
-    /// One row more.
-    pub(super) fn take(&mut self, row: &Row<'_>) -> io::Result<()> {
-        if !self.figures.is_empty() {
-            self.traces[row.wheel].add(row.time_s, row.slip, row.slip_sigma);
-        }
-        for table in &mut self.tables {
-            if let Err(error) = write_row(table, row) {
-                self.broken = Some(table.path().to_owned());
-                return Err(error);
-            }
-        }
-        Ok(())
     }
 
     /// Why a replay ended that fed these files.
@@ -81,6 +75,9 @@ impl Outputs {
             table.finish()?;
             let _ = writeln!(said, "wrote {}", shown(&path));
         }
+        for recording in self.recordings {
+            said.push_str(&recording.finish()?);
+        }
         if !self.figures.is_empty() {
             let figure = draw(robot, summary, &self.traces);
             for target in self.figures {
@@ -92,6 +89,31 @@ impl Outputs {
         } else {
             format!("\n{said}")
         })
+    }
+}
+
+impl Take for Outputs {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        if !self.figures.is_empty() {
+            self.traces[row.wheel].add(row.time_s, row.slip, row.slip_sigma);
+        }
+        for table in &mut self.tables {
+            if let Err(error) = write_row(table, row) {
+                self.broken = Some(table.path().to_owned());
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        for recording in &mut self.recordings {
+            if let Err(error) = recording.step(step) {
+                self.broken = Some(recording.path().to_owned());
+                return Err(error);
+            }
+        }
+        Ok(())
     }
 }
 

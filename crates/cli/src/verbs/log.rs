@@ -1,20 +1,23 @@
-//! `log`: what a recorded log holds.
+//! `log`: what a recorded log holds, in another format, and what can be saved of a damaged one.
 
-use std::path::{Path, PathBuf};
+use std::fmt::Write as _; // writing to a string cannot fail
+use std::path::Path;
 
-use grouser_log::container::Container;
-use grouser_log::{Survey, Use};
+use grouser_log::container::{Damage, Format};
+use grouser_log::write::Copied;
 use serde_json::Value;
 
-use super::estimate::{log_error, note_input};
-use crate::error::{Error, Result};
-use crate::progress::Progress;
+use super::{log_convert, log_info, log_recover};
+use crate::error::{Error, Result, shown};
+use crate::figure_file::ending;
 use crate::report::{Object, Report};
 use crate::session::Session;
 use crate::table::Table;
 
 #[derive(clap::Args, Debug)]
-#[command(about = "Tell what a recorded log holds (MCAP, ROS 1 bag)")]
+#[command(
+    about = "Tell what a recorded log holds, convert it, recover a damaged one (MCAP, ROS 1 bag, CSV)"
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     job: Job,
@@ -22,179 +25,30 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand, Debug)]
 enum Job {
-    /// Topics, types, rates, gaps, clock jumps, damage, and what Grouser can use
-    Info {
-        /// The log: an MCAP file or a ROS 1 bag
-        #[arg(value_name = "FILE")]
-        file: PathBuf,
-    },
+    /// Topics or columns, types, rates, gaps, clock jumps, damage, and what Grouser can use
+    Info(log_info::Arguments),
+    /// Write a log in another format, chosen by the ending of OUT: .mcap, .bag, or .csv for one topic
+    Convert(log_convert::Arguments),
+    /// Write everything that can be read of a damaged MCAP file or bag, and say what is lost
+    Recover(log_recover::Arguments),
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     match &arguments.job {
-        Job::Info { file } => info(file, session),
+        Job::Info(arguments) => log_info::run(arguments, session),
+        Job::Convert(arguments) => log_convert::run(arguments, session),
+        Job::Recover(arguments) => log_recover::run(arguments, session),
     }
 }
 
-fn info(file: &Path, session: &mut Session) -> Result<Report> {
-    if Container::kind(file).map_err(log_error)?.is_none() {
-        return Err(Error::usage(
-            format!("{} is neither an MCAP file nor a ROS 1 bag", file.display()),
-            "tables of text are read by `estimate` through a column map",
-        ));
-    }
-    let length = std::fs::metadata(file).ok().map(|found| found.len());
-    let progress = Progress::of_bytes(length);
-    let mut shown = 0;
-    let survey = Survey::read(file, |offset| {
-        if offset > shown {
-            progress.advance(offset - shown);
-            shown = offset;
-        }
-    });
-    drop(progress);
-    let survey = survey.map_err(log_error)?;
-    note_input(session, file)?;
-    let mut report = Report::done(object(&survey), text(&survey));
-    if survey.damage_count > 0 {
-        report.warnings.push(format!(
-            "{} places are damaged, {} bytes are lost in them",
-            survey.damage_count, survey.bytes_lost
-        ));
-    }
-    Ok(report)
-}
-
-/// What an estimate of slip needs and the log does not have.
-fn lacks(survey: &Survey) -> Vec<&'static str> {
-    let needs = [
-        (
-            Use::Wheels,
-            "wheel angles or rates (sensor_msgs/JointState)",
-        ),
-        (Use::YawRate, "a yaw rate (sensor_msgs/Imu)"),
-        (
-            Use::Motion,
-            "a pose or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped)",
-        ),
-    ];
-    let missing = needs.into_iter().filter(|(wanted, _)| !survey.has(*wanted));
-    missing.map(|(_, words)| words).collect()
-}
-
-fn object(survey: &Survey) -> Object {
-    let topics = survey.topics.iter().map(|topic| {
-        let fields = [
-            ("type", Value::from(topic.channel.type_name.as_str())),
-            (
-                "encoding",
-                Value::from(topic.channel.encoding_name.as_str()),
-            ),
-            ("messages", Value::from(topic.messages)),
-            ("bytes", Value::from(topic.bytes)),
-            ("rate_hz", Value::from(topic.rate_hz)),
-            (
-                "intervals_of",
-                Value::from(if topic.stamped {
-                    "header.stamp"
-                } else {
-                    "log_time"
-                }),
-            ),
-            ("longest_interval_s", Value::from(topic.longest_s)),
-            ("gaps", Value::from(topic.gaps)),
-            ("clock_jumps", Value::from(topic.jumps)),
-            ("undecoded", Value::from(topic.undecoded)),
-            ("problem", Value::from(topic.problem.as_deref())),
-            ("use", Value::from(topic.use_for.map(Use::words))),
-            ("joints", Value::from(topic.joints.clone())),
-        ];
-        let mut object = keyed(fields);
-        object.insert("topic".into(), topic.channel.topic.as_str().into());
-        Value::Object(object)
-    });
-    let damages = survey.damages.iter().map(|damage| {
-        Value::Object(keyed([
-            ("offset", Value::from(damage.offset)),
-            ("bytes", Value::from(damage.bytes)),
-            ("what", Value::from(damage.what.as_str())),
-        ]))
-    });
-    keyed([
-        ("format", Value::from(survey.format.name())),
-        ("duration_s", Value::from(survey.duration_s())),
-        ("first_ns", Value::from(survey.first_ns)),
-        ("last_ns", Value::from(survey.last_ns)),
-        ("topics", topics.collect()),
-        ("lacks", lacks(survey).into()),
-        ("damage_count", Value::from(survey.damage_count)),
-        ("bytes_lost", Value::from(survey.bytes_lost)),
-        ("damages", damages.collect()),
-    ])
-}
-
-fn keyed<const N: usize>(fields: [(&str, Value); N]) -> Object {
+/// An object of these keys, in this order.
+pub(super) fn keyed<const N: usize>(fields: [(&str, Value); N]) -> Object {
     let fields = fields.into_iter();
     fields.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
-fn text(survey: &Survey) -> String {
-    let mut table = Table::new()
-        .text("topic")
-        .text("type")
-        .number("messages")
-        .number("Hz")
-        .number("longest s")
-        .number("gaps")
-        .number("jumps")
-        .text("use");
-    for topic in &survey.topics {
-        let rate = topic
-            .rate_hz
-            .map_or_else(|| "–".into(), |rate| format!("{rate:.2}"));
-        let use_for = match (&topic.problem, topic.use_for) {
-            (Some(problem), _) => format!("{} not decoded: {problem}", topic.undecoded),
-            (None, Some(use_for)) => use_for.words().to_owned(),
-            (None, None) => "–".to_owned(),
-        };
-        table.row([
-            printable(&topic.channel.topic),
-            printable(&topic.channel.type_name),
-            topic.messages.to_string(),
-            rate,
-            format!("{:.3}", topic.longest_s),
-            topic.gaps.to_string(),
-            topic.jumps.to_string(),
-            printable(&use_for),
-        ]);
-    }
-    let duration = survey
-        .duration_s()
-        .map_or_else(|| "no messages".to_owned(), |s| format!("{s:.3} s"));
-    let mut lines = vec![
-        format!("{}, {duration}", survey.format.name()),
-        String::new(),
-    ];
-    lines.push(table.render());
-    let missing = lacks(survey);
-    if missing.is_empty() {
-        lines.push("has wheels, yaw rate and motion".to_owned());
-    } else {
-        lines.push(format!("for slip it lacks {}", missing.join("; ")));
-    }
-    for damage in survey.damages.iter().take(20) {
-        lines.push(format!(
-            "damaged at byte {}, {} bytes lost: {}",
-            damage.offset,
-            damage.bytes,
-            printable(&damage.what)
-        ));
-    }
-    lines.join("\n") + "\n"
-}
-
 /// Names come from the file: what would move a terminal's cursor is shown, not sent.
-fn printable(text: &str) -> String {
+pub(super) fn printable(text: &str) -> String {
     let letters = text.chars();
     letters
         .map(|letter| {
@@ -205,4 +59,127 @@ fn printable(text: &str) -> String {
             }
         })
         .collect()
+}
+
+/// Places that could not be read, for JSON.
+pub(super) fn damages_object(damages: &[Damage]) -> Value {
+    let one = |damage: &Damage| {
+        Value::Object(keyed([
+            ("offset", Value::from(damage.offset)),
+            ("bytes", Value::from(damage.bytes)),
+            ("what", Value::from(damage.what.as_str())),
+        ]))
+    };
+    damages.iter().map(one).collect()
+}
+
+/// The same as lines, the first twenty.
+pub(super) fn damages_text(damages: &[Damage]) -> String {
+    let one = |damage: &Damage| {
+        format!(
+            "damaged at byte {}, {} bytes lost: {}\n",
+            damage.offset,
+            damage.bytes,
+            printable(&damage.what)
+        )
+    };
+    damages.iter().take(20).map(one).collect()
+}
+
+/// The format that the ending of an output's name chooses; `None` for a table.
+pub(super) fn target(path: &Path) -> Result<Option<Format>> {
+    match ending(path).as_deref() {
+        Some("mcap") => Ok(Some(Format::Mcap)),
+        Some("bag") => Ok(Some(Format::Bag)),
+        Some("csv") => Ok(None),
+        _ => Err(Error::usage(
+            format!("{} does not end in `.mcap`, `.bag` or `.csv`", shown(path)),
+            "the ending of the output's name chooses its format",
+        )),
+    }
+}
+
+/// Refuses to write over the file that is read.
+pub(super) fn refuse_same(input: &Path, output: &Path) -> Result<()> {
+    let whole = |path: &Path| std::fs::canonicalize(path).ok();
+    match (whole(input), whole(output)) {
+        (Some(a), Some(b)) if a == b => Err(Error::usage(
+            format!("{} would be written over itself", shown(input)),
+            "give the output another name: the input stays as it is",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What an operation on a log and its copy could not do.
+pub(super) fn copy_error(error: grouser_log::Error, output: &Path) -> Error {
+    match error {
+        grouser_log::Error::Output(reason) => Error::file("write", output, &reason),
+        error @ grouser_log::Error::Differs { .. } => Error::File {
+            action: "write",
+            path: output.to_owned(),
+            reason: error.to_string(),
+            hint: Some("the file was not kept; the input is as it was".to_owned()),
+        },
+        error => super::estimate::log_error(error),
+    }
+}
+
+/// What was copied, for JSON.
+pub(super) fn copied_object(copied: &Copied, output: &Path) -> Object {
+    let topic = |(topic, type_name, messages): &(String, String, u64)| {
+        Value::Object(keyed([
+            ("topic", Value::from(topic.as_str())),
+            ("type", Value::from(type_name.as_str())),
+            ("messages", Value::from(*messages)),
+        ]))
+    };
+    keyed([
+        ("status", Value::from(status(copied))),
+        ("from", Value::from(copied.from.name())),
+        ("output", Value::from(output.display().to_string())),
+        ("messages", Value::from(copied.messages)),
+        ("topics", copied.channels.iter().map(topic).collect()),
+        ("damage_count", Value::from(copied.damage_count)),
+        ("bytes_lost", Value::from(copied.bytes_lost)),
+        ("damages", damages_object(&copied.damages)),
+        ("attachments_left_out", Value::from(copied.attached)),
+        ("verified", Value::from(true)),
+    ])
+}
+
+fn status(copied: &Copied) -> &'static str {
+    if copied.is_partial() {
+        "partial"
+    } else {
+        "whole"
+    }
+}
+
+/// What was copied, as text.
+pub(super) fn copied_text(copied: &Copied, output: &Path) -> String {
+    let mut table = Table::new().text("topic").text("type").number("messages");
+    for (topic, type_name, messages) in &copied.channels {
+        table.row([printable(topic), printable(type_name), messages.to_string()]);
+    }
+    let mut text = table.render();
+    text.push('\n');
+    text.push_str(&damages_text(&copied.damages));
+    if copied.attached > 0 {
+        let _ = writeln!(
+            text,
+            "{} attachments and metadata records are left out",
+            copied.attached
+        );
+    }
+    let _ = writeln!(
+        text,
+        "wrote {}: {} messages, read again and found the same; {} places of the input are damaged, {} \
+         bytes are lost in them",
+        shown(output),
+        copied.messages,
+        copied.damage_count,
+        copied.bytes_lost
+    );
+    text
 }

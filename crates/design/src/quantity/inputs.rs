@@ -2,8 +2,8 @@
 
 use grouser_real::Scalar;
 use grouser_terra::{
-    Angle, Bekker, MohrCoulomb, Motion, Pressure, RigidWheel, SinkageExponent, Soil, SoilLaws,
-    SoilParams, WheelSize,
+    Angle, Bekker, LawChoice, MohrCoulomb, Motion, Pressure, RigidWheel, SinkageExponent, Soil,
+    SoilLaws, SoilParams, WheelSize,
 };
 
 use super::parameter::Parameter;
@@ -81,6 +81,10 @@ impl<R: Scalar> Inputs<R> {
             c_2: self.get(Parameter::C2),
             rebound: self.get(Parameter::Rebound),
             unit_weight: R::ZERO,
+            rear_driving: R::ZERO,
+            rear_drift: R::ZERO,
+            transport_layer: R::ZERO,
+            choice: LawChoice::default(),
         }
     }
 

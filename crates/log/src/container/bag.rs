@@ -2,8 +2,12 @@
 
 use std::io;
 
-use super::unpack::{Packing, unpack};
-use super::{CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, name_of, room_for};
+use super::scan::Scan;
+use super::unpack::Packing;
+use super::{
+    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, name_of,
+    room_for,
+};
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 
@@ -12,7 +16,7 @@ const BAG_HEADER: u8 = 3;
 const INDEX: u8 = 4;
 const CHUNK: u8 = 5;
 const CHUNK_INFO: u8 = 6;
-const CONNECTION: u8 = 7;
+pub(super) const CONNECTION: u8 = 7;
 /// The greatest header of a record, bytes.
 const HEADER_LIMIT: u64 = 1 << 20;
 /// How long the header of a chunk may be for it to be found after damage, bytes.
@@ -31,11 +35,11 @@ fn field<'a>(header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
     None
 }
 
-fn number(header: &[u8], name: &[u8]) -> Option<u32> {
+pub(super) fn number(header: &[u8], name: &[u8]) -> Option<u32> {
     field(header, name).and_then(|bytes| Fields(bytes).u32())
 }
 
-fn opcode(header: &[u8]) -> Option<u8> {
+pub(super) fn opcode(header: &[u8]) -> Option<u8> {
     match field(header, b"op")? {
         [op] => Some(*op),
         _ => None,
@@ -51,18 +55,15 @@ impl Container {
             self.bag_end(offset);
             return Ok(None);
         }
-        let mut head = Vec::new();
-        if offset > 0 && self.scan.left() >= MAGIC.len() as u64 {
-            self.scan.read(MAGIC.len() as u64, &mut head)?;
-            if head == MAGIC {
-                // A second bag behind the first.
-                self.bag_end(offset);
-                self.ids.clear();
-                (self.chunks, self.promised_chunks, self.index_at) = (0, None, None);
-                return Ok(None);
-            }
-            self.scan.go_to(offset)?;
+        if offset > 0 && self.scan.stands(MAGIC)? {
+            // A second bag behind the first.
+            self.bag_end(offset);
+            self.begin_file(offset);
+            (self.chunks, self.promised_chunks, self.index_at) = (0, None, None);
+            self.scan.skip(MAGIC.len() as u64)?;
+            return Ok(None);
         }
+        let mut head = Vec::new();
         if !self.scan.read(4, &mut head)? {
             return Ok(self.bag_cut(offset, "the file ends within a record"));
         }
@@ -99,6 +100,11 @@ impl Container {
                 "a record declares {length} bytes; {left} are left, the limit is {CHUNK_LIMIT}"
             );
             return self.bag_resume(offset, &what).map(|()| None);
+        }
+        if op == INDEX {
+            self.indexed(u64::from(number(&header, b"count").unwrap_or(0)));
+        } else {
+            self.settle();
         }
         match op {
             MESSAGE | CONNECTION => {
@@ -160,6 +166,8 @@ impl Container {
     }
 
     fn bag_chunk(&mut self, offset: u64, header: &[u8], length: u64, cut: bool) -> io::Result<()> {
+        self.settle();
+        self.tell_orphans();
         self.chunks += 1;
         let packing = field(header, b"compression").and_then(Packing::named);
         let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
@@ -172,27 +180,26 @@ impl Container {
         let mut content = std::mem::take(&mut self.chunk.content);
         let declared = u64::from(declared);
         let limit = room_for(declared, packing, &self.scan, &mut self.unfolded);
-        let unpacked = unpack(packing, &self.record, (declared, limit), &mut content);
+        let sizes = (declared, limit);
+        let unpacked = self
+            .unpacker
+            .unpack(packing, &self.record, sizes, &mut content);
         self.chunk = Chunk {
             content,
-            at: 0,
             offset,
             bytes: self.scan.offset() - offset,
             cut,
+            ..Chunk::default()
         };
         if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
             self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
             self.chunk.bytes = self.scan.offset() - offset;
-            self.lose(
-                offset,
-                self.chunk.bytes,
-                "the file ends within a chunk; its readable part is kept",
-            );
+            self.lose_of_chunk("the file ends within a chunk; its readable part is kept");
         } else if let Err(what) = unpacked {
             // A bag has no checksums: what came before the fault is kept.
             self.chunk.cut = true;
-            self.lose(offset, self.chunk.bytes, what);
+            self.lose_of_chunk(what);
         }
         Ok(())
     }
@@ -225,7 +232,7 @@ impl Container {
         }
     }
 
-    fn bag_content(
+    pub(super) fn bag_content(
         &mut self,
         op: u8,
         header: &[u8],
@@ -246,6 +253,14 @@ impl Container {
                     encoding: Encoding::Ros1,
                     encoding_name: "ros1".to_owned(),
                     definition_language: "ros1msg".to_owned(),
+                    metadata: [("md5sum", 64), ("callerid", 1024), ("latching", 8)]
+                        .into_iter()
+                        .filter_map(|(key, limit)| {
+                            let bytes = field(data, key.as_bytes())?;
+                            let text = std::str::from_utf8(bytes).ok()?;
+                            (text.len() <= limit).then(|| (key.to_owned(), text.to_owned()))
+                        })
+                        .collect(),
                     definition: self
                         .definition(field(data, b"message_definition").unwrap_or_default())?,
                 };
@@ -257,10 +272,15 @@ impl Container {
                 let (Some(s), Some(ns)) = (time.u32(), time.u32()) else {
                     return Err("a message has no time".to_owned());
                 };
+                if in_chunk {
+                    self.chunk.met += 1;
+                }
+                if !self.ids.contains_key(&id) {
+                    self.bag_spare(id);
+                }
                 let Some(&channel) = self.ids.get(&id) else {
-                    return Err(format!(
-                        "a message belongs to connection {id}, which is not there"
-                    ));
+                    self.orphan(id);
+                    return Ok(None);
                 };
                 let time_ns = u64::from(s) * 1_000_000_000 + u64::from(ns);
                 Ok(Some(Found {
@@ -276,6 +296,27 @@ impl Container {
             _ => Ok(None),
         }
     }
+}
+
+/// One small record with its header; whether there is one.
+pub(super) fn record(
+    scan: &mut Scan,
+    header: &mut Vec<u8>,
+    data: &mut Vec<u8>,
+) -> io::Result<bool> {
+    let mut length = Vec::new();
+    for part in [header, data] {
+        scan.read(4, &mut length)?;
+        match Fields(&length).u32().map(u64::from) {
+            Some(length) if length <= DECLARED_LIMIT as u64 => {
+                if !scan.read(length, part)? {
+                    return Ok(false);
+                }
+            }
+            _ => return Ok(false),
+        }
+    }
+    Ok(true)
 }
 
 /// Does a chunk begin here, by all that its header says?

@@ -1,9 +1,10 @@
 //! The records of MCAP.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::sync::Arc;
 
-use super::unpack::{Packing, unpack};
+use super::unpack::Packing;
 use super::{
     CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, Schema,
     name_of, room_for, too_many,
@@ -11,15 +12,21 @@ use super::{
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
-const FOOTER: u8 = 2;
-const SCHEMA: u8 = 3;
-const CHANNEL: u8 = 4;
+const HEADER: u8 = 1;
+pub(super) const FOOTER: u8 = 2;
+pub(super) const SCHEMA: u8 = 3;
+pub(super) const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
-const CHUNK: u8 = 6;
+pub(super) const CHUNK: u8 = 6;
+const MESSAGE_INDEX: u8 = 7;
+const ATTACHMENT: u8 = 9;
 const STATISTICS: u8 = 11;
-const DATA_END: u8 = 15;
+const METADATA: u8 = 12;
+pub(super) const DATA_END: u8 = 15;
 /// Opcode and length.
-const HEAD: u64 = 9;
+pub(super) const HEAD: u64 = 9;
+/// The longest text in a channel's metadata: ROS 2 puts its quality of service there.
+const METADATA_LIMIT: usize = 1 << 16;
 /// What a chunk has before its compression's name.
 const CHUNK_HEAD: u64 = 28;
 
@@ -40,9 +47,9 @@ impl Container {
         self.scan.read(HEAD.min(left), &mut head)?;
         if head.starts_with(&MAGIC) {
             // The end of one file, or the start of one put behind it.
-            self.scan.go_to(offset + MAGIC.len() as u64)?;
+            self.scan.go_to(offset + MAGIC.len() as u64);
             if self.scan.left() > 0 {
-                self.ids.clear();
+                self.begin_file(offset);
                 self.schemas.clear();
                 self.closed = false;
                 self.messages = 0;
@@ -51,7 +58,7 @@ impl Container {
             return Ok(None);
         }
         let mut fields = Fields(head.get(1..).unwrap_or_default());
-        let (opcode, Some(length)) = (head[0], fields.u64()) else {
+        let (Some(&opcode), Some(length)) = (head.first(), fields.u64()) else {
             self.ended = true;
             self.lose(offset, left, "the file ends within a record");
             return Ok(None);
@@ -67,7 +74,11 @@ impl Container {
                 .mcap_resume(passed_over.unwrap_or(offset), "no record begins here")
                 .map(|()| None);
         }
+        if opcode != MESSAGE_INDEX {
+            self.settle();
+        }
         if opcode == CHUNK {
+            self.tell_orphans();
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
                 .map(|()| None);
@@ -92,6 +103,13 @@ impl Container {
                     None
                 }));
             }
+            HEADER if length <= 1024 => {
+                let mut record = Vec::new();
+                self.scan.read(length, &mut record)?;
+                let profile = Fields(&record).counted().unwrap_or_default();
+                self.profile = String::from_utf8_lossy(profile).into_owned();
+            }
+            MESSAGE_INDEX => self.mcap_index(offset, length)?,
             STATISTICS => self.mcap_statistics(offset, length)?,
             DATA_END => self.mcap_data_end(offset, length, before)?,
             FOOTER => {
@@ -103,15 +121,31 @@ impl Container {
                 } else {
                     self.lose(offset, 0, "the footer is not followed by the magic bytes");
                     self.closed = true;
-                    self.scan.go_to(offset + HEAD + length)?;
+                    self.scan.go_to(offset + HEAD + length);
                 }
             }
             _ => {
+                self.attached += u64::from(matches!(opcode, ATTACHMENT | METADATA));
                 self.passed_over = Some(offset);
                 self.scan.skip(length)?;
             }
         }
         Ok(None)
+    }
+
+    /// How many messages of a channel the chunk before has.
+    fn mcap_index(&mut self, offset: u64, length: u64) -> io::Result<()> {
+        let mut record = Vec::new();
+        self.scan.read(length.min(6), &mut record)?;
+        self.scan.skip(length.saturating_sub(6))?;
+        self.passed_over = Some(offset);
+        let mut fields = Fields(&record);
+        if let (Some(_), Some(bytes)) = (fields.u16(), fields.u32())
+            && u64::from(bytes) + 6 == length
+        {
+            self.indexed(u64::from(bytes) / 16);
+        }
+        Ok(())
     }
 
     /// Are all messages there that the file says it holds?
@@ -176,7 +210,7 @@ impl Container {
                 );
                 return Ok(());
             }
-            return self.mcap_resume(offset, "the chunk is too short for its head");
+            return self.mcap_pass_chunk(offset, length, "the chunk is too short for its head");
         };
         let Some(packing) = Packing::named(name) else {
             let name = String::from_utf8_lossy(name)
@@ -184,7 +218,7 @@ impl Container {
                 .take(32)
                 .collect::<String>();
             let what = format!("the chunk is compressed as `{name}`, which is not known");
-            return self.mcap_resume(offset, &what);
+            return self.mcap_pass_chunk(offset, length, &what);
         };
         let rest = fields.0;
         if packed > rest.len() as u64 && !cut {
@@ -192,7 +226,7 @@ impl Container {
                 "the chunk holds {} bytes, but declares {packed}",
                 rest.len()
             );
-            return self.mcap_resume(offset, &what);
+            return self.mcap_pass_chunk(offset, length, &what);
         }
         // A chunk that declares more bytes than it holds would swallow its neighbours.
         let surplus = (rest.len() as u64).saturating_sub(packed);
@@ -201,14 +235,15 @@ impl Container {
             .min(usize::try_from(packed).unwrap_or(usize::MAX))];
         let limit = room_for(declared, packing, &self.scan, &mut self.unfolded);
         let mut content = std::mem::take(&mut self.chunk.content);
-        let unpacked = unpack(packing, packed, (declared, limit), &mut content);
+        let sizes = (declared, limit);
+        let unpacked = self.unpacker.unpack(packing, packed, sizes, &mut content);
         let found = crc32fast::hash(&content);
         self.chunk = Chunk {
             content,
-            at: 0,
             offset,
             bytes: HEAD + length,
             cut,
+            ..Chunk::default()
         };
         let wrong = if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
@@ -230,12 +265,32 @@ impl Container {
             None
         };
         if surplus > 0 && !cut {
-            self.scan.go_to(offset + HEAD + length - surplus)?;
+            self.scan.go_to(offset + HEAD + length - surplus);
             self.chunk.bytes -= surplus;
         }
         if let Some(what) = wrong {
-            self.lose(offset, self.chunk.bytes, what);
+            self.lose_of_chunk(what);
         }
+        Ok(())
+    }
+
+    /// Passes over a chunk that makes no sense, by its length if a record stands behind it.
+    fn mcap_pass_chunk(&mut self, offset: u64, length: u64, what: &str) -> io::Result<()> {
+        let left = self.scan.left();
+        let mut fields = Fields(self.scan.peek(9)?);
+        let opcode = fields.bytes(1).map(|opcode| opcode[0]);
+        let behind = fields.u64();
+        let sound = opcode.is_some_and(|opcode| (1..=DATA_END).contains(&opcode))
+            && behind.is_some_and(|length| length < left);
+        if !sound {
+            return self.mcap_resume(offset, what);
+        }
+        self.chunk = Chunk {
+            offset,
+            bytes: HEAD + length,
+            ..Chunk::default()
+        };
+        self.lose_of_chunk(what);
         Ok(())
     }
 
@@ -265,7 +320,7 @@ impl Container {
     }
 
     /// A record that may stand in a chunk; `base` is its place there.
-    fn mcap_content(
+    pub(super) fn mcap_content(
         &mut self,
         opcode: u8,
         content: &[u8],
@@ -306,6 +361,10 @@ impl Container {
                 let topic = name_of(fields.counted().ok_or_else(short)?, "a topic")?;
                 let encoding_name =
                     name_of(fields.counted().ok_or_else(short)?, "an encoding's name")?;
+                let metadata = metadata_of(&mut fields);
+                if schema != 0 && !self.schemas.contains_key(&schema) {
+                    self.mcap_spare(SCHEMA, schema);
+                }
                 let schema = match (schema, self.schemas.get(&schema)) {
                     (_, Some(found)) => Some(found),
                     (0, None) => None,
@@ -327,6 +386,7 @@ impl Container {
                     },
                     topic,
                     encoding_name,
+                    metadata,
                 };
                 self.enter(id.into(), channel).map(|()| None)
             }
@@ -335,10 +395,15 @@ impl Container {
                 let sequence = fields.u32().ok_or_else(short)?;
                 let log_time_ns = fields.u64().ok_or_else(short)?;
                 let publish_time_ns = fields.u64().ok_or_else(short)?;
+                if in_chunk {
+                    self.chunk.met += 1;
+                }
+                if !self.ids.contains_key(&id.into()) {
+                    self.mcap_spare(CHANNEL, id);
+                }
                 let Some(&channel) = self.ids.get(&id.into()) else {
-                    return Err(format!(
-                        "a message belongs to channel {id}, which is not there"
-                    ));
+                    self.orphan(id.into());
+                    return Ok(None);
                 };
                 self.messages += 1;
                 Ok(Some(Found {
@@ -354,6 +419,21 @@ impl Container {
             _ => Ok(None),
         }
     }
+}
+
+/// What a channel says of itself besides. What is too long or no text is left out: it decodes nothing.
+fn metadata_of(fields: &mut Fields<'_>) -> BTreeMap<String, String> {
+    let mut pairs = Fields(fields.counted().unwrap_or_default());
+    let mut metadata = BTreeMap::new();
+    while let (Some(key), Some(value)) = (pairs.counted(), pairs.counted()) {
+        let fits = key.len() <= METADATA_LIMIT && value.len() <= METADATA_LIMIT;
+        if let (true, Ok(key), Ok(value)) =
+            (fits, std::str::from_utf8(key), std::str::from_utf8(value))
+        {
+            metadata.insert(key.to_owned(), value.to_owned());
+        }
+    }
+    metadata
 }
 
 /// Does a chunk begin here, by all that its head says?

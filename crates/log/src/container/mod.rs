@@ -3,15 +3,18 @@
 mod bag;
 mod mcap;
 mod scan;
+mod spare;
 mod unpack;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::io::{Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use scan::Scan;
-use unpack::Packing;
+use spare::Spare;
+use unpack::{Packing, Unpacker};
 
 /// The greatest size of a record, and of a chunk that is not compressed, bytes.
 pub const CHUNK_LIMIT: u64 = 48 << 20;
@@ -51,6 +54,8 @@ pub struct Channel {
     pub definition_language: String,
     /// The definition of the type; equal ones of a file are held once.
     pub definition: Arc<[u8]>,
+    /// What else the file says of it: of an MCAP file its metadata, of a bag the fields of its connection.
+    pub metadata: BTreeMap<String, String>,
 }
 
 /// One message.
@@ -77,6 +82,8 @@ pub struct Damage {
     pub offset: u64,
     /// How many bytes of the file are lost there.
     pub bytes: u64,
+    /// How many messages are lost there, where the file tells: a chunk's index does, which stands behind it.
+    pub messages: Option<u64>,
     /// What is wrong.
     pub what: String,
 }
@@ -112,11 +119,11 @@ impl Format {
 }
 
 /// The greatest size of a chunk out of its compression, bytes, in a file of so many bytes: a small file
-/// may not unfold far. The chunk stands in memory beside the window of its decompressor, which may take
-/// twice as much, and all is to stay below 64 MiB and twice the file.
+/// may not unfold far. Beside it stand the packed chunk and what a message is decoded to, and all is to
+/// stay below 64 MiB and twice the file.
 #[must_use]
 pub const fn unpacked_limit(file_bytes: u64) -> u64 {
-    let limit = (16 << 20) + file_bytes / 2;
+    let limit = (32 << 20) + file_bytes / 2;
     if limit < CHUNK_LIMIT {
         limit
     } else {
@@ -148,6 +155,15 @@ struct Chunk {
     bytes: u64,
     /// Cut short: that its last record is too is no news.
     cut: bool,
+    /// How many of its messages were met.
+    met: u64,
+}
+
+/// The damage of a chunk until it is known how many messages are lost: the sum of its indexes, which
+/// stand behind it.
+struct Waiting {
+    damage: Damage,
+    indexed: Option<u64>,
 }
 
 /// A schema of an MCAP file.
@@ -171,9 +187,17 @@ pub struct Container {
     declared: usize,
     /// What all compressed chunks declared to unfold to, bytes.
     unfolded: u64,
+    unpacker: Unpacker,
     record: Vec<u8>,
     chunk: Chunk,
     damages: VecDeque<Damage>,
+    waiting: Option<Waiting>,
+    /// Messages of channels that are not there, by channel: where the first is, and how many.
+    orphans: BTreeMap<u32, (u64, u64)>,
+    /// Where this file begins: others may stand before it.
+    base: u64,
+    /// The declarations that the end of the file repeats; `None` until they are wanted.
+    spare: Option<Spare>,
     chunks: u64,
     promised_chunks: Option<u64>,
     index_at: Option<u64>,
@@ -183,6 +207,9 @@ pub struct Container {
     passed_over: Option<u64>,
     /// Messages of this file so far.
     messages: u64,
+    attached: u64,
+    /// Whose conventions an MCAP file says it follows.
+    profile: String,
 }
 
 impl Container {
@@ -191,17 +218,7 @@ impl Container {
     /// # Errors
     /// What the system refuses.
     pub fn kind(path: &Path) -> Result<Option<Format>> {
-        let mut start = Vec::new();
-        let mut scan = Scan::open(path)?;
-        scan.read(16, &mut start)
-            .map_err(|source| unreadable(path, source))?;
-        Ok(if start.starts_with(&mcap::MAGIC[..5]) {
-            Some(Format::Mcap)
-        } else if start.starts_with(b"#ROSBAG") {
-            Some(Format::Bag)
-        } else {
-            None
-        })
+        kind(&mut Scan::open(path)?).map_err(|source| unreadable(path, source))
     }
 
     /// Opens a file.
@@ -209,18 +226,31 @@ impl Container {
     /// # Errors
     /// [`Error::Version`] for another version of the format, [`Error::NotALog`] for another kind of file.
     pub fn open(path: &Path) -> Result<Self> {
+        Self::begin(path, Scan::open(path)?)
+    }
+
+    /// Reads from anything that can be read from any place, such as bytes in memory; `name` is what errors
+    /// call it.
+    ///
+    /// # Errors
+    /// As [`Container::open`].
+    pub fn over(name: &Path, source: impl Read + Seek + Send + 'static) -> Result<Self> {
+        let scan = Scan::over(source).map_err(|source| unreadable(name, source))?;
+        Self::begin(name, scan)
+    }
+
+    fn begin(path: &Path, mut scan: Scan) -> Result<Self> {
         let file = || path.display().to_string();
-        let Some(format) = Self::kind(path)? else {
+        let failed = |source| unreadable(path, source);
+        let Some(format) = kind(&mut scan).map_err(failed)? else {
             return Err(Error::NotALog { file: file() });
         };
-        let mut scan = Scan::open(path)?;
         let (magic, version): (&[u8], _) = match format {
             Format::Mcap => (&mcap::MAGIC, 5..6),
             Format::Bag => (bag::MAGIC, 9..12),
         };
         let mut start = Vec::new();
-        scan.read(magic.len() as u64, &mut start)
-            .map_err(|source| unreadable(path, source))?;
+        scan.read(magic.len() as u64, &mut start).map_err(failed)?;
         if start != magic {
             let found = start.get(version.clone()).unwrap_or_default();
             return Err(Error::Version {
@@ -240,9 +270,14 @@ impl Container {
             definitions: BTreeSet::new(),
             declared: 0,
             unfolded: 0,
+            unpacker: Unpacker::new(),
             record: Vec::new(),
             chunk: Chunk::default(),
             damages: VecDeque::new(),
+            waiting: None,
+            orphans: BTreeMap::new(),
+            base: 0,
+            spare: None,
             chunks: 0,
             promised_chunks: None,
             index_at: None,
@@ -250,6 +285,8 @@ impl Container {
             ended: false,
             passed_over: None,
             messages: 0,
+            attached: 0,
+            profile: String::new(),
         })
     }
 
@@ -269,6 +306,21 @@ impl Container {
     #[must_use]
     pub fn offset(&self) -> u64 {
         self.scan.offset()
+    }
+
+    /// Whose conventions the messages follow, by what was read so far: `ros1`, `ros2` or nothing.
+    #[must_use]
+    pub fn profile(&self) -> &str {
+        match self.format {
+            Format::Mcap => &self.profile,
+            Format::Bag => "ros1",
+        }
+    }
+
+    /// How many attachments and metadata records of an MCAP file were passed over.
+    #[must_use]
+    pub fn attached(&self) -> u64 {
+        self.attached
     }
 
     /// What comes next, in the order of the file; `None` at its end.
@@ -292,7 +344,12 @@ impl Container {
                 continue;
             }
             if self.ended {
-                return None;
+                self.settle();
+                self.tell_orphans();
+                if self.damages.is_empty() {
+                    return None;
+                }
+                continue;
             }
             let found = match self.format {
                 Format::Mcap => self.mcap_record(),
@@ -322,20 +379,81 @@ impl Container {
         }))
     }
 
+    /// Another file begins at `offset`: nothing that was declared holds there.
+    fn begin_file(&mut self, offset: u64) {
+        self.settle();
+        self.tell_orphans();
+        self.ids.clear();
+        self.base = offset;
+        self.spare = None;
+    }
+
     fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {
+        self.settle();
         self.damages.push_back(Damage {
             offset,
             bytes,
+            messages: None,
             what: what.into(),
         });
     }
 
+    /// Tells what is wrong with the chunk, once it is known how many messages that costs.
+    fn lose_of_chunk(&mut self, what: impl Into<String>) {
+        self.settle();
+        self.waiting = Some(Waiting {
+            damage: Damage {
+                offset: self.chunk.offset,
+                bytes: self.chunk.bytes,
+                messages: None,
+                what: what.into(),
+            },
+            indexed: None,
+        });
+    }
+
+    /// The index of the chunk names so many more messages.
+    fn indexed(&mut self, messages: u64) {
+        if let Some(waiting) = &mut self.waiting {
+            let before = waiting.indexed.unwrap_or(0);
+            waiting.indexed = Some(before.saturating_add(messages));
+        }
+    }
+
+    /// No more indexes follow.
+    fn settle(&mut self) {
+        if let Some(Waiting {
+            mut damage,
+            indexed,
+        }) = self.waiting.take()
+        {
+            damage.messages = indexed.map(|indexed| indexed.saturating_sub(self.chunk.met));
+            self.damages.push_back(damage);
+        }
+    }
+
+    /// A message of channel `id`, which is not there.
+    fn orphan(&mut self, id: u32) {
+        let offset = self.chunk.offset;
+        self.orphans.entry(id).or_insert((offset, 0)).1 += 1;
+    }
+
+    fn tell_orphans(&mut self) {
+        for (id, (offset, count)) in std::mem::take(&mut self.orphans) {
+            self.damages.push_back(Damage {
+                offset,
+                bytes: 0,
+                messages: Some(count),
+                what: format!("{count} messages belong to channel {id}, which is not there"),
+            });
+        }
+    }
+
     /// Gives up the rest of the chunk.
     fn lose_chunk(&mut self, what: impl Into<String>) {
-        let (offset, bytes, cut) = (self.chunk.offset, self.chunk.bytes, self.chunk.cut);
         self.chunk.at = self.chunk.content.len();
-        if !cut {
-            self.lose(offset, bytes, what);
+        if !self.chunk.cut {
+            self.lose_of_chunk(what);
         }
     }
 
@@ -364,7 +482,9 @@ impl Container {
                     &channel.encoding_name,
                     &channel.definition_language,
                 ];
-                self.declare(names.iter().map(|name| name.len()).sum())?;
+                let metadata = channel.metadata.iter();
+                let named: usize = names.iter().map(|name| name.len()).sum();
+                self.declare(named + metadata.map(|(a, b)| a.len() + b.len()).sum::<usize>())?;
                 self.channels.push(channel);
                 self.channels.len() - 1
             }
@@ -425,6 +545,17 @@ fn name_of(bytes: &[u8], what: &str) -> std::result::Result<String, String> {
     }
     let name = std::str::from_utf8(bytes).map_err(|_| format!("{what} is not UTF-8 text"))?;
     Ok(name.to_owned())
+}
+
+fn kind(scan: &mut Scan) -> std::io::Result<Option<Format>> {
+    let start = scan.peek(16)?;
+    Ok(if start.starts_with(&mcap::MAGIC[..5]) {
+        Some(Format::Mcap)
+    } else if start.starts_with(b"#ROSBAG") {
+        Some(Format::Bag)
+    } else {
+        None
+    })
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> Error {

@@ -1,8 +1,8 @@
 //! A file read from front to back with its offsets, never trusting a declared length.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use grouser_files::regular;
 
@@ -10,9 +10,35 @@ use crate::error::Result;
 
 const WINDOW: usize = 1 << 16;
 
+/// What a log is read from: a file, or anything that can be read from any place.
+pub(super) trait Source: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> Source for T {}
+
+/// One source under several readers, each of which knows its own place.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Box<dyn Source>>>);
+
+impl Shared {
+    /// What stands at `offset`, as much as comes at once.
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        source.seek(SeekFrom::Start(offset))?;
+        loop {
+            match source.read(buffer) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                done => return done,
+            }
+        }
+    }
+}
+
 /// Where the reading stands, how far the file goes, and the CRC of what went by.
 pub(super) struct Scan {
-    file: BufReader<File>,
+    source: Shared,
+    /// What the file has from `start` on.
+    window: Vec<u8>,
+    start: u64,
     offset: u64,
     length: u64,
     /// `None` once bytes were skipped.
@@ -22,18 +48,34 @@ pub(super) struct Scan {
 impl Scan {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let file = regular::open(path)?;
-        let length = file.metadata().map(|found| found.len()).map_err(|source| {
-            grouser_files::Error::Unreadable {
-                file: path.display().to_string(),
-                source,
-            }
-        })?;
+        Self::over(file).map_err(|source| {
+            let file = path.display().to_string();
+            grouser_files::Error::Unreadable { file, source }.into()
+        })
+    }
+
+    pub(super) fn over(mut source: impl Source + 'static) -> io::Result<Self> {
+        let length = source.seek(SeekFrom::End(0))?;
         Ok(Self {
-            file: BufReader::with_capacity(WINDOW, file),
+            source: Shared(Arc::new(Mutex::new(Box::new(source)))),
+            window: Vec::new(),
+            start: 0,
             offset: 0,
             length,
             crc: None,
         })
+    }
+
+    /// A second scan of the same file that stands at `offset`, with a CRC from there.
+    pub(super) fn beside(&self, offset: u64) -> Self {
+        Self {
+            source: self.source.clone(),
+            window: Vec::new(),
+            start: 0,
+            offset,
+            length: self.length,
+            crc: Some(crc32fast::Hasher::new()),
+        }
     }
 
     pub(super) fn offset(&self) -> u64 {
@@ -62,15 +104,62 @@ impl Scan {
     /// what the file holds, not with `count`.
     pub(super) fn read(&mut self, count: u64, buffer: &mut Vec<u8>) -> io::Result<bool> {
         buffer.clear();
-        let before = buffer.len();
-        let read = (&mut self.file).take(count).read_to_end(buffer);
-        let got = buffer.len() - before;
-        self.offset += got as u64;
+        let want = usize::try_from(count.min(self.left())).unwrap_or(usize::MAX);
+        buffer
+            .try_reserve_exact(want)
+            .map_err(|_| io::ErrorKind::OutOfMemory)?;
+        while buffer.len() < want {
+            let rest = want - buffer.len();
+            let here = self.here();
+            if !here.is_empty() {
+                let taken = &here[..here.len().min(rest)];
+                buffer.extend_from_slice(taken);
+                self.offset += taken.len() as u64;
+            } else if rest < WINDOW {
+                self.fill()?;
+            } else {
+                let begin = buffer.len();
+                buffer.resize(want, 0);
+                let got = self.source.read_at(self.offset, &mut buffer[begin..]);
+                buffer.truncate(begin + *got.as_ref().unwrap_or(&0));
+                self.advance(got?);
+            }
+            if self.left() == 0 {
+                break;
+            }
+        }
         if let Some(crc) = &mut self.crc {
             crc.update(buffer);
         }
-        read?;
-        Ok(got as u64 == count)
+        Ok(buffer.len() as u64 == count)
+    }
+
+    /// What the window has from where the scan stands.
+    fn here(&self) -> &[u8] {
+        let at = self
+            .offset
+            .checked_sub(self.start)
+            .and_then(|at| usize::try_from(at).ok());
+        at.and_then(|at| self.window.get(at..)).unwrap_or_default()
+    }
+
+    fn fill(&mut self) -> io::Result<()> {
+        self.window.resize(WINDOW, 0);
+        self.start = self.offset;
+        let got = self.source.read_at(self.offset, &mut self.window);
+        self.window.truncate(*got.as_ref().unwrap_or(&0));
+        if got? == 0 {
+            self.advance(0);
+        }
+        Ok(())
+    }
+
+    /// A file that has become shorter ends where it gives no more.
+    fn advance(&mut self, got: usize) {
+        self.offset += got as u64;
+        if got == 0 {
+            self.length = self.offset;
+        }
     }
 
     /// Passes over `count` bytes.
@@ -88,11 +177,23 @@ impl Scan {
     }
 
     /// Goes to `offset`; the CRC of the whole is lost.
-    pub(super) fn go_to(&mut self, offset: u64) -> io::Result<()> {
+    pub(super) fn go_to(&mut self, offset: u64) {
         self.crc = None;
-        self.file.seek(SeekFrom::Start(offset))?;
         self.offset = offset;
-        Ok(())
+    }
+
+    /// What stands here, `count` bytes or fewer.
+    pub(super) fn peek(&mut self, count: usize) -> io::Result<&[u8]> {
+        if self.here().len() < count && self.left() > self.here().len() as u64 {
+            self.fill()?;
+        }
+        let here = self.here();
+        Ok(&here[..here.len().min(count)])
+    }
+
+    /// Does `what` stand here?
+    pub(super) fn stands(&mut self, what: &[u8]) -> io::Result<bool> {
+        Ok(self.peek(what.len())? == what)
     }
 
     /// The first place at or after `from` where `fits` finds a record, given what stands there and how
@@ -106,7 +207,7 @@ impl Scan {
         let mut at = from;
         let mut window = Vec::new();
         while at < self.length {
-            self.go_to(at)?;
+            self.go_to(at);
             self.read((WINDOW + reach) as u64, &mut window)?;
             if window.is_empty() {
                 break;
@@ -115,13 +216,13 @@ impl Scan {
             for start in 0..starts {
                 let place = at + start as u64;
                 if fits(&window[start..], self.length - place) {
-                    self.go_to(place)?;
+                    self.go_to(place);
                     return Ok(Some(place));
                 }
             }
             at += starts as u64;
         }
-        self.go_to(self.length)?;
+        self.go_to(self.length);
         Ok(None)
     }
 }

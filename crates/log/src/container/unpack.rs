@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use ruzstd::decoding::StreamingDecoder;
+use zrip_decode::context::DecompressContext;
 
 /// How a chunk is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,46 +25,66 @@ impl Packing {
     }
 }
 
-/// Unpacks into `out` what can be unpacked of `packed`, whose content must have `declared` bytes and
-/// may have at most `limit`; what is wrong, if anything is.
-pub(super) fn unpack(
-    packing: Packing,
-    packed: &[u8],
-    (declared, limit): (u64, u64),
-    out: &mut Vec<u8>,
-) -> Result<(), String> {
-    out.clear();
-    if declared > limit {
-        return Err(format!(
-            "the chunk declares {declared} bytes, more than the limit of {limit}"
-        ));
+/// Room that the decoder of zstd wants behind its output, bytes.
+const BEHIND: u64 = 256;
+
+/// The decompressors, whose tables are kept from chunk to chunk.
+pub(super) struct Unpacker {
+    zstd: DecompressContext,
+}
+
+impl Unpacker {
+    pub(super) fn new() -> Self {
+        Self {
+            zstd: DecompressContext::new(),
+        }
     }
-    // At once and not by doubling, which would hold up to three times as much.
-    let room = usize::try_from(declared + 1).unwrap_or(usize::MAX);
-    out.try_reserve_exact(room)
-        .map_err(|error| error.to_string())?;
-    let mut read = |from: &mut dyn Read| {
-        let read = from.take(declared + 1).read_to_end(out);
-        read.map_err(|error| format!("the chunk cannot be decompressed: {error}"))
-    };
-    let done = match packing {
-        Packing::None => read(&mut &*packed),
-        Packing::Bzip2 => read(&mut bzip2::read::BzDecoder::new(packed)),
-        Packing::Lz4 => read(&mut lz4_flex::frame::FrameDecoder::new(packed)),
-        Packing::Zstd => match StreamingDecoder::new_with_max_window_size(packed, limit) {
-            Ok(mut decoder) => read(&mut decoder),
-            Err(error) => Err(format!("the chunk cannot be decompressed: {error}")),
-        },
-    };
-    done?;
-    let found = out.len() as u64;
-    if found == declared {
-        return Ok(());
+
+    /// Unpacks into `out` what can be unpacked of `packed`, whose content must have `declared` bytes and
+    /// may have at most `limit`; what is wrong, if anything is.
+    pub(super) fn unpack(
+        &mut self,
+        packing: Packing,
+        packed: &[u8],
+        (declared, limit): (u64, u64),
+        out: &mut Vec<u8>,
+    ) -> Result<(), String> {
+        out.clear();
+        if declared > limit {
+            return Err(format!(
+                "the chunk declares {declared} bytes, more than the limit of {limit}"
+            ));
+        }
+        // At once and not by doubling, which would hold up to three times as much.
+        let room = usize::try_from(declared + BEHIND).unwrap_or(usize::MAX);
+        out.try_reserve_exact(room)
+            .map_err(|error| error.to_string())?;
+        let faulty =
+            |error: &dyn std::error::Error| format!("the chunk cannot be decompressed: {error}");
+        let mut read = |from: &mut dyn Read| {
+            let read = from.take(declared + 1).read_to_end(out);
+            read.map(|_| ()).map_err(|error| faulty(&error))
+        };
+        match packing {
+            Packing::None => read(&mut &*packed)?,
+            Packing::Bzip2 => read(&mut bzip2::read::BzDecoder::new(packed))?,
+            Packing::Lz4 => read(&mut lz4_flex::frame::FrameDecoder::new(packed))?,
+            // Straight to where it belongs: no window is held beside the content.
+            Packing::Zstd => {
+                let most = usize::try_from(declared).unwrap_or(usize::MAX);
+                let done = self.zstd.decompress_into_with_limit(packed, out, most);
+                done.map_err(|error| faulty(&error))?;
+            }
+        }
+        let found = out.len() as u64;
+        if found == declared {
+            return Ok(());
+        }
+        out.truncate(usize::try_from(declared).unwrap_or(usize::MAX));
+        Err(if found > declared {
+            format!("the chunk holds more than the {declared} bytes that it declares")
+        } else {
+            format!("the chunk holds {found} bytes, but declares {declared}")
+        })
     }
-    out.truncate(usize::try_from(declared).unwrap_or(usize::MAX));
-    Err(if found > declared {
-        format!("the chunk holds more than the {declared} bytes that it declares")
-    } else {
-        format!("the chunk holds {found} bytes, but declares {declared}")
-    })
 }

@@ -6,5 +6,8 @@ mod number;
 mod reader;
 mod row;
 
+pub(crate) use fields::split;
 pub use lines::LINE_LIMIT;
+pub(crate) use lines::Lines;
+pub(crate) use number::finite;
 pub(crate) use reader::CsvReader;

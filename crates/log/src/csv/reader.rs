@@ -31,7 +31,7 @@ pub(crate) struct CsvReader {
     separator: u8,
     fields: Vec<(usize, usize)>,
     source: usize,
-    ordered: Ordered,
+    ordered: Ordered<Record>,
     rows: u64,
     done: bool,
 }
@@ -79,7 +79,7 @@ impl CsvReader {
             .map(|column| find(&names, &column.column, &header))
             .collect::<Result<Vec<usize>>>()?;
         Ok(Self {
-            plan: Plan::new(table, time, &places, wheels),
+            plan: Plan::new(table, time, places, wheels),
             lines,
             names,
             separator: table.separator,
@@ -133,11 +133,14 @@ impl CsvReader {
         let (source, ordered) = (self.source, &mut self.ordered);
         self.plan
             .readings(field, |reading| {
-                ordered.push(Record {
+                ordered.push(
                     time_ns,
-                    source,
-                    reading,
-                });
+                    Record {
+                        time_ns,
+                        source,
+                        reading,
+                    },
+                );
             })
             .map_err(bad)?;
         self.rows += 1;
@@ -160,7 +163,7 @@ impl Iterator for CsvReader {
                 }
             }
         }
-        self.ordered.pop().map(Ok)
+        self.ordered.pop().map(|(_, record)| Ok(record))
     }
 }
 

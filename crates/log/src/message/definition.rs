@@ -59,12 +59,25 @@ struct Draft<'a> {
 }
 
 impl Definition {
-    /// Reads a definition: the message's own text, then each other type after a line of `=` and a line
-    /// `MSG: package/Type`.
+    /// Reads a definition of ROS 2: the message's own text, then each other type after a line of `=` and
+    /// a line `MSG: package/Type`.
     ///
     /// # Errors
     /// [`MessageError::Definition`].
     pub fn parse(type_name: &str, text: &str) -> Result<Self, MessageError> {
+        // An octet: without sign.
+        Self::read(type_name, text, Kind::UInt(1))
+    }
+
+    /// As [`Definition::parse`], of ROS 1: there a `byte` is an `int8`.
+    ///
+    /// # Errors
+    /// [`MessageError::Definition`].
+    pub fn parse_ros1(type_name: &str, text: &str) -> Result<Self, MessageError> {
+        Self::read(type_name, text, Kind::Int(1))
+    }
+
+    fn read(type_name: &str, text: &str, byte: Kind) -> Result<Self, MessageError> {
         let wrong = |what: String| MessageError::Definition {
             type_name: type_name.to_owned(),
             what,
@@ -96,7 +109,7 @@ impl Definition {
         for draft in &drafts {
             let mut fields = Vec::new();
             for line in &draft.lines {
-                fields.extend(read_field(line, &draft.name, &mut names).map_err(wrong)?);
+                fields.extend(read_field(line, &draft.name, byte, &mut names).map_err(wrong)?);
             }
             if fields.len() > COUNT_LIMIT {
                 return Err(wrong(format!("more than {COUNT_LIMIT} fields")));
@@ -159,7 +172,12 @@ pub(super) fn short(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
 }
 
-fn read_field(line: &str, own: &str, names: &mut Vec<String>) -> Result<Option<Field>, String> {
+fn read_field(
+    line: &str,
+    own: &str,
+    byte: Kind,
+    names: &mut Vec<String>,
+) -> Result<Option<Field>, String> {
     let bare = line.split('#').next().unwrap_or("").trim();
     let Some((kind, rest)) = bare.split_once(char::is_whitespace) else {
         return if bare.is_empty() {
@@ -195,7 +213,8 @@ fn read_field(line: &str, own: &str, names: &mut Vec<String>) -> Result<Option<F
     let kind = match kind.split("<=").next().unwrap_or(kind) {
         "bool" => Kind::Bool,
         "int8" => Kind::Int(1),
-        "byte" | "char" | "uint8" => Kind::UInt(1),
+        "byte" => byte,
+        "char" | "uint8" => Kind::UInt(1),
         "int16" => Kind::Int(2),
         "uint16" => Kind::UInt(2),
         "int32" => Kind::Int(4),

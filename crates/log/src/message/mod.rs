@@ -1,10 +1,15 @@
 //! Messages by their definition, not by a list of known types.
 
+pub mod build;
 mod cdr;
+mod covariance;
 mod definition;
+mod encode;
+pub mod known;
 mod value;
 mod view;
 
+pub use covariance::Trust;
 pub use definition::Definition;
 pub use value::Value;
 pub use view::{Imu, JointState, Odometry, Transform, View};
@@ -46,6 +51,14 @@ pub enum MessageError {
         /// The limit, bytes.
         limit: usize,
     },
+    /// A value that is not what its field holds, on writing.
+    #[error("`{field}` is not what the definition says: {expected}")]
+    Unfit {
+        /// The field.
+        field: String,
+        /// What it should be.
+        expected: String,
+    },
     /// More elements than the limit.
     #[error("the message has more than {limit} elements by `{field}`")]
     TooMany {
@@ -82,12 +95,16 @@ impl Decoder {
             Encoding::Ros1 | Encoding::Cdr => {
                 let text = String::from_utf8_lossy(&channel.definition);
                 let language = channel.definition_language.as_str();
-                if !matches!(language, "ros1msg" | "ros2msg") {
-                    return Err(MessageError::Layout {
-                        found: format!("the schema language `{language}`"),
-                    });
-                }
-                Some(Definition::parse(&channel.type_name, &text)?)
+                let name = &channel.type_name;
+                Some(match language {
+                    "ros1msg" => Definition::parse_ros1(name, &text)?,
+                    "ros2msg" => Definition::parse(name, &text)?,
+                    _ => {
+                        return Err(MessageError::Layout {
+                            found: format!("the schema language `{language}`"),
+                        });
+                    }
+                })
             }
             Encoding::Other => {
                 return Err(MessageError::Layout {

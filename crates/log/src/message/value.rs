@@ -27,18 +27,59 @@ pub enum Value {
 }
 
 impl Value {
-    /// A field by its path: `twist.twist.linear.x`.
+    /// A field by its path: `twist.twist.linear.x`, `transforms[0].child_frame_id`.
     #[must_use]
     pub fn at(&self, path: &str) -> Option<&Self> {
-        path.split('.').try_fold(self, |value, name| match value {
-            Self::Struct(fields) => {
-                let mut fields = fields.iter();
-                fields
-                    .find(|(own, _)| &**own == name)
-                    .map(|(_, value)| value)
-            }
-            _ => None,
+        path.split('.').try_fold(self, |value, step| {
+            let (name, places) = step.split_at(step.find('[').unwrap_or(step.len()));
+            let Self::Struct(fields) = value else {
+                return None;
+            };
+            let (_, field) = fields.iter().find(|(own, _)| &**own == name)?;
+            places
+                .split_terminator(']')
+                .try_fold(field, |value, place| match value {
+                    Self::Array(values) => {
+                        values.get(place.strip_prefix('[')?.parse::<usize>().ok()?)
+                    }
+                    _ => None,
+                })
         })
+    }
+
+    /// A number by its path, truth values as 0 and 1; also one of an array of bytes.
+    #[must_use]
+    pub fn number_at(&self, path: &str) -> Option<f64> {
+        match self.whole_at(path) {
+            Some(Self::Bool(value)) => Some(f64::from(u8::from(value))),
+            Some(value) => value.number(),
+            None => self.at(path)?.number(),
+        }
+    }
+
+    /// A whole number by its path, as the bits of a counter; a signed one is cast.
+    #[must_use]
+    pub fn count_at(&self, path: &str) -> Option<u64> {
+        match self.whole_at(path)? {
+            Self::UInt(value) => Some(value),
+            Self::Int(value) => Some(value.cast_unsigned()),
+            _ => None,
+        }
+    }
+
+    fn whole_at(&self, path: &str) -> Option<Self> {
+        match self.at(path) {
+            Some(value @ (Self::Bool(_) | Self::Int(_) | Self::UInt(_))) => Some(value.clone()),
+            Some(_) => None,
+            None => {
+                let (array, place) = path.strip_suffix(']')?.rsplit_once('[')?;
+                let Self::Bytes(bytes) = self.at(array)? else {
+                    return None;
+                };
+                let byte = bytes.get(place.parse::<usize>().ok()?)?;
+                Some(Self::UInt((*byte).into()))
+            }
+        }
     }
 
     /// It as a number.

@@ -2,8 +2,9 @@
 //!
 //! Frames and units by REP 103 and REP 105: SI, radians, x forwards, y left, z up.
 
-use super::Value;
+use super::covariance::Trust;
 use super::definition::short;
+use super::{Value, known};
 
 /// A view of a well-known message.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,22 @@ pub enum View {
     },
     /// `tf2_msgs/TFMessage` or `tf/tfMessage`.
     Transforms(Vec<Transform>),
+    /// `grouser_msgs/WheelTicks`: counters by joint, their bits as 64-bit numbers without sign.
+    WheelTicks {
+        /// Names.
+        names: Vec<String>,
+        /// Counters.
+        ticks: Vec<u64>,
+    },
+    /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame.
+    Displacement {
+        /// m.
+        forward: f64,
+        /// m.
+        left: f64,
+        /// rad; `None` where it was not measured.
+        turn: Option<f64>,
+    },
 }
 
 /// Joints by name; an array that the message leaves empty is empty here.
@@ -53,6 +70,8 @@ pub struct JointState {
     pub position: Vec<f64>,
     /// rad/s.
     pub velocity: Vec<f64>,
+    /// N m.
+    pub effort: Vec<f64>,
 }
 
 /// An inertial reading in its own frame.
@@ -64,6 +83,8 @@ pub struct Imu {
     pub orientation: Option<[f64; 4]>,
     /// rad/s; `None` where the covariance begins with -1.
     pub angular_rate: Option<[f64; 3]>,
+    /// What the variances on the covariance's diagonal say of each rate.
+    pub angular_rate_trust: [Trust; 3],
     /// m/s², gravity included; `None` where the covariance begins with -1.
     pub acceleration: Option<[f64; 3]>,
 }
@@ -83,6 +104,10 @@ pub struct Odometry {
     pub linear: [f64; 3],
     /// rad/s.
     pub angular: [f64; 3],
+    /// What the variances say of x, y and yaw.
+    pub pose_trust: [Trust; 3],
+    /// What the variances say of the speed forwards, to the left, and of the yaw rate.
+    pub twist_trust: [Trust; 3],
 }
 
 /// One transform of a tree of frames.
@@ -108,6 +133,20 @@ fn quaternion(value: &Value, path: &str) -> Option<[f64; 4]> {
     Some([x, y, z, value.at(path)?.at("w")?.number()?])
 }
 
+/// What the variances at these places of a covariance say; a covariance that is not there says nothing.
+fn trust(value: &Value, path: &str, places: [usize; 3]) -> [Trust; 3] {
+    let covariance = value.at(path).and_then(Value::elements).unwrap_or_default();
+    places.map(|place| {
+        let variance = covariance.get(place).and_then(Value::number);
+        Trust::of(variance.unwrap_or(0.0))
+    })
+}
+
+fn names(value: &Value) -> Option<Vec<String>> {
+    let names = value.at("name")?.elements()?.iter();
+    names.map(|name| Some(name.text()?.to_owned())).collect()
+}
+
 fn text(value: &Value, path: &str) -> String {
     value
         .at(path)
@@ -131,6 +170,8 @@ impl View {
                 | "geometry_msgs/PoseStamped"
                 | "tf2_msgs/TFMessage"
                 | "tf/tfMessage"
+                | known::WHEEL_TICKS
+                | known::DISPLACEMENT
         )
     }
 
@@ -144,21 +185,17 @@ impl View {
             })
         };
         match short(type_name).as_str() {
-            "sensor_msgs/JointState" => {
-                let names = value.at("name")?.elements()?.iter();
-                Some(Self::JointState(JointState {
-                    names: names
-                        .map(|name| Some(name.text()?.to_owned()))
-                        .collect::<Option<_>>()?,
-                    position: value.at("position")?.numbers()?,
-                    velocity: value.at("velocity")?.numbers()?,
-                }))
-            }
+            "sensor_msgs/JointState" => Some(Self::JointState(JointState {
+                names: names(value)?,
+                position: value.at("position")?.numbers()?,
+                velocity: value.at("velocity")?.numbers()?,
+                effort: value
+                    .at("effort")
+                    .and_then(Value::numbers)
+                    .unwrap_or_default(),
+            })),
             "sensor_msgs/Imu" => {
-                let is_there = |name: &str| {
-                    let covariance = value.at(name).and_then(Value::numbers);
-                    covariance.and_then(|c| c.first().copied()) != Some(-1.0)
-                };
+                let is_there = |name: &str| trust(value, name, [0; 3])[0] != Trust::Absent;
                 let given = |name, covariance| {
                     if is_there(covariance) {
                         vector(value, name)
@@ -171,6 +208,7 @@ impl View {
                     orientation: quaternion(value, "orientation")
                         .filter(|_| is_there("orientation_covariance")),
                     angular_rate: given("angular_velocity", "angular_velocity_covariance"),
+                    angular_rate_trust: trust(value, "angular_velocity_covariance", [0, 4, 8]),
                     acceleration: given("linear_acceleration", "linear_acceleration_covariance"),
                 }))
             }
@@ -181,6 +219,8 @@ impl View {
                 orientation: quaternion(value, "pose.pose.orientation")?,
                 linear: vector(value, "twist.twist.linear")?,
                 angular: vector(value, "twist.twist.angular")?,
+                pose_trust: trust(value, "pose.covariance", [0, 7, 35]),
+                twist_trust: trust(value, "twist.covariance", [0, 7, 35]),
             })),
             "geometry_msgs/Twist" => twist(""),
             "geometry_msgs/TwistStamped" => twist("twist."),
@@ -209,6 +249,23 @@ impl View {
                 };
                 Some(Self::Transforms(all.map(one).collect::<Option<_>>()?))
             }
+            known::WHEEL_TICKS => {
+                let ticks = value.at("ticks")?.elements()?.iter();
+                let whole = |value: &Value| match value {
+                    Value::UInt(value) => Some(*value),
+                    Value::Int(value) => Some(value.cast_unsigned()),
+                    _ => None,
+                };
+                Some(Self::WheelTicks {
+                    names: names(value)?,
+                    ticks: ticks.map(whole).collect::<Option<_>>()?,
+                })
+            }
+            known::DISPLACEMENT => Some(Self::Displacement {
+                forward: value.number_at("forward")?,
+                left: value.number_at("left")?,
+                turn: value.number_at("turn").filter(|turn| !turn.is_nan()),
+            }),
             _ => None,
         }
     }

@@ -34,20 +34,20 @@ pub(crate) fn data(folder: &str) -> Option<PathBuf> {
 
 pub(crate) struct Example {
     pub(crate) robot: RobotFile,
-    pub(crate) map: columns::ColumnMap,
+    pub(crate) map: Option<columns::ColumnMap>,
 }
 
 pub(crate) fn example(name: &str) -> Example {
     let folder = root().join("examples").join(name);
     Example {
         robot: robot::read(&folder.join("robot.toml")).unwrap(),
-        map: columns::read(&folder.join("columns.toml")).unwrap(),
+        map: columns::read(&folder.join("columns.toml")).ok(),
     }
 }
 
 impl Example {
     pub(crate) fn log(&self, path: PathBuf) -> Log {
-        Log::find(&[path], self.map.clone()).unwrap()
+        Log::find_any(&[path], self.map.clone(), &self.robot.topics).unwrap()
     }
 
     pub(crate) fn summary(&self, path: PathBuf, options: &Options) -> Summary {

@@ -47,7 +47,7 @@ use order::{Offered, Order};
 use reference::{Reference, Seen};
 pub use settings::{FilterSettings, SlipPrior};
 use watch::Watch;
-use wheel::Tracked;
+use wheel::{LONGEST, Tracked};
 
 /// The most wheels that the filter takes: its cost grows with their square.
 pub const MAX_FILTER_WHEELS: usize = 8;
@@ -579,9 +579,13 @@ impl SlipFilter {
         } else if against || (still && off) {
             return;
         } else if off && shows {
-            // it has broken away: its own slip is another one
-            let step = residual / faster;
-            self.state.widen(own_slip(index), step * step, 4.0);
+            // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
+            let own = self.state.mean(own_slip(index)) + residual / faster;
+            let spread = 2.0 * self.settings.wheel_slip_sigma;
+            self.state
+                .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
+            self.nis = residual * residual / variance;
+            return;
         }
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
@@ -770,7 +774,7 @@ impl SlipFilter {
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
         match age {
             None => Health::Degraded(Degraded::Relative),
-            Some(age) if age > self.settings.dropout.max(2.0 * self.settings.wheel_window) => {
+            Some(age) if age > self.settings.dropout + LONGEST * self.settings.wheel_window => {
                 Health::Degraded(Degraded::ReferenceLost)
             }
             Some(_) if sigma > self.settings.max_sigma => Health::Degraded(Degraded::Quantised),

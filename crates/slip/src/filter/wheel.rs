@@ -13,7 +13,7 @@ use super::watch::Watch;
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;
 /// A window ends after this long however few ticks it has, in windows.
-const LONGEST: f64 = 4.0;
+pub(super) const LONGEST: f64 = 4.0;
 /// Share of a new window in the smoothed rim speed.
 const SMOOTHING: f64 = 0.3;
 

@@ -7,7 +7,7 @@ mod settings;
 use alloc::{boxed::Box, vec::Vec};
 
 use grouser_real::Real;
-use grouser_terra::{RigidWheel, ShearLaw, Soil, SoilLaws, WheelSize};
+use grouser_terra::{RigidWheel, ShearLaw, Soil, WheelSize};
 
 use super::entry::Uncertain;
 use super::reading::WheelReading;
@@ -116,7 +116,7 @@ pub enum Taken {
 #[derive(Clone, Debug)]
 pub struct SoilIdentifier {
     wheels: Box<[(WheelSize<f64>, Option<Stretch>)]>,
-    soil: SoilLaws<f64>,
+    soil: Soil,
     law: ShearLaw,
     prior: SoilPrior,
     settings: GroundSettings,
@@ -145,7 +145,7 @@ impl SoilIdentifier {
         let wheels: Vec<_> = wheels.iter().map(|wheel| (wheel.size(), None)).collect();
         Ok(Self {
             wheels: wheels.into_boxed_slice(),
-            soil: soil.laws(),
+            soil: *soil,
             law: ShearLaw::default(),
             belief: prior.belief(),
             prior,

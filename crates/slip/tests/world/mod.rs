@@ -1,5 +1,10 @@
 //! A robot with known slips: what its sensors would say, sample after sample.
-#![allow(dead_code, reason = "each test takes what it needs")]
+#![allow(
+    dead_code,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "each test takes what it needs; counts and steps are small"
+)]
 
 use std::f64::consts::TAU;
 

@@ -8,12 +8,16 @@ mod integrals;
 pub(crate) mod ladder;
 pub(crate) mod lean;
 mod panels;
+mod rear;
+mod stress_position;
 
 use grouser_real::{Real, Scalar};
 
 pub use angles::{ContactAngles, entry_angle, sinkage_from_entry_angle};
 pub(crate) use integrals::{Integrals, Order};
 pub(crate) use ladder::ExponentTables;
+pub(crate) use rear::rear_share;
+pub use stress_position::StressPosition;
 
 use crate::kinematics::Kinematics;
 use crate::shear::{Displacement, ShearLaw, ShearState, transition_angle_wong_reece};
@@ -131,8 +135,8 @@ impl<R: Scalar> Contact<R> {
         } else {
             (R::ONE / skid, slip / skid, skid, R::ONE)
         };
-        let angles = ContactAngles::new(theta_1, soil.rebound, soil.c_1 + soil.c_2 * slip);
-        let n = soil.exponent.at(slip);
+        let angles = ContactAngles::new(theta_1, soil.rebound_at(motion), soil.position_at(motion));
+        let n = soil.exponent_at(motion);
         let tips = size.radius.powf(n);
         let tips = if size.tip_share.value() < 1.0 {
             size.tip_share * tips + (R::ONE - size.tip_share) * size.rim_radius.powf(n)
@@ -153,7 +157,9 @@ impl<R: Scalar> Contact<R> {
             .map(|start| (start, displacement.at(start)));
         Self {
             angles,
-            amplitude: soil.modulus(size.width, n) * tips,
+            amplitude: soil.modulus(size.width, n)
+                * tips
+                * soil.share_left(motion, theta_1, size.radius, n),
             n,
             cohesion: soil.strength.cohesion,
             tan_phi: soil.strength.phi.tan(),

@@ -33,9 +33,13 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it.
+    /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it; and for one
+    /// whose contact changes with slip by a law that the lanes do not have.
     pub(super) fn new(soil: &Soil) -> Option<Self> {
         let laws = soil.laws::<f64>();
+        if laws.rear_driving != 0.0 || laws.transport_layer != 0.0 {
+            return None;
+        }
         soil.tables().map(|tables| Self {
             tables: *tables,
             n: laws.exponent.n_0,

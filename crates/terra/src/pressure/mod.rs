@@ -3,10 +3,13 @@
 mod bekker;
 mod reece;
 mod slip_sinkage;
+mod soil_transport;
 
 pub use bekker::Bekker;
 pub use reece::Reece;
-pub use slip_sinkage::SinkageExponent;
+pub use slip_sinkage::{SinkageExponent, SlipSinkage};
+pub(crate) use soil_transport::share_left;
+pub use soil_transport::transport_depth_reece;
 
 /// The pressure-sinkage law of a soil.
 #[derive(Clone, Copy, Debug, PartialEq)]

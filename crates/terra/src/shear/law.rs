@@ -28,6 +28,19 @@ pub enum ShearLaw {
     TowedWongReece,
 }
 
+impl ShearLaw {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Coupled => "coupled",
+            Self::SlipVelocity => "slip-velocity",
+            Self::Independent => "independent",
+            Self::TowedWongReece => "towed-wong-reece",
+        }
+    }
+}
+
 /// Everything the shear at one angle depends on, apart from the strength there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearState<R> {

@@ -2,7 +2,7 @@
 
 use grouser_real::{Dual, Real};
 use grouser_terra::{
-    Bekker, Contact, MohrCoulomb, Motion, Pressure, ShearLaw, SinkageExponent, SoilLaws, WheelSize,
+    Bekker, Contact, MohrCoulomb, Motion, Pressure, ShearLaw, Soil, SoilLaws, WheelSize,
     entry_angle,
 };
 
@@ -36,7 +36,7 @@ pub(super) struct Prediction {
 /// `None` where no positive modulus does (cohesion alone would carry more).
 pub(super) fn predict(
     size: &WheelSize<f64>,
-    soil: &SoilLaws<f64>,
+    soil: &Soil,
     law: ShearLaw,
     reading: &WheelReading,
     mean: &[f64; 3],
@@ -51,34 +51,29 @@ pub(super) fn predict(
     };
     let wheel = constant_size(size);
     let depth = Number::variable(reading.sinkage.value, SINKAGE);
-    let exponent = constant_exponent(&soil.exponent);
+    let given = soil.laws::<Number>();
     // A modulus of the right magnitude: the one whose pressure at this depth carries the load on the contact's
     // length. Any would do but for rounding.
     let area = size.width * size.radius * theta_1.value.max(1e-9);
     let near =
-        (reading.load.value / area) / Real::powf(depth.value, exponent.at(motion.slip).value);
+        (reading.load.value / area) / Real::powf(depth.value, given.exponent.at(motion.slip).value);
     if !(near > 0.0 && near.is_finite()) {
         return None;
     }
     let forces = |modulus: f64| {
+        let k_shear = Number::variable(mean[LN_K], LN_K).exp();
         let laws = SoilLaws {
             pressure: Pressure::Bekker(Bekker {
                 k_c: Number::ZERO,
                 k_phi: Number::constant(modulus),
             }),
-            exponent,
             strength: MohrCoulomb {
                 cohesion: Number::variable(mean[COHESION], COHESION),
                 phi: Number::variable(mean[PHI], PHI),
             },
-            k_shear: Number::variable(mean[LN_K], LN_K).exp(),
-            k_shear_1: Number::ZERO,
-            k_shear_side: Number::variable(mean[LN_K], LN_K).exp(),
-            k_shear_side_1: Number::ZERO,
-            c_1: Number::constant(soil.c_1),
-            c_2: Number::constant(soil.c_2),
-            rebound: Number::constant(soil.rebound),
-            unit_weight: Number::constant(soil.unit_weight),
+            k_shear,
+            k_shear_side: k_shear,
+            ..given
         };
         Contact::new(&wheel, &laws, law, &motion, theta_1).forces()
     };
@@ -111,14 +106,5 @@ fn constant_size(size: &WheelSize<f64>) -> WheelSize<Number> {
         rim_radius: c(size.rim_radius),
         tip_share: c(size.tip_share),
         width: c(size.width),
-    }
-}
-
-fn constant_exponent(exponent: &SinkageExponent<f64>) -> SinkageExponent<Number> {
-    let c = Number::constant;
-    SinkageExponent {
-        n_0: c(exponent.n_0),
-        n_1: c(exponent.n_1),
-        n_2: c(exponent.n_2),
     }
 }

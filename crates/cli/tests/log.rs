@@ -1,0 +1,282 @@
+//! The verb `log` from outside: what it says, writes, and refuses.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say that it is skipped"
+)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const TABLE: &str = "examples/five-wheel/log.csv";
+const MCAP: &str = "examples/five-wheel/log.mcap";
+const ROBOT: &str = "examples/five-wheel/robot.toml";
+const JACKAL: &str = "examples/jackal/robot.toml";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn grouser(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .current_dir(root())
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// The JSON object of a run that ends with `code`.
+fn json(arguments: &[&str], code: i32) -> Value {
+    let output = grouser(&[arguments, &["--json"]].concat());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(arguments: &[&str], message: &str) {
+    let output = grouser(arguments);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    assert!(
+        output.stdout.is_empty() && told.contains(message),
+        "{arguments:?}: {told}"
+    );
+}
+
+/// A folder of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("grouser-log-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The Jackal's bag; `None` (said on stderr) where it is absent, which in CI is a failure.
+fn jackal() -> Option<String> {
+    let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root().join("data"), PathBuf::from);
+    let path = root().join(base).join("jackal/jackal_61s.bag");
+    if path.is_file() {
+        return Some(path.to_str().unwrap().to_owned());
+    }
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "no {} and CI is set",
+        path.display()
+    );
+    eprintln!("skipped: no {} (GROUSER_DATA)", path.display());
+    None
+}
+
+/// Slip against time, as `estimate` writes it.
+fn slips(log: &str, robot: &str, more: &[&str], folder: &Folder) -> String {
+    let out = folder.path("slips.csv");
+    let output = grouser(&[&["estimate", log, "--robot", robot, "-o", &out], more].concat());
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    fs::read_to_string(out).unwrap()
+}
+
+#[test]
+fn a_table_becomes_mcap_with_the_same_slips() {
+    let folder = Folder::new("table");
+    let mcap = folder.path("run.mcap");
+    let object = json(&["log", "convert", TABLE, &mcap], 0);
+    assert_eq!(object["records"], 2001 * 6);
+    assert_eq!(object["messages"], 2001 * 2);
+    assert_eq!(
+        slips(&mcap, ROBOT, &[], &folder),
+        slips(TABLE, ROBOT, &[], &folder)
+    );
+    // And one topic of it a table again, which a column map reads.
+    let table = folder.path("ticks.csv");
+    let object = json(
+        &["log", "convert", &mcap, &table, "--topic", "/wheel_ticks"],
+        0,
+    );
+    assert_eq!(object["rows"], 2001);
+    let text = fs::read_to_string(&table).unwrap();
+    let second = "20000000,0,20000000,base_link,front_left,front_right,rear_left,rear_right,fifth,\
+                  60000,100,65000,30000,64000";
+    assert_eq!(text.lines().nth(2), Some(second));
+}
+
+#[test]
+fn a_bag_becomes_mcap_and_a_bag_again_without_a_loss() {
+    let Some(bag) = jackal() else { return };
+    let folder = Folder::new("bag");
+    let (mcap, again) = (folder.path("j.mcap"), folder.path("j.bag"));
+    let object = json(&["log", "convert", &bag, &mcap], 0);
+    assert_eq!(
+        (&object["messages"], &object["verified"]),
+        (&6121.into(), &true.into())
+    );
+    json(&["log", "convert", &mcap, &again], 0);
+    let of = |log: &str| slips(log, JACKAL, &[], &folder);
+    assert_eq!(of(&bag), of(&mcap));
+    assert_eq!(of(&bag), of(&again));
+}
+
+#[test]
+fn e7_a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
+    let folder = Folder::new("e7");
+    let bytes = fs::read(root().join(MCAP)).unwrap();
+    let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
+    // The power went off within a chunk.
+    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let object = json(&["log", "recover", &cut, &saved], 3);
+    assert_eq!(
+        (&object["status"], &object["verified"]),
+        (&"partial".into(), &true.into())
+    );
+    let messages = object["messages"].as_u64().unwrap();
+    assert!(messages > 3000 && messages < 4002, "{messages}");
+    let damage = &object["damages"][0];
+    let offset = usize::try_from(damage["offset"].as_u64().unwrap()).unwrap();
+    // The place is where a chunk begins: its opcode.
+    assert_eq!(bytes[offset], 6);
+    assert_eq!(object["bytes_lost"], (bytes.len() / 2 - offset) as u64);
+    // What was saved is whole, and is the beginning of what was there.
+    let info = json(&["log", "info", &saved], 0);
+    assert_eq!(info["damage_count"], 0);
+    let whole = slips(MCAP, ROBOT, &["--to-s", "30"], &folder);
+    assert_eq!(slips(&saved, ROBOT, &["--to-s", "30"], &folder), whole);
+    // The same as text, with the place.
+    let again = grouser(&["log", "recover", &cut, &saved]);
+    assert_eq!(again.status.code(), Some(3));
+    let told = String::from_utf8(again.stdout).unwrap();
+    assert!(
+        told.contains(&format!("damaged at byte {offset}, ")),
+        "{told}"
+    );
+    // Recovered once more it is whole.
+    let twice = folder.path("twice.mcap");
+    assert_eq!(
+        json(&["log", "recover", &saved, &twice], 0)["status"],
+        "whole"
+    );
+}
+
+#[test]
+fn e7_what_cannot_be_read_at_all_leaves_no_file() {
+    let folder = Folder::new("e7-nothing");
+    let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
+    fs::write(&cut, &fs::read(root().join(MCAP)).unwrap()[..60]).unwrap();
+    let object = json(&["log", "recover", &cut, &saved], 1);
+    assert_eq!(
+        (&object["messages"], &object["output"]),
+        (&0.into(), &Value::Null)
+    );
+    assert_eq!(folder.names(), ["cut.mcap"]);
+}
+
+#[test]
+fn a_damaged_bag_is_recovered_as_a_bag() {
+    let Some(bag) = jackal() else { return };
+    let folder = Folder::new("bag-cut");
+    let bytes = fs::read(bag).unwrap();
+    let (cut, saved) = (folder.path("cut.bag"), folder.path("saved.bag"));
+    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let object = json(&["log", "recover", &cut, &saved], 3);
+    assert!(object["messages"].as_u64().unwrap() > 2000, "{object}");
+    assert_eq!(json(&["log", "info", &saved], 0)["damage_count"], 0);
+}
+
+#[test]
+fn a_suggested_robot_is_accepted_as_it_stands() {
+    let folder = Folder::new("suggest");
+    let mut logs = vec![TABLE.to_owned(), MCAP.to_owned()];
+    logs.extend(jackal());
+    for log in logs {
+        let robot = folder.path("robot.toml");
+        let output = grouser(&["log", "info", &log, "--suggest-robot"]);
+        assert!(output.status.success());
+        fs::write(&robot, output.stdout).unwrap();
+        let rows = slips(&log, &robot, &[], &folder);
+        assert!(rows.lines().count() > 1000, "{log}");
+    }
+}
+
+#[test]
+fn a_tables_columns_are_told_with_what_they_probably_mean() {
+    let object = json(&["log", "info", TABLE], 0);
+    assert_eq!(
+        (&object["rows"], &object["duration_s"]),
+        (&2001.into(), &40.0.into())
+    );
+    assert_eq!(
+        object["columns"][5]["probably"],
+        "wheel_count of fifth in tick"
+    );
+    assert_eq!(object["lacks"].as_array().unwrap().len(), 1);
+    assert_eq!(
+        (&object["gaps"], &object["clock_jumps"]),
+        (&0.into(), &0.into())
+    );
+}
+
+#[test]
+fn types_stand_whole_in_their_lines_when_piped() {
+    let output = grouser(&["log", "info", MCAP]);
+    let told = String::from_utf8(output.stdout).unwrap();
+    let line = told
+        .lines()
+        .find(|line| line.starts_with("/wheel_ticks"))
+        .unwrap();
+    assert!(
+        line.contains("grouser_msgs/msg/WheelTicks") && line.ends_with("wheel angles or rates"),
+        "{line}"
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let folder = Folder::new("refused");
+    let out = |name: &str| folder.path(name);
+    refused(&["log", "convert", MCAP, &out("x.csv")], "holds 2 topics");
+    refused(
+        &["log", "convert", MCAP, &out("x.csv"), "--topic", "/imuu"],
+        "did you mean `/imu`?",
+    );
+    refused(
+        &["log", "convert", MCAP, &out("x.bag")],
+        "messages of ROS 1 only",
+    );
+    refused(&["log", "convert", TABLE, &out("x.bag")], "does not become");
+    refused(&["log", "convert", MCAP, &out("x.db3")], "does not end in");
+    refused(&["log", "convert", MCAP, MCAP], "over itself");
+    refused(
+        &["log", "recover", TABLE, &out("x.mcap")],
+        "begins neither like",
+    );
+    refused(
+        &["estimate", "examples/five-wheel/log", "--robot", ROBOT],
+        "means both tables and bags",
+    );
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}

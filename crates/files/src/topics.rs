@@ -1,0 +1,235 @@
+//! The section `[topics]` of a robot file: what the topics of an MCAP file or a ROS 1 bag mean.
+//!
+//! What it does not name is chosen by type and name.
+//!
+//! ```toml
+//! [topics]                              # every key is optional
+//! wheels = "/joint_states"              # sensor_msgs/JointState
+//! yaw_rate = "/imu/data"                # sensor_msgs/Imu
+//! imu_up = "z"                          # its axis that points up: x, y, z, -x, -y or -z
+//! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry, geometry_msgs/PoseStamped
+//! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry, geometry_msgs/TwistStamped
+//! command = "/cmd_vel"                  # geometry_msgs/Twist, TwistStamped
+//! wheel_odometry = "/controller/odom"   # nav_msgs/Odometry that a driver made of the wheels alone
+//! wheel_odometry_track_m = 0.38         # the distance of left and right wheels that it was made with
+//! time = "header"                       # stamps of the headers; "log": times of recording
+//! align_clock = false                   # does the IMU's clock differ by a constant, to be estimated?
+//! ignore = ["/odom"]                    # not to be used
+//!
+//! [[topics.field]]                      # a number of any message, as a column of a table is
+//! topic = "/encoders"
+//! field = "ticks[0]"
+//! meaning = "wheel_count"
+//! wheel = "left"
+//! unit = "tick"
+//! ```
+
+use grouser_slip::{Drive, Robot};
+
+use crate::columns::{Column, check_together, read_meaning};
+use crate::document::Section;
+use crate::error::{Error, Result};
+
+/// The numbers of one topic's messages.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TopicFields {
+    /// The topic.
+    pub topic: String,
+    /// The fields; [`Column::column`] is the path of each, such as `twist.linear.x` or `ticks[0]`.
+    pub fields: Vec<Column>,
+}
+
+/// Which joint a wheel is in messages that name joints.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Joint {
+    /// The wheel.
+    pub wheel: String,
+    /// The joint that the robot file names for it.
+    pub joint: Option<String>,
+}
+
+/// How a wheel's sensor turned, by an odometry that was made of the wheels:
+/// rate = `per_speed` · v + `per_turn` · Ω.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OdometryWheel {
+    /// The wheel.
+    pub wheel: String,
+    /// rad/s of its sensor's shaft for 1 m/s forwards.
+    pub per_speed: f64,
+    /// rad/s of its sensor's shaft for 1 rad/s to the left.
+    pub per_turn: f64,
+}
+
+/// An odometry that was made of the wheels alone, and the wheels' rates out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelOdometry {
+    /// The topic.
+    pub topic: String,
+    /// Its wheels: the powered ones.
+    pub wheels: Vec<OdometryWheel>,
+}
+
+/// What the section says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Topics {
+    /// The topic of the wheels' angles, rates or counts, by joint.
+    pub wheels: Option<String>,
+    /// The topic of the yaw rate.
+    pub yaw_rate: Option<String>,
+    /// The direction in the IMU's own frame that points up.
+    pub imu_up: Option<[f64; 3]>,
+    /// The topic of the robot's pose.
+    pub pose: Option<String>,
+    /// The topic of its speed over ground.
+    pub speed: Option<String>,
+    /// The topic of its commanded speed.
+    pub command: Option<String>,
+    /// An odometry that stands for wheels that were not recorded.
+    pub wheel_odometry: Option<WheelOdometry>,
+    /// Do times of recording count, not the headers' stamps?
+    pub recorder_clock: bool,
+    /// Does the IMU's clock differ from the others' by an unknown constant?
+    pub align_clock: bool,
+    /// Topics not to be used.
+    pub ignore: Vec<String>,
+    /// Topics that are read by their fields.
+    pub fields: Vec<TopicFields>,
+    /// The wheels' joints, in the robot's order.
+    pub joints: Vec<Joint>,
+}
+
+impl Topics {
+    /// Every topic that the file names for a use.
+    pub fn named(&self) -> impl Iterator<Item = &str> {
+        let one = [
+            &self.wheels,
+            &self.yaw_rate,
+            &self.pose,
+            &self.speed,
+            &self.command,
+        ];
+        let odometry = self.wheel_odometry.iter().map(|odometry| &odometry.topic);
+        let fields = self.fields.iter().map(|fields| &fields.topic);
+        let all = one.into_iter().flatten().chain(odometry).chain(fields);
+        all.map(String::as_str)
+    }
+}
+
+const UP: [(&str, [f64; 3]); 6] = [
+    ("x", [1.0, 0.0, 0.0]),
+    ("y", [0.0, 1.0, 0.0]),
+    ("z", [0.0, 0.0, 1.0]),
+    ("-x", [-1.0, 0.0, 0.0]),
+    ("-y", [0.0, -1.0, 0.0]),
+    ("-z", [0.0, 0.0, -1.0]),
+];
+
+/// The track that the section names beside its wheel odometry; the wheels are put in later, when the
+/// robot is known.
+pub(crate) type Track = Option<f64>;
+
+pub(crate) fn read_topics(section: &Section<'_>) -> Result<(Topics, Track)> {
+    let text = |key| Ok::<_, Error>(section.optional_text(key)?.map(str::to_owned));
+    let wheel_odometry = text("wheel_odometry")?;
+    let track = section.optional_number("wheel_odometry_track_m", (1e-3, 100.0))?;
+    if wheel_odometry.is_some() != track.is_some() {
+        return Err(Error::Contradiction {
+            at: section.place(),
+            message:
+                "`wheel_odometry` and `wheel_odometry_track_m` belong together: the track is the \
+                      distance of left and right wheels that the odometry was made with"
+                    .into(),
+        });
+    }
+    let mut fields: Vec<TopicFields> = Vec::new();
+    section.sections("field", |field| {
+        let topic = field.text("topic")?;
+        let (meaning, wheel, factor) = read_meaning(field)?;
+        let column = Column {
+            column: field.text("field")?.into(),
+            meaning,
+            wheel,
+            factor,
+        };
+        match fields.iter_mut().find(|other| other.topic == topic) {
+            Some(same) => same.fields.push(column),
+            None => fields.push(TopicFields {
+                topic: topic.into(),
+                fields: vec![column],
+            }),
+        }
+        Ok::<_, Error>(())
+    })?;
+    for topic in &fields {
+        check_together(&section.place_of("field"), &topic.fields)?;
+    }
+    let clocks = [("header", false), ("log", true)];
+    let ignore = section.texts("ignore")?;
+    let topics = Topics {
+        wheels: text("wheels")?,
+        yaw_rate: text("yaw_rate")?,
+        imu_up: section.optional_choice("imu_up", &UP)?,
+        pose: text("pose")?,
+        speed: text("speed")?,
+        command: text("command")?,
+        wheel_odometry: wheel_odometry.map(|topic| WheelOdometry {
+            topic,
+            wheels: Vec::new(),
+        }),
+        recorder_clock: section.optional_choice("time", &clocks)?.unwrap_or(false),
+        align_clock: section.flag("align_clock")?,
+        ignore: ignore.into_iter().map(str::to_owned).collect(),
+        fields,
+        joints: Vec::new(),
+    };
+    if let Some(ignored) = topics
+        .named()
+        .find(|topic| topics.ignore.iter().any(|other| other == topic))
+    {
+        return Err(Error::Contradiction {
+            at: section.place_of("ignore"),
+            message: format!("`{ignored}` is named for a use and under `ignore`"),
+        });
+    }
+    Ok((topics, track))
+}
+
+/// Puts the robot's wheels into the section: its joints, and the rates that an odometry of the wheels
+/// says: v_i = v − Ω · t/2 on the left, v + Ω · t/2 on the right.
+pub(crate) fn put_wheels(
+    topics: &mut Topics,
+    track: Track,
+    robot: &Robot,
+    joints: Vec<Option<String>>,
+) -> std::result::Result<(), String> {
+    let wheels = robot.wheels();
+    topics.joints = wheels
+        .iter()
+        .zip(joints)
+        .map(|(wheel, joint)| Joint {
+            wheel: wheel.name.clone(),
+            joint,
+        })
+        .collect();
+    let (Some(odometry), Some(track)) = (&mut topics.wheel_odometry, track) else {
+        return Ok(());
+    };
+    for wheel in wheels.iter().filter(|wheel| wheel.drive == Drive::Powered) {
+        if wheel.heading.rad() != 0.0 || wheel.y == 0.0 {
+            return Err(format!(
+                "`wheel_odometry` is for robots whose wheels stand left and right and drive forwards, \
+                 but wheel \"{}\" has heading {} deg and y {} m",
+                wheel.name,
+                wheel.heading.deg(),
+                wheel.y
+            ));
+        }
+        let per_metre = 1.0 / wheel.travel_per_radian();
+        odometry.wheels.push(OdometryWheel {
+            wheel: wheel.name.clone(),
+            per_speed: per_metre,
+            per_turn: -0.5 * track * wheel.y.signum() * per_metre,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! What a residual costs.
+
+/// The loss of a residual r in units of its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Loss {
+    /// r²/2. The default.
+    #[default]
+    Squares,
+    /// Huber's: r²/2 up to |r| = `threshold`, straight beyond, so that an outlier pulls with a bounded
+    /// force. Source: Huber, Annals of Mathematical Statistics 35 (1964). 1.345 gives 95 % efficiency on
+    /// normal errors.
+    Huber {
+        /// Where it becomes straight, in standard deviations.
+        threshold: f64,
+    },
+}
+
+impl Loss {
+    /// The loss.
+    #[must_use]
+    pub fn of(self, r: f64) -> f64 {
+        match self {
+            Self::Huber { threshold } if r.abs() > threshold => {
+                threshold * (r.abs() - 0.5 * threshold)
+            }
+            _ => 0.5 * r * r,
+        }
+    }
+
+    /// The weight w with which r enters a least-squares step: the loss's slope is w r.
+    #[must_use]
+    pub fn weight(self, r: f64) -> f64 {
+        match self {
+            Self::Huber { threshold } if r.abs() > threshold => threshold / r.abs(),
+            _ => 1.0,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The damped linear least-squares problem of one step, by Householder reflections.
+
+/// min ‖A x + b‖² + ‖D x‖², A given by rows, D diagonal. `None` where a column is empty to rounding.
+///
+/// The rows of D stand below those of A, so that AᵀA is never formed: its condition is the square of A's.
+pub(crate) fn solve_damped(rows: &[Vec<f64>], right: &[f64], damping: &[f64]) -> Option<Vec<f64>> {
+    let columns = damping.len();
+    let mut a: Vec<Vec<f64>> = rows.to_vec();
+    let mut b: Vec<f64> = right.iter().map(|value| -value).collect();
+    for (column, &d) in damping.iter().enumerate() {
+        let mut row = vec![0.0; columns];
+        row[column] = d;
+        a.push(row);
+        b.push(0.0);
+    }
+    for k in 0..columns {
+        let norm = a[k..].iter().fold(0.0_f64, |sum, row| sum.hypot(row[k]));
+        if !(norm > 0.0) {
+            return None;
+        }
+        let alpha = if a[k][k] > 0.0 { -norm } else { norm };
+        let mut v: Vec<f64> = a[k..].iter().map(|row| row[k]).collect();
+        v[0] -= alpha;
+        let squared: f64 = v.iter().map(|x| x * x).sum();
+        if squared > 0.0 {
+            for column in k..columns {
+                let dot: f64 = v.iter().zip(&a[k..]).map(|(x, row)| x * row[column]).sum();
+                let scale = 2.0 * dot / squared;
+                for (x, row) in v.iter().zip(&mut a[k..]) {
+                    row[column] -= scale * x;
+                }
+            }
+            let dot: f64 = v.iter().zip(&b[k..]).map(|(x, y)| x * y).sum();
+            let scale = 2.0 * dot / squared;
+            for (x, y) in v.iter().zip(&mut b[k..]) {
+                *y -= scale * x;
+            }
+        }
+    }
+    let mut x = vec![0.0; columns];
+    for k in (0..columns).rev() {
+        let known: f64 = (k + 1..columns).map(|j| a[k][j] * x[j]).sum();
+        x[k] = (b[k] - known) / a[k][k];
+        if !x[k].is_finite() {
+            return None;
+        }
+    }
+    Some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_through_three_points() {
+        // y = 1 + 2 x at x = 0, 1, 2 is met exactly: A x + b = 0 with b = −y
+        let rows = vec![vec![1.0, 0.0], vec![1.0, 1.0], vec![1.0, 2.0]];
+        let x = solve_damped(&rows, &[-1.0, -3.0, -5.0], &[1e-12, 1e-12]).unwrap();
+        assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_empty_column_has_no_solution() {
+        assert_eq!(solve_damped(&[vec![1.0, 0.0]], &[1.0], &[0.0, 0.0]), None);
+    }
+}

@@ -1,0 +1,164 @@
+//! Standard errors, correlation, and what the data cannot tell.
+
+use super::eigen::symmetric;
+use super::fit::Fit;
+use super::loss::Loss;
+use super::student::student_quantile;
+
+/// A direction of the scaled parameters along which the residuals change by less than this share of what
+/// they change along the best one is not seen by the data.
+const BLIND: f64 = 1e-8;
+
+/// What the data say about one parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// It is told.
+    Identified,
+    /// It lies on a bound: the data would have it beyond.
+    OnBound,
+    /// It can be exchanged for others without a trace in the residuals, or has no effect at all.
+    NotIdentifiable,
+    /// It is seen, but its 95 % interval is as wide as its bounds or as the value itself.
+    Loose,
+}
+
+impl Verdict {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::OnBound => "on-bound",
+            Self::NotIdentifiable => "not-identifiable",
+            Self::Loose => "loose",
+        }
+    }
+}
+
+/// The uncertainty of a fit, linear about its answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Residuals less parameters that were free.
+    pub freedom: usize,
+    /// Standard deviation of the residuals, in the standard deviations that they were divided by.
+    pub residual_deviation: f64,
+    /// Standard error of each parameter; NaN where it is not identifiable or held on a bound.
+    pub standard_errors: Vec<f64>,
+    /// Correlation of each pair; NaN where one of them has no standard error.
+    pub correlation: Vec<Vec<f64>>,
+    /// What the data say about each parameter.
+    pub verdicts: Vec<Verdict>,
+    /// Greatest over least singular value of the scaled Jacobian.
+    pub condition: f64,
+}
+
+impl Uncertainty {
+    /// Of a fit that was found with `loss`.
+    ///
+    /// Covariance s² (JᵀWJ)⁻¹ with s² = Σ w r²/(m − n), on the parameters that lie on no bound. The matrix is
+    /// scaled to unit diagonal and taken apart into eigenvectors; those whose eigenvalue is nothing beside the
+    /// greatest belong to what the data cannot tell, and every parameter with a share in them is named.
+    #[must_use]
+    pub fn of(fit: &Fit, loss: Loss) -> Self {
+        let n = fit.x.len();
+        let free: Vec<usize> = (0..n).filter(|k| !fit.on_bound(*k)).collect();
+        let weights: Vec<f64> = fit.residuals.iter().map(|r| loss.weight(*r)).collect();
+        let product = |a: usize, b: usize| -> f64 {
+            let rows = fit.jacobian.iter().zip(&weights);
+            rows.map(|(row, w)| w * row[a] * row[b]).sum()
+        };
+        let norms: Vec<f64> = free.iter().map(|k| product(*k, *k).sqrt()).collect();
+        let seen: Vec<usize> = (0..free.len()).filter(|i| norms[*i] > 0.0).collect();
+        let scaled: Vec<Vec<f64>> = seen
+            .iter()
+            .map(|&i| {
+                let row = seen.iter();
+                row.map(|&j| product(free[i], free[j]) / (norms[i] * norms[j]))
+                    .collect()
+            })
+            .collect();
+        let modes = symmetric(scaled);
+        let greatest = modes.iter().fold(0.0, |m: f64, (value, _)| m.max(*value));
+        let least = modes.iter().fold(greatest, |m, (value, _)| m.min(*value));
+        let freedom = fit.residuals.len() - free.len();
+        let squares: f64 = fit
+            .residuals
+            .iter()
+            .zip(&weights)
+            .map(|(r, w)| w * r * r)
+            .sum();
+        let residual_deviation = if freedom > 0 {
+            (squares / freedom as f64).sqrt()
+        } else {
+            f64::NAN
+        };
+        let mut out = Self {
+            freedom,
+            residual_deviation,
+            standard_errors: vec![f64::NAN; n],
+            correlation: vec![vec![f64::NAN; n]; n],
+            verdicts: (0..n)
+                .map(|k| match fit.on_bound(k) {
+                    true => Verdict::OnBound,
+                    false => Verdict::NotIdentifiable,
+                })
+                .collect(),
+            condition: (greatest / least.max(0.0)).sqrt(),
+        };
+        let blind = |value: f64| !(value > BLIND * BLIND * greatest);
+        for (place, &i) in seen.iter().enumerate() {
+            let lost = modes
+                .iter()
+                .any(|(value, vector)| blind(*value) && vector[place].abs() > 1e-3);
+            if lost {
+                continue;
+            }
+            let k = free[i];
+            let variance: f64 = told(&modes, &blind, place, place);
+            out.standard_errors[k] = residual_deviation * variance.sqrt() / norms[i];
+            out.verdicts[k] = Verdict::Identified;
+            for (other, &j) in seen.iter().enumerate() {
+                let shared = told(&modes, &blind, place, other);
+                let apart = (variance * told(&modes, &blind, other, other)).sqrt();
+                out.correlation[k][free[j]] = shared / apart;
+            }
+        }
+        out.find_loose(fit);
+        out
+    }
+
+    /// The half width of a confidence interval of parameter `index`: t times its standard error.
+    #[must_use]
+    pub fn half_width(&self, index: usize, confidence: f64) -> f64 {
+        student_quantile(0.5 + 0.5 * confidence, self.freedom as f64) * self.standard_errors[index]
+    }
+
+    fn find_loose(&mut self, fit: &Fit) {
+        for k in 0..fit.x.len() {
+            if self.verdicts[k] != Verdict::Identified {
+                continue;
+            }
+            let width = 2.0 * self.half_width(k, 0.95);
+            let bound = &fit.bounds[k];
+            let range = bound.upper - bound.lower;
+            let limit = if range.is_finite() {
+                range
+            } else {
+                4.0 * fit.x[k].abs()
+            };
+            if width > limit {
+                self.verdicts[k] = Verdict::Loose;
+            }
+        }
+    }
+}
+
+/// An entry of the inverse, without what is not seen.
+fn told(modes: &[(f64, Vec<f64>)], blind: &impl Fn(f64) -> bool, i: usize, j: usize) -> f64 {
+    modes
+        .iter()
+        .filter(|(value, _)| !blind(*value))
+        .map(|(value, vector)| vector[i] * vector[j] / value)
+        .sum()
+}

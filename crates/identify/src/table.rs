@@ -1,0 +1,239 @@
+//! Tables of tests: one header of names with units, then numbers.
+
+use std::path::{Path, PathBuf};
+
+use grouser_files::nearest;
+
+use crate::error::{Error, Result};
+
+/// The most bytes of a table of tests.
+pub const TABLE_LIMIT: u64 = 64 << 20;
+
+/// A quantity by the names of its columns, each with the SI value of one of its unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Column(pub &'static [(&'static str, f64)]);
+
+/// A table in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    path: PathBuf,
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a table: comma-separated, the first line names its columns; `#` begins a remark.
+    ///
+    /// # Errors
+    /// [`Error::File`] for a file that is absent, no file or too large; [`Error::Content`] for text that is
+    /// no table, with the line.
+    pub fn read(path: &Path) -> Result<Self> {
+        use std::io::Read as _;
+        let unreadable = |source| {
+            Error::File(grouser_files::Error::Unreadable {
+                file: path.display().to_string(),
+                source,
+            })
+        };
+        let file = grouser_files::regular::open(path)?;
+        let mut bytes = Vec::new();
+        file.take(TABLE_LIMIT + 1)
+            .read_to_end(&mut bytes)
+            .map_err(unreadable)?;
+        if bytes.len() as u64 > TABLE_LIMIT {
+            return Err(Error::File(grouser_files::Error::TooLarge {
+                file: path.display().to_string(),
+                limit: TABLE_LIMIT,
+            }));
+        }
+        let text = String::from_utf8(bytes).map_err(|_| Error::Content {
+            path: path.to_owned(),
+            message: "is not UTF-8 text".to_owned(),
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// Reads a table out of text; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .map(|(index, line)| (index + 1, line.trim()))
+            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let wrong = |message: String| Error::Content {
+            path: path.to_owned(),
+            message,
+        };
+        let split = |line: &str| -> Vec<String> {
+            line.split(',')
+                .map(|field| field.trim().trim_matches('"').to_owned())
+                .collect()
+        };
+        let names = match lines.next() {
+            Some((_, header)) => split(header),
+            None => return Err(wrong("holds no header".to_owned())),
+        };
+        let mut rows = Vec::new();
+        for (number, line) in lines {
+            let row = split(line);
+            if row.len() != names.len() {
+                return Err(wrong(format!(
+                    "line {number} has {} fields, but the header has {}",
+                    row.len(),
+                    names.len()
+                )));
+            }
+            rows.push(row);
+        }
+        if rows.is_empty() {
+            return Err(wrong("holds a header and no data".to_owned()));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            names,
+            rows,
+        })
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How many rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Is there no row? (Never: such a table is refused.)
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Does it have a column of this quantity?
+    #[must_use]
+    pub fn has(&self, column: Column) -> bool {
+        self.place(column).is_some()
+    }
+
+    fn place(&self, column: Column) -> Option<(usize, f64)> {
+        column.0.iter().find_map(|(name, scale)| {
+            let place = self.names.iter().position(|own| own == name)?;
+            Some((place, *scale))
+        })
+    }
+
+    /// The column as SI numbers; an empty field is `None`.
+    ///
+    /// # Errors
+    /// [`Error::Content`] where there is no such column, or a field that is no finite number.
+    pub fn optional(&self, column: Column) -> Result<Vec<Option<f64>>> {
+        let Some((place, scale)) = self.place(column) else {
+            return Err(self.absent(column));
+        };
+        self.rows
+            .iter()
+            .enumerate()
+            .map(|(index, row)| {
+                let text = row[place].as_str();
+                if text.is_empty() {
+                    return Ok(None);
+                }
+                match text.parse::<f64>() {
+                    Ok(value) if value.is_finite() => Ok(Some(value * scale)),
+                    _ => Err(Error::Content {
+                        path: self.path.clone(),
+                        message: format!(
+                            "row {} of `{}` is \"{}\", but must be a finite number",
+                            index + 1,
+                            self.names[place],
+                            text.chars().take(40).collect::<String>()
+                        ),
+                    }),
+                }
+            })
+            .collect()
+    }
+
+    /// The column as SI numbers, every field filled.
+    ///
+    /// # Errors
+    /// As [`Table::optional`]; an empty field too.
+    pub fn numbers(&self, column: Column) -> Result<Vec<f64>> {
+        let cells = self.optional(column)?;
+        let name = self
+            .place(column)
+            .map_or("", |(place, _)| &self.names[place]);
+        cells
+            .into_iter()
+            .enumerate()
+            .map(|(index, cell)| {
+                cell.ok_or_else(|| Error::Content {
+                    path: self.path.clone(),
+                    message: format!("row {} of `{name}` is empty", index + 1),
+                })
+            })
+            .collect()
+    }
+
+    /// The column as text; `None` where there is no such column.
+    #[must_use]
+    pub fn texts(&self, name: &str) -> Option<Vec<&str>> {
+        let place = self.names.iter().position(|own| own == name)?;
+        Some(self.rows.iter().map(|row| row[place].as_str()).collect())
+    }
+
+    fn absent(&self, column: Column) -> Error {
+        let wanted = column.0.first().map_or("", |(name, _)| name);
+        let others: Vec<&str> = column.0.iter().map(|(name, _)| *name).collect();
+        let meant = nearest(wanted, self.names.iter().map(String::as_str))
+            .map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        Error::Content {
+            path: self.path.clone(),
+            message: format!("there is no column {}{meant}", others.join(" or ")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DEPTH: Column = Column(&[("depth_m", 1.0), ("depth_mm", 1e-3)]);
+
+    #[test]
+    fn units_stand_in_the_names() {
+        let table = Table::parse(
+            Path::new("t.csv"),
+            "# a remark\nforce_n,depth_mm\n1,2\n3,\n",
+        )
+        .unwrap();
+        assert_eq!(table.optional(DEPTH).unwrap(), [Some(0.002), None]);
+        assert!(table.numbers(DEPTH).is_err());
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_place() {
+        let parse = |text| Table::parse(Path::new("t.csv"), text);
+        let ragged = parse("a,b\n1,2\n3\n").unwrap_err().to_string();
+        assert!(ragged.contains("line 3"), "{ragged}");
+        let table = parse("dept_m\n1\n").unwrap();
+        let absent = table.numbers(DEPTH).unwrap_err().to_string();
+        assert!(absent.contains("did you mean `dept_m`?"), "{absent}");
+        let word = parse("depth_m\nnan\n").unwrap();
+        assert!(
+            word.numbers(DEPTH)
+                .unwrap_err()
+                .to_string()
+                .contains("row 1")
+        );
+        assert!(parse("").is_err() && parse("a\n").is_err());
+    }
+}

@@ -1,0 +1,4 @@
+//! The model held against measured data.
+
+pub mod cmu;
+pub mod ding;

@@ -1,0 +1,257 @@
+//! Residuals of wheel tests with exact derivatives in the parameters.
+
+use grouser_opt::{Jacobian, Model};
+use grouser_real::Dual;
+use grouser_terra::{
+    DualInputs, DualSolution, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil, entry_angle,
+};
+
+use super::test::{Quantity, Scatter, WheelTest};
+use crate::error::{Error, Result};
+use crate::parameter::Parameter;
+
+/// How close to the hub a wheel is taken to sit whose load nothing below the hub carries, as a share of r.
+const HUB: f64 = 1.0 - 1e-6;
+
+/// What does not change in a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fixed {
+    /// The wheel.
+    pub wheel: RigidWheel,
+    /// The soil, whose other numbers stand.
+    pub soil: SoilParams,
+    /// What residuals are divided by.
+    pub scatter: Scatter,
+}
+
+/// The residuals (model − measured)/scatter of wheel tests, in the order of the tests and within each of
+/// [`Quantity::ALL`], as functions of the chosen parameters (SI).
+#[derive(Clone, Debug)]
+pub struct WheelModel<'a> {
+    fixed: Fixed,
+    tests: &'a [WheelTest],
+    parameters: &'a [Parameter],
+}
+
+/// What the model says of a test, SI, as it would be read: datum offsets included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// Drawbar pull, N.
+    pub pull: f64,
+    /// Side force, N, to the left.
+    pub side: f64,
+    /// Torque, N m.
+    pub torque: f64,
+    /// Sinkage, m.
+    pub sinkage: f64,
+    /// Does nothing below the hub carry the load? The numbers are then those with the hub at the ground.
+    pub hub_buried: bool,
+}
+
+impl Prediction {
+    /// Its `quantity`.
+    #[must_use]
+    pub const fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Pull => self.pull,
+            Quantity::Side => self.side,
+            Quantity::Torque => self.torque,
+            Quantity::Sinkage => self.sinkage,
+        }
+    }
+}
+
+impl<'a> WheelModel<'a> {
+    /// Of `tests`, as functions of `parameters`.
+    #[must_use]
+    pub const fn new(fixed: Fixed, tests: &'a [WheelTest], parameters: &'a [Parameter]) -> Self {
+        Self {
+            fixed,
+            tests,
+            parameters,
+        }
+    }
+
+    /// How many residuals there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        let read = |test: &WheelTest| {
+            let all = Quantity::ALL.into_iter();
+            all.filter(|q| test.read(*q).is_some()).count()
+        };
+        self.tests.iter().map(read).sum()
+    }
+
+    /// The soil at the parameters `x`.
+    #[must_use]
+    pub fn soil_at(&self, x: &[f64]) -> SoilParams {
+        let mut soil = self.fixed.soil;
+        for (parameter, value) in self.parameters.iter().zip(x) {
+            parameter.put(&mut soil, *value);
+        }
+        soil
+    }
+
+    fn pair_at(&self, x: &[f64]) -> Option<WheelOnSoil> {
+        let soil = Soil::new(self.soil_at(x)).ok()?;
+        WheelOnSoil::new(self.fixed.wheel, soil, Settings::default()).ok()
+    }
+
+    /// Fills values and, for each row, its gradient in the first N parameters.
+    fn run<const N: usize>(&self, x: &[f64], mut row_of: impl FnMut(Option<Dual<N>>)) {
+        let pair = self.pair_at(x);
+        let mut offsets = [Dual::<N>::constant(0.0); 3];
+        for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
+            if let Some(slot) = nuisance(*parameter) {
+                offsets[slot] = Dual::variable(*value, index);
+            }
+        }
+        for test in self.tests {
+            let solved = pair.as_ref().and_then(|pair| {
+                let mut inputs = DualInputs::<N>::new(pair, &test.kinematics);
+                for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
+                    parameter.put_dual(&mut inputs.soil, Dual::variable(*value, index));
+                }
+                solve(&inputs, pair, test)
+            });
+            for quantity in Quantity::ALL {
+                let Some(measured) = test.read(quantity) else {
+                    continue;
+                };
+                let scatter = Dual::constant(self.fixed.scatter.of(quantity));
+                row_of(solved.as_ref().map(|(solved, _)| {
+                    (read(solved, quantity, &offsets) - Dual::constant(measured)) / scatter
+                }));
+            }
+        }
+    }
+}
+
+/// The place of a nuisance in the list of offsets.
+const fn nuisance(parameter: Parameter) -> Option<usize> {
+    match parameter {
+        Parameter::SinkageDatum => Some(0),
+        Parameter::SideDatum => Some(1),
+        Parameter::PullDatum => Some(2),
+        _ => None,
+    }
+}
+
+fn read<const N: usize>(
+    solved: &DualSolution<N>,
+    quantity: Quantity,
+    offsets: &[Dual<N>; 3],
+) -> Dual<N> {
+    match quantity {
+        Quantity::Pull => solved.forces.drawbar_pull + offsets[2],
+        Quantity::Side => solved.side_force + offsets[1],
+        Quantity::Torque => solved.forces.torque,
+        Quantity::Sinkage => solved.sinkage + offsets[0],
+    }
+}
+
+/// Under the test's load, or at the hub where nothing below carries it; and whether that is so.
+fn solve<const N: usize>(
+    inputs: &DualInputs<N>,
+    pair: &WheelOnSoil,
+    test: &WheelTest,
+) -> Option<(DualSolution<N>, bool)> {
+    let load = Dual::constant(test.load);
+    match inputs.under_load(pair, &test.kinematics, load) {
+        Ok(Some(solved)) => Some((solved, false)),
+        Ok(None) => {
+            let radius = pair.wheel().running_radius();
+            let theta_1 = entry_angle(HUB * radius, radius);
+            Some((inputs.at_entry_angle(Dual::constant(theta_1)), true))
+        }
+        Err(_) => None,
+    }
+}
+
+impl Model for WheelModel<'_> {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        let mut slots = values.iter_mut();
+        self.run::<0>(x, |row| {
+            if let Some(slot) = slots.next() {
+                *slot = row.map_or(f64::NAN, |dual| dual.value);
+            }
+        });
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        match x.len() {
+            0..=4 => self.derive::<4>(x, values, jacobian),
+            5..=8 => self.derive::<8>(x, values, jacobian),
+            9..=12 => self.derive::<12>(x, values, jacobian),
+            _ => self.derive::<17>(x, values, jacobian),
+        }
+    }
+}
+
+impl WheelModel<'_> {
+    fn derive<const N: usize>(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        let mut index = 0;
+        self.run::<N>(x, |row| {
+            let row = row.unwrap_or(Dual {
+                value: f64::NAN,
+                gradient: [f64::NAN; N],
+            });
+            values[index] = row.value;
+            for (slot, slope) in jacobian.row_mut(index).iter_mut().zip(row.gradient) {
+                *slot = slope;
+            }
+            index += 1;
+        });
+    }
+}
+
+/// What the model says of each test, with the offsets that `parameters` name at the values `x`.
+///
+/// # Errors
+/// [`Error::Law`] for a soil that the laws refuse.
+pub fn predict(
+    fixed: &Fixed,
+    tests: &[WheelTest],
+    parameters: &[Parameter],
+    x: &[f64],
+) -> Result<Vec<Prediction>> {
+    let law = |source| Error::Law {
+        what: "predicting wheel tests".to_owned(),
+        source,
+    };
+    let model = WheelModel::new(*fixed, tests, parameters);
+    let soil = Soil::new(model.soil_at(x)).map_err(law)?;
+    let pair = WheelOnSoil::new(fixed.wheel, soil, Settings::default()).map_err(law)?;
+    let offset = |slot| {
+        let mut named = parameters.iter().zip(x);
+        named
+            .find(|(parameter, _)| nuisance(**parameter) == Some(slot))
+            .map_or(0.0, |(_, value)| *value)
+    };
+    let offsets = [offset(0), offset(1), offset(2)].map(Dual::constant);
+    tests
+        .iter()
+        .map(|test| {
+            let inputs = DualInputs::<0>::new(&pair, &test.kinematics);
+            let Some((solved, hub_buried)) = solve(&inputs, &pair, test) else {
+                // the only other outcome is the error that the pair gives for this motion
+                let refused = pair.sinkage_under(test.load, &test.kinematics);
+                return Err(law(refused.err().unwrap_or(
+                    grouser_terra::Error::NotFinite {
+                        field: "sinkage",
+                        value: f64::NAN,
+                        unit: "m",
+                    },
+                )));
+            };
+            let of = |quantity| read(&solved, quantity, &offsets).value;
+            Ok(Prediction {
+                pull: of(Quantity::Pull),
+                side: of(Quantity::Side),
+                torque: of(Quantity::Torque),
+                sinkage: of(Quantity::Sinkage),
+                hub_buried,
+            })
+        })
+        .collect()
+}

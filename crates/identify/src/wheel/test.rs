@@ -1,0 +1,107 @@
+//! One wheel test.
+
+use grouser_terra::Kinematics;
+
+/// A steady state that was measured: what was set, and what of the rest was read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelTest {
+    /// How the wheel moved.
+    pub kinematics: Kinematics,
+    /// Its load, N.
+    pub load: f64,
+    /// Drawbar pull, N, forwards.
+    pub pull: Option<f64>,
+    /// Side force, N, to the left.
+    pub side: Option<f64>,
+    /// Torque, N m.
+    pub torque: Option<f64>,
+    /// Sinkage, m, above a datum that may be unknown.
+    pub sinkage: Option<f64>,
+}
+
+/// What a test reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// Drawbar pull.
+    Pull,
+    /// Side force.
+    Side,
+    /// Torque.
+    Torque,
+    /// Sinkage.
+    Sinkage,
+}
+
+impl Quantity {
+    /// Every quantity.
+    pub const ALL: [Self; 4] = [Self::Pull, Self::Side, Self::Torque, Self::Sinkage];
+
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Pull => "pull",
+            Self::Side => "side_force",
+            Self::Torque => "torque",
+            Self::Sinkage => "sinkage",
+        }
+    }
+
+    /// The unit in which tables show it.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Pull | Self::Side => "N",
+            Self::Torque => "N m",
+            Self::Sinkage => "mm",
+        }
+    }
+
+    /// SI per unit of [`Quantity::unit`].
+    #[must_use]
+    pub const fn scale(self) -> f64 {
+        match self {
+            Self::Sinkage => 1e-3,
+            _ => 1.0,
+        }
+    }
+}
+
+impl WheelTest {
+    /// What the test reads of `quantity`, SI.
+    #[must_use]
+    pub const fn read(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Pull => self.pull,
+            Quantity::Side => self.side,
+            Quantity::Torque => self.torque,
+            Quantity::Sinkage => self.sinkage,
+        }
+    }
+}
+
+/// Standard deviation of one reading from trial to trial, SI: what residuals are divided by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// Pull, N.
+    pub pull: f64,
+    /// Side force, N.
+    pub side: f64,
+    /// Torque, N m.
+    pub torque: f64,
+    /// Sinkage, m.
+    pub sinkage: f64,
+}
+
+impl Scatter {
+    /// That of `quantity`.
+    #[must_use]
+    pub const fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Pull => self.pull,
+            Quantity::Side => self.side,
+            Quantity::Torque => self.torque,
+            Quantity::Sinkage => self.sinkage,
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The ROS 2 messages that are written, and the project's own types.
+//!
+//! Types of its own stand only where ROS has none: counters by wheel, a way since the last message, slip by
+//! wheel. Every file carries their definitions, so that any reader of MCAP can decode them.
+
+use std::collections::BTreeSet;
+
+/// Counters by joint.
+pub const WHEEL_TICKS: &str = "grouser_msgs/WheelTicks";
+/// Way since the message before.
+pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
+/// Slip by wheel.
+pub const WHEEL_SLIP: &str = "grouser_msgs/WheelSlip";
+
+/// Each type's own text, with the types that it holds.
+const TEXTS: &[(&str, &str, &[&str])] = &[
+    (
+        "builtin_interfaces/Time",
+        "int32 sec\nuint32 nanosec\n",
+        &[],
+    ),
+    (
+        "std_msgs/Header",
+        "builtin_interfaces/Time stamp\nstring frame_id\n",
+        &["builtin_interfaces/Time"],
+    ),
+    (
+        "geometry_msgs/Vector3",
+        "float64 x\nfloat64 y\nfloat64 z\n",
+        &[],
+    ),
+    (
+        "geometry_msgs/Point",
+        "float64 x\nfloat64 y\nfloat64 z\n",
+        &[],
+    ),
+    (
+        "geometry_msgs/Quaternion",
+        "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
+        &[],
+    ),
+    (
+        "geometry_msgs/Pose",
+        "Point position\nQuaternion orientation\n",
+        &["geometry_msgs/Point", "geometry_msgs/Quaternion"],
+    ),
+    (
+        "geometry_msgs/PoseStamped",
+        "std_msgs/Header header\nPose pose\n",
+        &["std_msgs/Header", "geometry_msgs/Pose"],
+    ),
+    (
+        "geometry_msgs/PoseWithCovariance",
+        "Pose pose\nfloat64[36] covariance\n",
+        &["geometry_msgs/Pose"],
+    ),
+    (
+        "geometry_msgs/Twist",
+        "Vector3 linear\nVector3 angular\n",
+        &["geometry_msgs/Vector3"],
+    ),
+    (
+        "geometry_msgs/TwistStamped",
+        "std_msgs/Header header\nTwist twist\n",
+        &["std_msgs/Header", "geometry_msgs/Twist"],
+    ),
+    (
+        "geometry_msgs/TwistWithCovariance",
+        "Twist twist\nfloat64[36] covariance\n",
+        &["geometry_msgs/Twist"],
+    ),
+    (
+        "geometry_msgs/Transform",
+        "Vector3 translation\nQuaternion rotation\n",
+        &["geometry_msgs/Vector3", "geometry_msgs/Quaternion"],
+    ),
+    (
+        "geometry_msgs/TransformStamped",
+        "std_msgs/Header header\nstring child_frame_id\nTransform transform\n",
+        &["std_msgs/Header", "geometry_msgs/Transform"],
+    ),
+    (
+        "tf2_msgs/TFMessage",
+        "geometry_msgs/TransformStamped[] transforms\n",
+        &["geometry_msgs/TransformStamped"],
+    ),
+    (
+        "sensor_msgs/JointState",
+        "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        "sensor_msgs/Imu",
+        "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
+         geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
+         geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+        &[
+            "std_msgs/Header",
+            "geometry_msgs/Quaternion",
+            "geometry_msgs/Vector3",
+        ],
+    ),
+    (
+        "nav_msgs/Odometry",
+        "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
+         geometry_msgs/TwistWithCovariance twist\n",
+        &[
+            "std_msgs/Header",
+            "geometry_msgs/PoseWithCovariance",
+            "geometry_msgs/TwistWithCovariance",
+        ],
+    ),
+    (
+        "diagnostic_msgs/KeyValue",
+        "string key\nstring value\n",
+        &[],
+    ),
+    (
+        "diagnostic_msgs/DiagnosticStatus",
+        "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\nstring message\n\
+         string hardware_id\nKeyValue[] values\n",
+        &["diagnostic_msgs/KeyValue"],
+    ),
+    (
+        "diagnostic_msgs/DiagnosticArray",
+        "std_msgs/Header header\nDiagnosticStatus[] status\n",
+        &["std_msgs/Header", "diagnostic_msgs/DiagnosticStatus"],
+    ),
+    (
+        WHEEL_TICKS,
+        "# Tick counters of wheels, as the hardware shows them.\nstd_msgs/Header header\nstring[] name\n\
+         uint64[] ticks\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        DISPLACEMENT,
+        "# Way since the message before, in the robot's frame: m, m, rad (NaN: not measured).\n\
+         std_msgs/Header header\nfloat64 forward\nfloat64 left\nfloat64 turn\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        WHEEL_SLIP,
+        "# Slip of wheels: 0 rolls freely, 1 spins on the spot, negative brakes; NaN: none worth a number.\n\
+         # slip_sigma is the standard deviation of its error.\nstd_msgs/Header header\nstring[] name\n\
+         float64[] slip\nfloat64[] slip_sigma\nstring[] motion\nstring[] health\n",
+        &["std_msgs/Header"],
+    ),
+];
+
+/// The definition of a type that is written, in the language `ros2msg`, with all types that it holds.
+#[must_use]
+pub fn definition(type_name: &str) -> Option<String> {
+    let entry = |name: &str| TEXTS.iter().find(|(own, _, _)| *own == name);
+    let (_, own, needs) = entry(type_name)?;
+    let mut text = (*own).to_owned();
+    let mut open: Vec<&str> = needs.to_vec();
+    let mut done = BTreeSet::new();
+    while !open.is_empty() {
+        let name = open.remove(0);
+        if !done.insert(name) {
+            continue;
+        }
+        let (_, body, needs) = entry(name)?;
+        text.push_str(&"=".repeat(80));
+        text.push_str("\nMSG: ");
+        text.push_str(name);
+        text.push('\n');
+        text.push_str(body);
+        open.extend(needs.iter());
+    }
+    Some(text)
+}
+
+/// `package/msg/Type` of `package/Type`, as ROS 2 names types.
+#[must_use]
+pub fn ros2_name(type_name: &str) -> String {
+    type_name.replacen('/', "/msg/", 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::Definition;
+
+    #[test]
+    fn every_definition_is_whole() {
+        for (name, _, _) in TEXTS {
+            let text = definition(name).unwrap();
+            Definition::parse(&ros2_name(name), &text).unwrap();
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Decoded messages of MCAP files and bags in the order of their time.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+
+use crate::container::{Channel, Container, Event};
+use crate::error::Result;
+use crate::message::{Decoder, Value, View};
+use crate::order::Ordered;
+
+/// How many messages a message may stand from its place in time.
+pub const LOOK_AHEAD: usize = 4096;
+/// How much the messages that are held back may take, bytes as they stand in the file: images and maps
+/// are not held by the thousand. Decoded they take up to about ten times as much.
+const HELD_LIMIT: usize = 1 << 20;
+
+/// One decoded message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stamped {
+    /// When it was taken, ns: the stamp of its header, or when it was recorded if it has none.
+    pub time_ns: i64,
+    /// When it was recorded, ns.
+    pub log_time_ns: u64,
+    /// The index of its channel in [`Messages::channels`].
+    pub channel: usize,
+    /// Its fields.
+    pub value: Value,
+}
+
+/// Which time of a message counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// The stamp of its header, where it has one that is not zero.
+    #[default]
+    Header,
+    /// When it was recorded.
+    Recorder,
+}
+
+/// What was left out on the way.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Places of the file that could not be read.
+    pub damages: u64,
+    /// Bytes of the file that are lost in them.
+    pub bytes_lost: u64,
+    /// Messages that could not be decoded.
+    pub undecoded: u64,
+    /// Why the first of them could not be.
+    pub problem: Option<String>,
+    /// Messages that stood too far from their place in time.
+    pub late: u64,
+}
+
+impl LeftOut {
+    /// What was left out of another file of the same run.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.damages += other.damages;
+        self.bytes_lost += other.bytes_lost;
+        self.undecoded += other.undecoded;
+        self.late += other.late;
+        if self.problem.is_none() {
+            self.problem.clone_from(&other.problem);
+        }
+    }
+}
+
+/// Says whether a channel is wanted, and what is added to its times, ns.
+type Wanted = Box<dyn FnMut(&Channel) -> Option<i64> + Send>;
+/// How a channel is decoded, and what is added to its times, ns.
+type Decoding = (std::result::Result<Decoder, String>, i64);
+
+/// The messages of an MCAP file or a bag, decoded by the definitions it holds, in the order of time.
+///
+/// Up to [`LOOK_AHEAD`] messages are held back (fewer if they are large), so that memory does not grow
+/// with the file; one that comes later than that is counted in [`Messages::left_out`] and not given.
+/// Damage does not end it. Only channels that are wanted are decoded.
+pub struct Messages {
+    container: Container,
+    wanted: Wanted,
+    clock: Clock,
+    /// By channel; `None`: not wanted.
+    decoders: BTreeMap<usize, Option<Decoding>>,
+    ordered: Ordered<Stamped>,
+    sizes: VecDeque<usize>,
+    held: usize,
+    left_out: LeftOut,
+    done: bool,
+}
+
+impl Messages {
+    /// Opens a file for the messages of the channels that `wanted` takes.
+    ///
+    /// # Errors
+    /// What does not let the file be opened.
+    pub fn open(
+        path: &Path,
+        clock: Clock,
+        mut wanted: impl FnMut(&Channel) -> bool + Send + 'static,
+    ) -> Result<Self> {
+        Self::open_shifted(path, clock, move |channel| wanted(channel).then_some(0))
+    }
+
+    /// As [`Messages::open`]; `wanted` says what is added to the times of a channel, ns.
+    pub(crate) fn open_shifted(
+        path: &Path,
+        clock: Clock,
+        wanted: impl FnMut(&Channel) -> Option<i64> + Send + 'static,
+    ) -> Result<Self> {
+        Ok(Self {
+            container: Container::open(path)?,
+            wanted: Box::new(wanted),
+            clock,
+            decoders: BTreeMap::new(),
+            ordered: Ordered::new(LOOK_AHEAD),
+            sizes: VecDeque::new(),
+            held: 0,
+            left_out: LeftOut::default(),
+            done: false,
+        })
+    }
+
+    /// The channels met so far.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        self.container.channels()
+    }
+
+    /// The view of a message, for the types that have one.
+    #[must_use]
+    pub fn view(&self, message: &Stamped) -> Option<View> {
+        View::new(&self.channels()[message.channel].type_name, &message.value)
+    }
+
+    /// What was left out so far.
+    #[must_use]
+    pub fn left_out(&self) -> &LeftOut {
+        &self.left_out
+    }
+
+    /// How many bytes of the file have been read.
+    #[must_use]
+    pub fn offset(&self) -> u64 {
+        self.container.offset()
+    }
+
+    /// Reads one message of the file into the ordering.
+    fn take(&mut self) {
+        let (message, size) = match self.container.next() {
+            None => {
+                self.done = true;
+                return;
+            }
+            Some(Event::Damage(damage)) => {
+                self.left_out.damages += 1;
+                self.left_out.bytes_lost += damage.bytes;
+                return;
+            }
+            Some(Event::Message(message)) => {
+                let wanted = &mut self.wanted;
+                let decoder = self.decoders.entry(message.channel).or_insert_with(|| {
+                    let shift_ns = wanted(message.of)?;
+                    let decoder = Decoder::new(message.of).map_err(|error| error.to_string());
+                    Some((decoder, shift_ns))
+                });
+                let Some((decoder, shift_ns)) = decoder else {
+                    return;
+                };
+                let decoded = match decoder {
+                    Ok(decoder) => decoder
+                        .decode(message.data)
+                        .map_err(|error| error.to_string()),
+                    Err(problem) => Err(problem.clone()),
+                };
+                let value = match decoded {
+                    Ok(value) => value,
+                    Err(problem) => {
+                        self.left_out.undecoded += 1;
+                        self.left_out.problem.get_or_insert(problem);
+                        return;
+                    }
+                };
+                let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
+                let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
+                let stamped = Stamped {
+                    time_ns: stamp
+                        .flatten()
+                        .unwrap_or(recorded)
+                        .saturating_add(*shift_ns),
+                    log_time_ns: message.log_time_ns,
+                    channel: message.channel,
+                    value,
+                };
+                (stamped, message.data.len())
+            }
+        };
+        if self.ordered.begin_row(message.time_ns).is_err() {
+            self.left_out.late += 1;
+            return;
+        }
+        self.held += size;
+        self.sizes.push_back(size);
+        self.ordered.push(message.time_ns, message);
+    }
+}
+
+impl Iterator for Messages {
+    type Item = Stamped;
+
+    fn next(&mut self) -> Option<Stamped> {
+        while !self.done && !self.ordered.is_ripe() && self.held <= HELD_LIMIT {
+            self.take();
+        }
+        let (_, message) = self.ordered.pop()?;
+        self.held -= self.sizes.pop_front().unwrap_or(0).min(self.held);
+        Some(message)
+    }
+}
+
+/// The stamp of a message's header, ns; a stamp of zero is none. Of transforms, the first one's.
+pub(crate) fn stamp_of(value: &Value) -> Option<i64> {
+    let header = value
+        .at("header.stamp")
+        .or_else(|| value.at("transforms[0].header.stamp"))?;
+    header.time_ns().filter(|stamp| *stamp > 0)
+}

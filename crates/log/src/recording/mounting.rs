@@ -1,0 +1,199 @@
+//! How an IMU is mounted: which direction of its own frame points up.
+//!
+//! Only that is needed for the yaw rate, Ω = u · ω. Two things tell it: the static transforms from the
+//! robot's base to the IMU's frame, and gravity, which an accelerometer at rest shows upwards.
+
+use std::collections::BTreeMap;
+
+use crate::message::Transform;
+
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.806_65;
+/// A mean acceleration further from gravity than this share tells no direction.
+const FAR_FROM_GRAVITY: f64 = 0.15;
+/// An up this near to an axis is that axis, cos 20°: IMUs are mounted square, but ground is not level.
+const SQUARE: f64 = 0.94;
+/// Transforms and gravity that are further apart than this contradict each other, cos 30°.
+const AGREE: f64 = 0.866;
+/// A chain of transforms longer than this is a circle.
+const CHAIN: usize = 64;
+
+/// The transforms of a tree of frames, by child: its parent and its rotation there.
+pub(super) type Tree = BTreeMap<String, (String, [f64; 4])>;
+
+/// Enters a transform if its child is new.
+pub(super) fn enter(tree: &mut Tree, transform: &Transform) {
+    if tree.len() < 4096 {
+        let frame = plain(&transform.frame).to_owned();
+        tree.entry(plain(&transform.child_frame).to_owned())
+            .or_insert((frame, transform.rotation));
+    }
+}
+
+/// ROS 1 writes frames with a slash in front.
+fn plain(frame: &str) -> &str {
+    frame.trim_start_matches('/')
+}
+
+fn is_base(frame: &str) -> bool {
+    ["base_link", "base_footprint", "base"]
+        .iter()
+        .any(|base| frame == *base || frame.ends_with(&format!("/{base}")))
+}
+
+/// The direction in `frame` that points up by the transforms; `None` where they do not lead from it to
+/// the robot's base.
+pub(super) fn up_by_transforms(tree: &Tree, frame: &str) -> Option<[f64; 3]> {
+    let mut frame = plain(frame);
+    let mut rotations = Vec::new();
+    while !is_base(frame) {
+        let (parent, rotation) = tree.get(frame)?;
+        rotations.push(*rotation);
+        if rotations.len() > CHAIN {
+            return None;
+        }
+        frame = parent;
+    }
+    let mut up = [0.0, 0.0, 1.0];
+    for rotation in rotations.into_iter().rev() {
+        up = turned_back(rotation, up)?;
+    }
+    Some(up)
+}
+
+/// The mean of accelerations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Accelerations {
+    sum: [f64; 3],
+    count: f64,
+}
+
+impl Accelerations {
+    pub(super) fn add(&mut self, acceleration: [f64; 3]) {
+        if acceleration.iter().all(|a| a.is_finite()) {
+            for (sum, a) in self.sum.iter_mut().zip(acceleration) {
+                *sum += a;
+            }
+            self.count += 1.0;
+        }
+    }
+
+    pub(super) const fn count(&self) -> f64 {
+        self.count
+    }
+
+    /// The direction that points up; `None` where the mean is not that of gravity.
+    pub(super) fn up(&self) -> Option<[f64; 3]> {
+        let mean = self.sum.map(|sum| sum / self.count);
+        let size = dot(mean, mean).sqrt();
+        if !((size / GRAVITY - 1.0).abs() < FAR_FROM_GRAVITY) {
+            return None;
+        }
+        Some(squared(mean.map(|a| a / size)))
+    }
+}
+
+/// The axis that a direction is near to, or the direction itself.
+fn squared(up: [f64; 3]) -> [f64; 3] {
+    match up.iter().position(|u| u.abs() > SQUARE) {
+        Some(axis) => {
+            let mut square = [0.0; 3];
+            square[axis] = up[axis].signum();
+            square
+        }
+        None => up,
+    }
+}
+
+pub(super) fn agree(a: [f64; 3], b: [f64; 3]) -> bool {
+    dot(a, b) > AGREE
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The yaw of an orientation x, y, z, w: how far the x axis is turned about z, rad. `None` of what is no
+/// rotation.
+pub(super) fn yaw([x, y, z, w]: [f64; 4]) -> Option<f64> {
+    let size = x * x + y * y + z * z + w * w;
+    (size > 1e-6 && size.is_finite())
+        .then(|| f64::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+}
+
+/// A vector of the parent in the child's frame: q* v q.
+fn turned_back([x, y, z, w]: [f64; 4], v: [f64; 3]) -> Option<[f64; 3]> {
+    let size = x * x + y * y + z * z + w * w;
+    if !(size > 1e-6 && size.is_finite()) {
+        return None;
+    }
+    let q = [-x, -y, -z];
+    let twice = cross(q, v).map(|c| 2.0 * c / size);
+    let again = cross(q, twice);
+    Some(std::array::from_fn(|i| v[i] + w * twice[i] + again[i]))
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transform(frame: &str, child: &str, rotation: [f64; 4]) -> Transform {
+        Transform {
+            frame: frame.into(),
+            child_frame: child.into(),
+            translation: [0.0; 3],
+            rotation,
+        }
+    }
+
+    #[test]
+    fn up_goes_through_a_chain_of_frames() {
+        let half = 0.5_f64.sqrt();
+        let mut tree = Tree::new();
+        // Turned about x by 90 degrees: the child's y axis is the parent's z axis.
+        enter(
+            &mut tree,
+            &transform("/base_link", "mast", [half, 0.0, 0.0, half]),
+        );
+        let up = up_by_transforms(&tree, "mast").unwrap();
+        assert!(
+            up[0].abs() < 1e-15 && (up[1] - 1.0).abs() < 1e-15 && up[2].abs() < 1e-15,
+            "{up:?}"
+        );
+        // And then about z by 90 degrees: the child's x axis is the mast's y axis.
+        enter(&mut tree, &transform("mast", "imu", [0.0, 0.0, half, half]));
+        let up = up_by_transforms(&tree, "/imu").unwrap();
+        assert!((up[0] - 1.0).abs() < 1e-15, "{up:?}");
+        assert_eq!(up_by_transforms(&tree, "camera"), None);
+        enter(&mut tree, &transform("b", "a", [0.0, 0.0, 0.0, 1.0]));
+        enter(&mut tree, &transform("a", "b", [0.0, 0.0, 0.0, 1.0]));
+        assert_eq!(up_by_transforms(&tree, "a"), None);
+    }
+
+    #[test]
+    fn gravity_tells_up_and_free_fall_does_not() {
+        let mut mean = Accelerations::default();
+        assert_eq!(mean.up(), None);
+        mean.add([0.3, 9.7, -0.4]);
+        assert_eq!(mean.up(), Some([0.0, 1.0, 0.0]));
+        let mut fall = Accelerations::default();
+        fall.add([0.0, 0.1, 0.2]);
+        assert_eq!(fall.up(), None);
+    }
+
+    #[test]
+    fn yaw_is_the_turn_about_z() {
+        let (sin, cos) = (1.0_f64).sin_cos();
+        assert!((yaw([0.0, 0.0, sin, cos]).unwrap() - 2.0).abs() < 1e-15);
+        assert!((yaw([0.0, 0.0, 3.0 * sin, 3.0 * cos]).unwrap() - 2.0).abs() < 1e-15);
+        assert_eq!(yaw([0.0; 4]), None);
+    }
+}

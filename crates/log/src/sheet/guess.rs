@@ -1,0 +1,264 @@
+//! What a column probably means, by its name.
+
+use grouser_files::columns::Meaning;
+
+use super::SheetColumn;
+
+/// What a column probably means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guess {
+    /// What it means.
+    pub meaning: Meaning,
+    /// The wheel it belongs to.
+    pub wheel: Option<String>,
+    /// Its unit, as column maps name it.
+    pub unit: &'static str,
+}
+
+/// The words of a name in lower case: `field.header.stamp`, `leftEncoder` and `gyro_z_rad_per_s` fall apart.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = vec![String::new()];
+    let mut lower = false;
+    for letter in name.chars() {
+        let new = !letter.is_alphanumeric() || (lower && letter.is_uppercase());
+        if new {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() {
+            let last = words.len() - 1;
+            words[last].extend(letter.to_lowercase());
+        }
+        lower = letter.is_lowercase();
+    }
+    // `m1pos` is `m1`, `pos`.
+    let glued = |word: String| {
+        let tail = ["pos", "vel", "enc"].into_iter().find(|tail| {
+            word.len() > tail.len() && word.len() <= tail.len() + 2 && word.ends_with(tail)
+        });
+        match tail {
+            Some(tail) => vec![word[..word.len() - tail.len()].to_owned(), tail.to_owned()],
+            None => vec![word],
+        }
+    };
+    let words = words.into_iter().filter(|word| !word.is_empty());
+    words.flat_map(glued).collect()
+}
+
+/// `m1`, `w2`: how people number motors and wheels.
+fn is_numbered(word: &str) -> bool {
+    let digits = word.strip_prefix(['m', 'w']).unwrap_or("");
+    !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// How likely a column of that name is the time, 0 the most.
+pub(super) fn time_rank(name: &str) -> Option<u8> {
+    let words = words(name);
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    if is(&["stamp"]) && !is(&["sec", "nsec", "nanosec", "secs", "nsecs"]) {
+        Some(0)
+    } else if is(&["time", "timestamp", "zeit"]) && !is(&["dt", "delta"]) {
+        Some(1)
+    } else if matches!(words.as_slice(), [one] if matches!(one.as_str(), "t" | "s" | "ms" | "sec" | "seconds"))
+    {
+        Some(2)
+    } else {
+        None
+    }
+}
+
+/// The unit of a time, by its name, else by its size and its median interval.
+pub(super) fn time_unit(column: &SheetColumn, median: Option<f64>) -> &'static str {
+    let words = words(&column.name);
+    for (names, unit) in [
+        (["ns", "nanoseconds", "nanosec"], "ns"),
+        (["us", "microseconds", "usec"], "us"),
+        (["ms", "milliseconds", "msec"], "ms"),
+        (["s", "seconds", "sec"], "s"),
+    ] {
+        if words
+            .iter()
+            .skip(1)
+            .any(|word| names.contains(&word.as_str()))
+        {
+            return unit;
+        }
+    }
+    // Since 1970, in any unit; else robots write ten to a thousand rows a second.
+    match (column.greatest, median) {
+        (greatest, _) if greatest > 1e17 => "ns",
+        (greatest, _) if greatest > 1e14 => "us",
+        (greatest, _) if greatest > 1e11 => "ms",
+        (_, Some(median)) if median >= 1e5 => "ns",
+        (_, Some(median)) if median >= 500.0 => "us",
+        (_, Some(median)) if median >= 1.0 => "ms",
+        _ => "s",
+    }
+}
+
+/// The guess for a column; `unit` is what a header line says, which then must fit.
+pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
+    let unit = unit.filter(|unit| !unit.is_empty());
+    let mut guess = by_name(&words(name), unit, whole)?;
+    if let Some(unit) = unit {
+        let unit = if unit == "ticks" { "tick" } else { unit };
+        let (_, _, quantity) = Meaning::ALL
+            .into_iter()
+            .find(|(_, own, _)| *own == guess.meaning)?;
+        let (known, _) = quantity
+            .units()
+            .into_iter()
+            .find(|(known, _)| *known == unit)?;
+        guess.unit = known;
+    }
+    Some(guess)
+}
+
+fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    let of = |meaning, unit| {
+        Some(Guess {
+            meaning,
+            wheel: None,
+            unit,
+        })
+    };
+    let of_wheel = |meaning, unit| {
+        Some(Guess {
+            meaning,
+            wheel: Some(wheel(words)?),
+            unit,
+        })
+    };
+    let degrees = is(&["deg", "degrees", "dps"]);
+    let rate_unit = if degrees { "deg/s" } else { "rad/s" };
+    let angle_unit = if degrees { "deg" } else { "rad" };
+    let command = is(&["cmd", "command", "commanded", "setpoint", "target", "set"]);
+    let other = [
+        "covariance",
+        "current",
+        "torque",
+        "effort",
+        "voltage",
+        "temperature",
+        "seq",
+        "acc",
+        "acceleration",
+        "accel",
+        "orientation",
+    ];
+    if is(&other) {
+        return None;
+    }
+    let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
+        || words.iter().any(|word| is_numbered(word));
+    let turns =
+        is(&["gyro", "gyroscope", "imu"]) || (is(&["angular"]) && is(&["velocity", "rate"]));
+    if command {
+        let forward = is(&["x", "forward", "linear", "v", "speed"]);
+        return if forward && !of_a_wheel && !is(&["angular", "y", "z", "left"]) {
+            of(Meaning::CommandForward, "m/s")
+        } else {
+            None
+        };
+    }
+    if whole
+        && (is(&["tick", "ticks", "count", "counts", "encoder", "enc"]) || unit == Some("ticks"))
+    {
+        return of_wheel(Meaning::WheelCount, "tick");
+    }
+    if (turns && is(&["z"])) || (is(&["yaw"]) && is(&["rate", "velocity"])) || is(&["yawrate"]) {
+        return of(Meaning::YawRate, rate_unit);
+    }
+    if of_a_wheel && is(&["velocity", "vel", "speed", "rate", "omega", "rpm"]) {
+        // A wheel's speed in m/s is none of its sensor's.
+        let unit = if is(&["rpm"]) { "rpm" } else { rate_unit };
+        return if is(&["m"]) {
+            None
+        } else {
+            of_wheel(Meaning::WheelRate, unit)
+        };
+    }
+    if of_a_wheel && is(&["position", "pos", "angle"]) {
+        return of_wheel(Meaning::WheelAngle, angle_unit);
+    }
+    match words {
+        [one] if one == "dx" => return of(Meaning::DisplacementForward, "m"),
+        [one] if one == "dy" => return of(Meaning::DisplacementLeft, "m"),
+        [one] if one == "dang" || one == "dyaw" => {
+            return of(Meaning::DisplacementTurn, angle_unit);
+        }
+        _ => {}
+    }
+    if !is(&[
+        "pose", "position", "pos", "odom", "gps", "vicon", "mocap", "truth",
+    ]) {
+        None
+    } else if is(&["yaw", "heading", "theta"]) {
+        of(Meaning::PoseYaw, angle_unit)
+    } else if is(&["x"]) {
+        of(Meaning::PoseX, "m")
+    } else if is(&["y"]) {
+        of(Meaning::PoseY, "m")
+    } else {
+        None
+    }
+}
+
+/// The wheel that a name speaks of: what is left without the words of what is measured.
+fn wheel(words: &[String]) -> Option<String> {
+    const MEASURED: &[&str] = &[
+        "field", "wheel", "tick", "ticks", "count", "counts", "encoder", "enc", "velocity", "vel",
+        "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
+        "s", "data", "msg", "raw", "degrees", "motor",
+    ];
+    let kept: Vec<&str> = words
+        .iter()
+        .map(String::as_str)
+        .filter(|word| !MEASURED.contains(word))
+        .collect();
+    (!kept.is_empty()).then(|| kept.join("_"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_understood_as_people_write_them() {
+        let of = |name, whole| guess(name, None, whole).map(|g| (g.meaning, g.wheel, g.unit));
+        let wheel = |name: &str| Some(name.to_owned());
+        assert_eq!(
+            of("front_left_ticks", true),
+            Some((Meaning::WheelCount, wheel("front_left"), "tick"))
+        );
+        assert_eq!(
+            of("field.left_encoder", true),
+            Some((Meaning::WheelCount, wheel("left"), "tick"))
+        );
+        assert_eq!(
+            of("leftWheelRpm", false),
+            Some((Meaning::WheelRate, wheel("left"), "rpm"))
+        );
+        assert_eq!(
+            of("right_wheel_angle_deg", false),
+            Some((Meaning::WheelAngle, wheel("right"), "deg"))
+        );
+        assert_eq!(
+            of("gyro_z_rad_per_s", false),
+            Some((Meaning::YawRate, None, "rad/s"))
+        );
+        assert_eq!(
+            of("field.angular_velocity.z", false),
+            Some((Meaning::YawRate, None, "rad/s"))
+        );
+        assert_eq!(of("vicon_x", false), Some((Meaning::PoseX, None, "m")));
+        for nothing in [
+            "imu_acc_z",
+            "field.angular_velocity_covariance8",
+            "left_motor_current",
+            "angle",
+        ] {
+            assert_eq!(of(nothing, false), None, "{nothing}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! How a table is laid out, by its first lines.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::csv::{Lines, finite, split};
+use crate::error::{Error, Result};
+use crate::source;
+
+/// So many lines are looked at.
+const LINES: usize = 64;
+/// A header of more lines is none.
+const HEADER: usize = 20;
+const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
+
+/// How a table is laid out.
+pub(super) struct Layout {
+    pub(super) separator: u8,
+    pub(super) decimal: u8,
+    pub(super) header_lines: usize,
+    pub(super) names_line: usize,
+    pub(super) names: Vec<String>,
+    /// A header line of units, where there is one.
+    pub(super) units: Vec<String>,
+}
+
+impl Layout {
+    pub(super) fn of(path: &Path) -> Result<Self> {
+        let file = path.display().to_string();
+        let mut lines = Lines::new(source::open(path, &Arc::default())?, file.clone());
+        let mut first = Vec::new();
+        while first.len() < LINES && lines.advance()? {
+            first.push(lines.text()?.to_owned());
+        }
+        let empty = |what| Error::Empty {
+            file: file.clone(),
+            what,
+        };
+        let last = first.iter().rev().find(|line| !line.is_empty());
+        let last = last.ok_or_else(|| empty("nothing"))?;
+        // The last line is data: the separator that parts it best into numbers.
+        let parts = |separator: u8, decimal: u8| {
+            let fields = fields(last, separator);
+            fields
+                .iter()
+                .filter(|field| finite(field, decimal).is_ok())
+                .count()
+        };
+        let choices = SEPARATORS.into_iter().flat_map(|separator| {
+            let decimals: &[u8] = if separator == b',' { b"." } else { b".," };
+            decimals.iter().map(move |decimal| (separator, *decimal))
+        });
+        let mut best = (0, b',', b'.');
+        for (separator, decimal) in choices {
+            let numbers = parts(separator, decimal);
+            if numbers > best.0 {
+                best = (numbers, separator, decimal);
+            }
+        }
+        let (_, separator, decimal) = best;
+        let width = fields(last, separator).len();
+        // Names have few numbers among them, data many.
+        let is_data = |line: &String| {
+            let fields = fields(line, separator);
+            let numbers = fields
+                .iter()
+                .filter(|field| finite(field, decimal).is_ok())
+                .count();
+            numbers > 0 && 3 * numbers >= fields.iter().filter(|field| !field.is_empty()).count()
+        };
+        let header_lines = first.iter().position(is_data).unwrap_or(first.len());
+        if header_lines == 0 || header_lines > HEADER {
+            return Err(empty("no header line that names its columns"));
+        }
+        if header_lines == first.len() {
+            return Err(empty("a header and no data"));
+        }
+        let header: Vec<Vec<String>> = first[..header_lines]
+            .iter()
+            .map(|line| fields(line, separator))
+            .collect();
+        // The last line that names every column differently.
+        let names = header.iter().rposition(|fields| {
+            fields.len() == width && {
+                let given: Vec<&String> = fields.iter().filter(|name| !name.is_empty()).collect();
+                let mut unique = given.clone();
+                unique.sort_unstable();
+                unique.dedup();
+                unique.len() == given.len() && given.len() + 1 >= width
+            }
+        });
+        let names = names.ok_or_else(|| empty("no header line that names its columns"))?;
+        let units = header.iter().position(|fields| {
+            fields.len() == width
+                && fields
+                    .iter()
+                    .any(|field| matches!(field.as_str(), "ms" | "s" | "m/s" | "rad/s"))
+        });
+        Ok(Self {
+            separator,
+            decimal,
+            header_lines,
+            names_line: names + 1,
+            names: header[names].clone(),
+            units: units.map_or_else(Vec::new, |line| header[line].clone()),
+        })
+    }
+}
+
+fn fields(line: &str, separator: u8) -> Vec<String> {
+    let mut places = Vec::new();
+    if split(line, separator, &mut places).is_err() {
+        return Vec::new();
+    }
+    let field = |(start, end): &(usize, usize)| line[*start..*end].trim().to_owned();
+    places.iter().map(field).collect()
+}

@@ -1,0 +1,364 @@
+//! What a table of text holds, without a column map: its layout, its columns, its times, and what they
+//! probably mean by their names.
+
+mod guess;
+mod layout;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use grouser_files::columns::Meaning;
+
+use crate::csv::{Lines, finite, split};
+use crate::error::Result;
+use crate::source;
+pub use guess::Guess;
+use guess::{guess, time_rank, time_unit};
+use layout::Layout;
+
+/// More columns than this are not listed.
+const COLUMNS: usize = 1024;
+/// An interval of more than this many medians is a gap.
+const GAP: f64 = 5.0;
+/// So many intervals are kept for their median; then every second one, and so on.
+const INTERVALS: usize = 1 << 16;
+
+/// One column of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetColumn {
+    /// Its name.
+    pub name: String,
+    /// The first field that is not empty.
+    pub first: String,
+    /// Fields that are finite numbers.
+    pub numbers: u64,
+    /// Fields that are empty.
+    pub empty: u64,
+    /// Fields that are something else.
+    pub others: u64,
+    /// The least number.
+    pub least: f64,
+    /// The greatest number.
+    pub greatest: f64,
+    /// Are all numbers whole?
+    pub whole: bool,
+    /// How often a number is less than the one before.
+    pub falls: u64,
+    /// The greatest difference between a number and the one before.
+    pub greatest_step: f64,
+    /// What it probably means.
+    pub guess: Option<Guess>,
+}
+
+/// The times of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetTime {
+    /// The index of its column.
+    pub column: usize,
+    /// Its unit, as column maps name it.
+    pub unit: &'static str,
+    /// From the least time to the greatest, s.
+    pub duration_s: f64,
+    /// Rows per second, by the median interval.
+    pub rate_hz: Option<f64>,
+    /// The longest interval, s.
+    pub longest_s: f64,
+    /// Intervals of more than five times the median.
+    pub gaps: u64,
+    /// How often it goes back.
+    pub jumps: u64,
+}
+
+/// What a table holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// The separator, one byte.
+    pub separator: u8,
+    /// The decimal mark, one byte.
+    pub decimal: u8,
+    /// Lines before the data.
+    pub header_lines: usize,
+    /// Which of them names the columns, counted from 1.
+    pub names_line: usize,
+    /// Its columns, in order.
+    pub columns: Vec<SheetColumn>,
+    /// Rows of data.
+    pub rows: u64,
+    /// Rows with another number of fields than the header.
+    pub ragged: u64,
+    /// Its times, where a column of time was found.
+    pub time: Option<SheetTime>,
+}
+
+impl Sheet {
+    /// Reads a whole table; `progress` is told how many bytes of it have been read.
+    ///
+    /// # Errors
+    /// What does not let it be read as text in lines.
+    pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
+        let layout = Layout::of(path)?;
+        let count = Arc::default();
+        let mut lines = Lines::new(source::open(path, &count)?, path.display().to_string());
+        let mut sheet = Self {
+            separator: layout.separator,
+            decimal: layout.decimal,
+            header_lines: layout.header_lines,
+            names_line: layout.names_line,
+            columns: layout
+                .names
+                .iter()
+                .take(COLUMNS)
+                .map(|name| SheetColumn::new(name))
+                .collect(),
+            rows: 0,
+            ragged: 0,
+            time: None,
+        };
+        for _ in 0..layout.header_lines {
+            lines.advance()?;
+        }
+        let candidates = time_candidates(&layout.names);
+        let mut clocks: Vec<Clock> = candidates.iter().map(|_| Clock::default()).collect();
+        let mut lasts = vec![f64::NEG_INFINITY; sheet.columns.len()];
+        let mut fields = Vec::new();
+        while lines.advance()? {
+            progress(count.load(std::sync::atomic::Ordering::Relaxed));
+            let text = lines.text()?;
+            if text.is_empty() {
+                continue;
+            }
+            if split(text, layout.separator, &mut fields).is_err()
+                || fields.len() != layout.names.len()
+            {
+                sheet.ragged += 1;
+                continue;
+            }
+            sheet.rows += 1;
+            for (index, column) in sheet.columns.iter_mut().enumerate() {
+                let (start, end) = fields[index];
+                let field = text[start..end].trim();
+                let number = finite(field, layout.decimal).ok();
+                column.take(field, number, &mut lasts[index]);
+                let clock = candidates.iter().position(|candidate| *candidate == index);
+                if let (Some(clock), Some(number)) = (clock, number) {
+                    clocks[clock].take(number);
+                }
+            }
+        }
+        let best = candidates
+            .iter()
+            .zip(clocks)
+            .filter(|(column, _)| {
+                let column = &sheet.columns[**column];
+                // A clock counts on, nearly always.
+                column.others == 0 && column.numbers > 1 && 50 * column.falls <= column.numbers
+            })
+            .map(|(column, clock)| (*column, clock))
+            .next();
+        sheet.time = best.map(|(column, clock)| {
+            let unit = time_unit(&sheet.columns[column], clock.median());
+            clock.finish(column, unit)
+        });
+        let time = sheet.time.as_ref().map(|time| time.column);
+        let units = layout.units;
+        for (index, column) in sheet.columns.iter_mut().enumerate() {
+            if Some(index) != time && column.others == 0 && column.numbers > 0 {
+                let unit = units.get(index).map(String::as_str);
+                column.guess = guess(&column.name, unit, column.whole);
+            }
+        }
+        drop_doubles(&mut sheet.columns);
+        Ok(sheet)
+    }
+
+    /// The wheels that its columns name, in their order.
+    #[must_use]
+    pub fn wheels(&self) -> Vec<String> {
+        let mut wheels: Vec<String> = Vec::new();
+        for guess in self
+            .columns
+            .iter()
+            .filter_map(|column| column.guess.as_ref())
+        {
+            if let Some(wheel) = &guess.wheel
+                && !wheels.contains(wheel)
+            {
+                wheels.push(wheel.clone());
+            }
+        }
+        wheels
+    }
+
+    /// Does a column probably have that meaning?
+    #[must_use]
+    pub fn has(&self, meaning: Meaning) -> bool {
+        let mut guesses = self
+            .columns
+            .iter()
+            .filter_map(|column| column.guess.as_ref());
+        guesses.any(|guess| guess.meaning == meaning)
+    }
+}
+
+/// The columns that may be times, the best first.
+fn time_candidates(names: &[String]) -> Vec<usize> {
+    let mut ranked: Vec<(u8, usize)> = names
+        .iter()
+        .enumerate()
+        .take(COLUMNS)
+        .filter_map(|(index, name)| Some((time_rank(name)?, index)))
+        .collect();
+    ranked.sort_unstable();
+    ranked.into_iter().map(|(_, index)| index).collect()
+}
+
+/// A meaning that two columns claim goes to the first; one that needs another is nothing without it.
+fn drop_doubles(columns: &mut [SheetColumn]) {
+    let mut taken: Vec<Guess> = Vec::new();
+    for column in columns.iter_mut() {
+        let Some(guess) = &column.guess else { continue };
+        let double = |other: &Guess| other.meaning == guess.meaning && other.wheel == guess.wheel;
+        if taken.iter().any(double) {
+            column.guess = None;
+        } else {
+            taken.push(guess.clone());
+        }
+    }
+    loop {
+        let held: Vec<Meaning> = columns
+            .iter()
+            .filter_map(|c| Some(c.guess.as_ref()?.meaning))
+            .collect();
+        let lone = columns.iter_mut().find(|column| {
+            let needed = column
+                .guess
+                .as_ref()
+                .and_then(|guess| guess.meaning.needs());
+            needed.is_some_and(|needed| !held.contains(&needed))
+        });
+        match lone {
+            Some(column) => column.guess = None,
+            None => return,
+        }
+    }
+}
+
+impl SheetColumn {
+    /// The width of a counter that wraps in this table, bits; `None` where none does.
+    #[must_use]
+    pub fn wraps_at_bits(&self) -> Option<u32> {
+        let wraps = |bits: &u32| {
+            let range = 2_f64.powi(i32::try_from(*bits).unwrap_or(0));
+            let fits = self.least >= -0.5 * range && self.greatest < range;
+            self.whole && fits && self.greatest_step > 0.5 * range
+        };
+        [8, 16, 32].into_iter().find(wraps)
+    }
+
+    fn new(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            first: String::new(),
+            numbers: 0,
+            empty: 0,
+            others: 0,
+            least: f64::INFINITY,
+            greatest: f64::NEG_INFINITY,
+            whole: true,
+            falls: 0,
+            greatest_step: 0.0,
+            guess: None,
+        }
+    }
+
+    fn take(&mut self, field: &str, number: Option<f64>, last: &mut f64) {
+        if field.is_empty() {
+            self.empty += 1;
+            return;
+        }
+        if self.first.is_empty() {
+            self.first = field.chars().take(64).collect();
+        }
+        let Some(number) = number else {
+            self.others += 1;
+            return;
+        };
+        self.numbers += 1;
+        self.least = self.least.min(number);
+        self.greatest = self.greatest.max(number);
+        self.whole &= number.fract() == 0.0;
+        self.falls += u64::from(number < *last);
+        if last.is_finite() {
+            self.greatest_step = self.greatest_step.max((number - *last).abs());
+        }
+        *last = number;
+    }
+}
+
+/// The intervals of a column that may be time.
+#[derive(Default)]
+struct Clock {
+    last: Option<f64>,
+    first: f64,
+    greatest: f64,
+    longest: f64,
+    jumps: u64,
+    /// Every `stride`th interval.
+    intervals: Vec<f64>,
+    stride: u64,
+    seen: u64,
+}
+
+impl Clock {
+    fn take(&mut self, time: f64) {
+        if self.seen == 0 {
+            (self.first, self.greatest, self.stride) = (time, time, 1);
+        }
+        self.greatest = self.greatest.max(time);
+        if let Some(last) = self.last.replace(time) {
+            let interval = time - last;
+            self.longest = self.longest.max(interval);
+            self.jumps += u64::from(interval < 0.0);
+            if self.seen.is_multiple_of(self.stride) && interval >= 0.0 {
+                self.intervals.push(interval);
+            }
+            if self.intervals.len() >= INTERVALS {
+                self.stride *= 2;
+                let mut keep = false;
+                self.intervals.retain(|_| {
+                    keep = !keep;
+                    keep
+                });
+            }
+        }
+        self.seen += 1;
+    }
+
+    fn median(&self) -> Option<f64> {
+        let mut sorted = self.intervals.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted
+            .get(sorted.len() / 2)
+            .copied()
+            .filter(|median| *median > 0.0)
+    }
+
+    fn finish(self, column: usize, unit: &'static str) -> SheetTime {
+        let seconds = grouser_files::unit::Quantity::Time
+            .units()
+            .into_iter()
+            .find(|(name, _)| *name == unit)
+            .map_or(1.0, |(_, seconds)| seconds);
+        let median = self.median();
+        let long = |interval: &&f64| median.is_some_and(|median| **interval > GAP * median);
+        SheetTime {
+            column,
+            unit,
+            duration_s: (self.greatest - self.first) * seconds,
+            rate_hz: median.map(|median| 1.0 / (median * seconds)),
+            longest_s: self.longest * seconds,
+            gaps: self.intervals.iter().filter(long).count() as u64 * self.stride.max(1),
+            jumps: self.jumps,
+        }
+    }
+}

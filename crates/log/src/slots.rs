@@ -1,0 +1,114 @@
+//! From the numbers of a row or a message to typed readings.
+
+use grouser_files::columns::{Column, Meaning};
+
+use crate::record::Reading;
+
+/// The readings that a set of columns gives.
+#[derive(Clone, Debug)]
+pub(crate) struct Slots(Vec<Slot>);
+
+#[derive(Clone, Copy, Debug)]
+enum Slot {
+    Wheel(Meaning, usize, Part),
+    YawRate(Part),
+    Displacement(Part, Part, Option<Part>),
+    Pose(Part, Part, Part),
+    Speed(Part, Option<Part>),
+    Command(Part, Option<Part>),
+}
+
+/// One of the columns, and what one of its unit is in SI.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) column: usize,
+    pub(crate) factor: f64,
+}
+
+impl Slots {
+    /// `wheels` are the wheels of the log, to which readings refer by index.
+    pub(crate) fn new(columns: &[Column], wheels: &[String]) -> Self {
+        let of = |column: usize| Part {
+            column,
+            factor: columns[column].factor,
+        };
+        let part = |meaning: Meaning| {
+            let at = columns.iter().position(|c| c.meaning == meaning)?;
+            Some(of(at))
+        };
+        let mut slots = Vec::new();
+        for (index, column) in columns.iter().enumerate() {
+            let own = of(index);
+            let wheel = || {
+                let name = column.wheel.as_ref()?;
+                wheels.iter().position(|wheel| wheel == name)
+            };
+            let slot = match column.meaning {
+                Meaning::YawRate => Some(Slot::YawRate(own)),
+                Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
+                    .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
+                Meaning::PoseX => part(Meaning::PoseY)
+                    .zip(part(Meaning::PoseYaw))
+                    .map(|(y, yaw)| Slot::Pose(own, y, yaw)),
+                Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
+                Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
+                meaning if meaning.is_of_a_wheel() => {
+                    wheel().map(|wheel| Slot::Wheel(meaning, wheel, own))
+                }
+                // Second parts of the above.
+                _ => None,
+            };
+            slots.extend(slot);
+        }
+        Self(slots)
+    }
+
+    /// Gives every reading to `take`; one that lacks a part is left out. `number` gives a column in SI,
+    /// `count` a column as the bits of a counter; `None` stands for no value.
+    pub(crate) fn readings<E>(
+        &self,
+        number: impl Fn(Part) -> Result<Option<f64>, E>,
+        count: impl Fn(Part) -> Result<Option<u64>, E>,
+        mut take: impl FnMut(Reading),
+    ) -> Result<(), E> {
+        let optional = |part: Option<Part>| part.map_or(Ok(None), &number);
+        for slot in &self.0 {
+            let reading = match *slot {
+                Slot::Wheel(Meaning::WheelCount, wheel, part) => {
+                    count(part)?.map(|raw| Reading::WheelCount { wheel, raw })
+                }
+                Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
+                    number(part)?.map(|angle| Reading::WheelAngle { wheel, angle })
+                }
+                Slot::Wheel(_, wheel, part) => {
+                    number(part)?.map(|rate| Reading::WheelRate { wheel, rate })
+                }
+                Slot::YawRate(part) => number(part)?.map(|rate| Reading::YawRate { rate }),
+                Slot::Displacement(forward, left, turn) => {
+                    let turn = optional(turn)?;
+                    number(forward)?.zip(number(left)?).map(|(forward, left)| {
+                        Reading::Displacement {
+                            forward,
+                            left,
+                            turn,
+                        }
+                    })
+                }
+                Slot::Pose(x, y, yaw) => number(x)?
+                    .zip(number(y)?)
+                    .zip(number(yaw)?)
+                    .map(|((x, y), yaw)| Reading::Pose { x, y, yaw }),
+                Slot::Speed(forward, left) => {
+                    let left = optional(left)?;
+                    number(forward)?.map(|forward| Reading::Speed { forward, left })
+                }
+                Slot::Command(forward, left) => {
+                    let left = optional(left)?.unwrap_or(0.0);
+                    number(forward)?.map(|forward| Reading::Command { forward, left })
+                }
+            };
+            reading.into_iter().for_each(&mut take);
+        }
+        Ok(())
+    }
+}

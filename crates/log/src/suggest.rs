@@ -1,0 +1,301 @@
+//! A robot file to start from, by what a log holds.
+//!
+//! What a log cannot tell (radii, places, ticks per turn) stands in it as a round number and a comment that
+//! says to measure it.
+
+use std::fmt::Write as _; // writing to a string cannot fail
+
+use grouser_files::columns::Meaning;
+
+use crate::sheet::{Sheet, SheetColumn};
+use crate::survey::{Survey, Topic, Use};
+
+/// More wheels than a robot has.
+const WHEELS: usize = 16;
+
+/// A robot file for a bag or an MCAP file.
+#[must_use]
+pub fn suggest_for_survey(survey: &Survey) -> String {
+    let of = |wanted: Use| {
+        let mut topics = survey.topics.iter();
+        topics.find(move |topic| topic.messages > 0 && topic.use_for == Some(wanted))
+    };
+    let mut topics = String::new();
+    let name = |topic: &Topic| text(&topic.channel.topic);
+    let joints = of(Use::Wheels);
+    if let Some(topic) = joints {
+        let _ = writeln!(topics, "wheels = {}", name(topic));
+    }
+    if let Some(topic) = of(Use::YawRate) {
+        let _ = writeln!(topics, "yaw_rate = {}", name(topic));
+    }
+    if let Some(topic) = of(Use::Command) {
+        let _ = writeln!(topics, "command = {}", name(topic));
+    }
+    let motions = survey
+        .topics
+        .iter()
+        .filter(|topic| topic.use_for == Some(Use::Motion));
+    let odometry = |topic: &&Topic| topic.channel.type_name.ends_with("Odometry");
+    // Without joints, an odometry of the wheels stands for them.
+    let stand_in = motions.clone().find(odometry).filter(|_| joints.is_none());
+    if let Some(topic) = stand_in {
+        let _ = writeln!(
+            topics,
+            "wheel_odometry = {}\nwheel_odometry_track_m = 0.4  # the distance of left and right wheels in the \
+             driver that made it: look it up",
+            name(topic)
+        );
+    }
+    for topic in motions.filter(|topic| !stand_in.is_some_and(|other| std::ptr::eq(other, *topic)))
+    {
+        let _ = writeln!(
+            topics,
+            "# pose = {}  # if it measures the ground (camera, GNSS, lidar); not if it was made of the wheels",
+            name(topic)
+        );
+    }
+    let wheels: Vec<(String, Option<String>)> = match joints {
+        Some(topic) => wheel_joints(&topic.joints),
+        None => [("left", None), ("right", None)]
+            .map(|(name, joint)| (name.to_owned(), joint))
+            .to_vec(),
+    };
+    let counts = joints.is_some_and(|topic| topic.channel.type_name.ends_with("/WheelTicks"));
+    let counter = if counts {
+        line(
+            "counter_bits = 64",
+            "look it up, or wheels whose counter wraps jump",
+        )
+    } else {
+        String::new()
+    };
+    robot(&topics, "", &wheels, true, &counter)
+}
+
+/// A robot file with its column map for a table of that name.
+#[must_use]
+pub fn suggest_for_sheet(sheet: &Sheet, file_name: &str) -> String {
+    let mut table = String::from("[[table]]\n");
+    let _ = writeln!(table, "file = {}", text(file_name));
+    let byte = |byte: u8| text(&char::from(byte).to_string());
+    if sheet.separator != b',' {
+        let separator = if sheet.separator == b'\t' {
+            text("tab")
+        } else {
+            byte(sheet.separator)
+        };
+        let _ = writeln!(table, "separator = {separator}");
+    }
+    if sheet.decimal != b'.' {
+        let _ = writeln!(table, "decimal = {}", byte(sheet.decimal));
+    }
+    if (sheet.header_lines, sheet.names_line) != (1, 1) {
+        let _ = writeln!(
+            table,
+            "header_lines = {}\nnames_line = {}",
+            sheet.header_lines, sheet.names_line
+        );
+    }
+    match &sheet.time {
+        Some(time) => {
+            let _ = writeln!(
+                table,
+                "time = {{ column = {}, unit = \"{}\" }}",
+                text(&sheet.columns[time.column].name),
+                time.unit
+            );
+        }
+        None => {
+            table.push_str("time = { column = \"time\", unit = \"s\" }  # not found: name it\n");
+        }
+    }
+    table.push_str("columns = [\n");
+    for column in &sheet.columns {
+        let Some(guess) = &column.guess else { continue };
+        let wheel = guess.wheel.as_ref();
+        let wheel = wheel.map_or_else(String::new, |wheel| format!(", wheel = {}", text(wheel)));
+        let _ = writeln!(
+            table,
+            "    {{ column = {}, meaning = \"{}\"{wheel}, unit = \"{}\" }},",
+            text(&column.name),
+            guess.meaning.name(),
+            guess.unit
+        );
+    }
+    table.push_str("]\n");
+    let wheels: Vec<_> = sheet
+        .wheels()
+        .into_iter()
+        .map(|wheel| (wheel, None))
+        .collect();
+    let counters = sheet.columns.iter().filter(|column| {
+        let guess = column.guess.as_ref();
+        guess.is_some_and(|guess| guess.meaning == Meaning::WheelCount)
+    });
+    let bits = counters
+        .clone()
+        .filter_map(SheetColumn::wraps_at_bits)
+        .max();
+    let counts = counters.count() > 0;
+    let counter = match (counts, bits) {
+        (false, _) => String::new(),
+        (true, Some(bits)) => line(
+            &format!("counter_bits = {bits}"),
+            "the counters wrap in this log",
+        ),
+        (true, None) => line(
+            "counter_bits = 64",
+            "look it up: the counters do not wrap in this log",
+        ),
+    };
+    let motion = [
+        Meaning::PoseX,
+        Meaning::SpeedForward,
+        Meaning::DisplacementForward,
+    ];
+    let needs_reference = !motion.into_iter().any(|meaning| sheet.has(meaning));
+    robot("", &table, &wheels, needs_reference, &counter)
+}
+
+/// The joints that are wheels: those that say so, else all.
+fn wheel_joints(joints: &[String]) -> Vec<(String, Option<String>)> {
+    let says = |joint: &&String| joint.to_lowercase().contains("wheel");
+    let wheels: Vec<&String> = if joints.iter().any(|joint| says(&joint)) {
+        joints.iter().filter(says).collect()
+    } else {
+        joints.iter().collect()
+    };
+    let name = |joint: &&String| {
+        let parts = joint
+            .split('_')
+            .filter(|part| !matches!(*part, "joint" | "wheel" | "link"));
+        let bare = parts.collect::<Vec<_>>().join("_");
+        if bare.is_empty() {
+            (*joint).clone()
+        } else {
+            bare
+        }
+    };
+    let names: Vec<String> = wheels.iter().map(name).collect();
+    let unique = |own: &String| names.iter().filter(|other| *other == own).count() == 1;
+    wheels
+        .iter()
+        .zip(&names)
+        .take(WHEELS)
+        .map(|(joint, own)| {
+            let own = if unique(own) {
+                own.clone()
+            } else {
+                (*joint).clone()
+            };
+            (own, Some((*joint).clone()))
+        })
+        .collect()
+}
+
+/// The whole file.
+fn robot(
+    topics: &str,
+    table: &str,
+    wheels: &[(String, Option<String>)],
+    needs_reference: bool,
+    counter: &str,
+) -> String {
+    let mut out = String::from(
+        "# Proposed by `grouser log info --suggest-robot`: measure what a comment says, then delete the comment.\n\
+         format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n",
+    );
+    let free = wheels.iter().any(|(name, _)| is_free(name));
+    if !free && needs_reference {
+        out.push_str(
+            "# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the ground \
+             was found, so slip counts from the wheel that grips best\n",
+        );
+    }
+    if !topics.is_empty() {
+        let _ = write!(out, "\n[topics]\n{topics}");
+    }
+    for (index, (name, joint)) in wheels.iter().take(WHEELS).enumerate() {
+        let (x, y) = place(name, index);
+        let _ = write!(out, "\n[[wheel]]\nname = {}\n", text(name));
+        if let Some(joint) = joint.as_ref().filter(|joint| *joint != name) {
+            let _ = writeln!(out, "joint = {}", text(joint));
+        }
+        let drive = if is_free(name) { "free" } else { "powered" };
+        out.push_str(&line(
+            &format!("x_m = {x:?}"),
+            "forwards of the robot's origin: measure",
+        ));
+        out.push_str(&line(&format!("y_m = {y:?}"), "to the left of it: measure"));
+        out.push_str(&line("radius_m = 0.1", "measure"));
+        let _ = writeln!(out, "drive = \"{drive}\"");
+        if !counter.is_empty() {
+            out.push_str(&line("ticks_per_turn = 1000", "of the wheel: look it up"));
+            out.push_str(counter);
+        }
+    }
+    if !table.is_empty() {
+        let _ = write!(out, "\n{table}");
+    }
+    out
+}
+
+/// An entry with its comment.
+fn line(entry: &str, comment: &str) -> String {
+    format!("{entry:<22} # {comment}\n")
+}
+
+fn name_words(name: &str) -> Vec<String> {
+    let parts = name.split(|letter: char| !letter.is_alphanumeric());
+    parts.map(str::to_lowercase).collect()
+}
+
+fn is_free(name: &str) -> bool {
+    let words = name_words(name);
+    let free = [
+        "free", "fifth", "caster", "castor", "dead", "odometry", "pod",
+    ];
+    words.iter().any(|word| free.contains(&word.as_str()))
+}
+
+/// Where a wheel of that name probably is.
+fn place(name: &str, index: usize) -> (f64, f64) {
+    let words = name_words(name);
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    let x = if is(&["front", "fl", "fr", "lf", "rf", "f"]) {
+        0.2
+    } else if is(&["rear", "back", "rl", "rr", "bl", "br", "lr", "rb", "lb"]) || is_free(name) {
+        -0.2
+    } else {
+        0.0
+    };
+    let y = if is(&["left", "l", "fl", "rl", "bl", "lf", "lr", "lb"]) {
+        0.2
+    } else if is(&["right", "r", "fr", "rr", "br", "rf", "rb"]) {
+        -0.2
+    } else if is_free(name) {
+        0.0
+    } else if index.is_multiple_of(2) {
+        0.2
+    } else {
+        -0.2
+    };
+    (x, y)
+}
+
+/// A text of TOML; what would end it is escaped.
+fn text(words: &str) -> String {
+    let mut out = String::from("\"");
+    for letter in words.chars() {
+        match letter {
+            '"' | '\\' => out.extend(['\\', letter]),
+            letter if letter.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(letter));
+            }
+            letter => out.push(letter),
+        }
+    }
+    out.push('"');
+    out
+}

@@ -1,0 +1,157 @@
+//! Typed readings as messages of ROS 2: a table becomes an MCAP file.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use super::{McapWriter, Topic};
+use crate::message::{Value, build, known};
+use crate::record::{Reading, Record};
+
+/// Topic and type of each kind of message.
+const TICKS: (&str, &str) = ("/wheel_ticks", known::WHEEL_TICKS);
+const JOINTS: (&str, &str) = ("/joint_states", "sensor_msgs/JointState");
+const IMU: (&str, &str) = ("/imu", "sensor_msgs/Imu");
+const WAY: (&str, &str) = ("/displacement", known::DISPLACEMENT);
+const POSE: (&str, &str) = ("/pose", "geometry_msgs/PoseStamped");
+const SPEED: (&str, &str) = ("/ground_speed", "geometry_msgs/TwistStamped");
+const COMMAND: (&str, &str) = ("/cmd_vel", "geometry_msgs/TwistStamped");
+
+/// Writes records as messages: counters as `grouser_msgs/WheelTicks`, angles and rates as
+/// `sensor_msgs/JointState` with the wheels' names as joints, the yaw rate as `sensor_msgs/Imu`, a pose as
+/// `geometry_msgs/PoseStamped`, speed over ground and command as `geometry_msgs/TwistStamped`, ways as
+/// `grouser_msgs/Displacement`. Wheels of one time and one source stand in one message.
+///
+/// Read again, the log is the same, but that a speed to the left that was not measured is 0.
+pub struct ReadingWriter<W: Write> {
+    writer: McapWriter<W>,
+    topics: BTreeMap<&'static str, Topic>,
+    wheels: Vec<String>,
+    group: Vec<Record>,
+    messages: u64,
+}
+
+impl<W: Write> ReadingWriter<W> {
+    /// Begins a file; `wheels` are the names to which records refer.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn new(out: W, wheels: &[String]) -> io::Result<Self> {
+        Ok(Self {
+            writer: McapWriter::new(out, "ros2")?,
+            topics: BTreeMap::new(),
+            wheels: wheels.to_vec(),
+            group: Vec::new(),
+            messages: 0,
+        })
+    }
+
+    /// One record more, later than those before.
+    ///
+    /// # Errors
+    /// What the system refuses; `InvalidInput` for times before 1970.
+    pub fn record(&mut self, record: &Record) -> io::Result<()> {
+        let same =
+            |first: &Record| first.time_ns == record.time_ns && first.source == record.source;
+        if !self.group.first().is_none_or(same) {
+            self.flush()?;
+        }
+        self.group.push(*record);
+        Ok(())
+    }
+
+    /// The messages written so far, the last group aside.
+    #[must_use]
+    pub const fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Ends the file; gives it with the number of its messages.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn finish(mut self) -> io::Result<(W, u64)> {
+        self.flush()?;
+        Ok((self.writer.finish()?, self.messages))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let group = std::mem::take(&mut self.group);
+        let Some(time_ns) = group.first().map(|record| record.time_ns) else {
+            return Ok(());
+        };
+        let header = || build::header(time_ns, "base_link");
+        let (mut ticks, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for record in &group {
+            match record.reading {
+                Reading::WheelCount { wheel, raw } => ticks.push((wheel, raw)),
+                Reading::WheelAngle { wheel, angle } => angles.push((wheel, angle)),
+                Reading::WheelRate { wheel, rate } => rates.push((wheel, rate)),
+                Reading::YawRate { rate } => {
+                    self.send(IMU, time_ns, &build::yaw_gyro(header(), rate))?;
+                }
+                Reading::Displacement {
+                    forward,
+                    left,
+                    turn,
+                } => {
+                    let value = build::displacement(header(), forward, left, turn);
+                    self.send(WAY, time_ns, &value)?;
+                }
+                Reading::Pose { x, y, yaw } => {
+                    let pose = build::pose(x, y, yaw);
+                    let value = build::message([("header", header()), ("pose", pose)]);
+                    self.send(POSE, time_ns, &value)?;
+                }
+                Reading::Speed { forward, left } => {
+                    let linear = [forward, left.unwrap_or(0.0), 0.0];
+                    let value = build::twist_stamped(header(), linear, [0.0; 3]);
+                    self.send(SPEED, time_ns, &value)?;
+                }
+                Reading::Command { forward, left } => {
+                    let linear = [forward, left, 0.0];
+                    let value = build::twist_stamped(header(), linear, [0.0; 3]);
+                    self.send(COMMAND, time_ns, &value)?;
+                }
+            }
+        }
+        if !ticks.is_empty() {
+            let (wheels, raw): (Vec<usize>, Vec<u64>) = ticks.into_iter().unzip();
+            let value = build::wheel_ticks(header(), &self.names(&wheels), &raw);
+            self.send(TICKS, time_ns, &value)?;
+        }
+        let (turned, angles): (Vec<usize>, Vec<f64>) = angles.into_iter().unzip();
+        let (turning, rates): (Vec<usize>, Vec<f64>) = rates.into_iter().unzip();
+        // An array of a JointState holds all of its joints, or none.
+        let states: &[(&[usize], &[f64], &[f64])] = if turned == turning {
+            &[(&turned, &angles, &rates)]
+        } else {
+            &[(&turned, &angles, &[]), (&turning, &[], &rates)]
+        };
+        for (wheels, angles, rates) in states.iter().filter(|state| !state.0.is_empty()) {
+            let value = build::joint_state(header(), &self.names(wheels), angles, rates);
+            self.send(JOINTS, time_ns, &value)?;
+        }
+        Ok(())
+    }
+
+    fn names(&self, wheels: &[usize]) -> Vec<&str> {
+        let names = wheels.iter().map(|wheel| self.wheels.get(*wheel));
+        names.map(|name| name.map_or("", String::as_str)).collect()
+    }
+
+    fn send(
+        &mut self,
+        (name, type_name): (&'static str, &'static str),
+        time_ns: i64,
+        value: &Value,
+    ) -> io::Result<()> {
+        let topic = match self.topics.entry(name) {
+            std::collections::btree_map::Entry::Occupied(known) => known.into_mut(),
+            std::collections::btree_map::Entry::Vacant(new) => {
+                new.insert(self.writer.topic(name, type_name)?)
+            }
+        };
+        self.messages += 1;
+        self.writer.send(topic, time_ns, value)
+    }
+}

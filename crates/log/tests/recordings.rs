@@ -1,0 +1,392 @@
+//! Bags and MCAP files as logs: which topics are chosen, how an IMU is mounted, which times count, what
+//! covariances say. The files are written here, with other programs' files tested in `interop.rs`.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod scratch;
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use grouser_files::columns::Meaning;
+use grouser_files::{Document, robot};
+use grouser_log::message::{Value, build};
+use grouser_log::write::McapWriter;
+use grouser_log::{Error, Log, Reading, Record};
+use scratch::Folder;
+
+const WHEELS: &str = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
+     [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
+
+/// A log of these messages (topic, type, time in ns, fields) read by a robot file with this `[topics]`.
+fn log(folder: &Folder, topics: &str, messages: &[(&str, &str, i64, Value)]) -> Result<Log, Error> {
+    let path = write(&folder.0.join("log.mcap"), messages);
+    let text = format!("format = 1\nname = \"cart\"\n{topics}\n{WHEELS}");
+    let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    Log::find_any(&[path], None, &robot.topics)
+}
+
+fn write(path: &Path, messages: &[(&str, &str, i64, Value)]) -> PathBuf {
+    let mut writer = McapWriter::new(File::create(path).unwrap(), "ros2").unwrap();
+    let mut topics = Vec::new();
+    for (name, kind, time_ns, value) in messages {
+        let known = topics.iter().position(|(own, _)| own == name);
+        let index = known.unwrap_or_else(|| {
+            topics.push((*name, writer.topic(name, kind).unwrap()));
+            topics.len() - 1
+        });
+        writer.send(&mut topics[index].1, *time_ns, value).unwrap();
+    }
+    writer.finish().unwrap();
+    path.to_owned()
+}
+
+fn readings(log: &Log) -> Vec<Record> {
+    log.records(&[]).unwrap().map(Result::unwrap).collect()
+}
+
+fn joints(
+    time_ns: i64,
+    position: &[f64],
+    velocity: &[f64],
+) -> (&'static str, &'static str, i64, Value) {
+    let names = ["left_wheel_joint", "right_wheel_joint", "arm"];
+    let value = build::joint_state(build::header(time_ns, ""), &names, position, velocity);
+    ("/joint_states", "sensor_msgs/JointState", time_ns, value)
+}
+
+/// An IMU's message of these rates and accelerations; `variances` stand on the rates' diagonal.
+fn imu(time_ns: i64, rate: [f64; 3], acceleration: [f64; 3], variances: [f64; 3]) -> Value {
+    let mut covariance = [0.0; 9];
+    for (axis, variance) in variances.into_iter().enumerate() {
+        covariance[4 * axis] = variance;
+    }
+    build::message([
+        ("header", build::header(time_ns, "imu_link")),
+        ("orientation", build::turn(0.0)),
+        (
+            "orientation_covariance",
+            build::numbers(&[-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        ),
+        ("angular_velocity", build::vector(rate)),
+        ("angular_velocity_covariance", build::numbers(&covariance)),
+        ("linear_acceleration", build::vector(acceleration)),
+        ("linear_acceleration_covariance", build::numbers(&[0.0; 9])),
+    ])
+}
+
+const IMU: &str = "sensor_msgs/Imu";
+
+#[test]
+fn joints_are_read_by_their_wheels_names() {
+    let folder = Folder::new("joints");
+    let messages = [
+        joints(1_000, &[0.5, -0.5, 9.0], &[1.0, 2.0, 9.0]),
+        joints(2_000, &[0.6, -0.4, 9.0], &[]),
+    ];
+    let log = log(&folder, "", &messages).unwrap();
+    assert!(log.measures_wheel(Meaning::WheelAngle, "left"));
+    assert!(log.measures_wheel(Meaning::WheelRate, "right"));
+    assert!(!log.measures(Meaning::YawRate));
+    let found: Vec<Reading> = readings(&log).iter().map(|record| record.reading).collect();
+    assert_eq!(
+        found,
+        [
+            Reading::WheelAngle {
+                wheel: 0,
+                angle: 0.5
+            },
+            Reading::WheelRate {
+                wheel: 0,
+                rate: 1.0
+            },
+            Reading::WheelAngle {
+                wheel: 1,
+                angle: -0.5
+            },
+            Reading::WheelRate {
+                wheel: 1,
+                rate: 2.0
+            },
+            Reading::WheelAngle {
+                wheel: 0,
+                angle: 0.6
+            },
+            Reading::WheelAngle {
+                wheel: 1,
+                angle: -0.4
+            },
+        ]
+    );
+}
+
+#[test]
+fn an_imu_with_y_up_still_gives_the_yaw_rate() {
+    let folder = Folder::new("y-up");
+    // At rest it shows gravity upwards, along its y axis; the robot turns left by 0.4 rad/s about it.
+    let standing = |n: i64| {
+        (
+            "/imu",
+            IMU,
+            n,
+            imu(n, [0.1, 0.4, -0.2], [0.2, 9.79, -0.1], [0.0; 3]),
+        )
+    };
+    let messages: Vec<_> = (1..20).map(standing).collect();
+    let log = log(&folder, "", &messages).unwrap();
+    assert!(
+        readings(&log)
+            .iter()
+            .all(|r| r.reading == Reading::YawRate { rate: 0.4 })
+    );
+    assert_eq!(
+        log.topics().next().unwrap().used_for,
+        "yaw rate about its y axis (by gravity)"
+    );
+}
+
+#[test]
+fn static_transforms_tell_the_mounting_too() {
+    let folder = Folder::new("transforms");
+    // Turned about x by −90 degrees: the IMU's y axis points down. No acceleration is given.
+    let half = 0.5_f64.sqrt();
+    let rotation = build::message([
+        ("x", Value::Float(-half)),
+        ("y", Value::Float(0.0)),
+        ("z", Value::Float(0.0)),
+        ("w", Value::Float(half)),
+    ]);
+    let transform = build::message([
+        ("header", build::header(1, "base_link")),
+        ("child_frame_id", Value::Text("imu_link".into())),
+        (
+            "transform",
+            build::message([
+                ("translation", build::vector([0.0; 3])),
+                ("rotation", rotation),
+            ]),
+        ),
+    ]);
+    let transforms = build::message([("transforms", Value::Array(vec![transform]))]);
+    let mut messages = vec![("/tf_static", "tf2_msgs/TFMessage", 1, transforms)];
+    messages.push(("/imu", IMU, 2, imu(2, [0.1, -0.4, 0.2], [0.0; 3], [0.0; 3])));
+    let log = log(&folder, "", &messages).unwrap();
+    let [record] = readings(&log)[..] else {
+        panic!("one reading")
+    };
+    let Reading::YawRate { rate } = record.reading else {
+        panic!("{record:?}")
+    };
+    assert!((rate - 0.4).abs() < 1e-15, "{rate}");
+    assert!(log.notes().is_empty(), "{:?}", log.notes());
+}
+
+#[test]
+fn the_robot_file_decides_over_gravity() {
+    let folder = Folder::new("decides");
+    let messages = [(
+        "/imu",
+        IMU,
+        5,
+        imu(5, [0.3, 0.0, 0.0], [0.0, 0.0, 9.8], [0.0; 3]),
+    )];
+    let log = log(&folder, "[topics]\nimu_up = \"-x\"", &messages).unwrap();
+    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: -0.3 });
+}
+
+#[test]
+fn c2_a_covariance_says_what_may_be_used() {
+    let folder = Folder::new("c2");
+    let max = f64::MAX;
+    let of = |variances| {
+        [(
+            "/imu",
+            IMU,
+            5,
+            imu(5, [0.1, 0.2, 0.3], [0.0, 0.0, 9.8], variances),
+        )]
+    };
+    // Kobuki's driver: x and y are not to be used, z is.
+    for usable in [
+        [max, max, 0.05],
+        [0.0; 3],
+        [f64::NAN, f64::NAN, -3.0],
+        [1e6; 3],
+    ] {
+        let log = log(&folder, "", &of(usable)).unwrap();
+        assert_eq!(
+            readings(&log)[0].reading,
+            Reading::YawRate { rate: 0.3 },
+            "{usable:?}"
+        );
+    }
+    for unusable in [[0.0, 0.0, max], [-1.0, 0.0, 0.0]] {
+        let log = log(&folder, "", &of(unusable)).unwrap();
+        assert!(
+            !log.measures(Meaning::YawRate) && readings(&log).is_empty(),
+            "{unusable:?}"
+        );
+    }
+}
+
+#[test]
+fn odometry_of_unknown_origin_is_named_not_believed() {
+    let folder = Folder::new("odometry");
+    let odometry = |topic| {
+        let pose = build::message([
+            ("pose", build::pose(1.0, 2.0, 0.5)),
+            ("covariance", build::numbers(&[0.0; 36])),
+        ]);
+        let twist = build::message([
+            ("twist", build::twist([0.7, 0.0, 0.0], [0.0, 0.0, 0.2])),
+            ("covariance", build::numbers(&[0.0; 36])),
+        ]);
+        let value = build::message([
+            ("header", build::header(7, "odom")),
+            ("child_frame_id", Value::Text("base_link".into())),
+            ("pose", pose),
+            ("twist", twist),
+        ]);
+        [(topic, "nav_msgs/Odometry", 7, value)]
+    };
+    let wheels = log(&folder, "", &odometry("/odom")).unwrap();
+    assert!(readings(&wheels).is_empty() && wheels.notes()[0].contains("`/odom` is not used"));
+    let camera = log(&folder, "", &odometry("/zed/odom")).unwrap();
+    let found: Vec<Reading> = readings(&camera)
+        .iter()
+        .map(|record| record.reading)
+        .collect();
+    let yaw = match found[0] {
+        Reading::Pose {
+            x: 1.0,
+            y: 2.0,
+            yaw,
+        } => yaw,
+        other => panic!("{other:?}"),
+    };
+    assert!((yaw - 0.5).abs() < 1e-15);
+    assert_eq!(
+        found[1],
+        Reading::Speed {
+            forward: 0.7,
+            left: Some(0.0)
+        }
+    );
+    // As the wheels' own: v ∓ Ω t/2 over the radius.
+    let topics = "[topics]\nwheel_odometry = \"/odom\"\nwheel_odometry_track_m = 0.5";
+    let wheels = log(&folder, topics, &odometry("/odom")).unwrap();
+    let rates: Vec<f64> = readings(&wheels)
+        .iter()
+        .map(|record| match record.reading {
+            Reading::WheelRate { rate, .. } => rate,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert!(
+        (rates[0] - 6.5).abs() < 1e-12 && (rates[1] - 7.5).abs() < 1e-12,
+        "{rates:?}"
+    );
+}
+
+#[test]
+fn any_number_of_any_message_can_be_a_wheels_count() {
+    let folder = Folder::new("fields");
+    let ticks = |n: i64, left, right| {
+        let value = build::wheel_ticks(build::header(n, ""), &["a", "b"], &[left, right]);
+        ("/encoders", "grouser_msgs/WheelTicks", n, value)
+    };
+    let messages = [ticks(1, 65_535, 3), ticks(2, 1, 4)];
+    let field = |place: usize, wheel: &str| {
+        format!(
+            "[[topics.field]]\ntopic = \"/encoders\"\nfield = \"ticks[{place}]\"\n\
+             meaning = \"wheel_count\"\nwheel = \"{wheel}\"\nunit = \"tick\"\n"
+        )
+    };
+    let topics = field(1, "left") + &field(0, "right");
+    let found = readings(&log(&folder, &topics, &messages).unwrap());
+    let found: Vec<_> = found.iter().map(|r| (r.time_ns, r.reading)).collect();
+    let count = |time, wheel, raw| (time, Reading::WheelCount { wheel, raw });
+    assert_eq!(
+        found,
+        [
+            count(1, 0, 3),
+            count(1, 1, 65_535),
+            count(2, 0, 4),
+            count(2, 1, 1)
+        ]
+    );
+    // What no message has is told by name.
+    let topics = field(0, "left").replace("ticks[0]", "tick[0]");
+    let error = log(&folder, &topics, &messages).unwrap_err();
+    assert!(
+        error.to_string().contains("have no number at `tick[0]`"),
+        "{error}"
+    );
+    let topics = field(0, "left").replace("/encoders", "/encoder");
+    let error = log(&folder, &topics, &messages).unwrap_err();
+    assert_eq!(error.hint().unwrap(), "did you mean `/encoders`?");
+    let error = log(&folder, "[topics]\nyaw_rate = \"/encoders\"", &messages).unwrap_err();
+    assert!(error.to_string().contains("named as") || error.to_string().contains("names it as"));
+    let error = log(&folder, "[topics]\nwheels = \"/encoders\"", &messages).unwrap_err();
+    assert!(error.to_string().ends_with("it has a, b"), "{error}");
+}
+
+#[test]
+fn stamps_order_the_records_and_late_ones_are_counted() {
+    let folder = Folder::new("order");
+    let message = |stamp: i64, log: i64| {
+        let (name, kind, _, value) = joints(stamp, &[stamp as f64], &[]);
+        (name, kind, log, value)
+    };
+    // Recorded in another order than measured, 2000 messages apart at most.
+    let n = 12_000;
+    let shuffled: Vec<_> = (0..n)
+        .map(|k| message(1 + (k / 2000) * 2000 + (1999 - k % 2000), 10 + k))
+        .collect();
+    let ordered = log(&folder, "", &shuffled).unwrap();
+    let times: Vec<i64> = readings(&ordered)
+        .iter()
+        .map(|record| record.time_ns)
+        .collect();
+    assert_eq!(times, (1..=n).collect::<Vec<_>>());
+    assert_eq!(ordered.left_out().late, 0);
+    // One that comes 9000 messages late is counted, and the others are read.
+    let mut late = shuffled;
+    late.push(message(5, 20_000));
+    let late = log(&folder, "", &late).unwrap();
+    assert_eq!(i64::try_from(readings(&late).len()).unwrap(), n);
+    assert_eq!(late.left_out().late, 1);
+    // By the recorder's clock every one is in its place.
+    let recorded = log(
+        &folder,
+        "[topics]\ntime = \"log\"",
+        &[message(9, 100), message(3, 200)],
+    )
+    .unwrap();
+    let times: Vec<i64> = readings(&recorded)
+        .iter()
+        .map(|record| record.time_ns)
+        .collect();
+    assert_eq!(times, [100, 200]);
+}
+
+#[test]
+fn stamps_of_two_clocks_give_way_to_the_recorders() {
+    let folder = Folder::new("clocks");
+    let second = 1_000_000_000;
+    let gyro = imu(5 * second, [0.0, 0.0, 0.1], [0.0, 0.0, 9.8], [0.0; 3]);
+    let messages = [
+        joints(1_700_000_000 * second, &[0.1, 0.2], &[]),
+        ("/imu", IMU, 1_700_000_001 * second, gyro),
+    ];
+    let log = log(&folder, "", &messages).unwrap();
+    assert!(
+        log.notes()[0].contains("times of recording are used"),
+        "{:?}",
+        log.notes()
+    );
+    let times: Vec<i64> = readings(&log)
+        .iter()
+        .map(|record| record.time_ns / second)
+        .collect();
+    assert_eq!(times, [1_700_000_000, 1_700_000_000, 1_700_000_001]);
+}

@@ -1,0 +1,150 @@
+//! Odometry out of the estimates: the robot's speeds, integrated, with the slip in their covariance.
+
+use grouser_slip::{BodyEstimate, BodyMotion};
+
+/// A pose from the beginning of the log, with the speeds that led there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Odometry {
+    /// x and y, m, and yaw, rad.
+    pub pose: [f64; 3],
+    /// Covariance of the three.
+    pub pose_covariance: [[f64; 3]; 3],
+    /// Forwards m/s, to the left m/s, turning left rad/s.
+    pub velocity: [f64; 3],
+    /// Covariance of the three.
+    pub velocity_covariance: [[f64; 3]; 3],
+}
+
+/// Integrates the robot's motion: by the reference, else by the wheels.
+///
+/// What the wheels said and the reference did not follow is slip. It is put into the covariance as a
+/// whole, P_v = Σ + d dᵀ with d = (v_wheels − v, 0, 0), so that a filter which fuses this odometry trusts it
+/// the less, the more the wheels slip. The pose's covariance grows as if the errors of one window were
+/// independent of the next one's: dP = J P_v Jᵀ · window · dt, J the turn by yaw.
+///
+/// Assumes: level ground. Speeds are means over a window, so that the pose lags by half of it.
+#[derive(Clone, Debug)]
+pub struct DeadReckoning {
+    window: f64,
+    until_ns: Option<i64>,
+    pose: [f64; 3],
+    covariance: [[f64; 3]; 3],
+}
+
+impl DeadReckoning {
+    /// Begins at the origin; `window` is that of the estimates, s.
+    #[must_use]
+    pub const fn new(window: f64) -> Self {
+        Self {
+            window,
+            until_ns: None,
+            pose: [0.0; 3],
+            covariance: [[0.0; 3]; 3],
+        }
+    }
+
+    /// The odometry after an estimate; `None` where it says nothing new, or no motion is known.
+    pub fn step(&mut self, body: &BodyEstimate) -> Option<Odometry> {
+        let until_ns = body.until_ns?;
+        let motion = body.motion.or(body.wheels_motion)?;
+        let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
+        if until_ns < last_ns {
+            return None;
+        }
+        // A gap is no motion that was seen.
+        let seconds = ((until_ns - last_ns) as f64 * 1e-9).min(self.window);
+        let mut covariance = motion.covariance;
+        if let Some(wheels) = body.wheels_motion {
+            covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
+        }
+        self.advance(&motion, &covariance, seconds);
+        Some(Odometry {
+            pose: self.pose,
+            pose_covariance: self.covariance,
+            velocity: motion.velocity,
+            velocity_covariance: covariance,
+        })
+    }
+
+    fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
+        let [forward, left, turn] = motion.velocity;
+        let middle = self.pose[2] + 0.5 * turn * seconds;
+        let (sin, cos) = middle.sin_cos();
+        let step = [
+            (forward * cos - left * sin) * seconds,
+            (forward * sin + left * cos) * seconds,
+            turn * seconds,
+        ];
+        // How an error in yaw moves the step: F = 1 + [−Δy, Δx]ᵀ in the column of yaw.
+        let carry = [[1.0, 0.0, -step[1]], [0.0, 1.0, step[0]], [0.0, 0.0, 1.0]];
+        let turned = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        let old = sandwich(&carry, &self.covariance);
+        let new = sandwich(&turned, covariance);
+        for i in 0..3 {
+            self.pose[i] += step[i];
+            for j in 0..3 {
+                self.covariance[i][j] = old[i][j] + new[i][j] * self.window * seconds;
+            }
+        }
+    }
+}
+
+/// A P Aᵀ.
+fn sandwich(a: &[[f64; 3]; 3], p: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut out = [[0.0; 3]; 3];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, cell) in row.iter_mut().enumerate() {
+            for k in 0..3 {
+                for l in 0..3 {
+                    *cell += a[i][k] * p[k][l] * a[j][l];
+                }
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> BodyEstimate {
+        let motion = |velocity| BodyMotion {
+            velocity,
+            covariance: [[variance, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+        };
+        BodyEstimate {
+            motion: Some(motion(velocity)),
+            wheels_motion: Some(motion(wheels)),
+            until_ns: Some(until_s * 1_000_000_000),
+            ..BodyEstimate::default()
+        }
+    }
+
+    #[test]
+    fn a_circle_closes_and_slip_shows_in_the_covariance() {
+        let mut reckoning = DeadReckoning::new(1.0);
+        let turn = std::f64::consts::TAU / 100.0;
+        let mut last = None;
+        for second in 0..=100 {
+            last = reckoning.step(&body(second, [0.2, 0.0, turn], [0.3, 0.0, turn], 1e-4));
+        }
+        let odometry = last.unwrap();
+        assert!(
+            odometry.pose[0].hypot(odometry.pose[1]) < 1e-12,
+            "{odometry:?}"
+        );
+        assert!((odometry.pose[2] - std::f64::consts::TAU).abs() < 1e-12);
+        // 0.1 m/s of slip: 1e-4 + 0.1² m²/s².
+        assert!((odometry.velocity_covariance[0][0] - 0.0101).abs() < 1e-15);
+        // In a hundred windows, along x and y together: 100 · 0.0101 m².
+        let spread = odometry.pose_covariance[0][0] + odometry.pose_covariance[1][1];
+        assert!((spread - 1.01).abs() < 1e-9, "{spread}");
+    }
+
+    #[test]
+    fn nothing_known_is_nothing_said() {
+        let mut reckoning = DeadReckoning::new(0.5);
+        assert_eq!(reckoning.step(&BodyEstimate::default()), None);
+    }
+}

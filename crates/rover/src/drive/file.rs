@@ -1,0 +1,427 @@
+//! Scenario files.
+
+use std::path::Path;
+
+use grouser_files::{Document, Section, nearest};
+use grouser_slip::control::ControlSettings;
+use grouser_terra::{Angle, Soil, SoilParams, catalogue};
+
+use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
+use crate::error::{Error, Result};
+use crate::ground::{HeightFile, Packing, Place, Rocks, Shape};
+use crate::robot::RobotModel;
+use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
+
+/// Any number of metres on a map.
+const PLACE: (f64, f64) = (-1e6, 1e6);
+const LENGTH: (f64, f64) = (1e-6, 1e6);
+const ANY: (f64, f64) = (-1e18, 1e18);
+
+/// Reads a scenario file; files that it names lie beside it.
+///
+/// # Errors
+/// What the file lacks or says wrong, with its place.
+pub fn read_scenario(path: &Path) -> Result<Scenario> {
+    let document = Document::read(path)?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let name = path
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    document.parse(|root| read(root, beside, name))
+}
+
+fn read(root: &Section<'_>, beside: &Path, name: String) -> Result<Scenario> {
+    let robot_file = beside.join(root.text("robot")?);
+    let robot = RobotModel::read(&robot_file)?;
+    let start = root
+        .section("start", |s| {
+            let or_zero =
+                |key, limits| Ok::<_, Error>(s.optional_number(key, limits)?.unwrap_or(0.0));
+            Ok::<_, Error>((
+                or_zero("x_m", PLACE)?,
+                or_zero("y_m", PLACE)?,
+                or_zero("heading_deg", (-360.0, 360.0))?.to_radians(),
+            ))
+        })?
+        .unwrap_or((0.0, 0.0, 0.0));
+    let specs = read_soils(root)?;
+    let ground = root
+        .section("ground", |section| {
+            read_ground(section, root, specs, beside)
+        })?
+        .ok_or_else(|| Error::Missing {
+            of: format!("scenario \"{name}\""),
+            what: "its [ground]".into(),
+        })?;
+    let sensors = root.section("sensors", read_sensors)?.unwrap_or_default();
+    let (control, optimum, fixed_slip) =
+        root.section("control", read_control)?
+            .unwrap_or((ControlSettings::default(), None, 0.3));
+    let faults = read_faults(root, &robot)?;
+    let scenario = Scenario {
+        title: root.text("title")?.to_owned(),
+        name,
+        robot_file,
+        robot,
+        seed: root.optional_integer("seed")?.unwrap_or(1).cast_unsigned(),
+        duration: root.number("duration_s", (0.1, 1e6))?,
+        step: root
+            .optional_number("step_s", (1e-5, 5e-3))?
+            .unwrap_or(1e-3),
+        start,
+        ground,
+        legs: root.sections("leg", read_leg)?,
+        sensors,
+        faults,
+        control,
+        optimum,
+        fixed_slip,
+        hotel: root.optional_number("hotel_w", (0.0, 1e6))?.unwrap_or(0.0),
+    };
+    scenario.check()?;
+    Ok(scenario)
+}
+
+fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {
+    Ok(Leg {
+        speed: s.number("speed_m_per_s", (-10.0, 10.0))?,
+        heading: s
+            .optional_number("heading_deg", (-360.0, 360.0))?
+            .unwrap_or(0.0)
+            .to_radians(),
+        distance: s.optional_number("distance_m", LENGTH)?,
+        duration: s.optional_number("duration_s", (1e-3, 1e6))?,
+    })
+}
+
+/// A soil as the file says it, before its numbers are checked.
+struct SoilText {
+    name: String,
+    key: String,
+    numbers: [Option<f64>; 9],
+}
+
+fn read_soils(root: &Section<'_>) -> Result<Vec<SoilSpec>> {
+    let texts = root.sections("soil", |s| {
+        let number = |key| s.optional_number(key, ANY);
+        Ok(SoilText {
+            name: s.text("name")?.into(),
+            key: s.text("key")?.into(),
+            numbers: [
+                number("k_shear_m")?,
+                number("c_1")?,
+                number("c_2")?,
+                number("unit_weight_n_per_m3")?,
+                number("n_1")?,
+                number("n_2")?,
+                number("phi_deg")?,
+                number("cohesion_kpa")?,
+                number("rebound")?,
+            ],
+        })
+    })?;
+    texts
+        .into_iter()
+        .map(|text| soil(&text.name, &text.key, text.numbers))
+        .collect()
+}
+
+fn soil(name: &str, key: &str, numbers: [Option<f64>; 9]) -> Result<SoilSpec> {
+    let of = |source| Error::Law {
+        of: format!("soil \"{name}\""),
+        source,
+    };
+    let Some(entry) = catalogue::find(key) else {
+        let keys = catalogue::entries().iter().map(|entry| entry.key);
+        return Err(Error::Unknown {
+            of: format!("soil \"{name}\""),
+            name: key.to_owned(),
+            meant: nearest(key, keys).map(Into::into),
+        });
+    };
+    let [
+        k_shear,
+        c_1,
+        c_2,
+        unit_weight,
+        n_1,
+        n_2,
+        phi,
+        cohesion,
+        rebound,
+    ] = numbers;
+    let completion = catalogue::Completion {
+        k_shear,
+        c_1,
+        c_2,
+        unit_weight,
+    };
+    let soil = entry.completed(&completion).map_err(of)?;
+    let p = *soil.params();
+    let soil = Soil::new(SoilParams {
+        n_1: n_1.unwrap_or(p.n_1),
+        n_2: n_2.unwrap_or(p.n_2),
+        phi: phi.map_or(p.phi, Angle::from_deg),
+        cohesion: cohesion.map_or(p.cohesion, |kpa| 1e3 * kpa),
+        rebound: rebound.unwrap_or(p.rebound),
+        ..p
+    })
+    .map_err(of)?;
+    // Slip changes the exponent: both ends must stay inside the law.
+    let ends = [p.n + n_1.unwrap_or(p.n_1), p.n + n_2.unwrap_or(p.n_2)];
+    for n in ends {
+        Error::check(
+            &format!("soil \"{name}\""),
+            "n at full slip",
+            n,
+            (0.1, 3.0),
+            "1",
+        )?;
+    }
+    let changed = numbers.iter().any(Option::is_some);
+    Ok(SoilSpec {
+        name: name.to_owned(),
+        soil,
+        source: if changed {
+            format!("{key} ({}), completed by the scenario", entry.source)
+        } else {
+            format!("{key} ({})", entry.source)
+        },
+    })
+}
+
+/// The index of the soil that the file or the catalogue knows by this name.
+fn soil_index(of: &str, name: &str, soils: &mut Vec<SoilSpec>) -> Result<usize> {
+    if let Some(index) = soils.iter().position(|spec| spec.name == name) {
+        return Ok(index);
+    }
+    if catalogue::find(name).is_none() {
+        let own = soils.iter().map(|spec| spec.name.as_str());
+        let keys = catalogue::entries().iter().map(|entry| entry.key);
+        return Err(Error::Unknown {
+            of: of.to_owned(),
+            name: name.to_owned(),
+            meant: nearest(name, own.chain(keys)).map(Into::into),
+        });
+    }
+    soils.push(soil(name, name, [None; 9])?);
+    Ok(soils.len() - 1)
+}
+
+fn read_ground(
+    s: &Section<'_>,
+    root: &Section<'_>,
+    mut soils: Vec<SoilSpec>,
+    beside: &Path,
+) -> Result<GroundSpec> {
+    let main = soil_index("[ground]", s.text("soil")?, &mut soils)?;
+    soils.swap(0, main);
+    let shape = read_shape(s, beside)?;
+    let or =
+        |key, limits, other: f64| Ok::<_, Error>(s.optional_number(key, limits)?.unwrap_or(other));
+    let standard = Packing::default();
+    let packing = Packing {
+        gain: or("packing", (0.0, 10.0), standard.gain)?,
+        depth: or("packing_depth_m", LENGTH, standard.depth)?,
+        scatter: or("scatter", (0.0, 1.0), standard.scatter)?,
+        scatter_length: or("scatter_length_m", LENGTH, standard.scatter_length)?,
+    };
+    let density = or("rocks_per_m2", (0.0, 100.0), 0.0)?;
+    let size = or("rock_size_m", LENGTH, 0.1)?;
+    let regions = read_regions(root, &mut soils)?;
+    Ok(GroundSpec {
+        shape,
+        soils,
+        regions,
+        packing,
+        rocks: (density > 0.0).then_some(Rocks { density, size }),
+    })
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Flat,
+    Slope,
+    Dunes,
+    Fractal,
+    File,
+}
+
+fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
+    let kinds = [
+        ("flat", Kind::Flat),
+        ("slope", Kind::Slope),
+        ("dunes", Kind::Dunes),
+        ("fractal", Kind::Fractal),
+        ("file", Kind::File),
+    ];
+    let kind = s.choice("kind", &kinds)?;
+    if matches!(kind, Kind::File) {
+        return Ok(GroundShape::File(HeightFile {
+            path: beside.join(s.text("file")?),
+            cell: s.optional_number("cell_m", LENGTH)?,
+            height_step: s.optional_number("height_step_m", LENGTH)?.unwrap_or(0.001),
+        }));
+    }
+    let shape = match kind {
+        Kind::Slope => Shape::Slope {
+            angle: s.number("slope_deg", (-60.0, 60.0))?.to_radians(),
+            from: s.optional_number("from_m", PLACE)?.unwrap_or(-1e3),
+        },
+        Kind::Dunes => Shape::Dunes {
+            height: s.number("height_m", (0.0, 1e3))?,
+            length: s.number("length_m", LENGTH)?,
+        },
+        Kind::Fractal => Shape::Fractal {
+            height: s.number("height_m", (0.0, 1e3))?,
+            length: s.number("length_m", LENGTH)?,
+            roughness: s.optional_number("roughness", (0.0, 1.0))?.unwrap_or(0.5),
+        },
+        Kind::Flat | Kind::File => Shape::Flat,
+    };
+    Ok(GroundShape::Generated {
+        shape,
+        size: (s.number("size_x_m", LENGTH)?, s.number("size_y_m", LENGTH)?),
+        cell: s.optional_number("cell_m", (1e-3, 1e3))?.unwrap_or(0.05),
+    })
+}
+
+fn read_regions(root: &Section<'_>, soils: &mut Vec<SoilSpec>) -> Result<Vec<Region>> {
+    let texts = root.sections("region", |s| {
+        let x = s.number("x_m", PLACE)?;
+        let y = s.number("y_m", PLACE)?;
+        let place = if s.has("radius_m") {
+            Place::Disc {
+                x,
+                y,
+                radius: s.number("radius_m", LENGTH)?,
+            }
+        } else {
+            Place::Box {
+                x,
+                y,
+                length: s.number("length_m", LENGTH)?,
+                width: s.number("width_m", LENGTH)?,
+            }
+        };
+        let wander = s.optional_number("wander_m", (0.0, 1e6))?.unwrap_or(0.0);
+        Ok((s.text("soil")?.to_owned(), place, wander))
+    })?;
+    texts
+        .into_iter()
+        .map(|(name, place, wander)| {
+            Ok(Region {
+                soil: soil_index("[[region]]", &name, soils)?,
+                place,
+                wander,
+            })
+        })
+        .collect()
+}
+
+fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
+    let mut out = SensorSettings::default();
+    let positive = (0.0, 1e6);
+    for (key, field) in [
+        ("rate_hz", &mut out.rate),
+        ("accelerometer_sigma_m_per_s2", &mut out.accelerometer_sigma),
+        ("current_sigma", &mut out.current_sigma),
+        ("camera_rate_hz", &mut out.camera_rate),
+        ("camera_sigma_m", &mut out.camera_sigma),
+        ("camera_latency_s", &mut out.camera_latency),
+        ("gnss_rate_hz", &mut out.gnss_rate),
+        ("gnss_sigma_m", &mut out.gnss_sigma),
+        ("gnss_latency_s", &mut out.gnss_latency),
+    ] {
+        if let Some(value) = s.optional_number(key, positive)? {
+            *field = value;
+        }
+    }
+    for (key, field) in [
+        ("gyro_sigma_deg_per_s", &mut out.gyro_sigma),
+        ("gyro_bias_deg_per_s", &mut out.gyro_bias),
+    ] {
+        if let Some(value) = s.optional_number(key, positive)? {
+            *field = value.to_radians();
+        }
+    }
+    Ok(out)
+}
+
+type Control = (ControlSettings, Option<f64>, f64);
+
+fn read_control(s: &Section<'_>) -> Result<Control> {
+    let mut out = ControlSettings::default();
+    for (key, field) in [
+        ("gain", &mut out.gain),
+        ("integral_gain", &mut out.integral_gain),
+        ("sigma_half", &mut out.sigma_half),
+        ("most_acceleration_m_per_s2", &mut out.most_acceleration),
+        ("creep", &mut out.creep),
+        ("cruise_gain", &mut out.cruise_gain),
+        ("most_cruise", &mut out.most_cruise),
+        ("most_traction", &mut out.most_traction),
+        ("high_slip", &mut out.high_slip),
+        ("high_slip_time_s", &mut out.high_slip_time),
+        ("dig_slip", &mut out.dig_slip),
+        ("dig_time_s", &mut out.dig_time),
+        ("traverse_length_m", &mut out.traverse_length),
+        ("back_length_m", &mut out.back_length),
+        ("progress_m", &mut out.progress),
+        ("blind_time_s", &mut out.blind_time),
+    ] {
+        if let Some(value) = s.optional_number(key, (0.0, 1e6))? {
+            *field = value;
+        }
+    }
+    for (key, field) in [
+        ("steep_deg", &mut out.steep),
+        ("level_deg", &mut out.level),
+        ("traverse_angle_deg", &mut out.traverse_angle),
+        ("most_tilt_deg", &mut out.most_tilt),
+        ("most_turn_deg_per_s", &mut out.most_turn),
+    ] {
+        if let Some(value) = s.optional_number(key, (0.0, 1e4))? {
+            *field = value.to_radians();
+        }
+    }
+    let slip = (0.01, 0.95);
+    Ok((
+        out,
+        s.optional_number("optimum", slip)?,
+        s.optional_number("fixed_slip", slip)?.unwrap_or(0.3),
+    ))
+}
+
+fn read_faults(root: &Section<'_>, robot: &RobotModel) -> Result<Schedule> {
+    let kinds = FaultKind::NAMES.map(|(name, kind, _)| (name, kind));
+    let texts = root.sections("fault", |s| {
+        let value = s.optional_number("value", ANY)?.unwrap_or(0.0);
+        let window = FaultWindow {
+            kind: s.choice("kind", &kinds)?,
+            wheel: None,
+            from: s.number("from_s", (0.0, 1e9))?,
+            to: s.optional_number("to_s", (0.0, 1e9))?.unwrap_or(1e9),
+            value,
+        };
+        Ok((window, s.optional_text("wheel")?.map(str::to_owned)))
+    })?;
+    let windows: Result<Vec<_>> = texts
+        .into_iter()
+        .map(|(window, wheel)| {
+            let wheel = match wheel {
+                None => None,
+                Some(name) => Some(robot.robot.wheel_index(&name).ok_or_else(|| {
+                    let names = robot.wheels.iter().map(|wheel| wheel.name.as_str());
+                    Error::Unknown {
+                        of: "[[fault]]".into(),
+                        meant: nearest(&name, names).map(Into::into),
+                        name,
+                    }
+                })?),
+            };
+            Ok(FaultWindow { wheel, ..window })
+        })
+        .collect();
+    Schedule::new(windows?)
+}

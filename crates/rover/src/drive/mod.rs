@@ -1,0 +1,18 @@
+//! A drive: a scenario, the loop of robot, sensors, estimator and controller, and what came of it.
+
+mod attitude_filter;
+mod file;
+mod motor_driver;
+mod outcome;
+mod pilot;
+mod referee;
+mod run;
+mod scenario;
+mod truth;
+mod watch;
+
+pub use file::read_scenario;
+pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};
+pub use pilot::Pilot;
+pub use run::{Drive, Frame, WheelFrame};
+pub use scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};

@@ -1,0 +1,99 @@
+//! What came of a drive.
+
+use grouser_slip::control::Decision;
+
+use crate::dynamics::Ledger;
+
+/// How a drive ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// Every leg was driven.
+    Arrived,
+    /// The wheels turned and the robot did not come on, or the controller found so.
+    Immobilised,
+    /// It fell over, or the controller stopped it before it did.
+    Tipped,
+    /// The controller stopped it because its sensors fell silent.
+    SensorsLost,
+    /// It drove off the map.
+    OffMap,
+    /// The time was over.
+    TimeOut,
+}
+
+impl Outcome {
+    /// Its name in tables and files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Arrived => "arrived",
+            Self::Immobilised => "immobilised",
+            Self::Tipped => "tipped",
+            Self::SensorsLost => "sensors-lost",
+            Self::OffMap => "off-map",
+            Self::TimeOut => "time-out",
+        }
+    }
+}
+
+/// A decision with where it was taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedDecision {
+    /// Seconds since the start.
+    pub time: f64,
+    /// The decision.
+    pub decision: Decision,
+    /// Where the robot was, m.
+    pub place: (f64, f64),
+}
+
+/// How far estimated slips lay from the true ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlipScore {
+    /// How many were compared.
+    pub count: u64,
+    /// Root of the mean square.
+    pub rmse: Option<f64>,
+    /// Mean of estimate less truth.
+    pub bias: Option<f64>,
+}
+
+/// What came of a drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveResult {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Seconds that it took.
+    pub duration: f64,
+    /// Progress along its legs, m.
+    pub distance: f64,
+    /// Length of its way, m.
+    pub way: f64,
+    /// Electrical energy with the electronics', J.
+    pub energy: f64,
+    /// Where it went.
+    pub ledger: Ledger,
+    /// What the books of energy lack, over what was turned over.
+    pub energy_error: f64,
+    /// Estimated against true slip.
+    pub slip: SlipScore,
+    /// Greatest load-weighted true slip that lasted a second.
+    pub worst_slip: f64,
+    /// Decisions with their reasons, the first thousand.
+    pub decisions: Vec<NamedDecision>,
+    /// Decisions in all.
+    pub decision_count: u64,
+    /// Samples that the estimator refused.
+    pub refused: u64,
+    /// The place where it ended, m.
+    pub end: (f64, f64),
+}
+
+impl DriveResult {
+    /// J per metre of progress; `None` where there was none to speak of (a centimetre).
+    #[must_use]
+    pub fn energy_per_metre(&self) -> Option<f64> {
+        (self.distance > 0.01).then(|| self.energy / self.distance)
+    }
+}

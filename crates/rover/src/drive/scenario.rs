@@ -1,0 +1,190 @@
+//! What a drive is: robot, ground, way, sensors, faults, controller.
+
+use std::path::PathBuf;
+
+use grouser_slip::control::ControlSettings;
+use grouser_terra::Soil;
+
+use crate::error::{Error, Result};
+use crate::ground::{Ground, HeightFile, HeightMap, Packing, Place, Rocks, Shape, read_heights};
+use crate::robot::RobotModel;
+use crate::sensors::{Schedule, SensorSettings};
+
+/// One stretch of the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Asked speed, m/s; negative: backwards.
+    pub speed: f64,
+    /// Asked heading, rad.
+    pub heading: f64,
+    /// It ends after this progress along the heading, m.
+    pub distance: Option<f64>,
+    /// It ends after this time, s.
+    pub duration: Option<f64>,
+}
+
+/// The shape of the ground.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum GroundShape {
+    /// Generated, over an extent along x and y (m) with cells of a size (m).
+    Generated {
+        /// The shape.
+        shape: Shape,
+        /// m.
+        size: (f64, f64),
+        /// m.
+        cell: f64,
+    },
+    /// Read from a file.
+    File(HeightFile),
+}
+
+/// A soil by its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SoilSpec {
+    /// The name that regions use.
+    pub name: String,
+    /// The soil.
+    pub soil: Soil,
+    /// Where its numbers come from.
+    pub source: String,
+}
+
+/// A soil in a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Index of the soil.
+    pub soil: usize,
+    /// Where.
+    pub place: Place,
+    /// The place is moved by up to this much along x and y, m, by the seed.
+    pub wander: f64,
+}
+
+/// The ground of a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroundSpec {
+    /// Its shape.
+    pub shape: GroundShape,
+    /// Its soils, the first where no region lies.
+    pub soils: Vec<SoilSpec>,
+    /// Regions, later ones upon earlier ones.
+    pub regions: Vec<Region>,
+    /// Packing and scatter.
+    pub packing: Packing,
+    /// Rocks, if any.
+    pub rocks: Option<Rocks>,
+}
+
+/// A scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Its name, from its file.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// The robot's file.
+    pub robot_file: PathBuf,
+    /// The robot.
+    pub robot: RobotModel,
+    /// Seed of ground and noise.
+    pub seed: u64,
+    /// It ends at the latest after this time, s.
+    pub duration: f64,
+    /// Step of the simulation, s.
+    pub step: f64,
+    /// x, y (m) and heading (rad) of the start.
+    pub start: (f64, f64, f64),
+    /// The ground.
+    pub ground: GroundSpec,
+    /// The way.
+    pub legs: Vec<Leg>,
+    /// The sensors.
+    pub sensors: SensorSettings,
+    /// The faults.
+    pub faults: Schedule,
+    /// The controller.
+    pub control: ControlSettings,
+    /// The slip to run at that the file gives; else the optimiser's.
+    pub optimum: Option<f64>,
+    /// The slip of the fixed-slip controller.
+    pub fixed_slip: f64,
+    /// Power that electronics draw all the time, W.
+    pub hotel: f64,
+}
+
+impl GroundSpec {
+    /// The ground with everything that the seed decides.
+    ///
+    /// # Errors
+    /// What its file, its sizes or its soils have wrong.
+    pub fn build(&self, seed: u64) -> Result<Ground> {
+        let map = match &self.shape {
+            GroundShape::Generated { shape, size, cell } => {
+                let half = 0.5 * size.1;
+                let rocks = self.rocks.map_or_else(Vec::new, |rocks| {
+                    rocks.strew(seed, (0.0, -half), (size.0, half), 1.5)
+                });
+                HeightMap::from_shape(*size, *cell, |x, y| {
+                    shape.height(seed, x, y) + Rocks::height(&rocks, x, y)
+                })?
+            }
+            GroundShape::File(file) => read_heights(file)?,
+        };
+        let soils = self.soils.iter().map(|spec| spec.soil).collect();
+        let mut ground = Ground::new(map, soils)?;
+        let mut noise = crate::ground::Noise::new(seed, 50);
+        for region in &self.regions {
+            let mut move_by = || region.wander * (2.0 * noise.uniform() - 1.0);
+            let (right, up) = (move_by(), move_by());
+            ground.lay(region.soil, &region.place.moved(right, up))?;
+        }
+        ground.pack(self.packing, seed)?;
+        Ok(ground)
+    }
+}
+
+impl Scenario {
+    /// Checks what no single number tells.
+    ///
+    /// # Errors
+    /// [`Error::Missing`], [`Error::OutOfRange`].
+    pub fn check(&self) -> Result<()> {
+        let of = format!("scenario \"{}\"", self.name);
+        if self.legs.is_empty() {
+            return Err(Error::Missing {
+                of,
+                what: "a [[leg]]".into(),
+            });
+        }
+        for leg in &self.legs {
+            if leg.distance.is_none() && leg.duration.is_none() {
+                return Err(Error::Missing {
+                    of: format!("a [[leg]] of {of}"),
+                    what: "`distance_m` or `duration_s`".into(),
+                });
+            }
+        }
+        Error::check(&of, "duration", self.duration, (0.1, 1e6), "s")?;
+        Error::check(&of, "fixed_slip", self.fixed_slip, (0.01, 0.95), "1")?;
+        self.sensors.check()?;
+        self.control.check().map_err(Error::from)
+    }
+
+    /// The whole progress that its legs ask for, m; legs that only last have none.
+    #[must_use]
+    pub fn asked_distance(&self) -> f64 {
+        self.legs.iter().filter_map(|leg| leg.distance).sum()
+    }
+
+    /// Mean load of the robot's powered wheels on the level, N, and the first of them.
+    #[must_use]
+    pub fn typical_wheel(&self) -> Option<(usize, f64)> {
+        let loads = crate::statics::wheel_loads(&self.robot, 0.0, 0.0);
+        let powered: Vec<usize> = self.robot.powered().collect();
+        let first = *powered.first()?;
+        let sum: f64 = powered.iter().map(|index| loads.loads[*index]).sum();
+        Some((first, sum / powered.len() as f64))
+    }
+}

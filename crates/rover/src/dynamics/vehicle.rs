@@ -1,0 +1,365 @@
+//! A robot on the ground, moved on step by step.
+//!
+//! Semi-implicit Euler at a fixed step: forces at the present state, new speeds from them, new places from the new
+//! speeds. The stiffest part is soil under a light wheel, some 200 rad/s, so that 1 ms lies far inside its limit.
+
+use grouser_terra::{Settings, WheelOnSoil};
+
+use super::linkage::{BodyState, MAX_SPEEDS, Pose};
+use super::motor::MotorNow;
+use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
+use crate::error::{Error, Result};
+use crate::ground::Ground;
+use crate::robot::RobotModel;
+use crate::vector::{Attitude, Vector};
+
+/// Bearing friction turns round within this rate, rad/s.
+const BEARING_RATE: f64 = 0.05;
+/// A rut ends this many cells behind the wheel's axle: between the nodes it fades over one.
+const RUT_BEHIND: f64 = 1.05;
+
+/// What a wheel's motor is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelCommand {
+    /// Torque on the wheel, N m.
+    pub torque: f64,
+    /// Steering angle beside the description's heading, rad.
+    pub steer: f64,
+}
+
+/// A wheel at this moment: the truth that sensors see through noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelNow {
+    /// Angle turned about its axle since the start, rad.
+    pub angle: f64,
+    /// rad/s.
+    pub spin: f64,
+    /// Against the link that carries it, which is what an encoder sees: angle in rad.
+    pub encoder_angle: f64,
+    /// And rate, rad/s.
+    pub encoder_rate: f64,
+    /// Steering angle, rad.
+    pub steer: f64,
+    /// Speed of its centre forwards and to the left in the contact plane, m/s.
+    pub velocity: [f64; 2],
+    /// Speed of its rim, m/s.
+    pub rim: f64,
+    /// Place of its centre in the world, m.
+    pub place: Vector,
+    /// The ground's force.
+    pub load: WheelLoad,
+    /// Its motor.
+    pub motor: MotorNow,
+    /// Index of the soil under it.
+    pub soil: usize,
+}
+
+/// Where the energy went, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Out of the battery.
+    pub electric: f64,
+    /// Into the heat of copper and gears.
+    pub motor_heat: f64,
+    /// Into the soil.
+    pub soil: f64,
+    /// Into bearings.
+    pub bearings: f64,
+    /// Into dampers.
+    pub dampers: f64,
+}
+
+/// A robot on the ground.
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    model: RobotModel,
+    /// One per wheel and soil.
+    pairs: Vec<Vec<WheelOnSoil>>,
+    state: BodyState,
+    pose: Pose,
+    contacts: Vec<WheelContact>,
+    /// Where each wheel last pressed the ground.
+    pressed_at: Vec<(f64, f64)>,
+    wheels: Vec<WheelNow>,
+    /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
+    specific_force: Vector,
+    ledger: Ledger,
+    time: f64,
+    step: f64,
+    steps: u64,
+}
+
+impl Vehicle {
+    /// Puts a robot on the ground at (x, y) with a heading (rad), standing on its wheels.
+    ///
+    /// # Errors
+    /// [`Error::Law`] for a soil under which a wheel has no modulus; [`Error::OutOfRange`] for a step outside
+    /// [1e-5, 5e-3] s.
+    pub fn new(
+        model: RobotModel,
+        ground: &Ground,
+        (x, y, heading): (f64, f64, f64),
+        step: f64,
+    ) -> Result<Self> {
+        Error::check("simulation", "step", step, (1e-5, 5e-3), "s")?;
+        let mut pairs = Vec::new();
+        for mount in &model.wheels {
+            let of = |source| Error::Law {
+                of: format!("wheel \"{}\"", mount.name),
+                source,
+            };
+            let row: Result<Vec<_>> = ground
+                .soils()
+                .iter()
+                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, Settings::default()).map_err(of))
+                .collect();
+            pairs.push(row?);
+        }
+        let spot = ground.at(x, y);
+        // the pose that the ground's slope under the origin asks for
+        let (sin, cos) = heading.sin_cos();
+        let along = spot.slope[0] * cos + spot.slope[1] * sin;
+        let across = spot.slope[1] * cos - spot.slope[0] * sin;
+        let attitude = Attitude::from_angles(across.atan(), -along.atan(), heading);
+        let lowest = model
+            .wheels
+            .iter()
+            .map(|mount| {
+                let at = attitude.to_world(mount.centre);
+                let below = ground.at(x + at.x, y + at.y).height + mount.wheel.radius();
+                below - at.z
+            })
+            .fold(f64::NEG_INFINITY, f64::max);
+        let state = BodyState::at(Vector::new(x, y, lowest), attitude);
+        let pose = model.linkage.pose(&state);
+        let count = model.wheels.len();
+        let pressed_at = model
+            .wheels
+            .iter()
+            .map(|mount| {
+                let at = state.position + attitude.to_world(mount.centre);
+                (at.x, at.y)
+            })
+            .collect();
+        Ok(Self {
+            model,
+            pairs,
+            state,
+            pose,
+            contacts: vec![WheelContact::default(); count],
+            pressed_at,
+            wheels: vec![WheelNow::default(); count],
+            specific_force: Vector::AXES[2] * super::GRAVITY,
+            ledger: Ledger::default(),
+            time: 0.0,
+            step,
+            steps: 0,
+        })
+    }
+
+    /// The robot.
+    #[must_use]
+    pub const fn model(&self) -> &RobotModel {
+        &self.model
+    }
+
+    /// Where it is and how it moves.
+    #[must_use]
+    pub const fn state(&self) -> &BodyState {
+        &self.state
+    }
+
+    /// Replaces the state, for tests and for starts in motion.
+    pub fn set_state(&mut self, state: BodyState) {
+        self.state = state;
+        self.model.linkage.update_pose(&self.state, &mut self.pose);
+    }
+
+    /// Sets a wheel's spin, rad/s.
+    pub fn set_spin(&mut self, wheel: usize, spin: f64) {
+        self.wheels[wheel].spin = spin;
+    }
+
+    /// Its wheels.
+    #[must_use]
+    pub fn wheels(&self) -> &[WheelNow] {
+        &self.wheels
+    }
+
+    /// What an accelerometer at the origin would feel, m/s² in the robot's frame.
+    #[must_use]
+    pub const fn specific_force(&self) -> Vector {
+        self.specific_force
+    }
+
+    /// Where the energy went.
+    #[must_use]
+    pub const fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub const fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps since the start.
+    #[must_use]
+    pub const fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Kinetic energy of body and wheels, and potential energy, J.
+    #[must_use]
+    pub fn energy(&self) -> (f64, f64) {
+        let (mut kinetic, potential) = self.model.linkage.energy(&self.state, &self.pose);
+        for (mount, wheel) in self.model.wheels.iter().zip(&self.wheels) {
+            kinetic += 0.5 * mount.spin_inertia * wheel.spin * wheel.spin;
+        }
+        (kinetic, potential)
+    }
+
+    /// The robot's heading, rad.
+    #[must_use]
+    pub fn heading(&self) -> f64 {
+        self.state.attitude.angles().2
+    }
+
+    /// Moves on by one step; `commands` holds one entry per wheel.
+    pub fn advance(&mut self, ground: &mut Ground, commands: &[WheelCommand]) {
+        let mut forces = [0.0; MAX_SPEEDS];
+        for index in 0..self.wheels.len() {
+            let command = commands.get(index).copied().unwrap_or_default();
+            self.wheel_step(index, ground, command, &mut forces);
+        }
+        self.model.linkage.hold(&self.state, &mut forces);
+        for (hold, rate) in self
+            .model
+            .linkage
+            .holds()
+            .iter()
+            .zip(&self.state.speeds[6..])
+        {
+            self.ledger.dampers += hold.damping * rate * rate * self.step;
+        }
+        let rates = self
+            .model
+            .linkage
+            .accelerate(&self.state, &self.pose, &forces);
+        let gravity = self
+            .state
+            .attitude
+            .to_robot(Vector::AXES[2] * super::GRAVITY);
+        let velocity = self.state.velocity();
+        self.specific_force = Vector::new(rates[3], rates[4], rates[5])
+            + self.state.turning().cross(velocity)
+            + gravity;
+        for (speed, rate) in self.state.speeds.iter_mut().zip(rates) {
+            *speed += self.step * rate;
+        }
+        self.model.linkage.advance(&mut self.state, self.step);
+        self.model.linkage.update_pose(&self.state, &mut self.pose);
+        self.steps += 1;
+        self.time = self.steps as f64 * self.step;
+    }
+
+    /// One wheel: contact, force, motor, spin; adds what it does to the body.
+    fn wheel_step(
+        &mut self,
+        index: usize,
+        ground: &mut Ground,
+        command: WheelCommand,
+        forces: &mut [f64; MAX_SPEEDS],
+    ) {
+        let step = self.step;
+        let mount = &self.model.wheels[index];
+        let linkage = &self.model.linkage;
+        let wheel = &mut self.wheels[index];
+        let turn =
+            (command.steer - wheel.steer).clamp(-mount.steer_rate * step, mount.steer_rate * step);
+        wheel.steer = (wheel.steer + turn).clamp(-mount.steer_range, mount.steer_range);
+
+        // the contact plane
+        let at = linkage.point(&self.pose, mount.link, mount.centre);
+        let place = self.state.position + self.state.attitude.to_world(at);
+        let spot = ground.at(place.x, place.y);
+        let up = self
+            .state
+            .attitude
+            .to_robot(Vector::new(-spot.slope[0], -spot.slope[1], 1.0).unit());
+        let steepness = 1.0 / (1.0 + spot.slope[0].powi(2) + spot.slope[1].powi(2)).sqrt();
+        let axle = linkage.direction(&self.pose, mount.link, mount.axle(wheel.steer));
+        let forward = axle.cross(up).unit();
+        let left = up.cross(forward);
+        // height of the centre in the wheel's own plane
+        let lean = forward.cross(axle).dot(up).max(0.2);
+        let height = (place.z - spot.height) * steepness / lean;
+        let radius = mount.wheel.radius();
+        let velocity = linkage.velocity(&self.state, &self.pose, mount.link, at);
+        let motion = WheelMotionNow {
+            sinkage: radius - height,
+            sinking: -velocity.dot(up) / lean,
+            velocity: [velocity.dot(forward), velocity.dot(left)],
+            rim: radius * wheel.spin,
+        };
+        let pair = &self.pairs[index][spot.soil.min(self.pairs[index].len() - 1)];
+        let load = self.contacts[index].step(pair, spot.strength, &motion, step);
+
+        // the motor and the bearing work between wheel and link, the soil on the wheel
+        let carrier = Vector::AXES[1] * linkage.rate(&self.pose, mount.link);
+        let link_rate = (self.state.turning() + carrier).dot(axle);
+        let rate = wheel.spin - link_rate;
+        let motor = mount
+            .motor
+            .map_or_else(MotorNow::default, |motor| motor.drive(command.torque, rate));
+        let bearing = mount.bearing * (rate / BEARING_RATE).clamp(-1.0, 1.0);
+        let onto_wheel = motor.torque - bearing;
+        let spin_before = wheel.spin;
+        wheel.spin += step * (onto_wheel - load.torque) / mount.spin_inertia;
+        let force = up * load.normal + forward * load.along + left * load.across;
+        // The contact lies below the centre; what turns the wheel about its axle is its own affair.
+        let arm = up * -height.clamp(0.0, radius);
+        let moment = arm.cross(force);
+        let moment = moment - axle * moment.dot(axle) - axle * onto_wheel;
+        linkage.push(&self.pose, forces, (mount.link, at), force, moment);
+
+        let mean_spin = 0.5 * (spin_before + wheel.spin);
+        wheel.angle += step * wheel.spin;
+        wheel.encoder_rate = wheel.spin - link_rate;
+        wheel.encoder_angle += step * wheel.encoder_rate;
+        wheel.velocity = motion.velocity;
+        wheel.rim = radius * wheel.spin;
+        wheel.place = place;
+        wheel.load = load;
+        wheel.motor = motor;
+        wheel.soil = spot.soil;
+        let lost = load.torque * mean_spin
+            - force.dot(velocity)
+            - moment_power(&arm, &force, &axle, &self.state);
+        self.ledger.soil += step * lost;
+        self.ledger.electric += step * motor.power;
+        self.ledger.motor_heat += step * (motor.power - motor.torque * rate);
+        self.ledger.bearings += step * bearing * rate;
+
+        // the rut, so far behind that the wheel does not stand in it
+        let (x, y) = self.pressed_at[index];
+        let moved = (place.x - x).hypot(place.y - y);
+        let behind = RUT_BEHIND * ground.map().cell();
+        if moved > behind + 0.5 * ground.map().cell() {
+            let share = 1.0 - behind / moved;
+            let to = (x + share * (place.x - x), y + share * (place.y - y));
+            if load.normal > 0.0 {
+                let depth = load.pressed + spot.rut;
+                ground.press((x, y), to, mount.wheel.width(), depth);
+            }
+            self.pressed_at[index] = to;
+        }
+    }
+}
+
+/// Power that the moment of a contact force, the axle's part left out, gives to the turning of the body.
+fn moment_power(arm: &Vector, force: &Vector, axle: &Vector, state: &BodyState) -> f64 {
+    let moment = arm.cross(*force);
+    (moment - *axle * moment.dot(*axle)).dot(state.turning())
+}

@@ -1,0 +1,208 @@
+//! The force between a wheel and the ground at one moment.
+//!
+//! The laws of [`grouser_terra`] hold for a wheel that moves steadily. What happens between steady states:
+//!
+//! - *Shear* needs travel to build up. With u the mean shear displacement of the contact of length L,
+//!   `u̇ = (r ω − v) − max(|r ω|, |v|) u/L`, whose steady state is u/L = s, driving and braking alike. At rest
+//!   nothing is forgotten: u is a spring, the wheel holds a slope without creeping, and no speed is ever
+//!   divided by. The same for the drift sideways. The laws are asked at s = (u + τ u̇)/L: the τ damps and
+//!   vanishes in every steady state.
+//! - *Direction*: the resistance of the soil turns round with the direction of rolling d, which needs half a
+//!   contact length to do so.
+//! - *Unloading*: soil that was pressed to z_p gives back along a line `unloading` times as steep as the load's
+//!   own; rolling forgets z_p over L.
+
+use grouser_terra::{Kinematics, RigidWheel, WheelOnSoil};
+
+/// Time by which the shear is looked ahead, s: damping at rest of about 0.3 of critical for robots of a few
+/// kilogrammes a wheel.
+const LOOK_AHEAD: f64 = 0.015;
+/// The same for the sinkage, s.
+const LOOK_AHEAD_DOWN: f64 = 0.006;
+/// Steepness of unloading over load per sinkage. Sand's own is 5 to 50; beyond about 10 it no longer matters.
+const UNLOADING: f64 = 6.0;
+/// A wheel sunk deeper than this share of its radius is held to be buried.
+const DEEPEST: f64 = 0.9;
+/// Greatest drift sideways over rolling speed that the laws are asked at: the shear is saturated there.
+const MOST_DRIFT: f64 = 4.0;
+/// Drift below which side shear is taken as proportional, so that a wheel that runs straight is asked for
+/// at no slip angle.
+const LEAST_DRIFT: f64 = 1e-7;
+/// Drift from which the soil that is pushed aside counts.
+const LEAST_PLOUGHING: f64 = 0.01;
+
+/// What a wheel remembers of its contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelContact {
+    /// Mean shear displacement along and across, m.
+    shear: [f64; 2],
+    /// Direction of rolling, −1 to 1.
+    direction: f64,
+    /// Sinkage to which the soil under it was pressed, m.
+    pressed: f64,
+}
+
+/// How a wheel stands and moves in its contact plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelMotionNow {
+    /// Sinkage below the ground in front of it, m; negative in the air.
+    pub sinkage: f64,
+    /// How fast it sinks, m/s.
+    pub sinking: f64,
+    /// Speed of its centre forwards and to the left, m/s.
+    pub velocity: [f64; 2],
+    /// Speed of its rim, m/s.
+    pub rim: f64,
+}
+
+/// What the ground does to the wheel, in the contact plane's frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelLoad {
+    /// Away from the ground, N.
+    pub normal: f64,
+    /// Forwards, N.
+    pub along: f64,
+    /// To the left, N.
+    pub across: f64,
+    /// What the soil asks of the motor, N m.
+    pub torque: f64,
+    /// Sinkage to which the soil is pressed, m.
+    pub pressed: f64,
+    /// Is the hub about to be buried, so that the laws end?
+    pub buried: bool,
+}
+
+impl WheelContact {
+    /// Is the wheel on the ground?
+    #[must_use]
+    pub const fn touches(&self) -> bool {
+        self.pressed > 0.0
+    }
+
+    /// Moves on by `step` s and gives the forces. `strength` scales modulus and cohesion of the soil
+    /// together, hence every stress.
+    pub fn step(
+        &mut self,
+        pair: &WheelOnSoil,
+        strength: f64,
+        motion: &WheelMotionNow,
+        step: f64,
+    ) -> WheelLoad {
+        let radius = pair.wheel().running_radius();
+        let rolling = motion.rim.abs().max(motion.velocity[0].abs());
+        let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
+        let share = step * rolling / length;
+        let forgotten = self.pressed - (self.pressed - motion.sinkage) * (share / (1.0 + share));
+        let limit = DEEPEST * radius;
+        let buried = motion.sinkage > limit;
+        self.pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
+        if self.pressed <= 0.0 {
+            *self = Self::default();
+            return WheelLoad::default();
+        }
+        let slips = self.shear_on(motion, length, share, step);
+        let dominant = if motion.rim.abs() >= motion.velocity[0].abs() {
+            motion.rim
+        } else {
+            motion.velocity[0]
+        };
+        self.direction = (self.direction + 2.0 * step * dominant / length).clamp(-1.0, 1.0);
+        let mut load = self.steady(pair, slips);
+        // W − k (z_p − z), the line of unloading, with its damping
+        let gap = (self.pressed - motion.sinkage.min(limit)) - LOOK_AHEAD_DOWN * motion.sinking;
+        let share = (1.0 - UNLOADING * gap / self.pressed).clamp(0.0, 3.0);
+        let scale = strength * share;
+        load.normal *= scale;
+        load.along *= scale;
+        load.across *= scale;
+        load.torque *= scale;
+        load.pressed = self.pressed;
+        load.buried = buried;
+        load
+    }
+
+    /// Moves the shear displacements on; gives them over the contact's length, along and across.
+    fn shear_on(
+        &mut self,
+        motion: &WheelMotionNow,
+        length: f64,
+        share: f64,
+        step: f64,
+    ) -> [f64; 2] {
+        let speeds = [motion.rim - motion.velocity[0], motion.velocity[1]];
+        let limits = [1.0, MOST_DRIFT];
+        std::array::from_fn(|i| {
+            let before = self.shear[i];
+            let most = limits[i] * length;
+            let after = ((before + step * speeds[i]) / (1.0 + share)).clamp(-most, most);
+            self.shear[i] = after;
+            let ahead = after + (after - before) / step * LOOK_AHEAD;
+            (ahead / length).clamp(-limits[i], limits[i])
+        })
+    }
+
+    /// The steady forces at slip `s` (of forward rolling) and drift `w`, by the direction of rolling.
+    fn steady(&self, pair: &WheelOnSoil, [s, w]: [f64; 2]) -> WheelLoad {
+        if self.direction >= 1.0 {
+            return one_way(pair, self.pressed, s, w);
+        }
+        let back = one_way(pair, self.pressed, -s, w);
+        let mirrored = WheelLoad {
+            along: -back.along,
+            torque: -back.torque,
+            ..back
+        };
+        if self.direction <= -1.0 {
+            return mirrored;
+        }
+        let forth = one_way(pair, self.pressed, s, w);
+        let share = 0.5 * (1.0 + self.direction);
+        let mix = |a: f64, b: f64| share * a + (1.0 - share) * b;
+        WheelLoad {
+            normal: mix(forth.normal, mirrored.normal),
+            along: mix(forth.along, mirrored.along),
+            across: mix(forth.across, mirrored.across),
+            torque: mix(forth.torque, mirrored.torque),
+            ..forth
+        }
+    }
+}
+
+/// Length of the contact, m: the arc in front of the wheel's lowest point.
+fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
+    let radius = wheel.running_radius();
+    let theta_1 = grouser_terra::entry_angle(sinkage.clamp(0.0, DEEPEST * radius), radius);
+    radius * theta_1.max(0.05)
+}
+
+/// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards.
+fn one_way(pair: &WheelOnSoil, sinkage: f64, s: f64, w: f64) -> WheelLoad {
+    let (travel, rim) = if s >= 0.0 {
+        (1.0 - s, 1.0)
+    } else {
+        (1.0, 1.0 + s)
+    };
+    let drift = if w.abs() < LEAST_DRIFT { 0.0 } else { w };
+    let found = Kinematics::from_speeds(travel, drift, rim).and_then(|kinematics| {
+        // Only bulldozing needs the whole operating point.
+        if drift.abs() > LEAST_PLOUGHING && pair.soil().params().unit_weight.is_some() {
+            let point = pair.at_sinkage(sinkage, &kinematics)?;
+            return Ok((point.forces, point.side_force));
+        }
+        let forces = pair.forces_at(sinkage, &kinematics)?;
+        let sideways = if drift == 0.0 { 0.0 } else { -drift.signum() };
+        Ok((forces, sideways * forces.side_shear))
+    });
+    // Soil, wheel and slip have been checked, so that nothing is left to refuse.
+    let Ok((forces, across)) = found else {
+        return WheelLoad::default();
+    };
+    WheelLoad {
+        normal: forces.vertical_force.max(0.0),
+        along: forces.drawbar_pull,
+        across,
+        torque: forces.torque,
+        pressed: sinkage,
+        buried: false,
+    }
+}

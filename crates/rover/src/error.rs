@@ -1,0 +1,128 @@
+//! What is wrong with a robot, a terrain or a scenario.
+
+use std::path::PathBuf;
+
+/// The result of everything that checks a description.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// A description that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number lies outside its limits (NaN always does).
+    #[error("{of}: {field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    OutOfRange {
+        /// What it belongs to.
+        of: String,
+        /// The field's name.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+        /// The unit of all three; `1` for a pure number.
+        unit: &'static str,
+    },
+    /// Something needed is not there.
+    #[error("{of} lacks {what}")]
+    Missing {
+        /// What it belongs to.
+        of: String,
+        /// What is missing.
+        what: String,
+    },
+    /// A name that stands for nothing.
+    #[error("{of} names `{name}`, which does not exist{}", .meant.as_ref().map(|m| format!("; did you mean `{m}`?")).unwrap_or_default())]
+    Unknown {
+        /// What names it.
+        of: String,
+        /// The name.
+        name: String,
+        /// The nearest name that exists.
+        meant: Option<String>,
+    },
+    /// More than the simulation holds.
+    #[error("{what}: {count}, but at most {limit} are possible")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A terrain file that cannot be used.
+    #[error("{}: {message}", .file.display())]
+    Terrain {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// A file that cannot be read.
+    #[error("cannot read {}: {source}", .file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// A URDF that cannot be used.
+    #[error("{file}, line {line}: {message}")]
+    Urdf {
+        /// The file.
+        file: String,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// One of our own files says something wrong.
+    #[error(transparent)]
+    File(#[from] grouser_files::Error),
+    /// The laws of wheel and soil refuse a number.
+    #[error("{of}: {source}")]
+    Law {
+        /// Of which wheel or soil.
+        of: String,
+        /// What they say.
+        source: grouser_terra::Error,
+    },
+    /// The estimator refuses a robot or a setting.
+    #[error(transparent)]
+    Estimator(#[from] grouser_slip::Error),
+}
+
+impl Error {
+    /// Checks that `value` lies in [low, high].
+    pub(crate) fn check(
+        of: &str,
+        field: &'static str,
+        value: f64,
+        (low, high): (f64, f64),
+        unit: &'static str,
+    ) -> Result<()> {
+        if value >= low && value <= high {
+            return Ok(());
+        }
+        Err(Self::OutOfRange {
+            of: of.to_owned(),
+            field,
+            value,
+            low,
+            high,
+            unit,
+        })
+    }
+
+    /// What to do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::File(error) => error.hint(),
+            _ => None,
+        }
+    }
+}

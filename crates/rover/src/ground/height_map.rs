@@ -1,0 +1,334 @@
+//! Heights on a square grid.
+
+use std::ops::RangeInclusive;
+
+use crate::error::{Error, Result};
+
+/// Greatest number of cells of a map.
+pub(crate) const MOST_CELLS: usize = 1 << 25;
+
+/// Heights at the nodes of a square grid, between which they are bilinear. Beyond the edge the edge goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightMap {
+    origin: (f64, f64),
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    heights: Vec<f32>,
+    /// No height at all was given for these nodes; they carry their neighbours'. Empty: all known.
+    unknown: Vec<bool>,
+}
+
+/// The cell around a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corner {
+    index: usize,
+    columns: usize,
+    share: (f64, f64),
+    inside: bool,
+}
+
+impl Corner {
+    /// Bilinear value of a field of the grid.
+    pub(crate) fn mix(&self, field: &[f32]) -> f64 {
+        let (x, y) = self.share;
+        let at = |index: usize| f64::from(field[index]);
+        let low = at(self.index) + x * (at(self.index + 1) - at(self.index));
+        let above = self.index + self.columns;
+        let high = at(above) + x * (at(above + 1) - at(above));
+        low + y * (high - low)
+    }
+
+    /// The node that lies nearest.
+    pub(crate) fn nearest(&self) -> usize {
+        let (x, y) = self.share;
+        self.index + usize::from(x > 0.5) + if y > 0.5 { self.columns } else { 0 }
+    }
+}
+
+/// The surface at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surface {
+    pub(crate) height: f64,
+    pub(crate) slope: [f64; 2],
+    pub(crate) known: bool,
+}
+
+impl HeightMap {
+    /// A map whose first node lies at `origin` (m), with nodes every `cell` m; heights row by row from the
+    /// origin, each row along x. NaN stands for an unknown height: it takes the nearest known one and
+    /// stays marked.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for sizes outside their limits, for heights that do not fit them, for infinite
+    /// heights, and where no height is known.
+    pub fn new(origin: (f64, f64), cell: f64, columns: usize, heights: Vec<f32>) -> Result<Self> {
+        let of = "height map";
+        let far = (-1e7, 1e7);
+        Error::check(of, "origin x", origin.0, far, "m")?;
+        Error::check(of, "origin y", origin.1, far, "m")?;
+        Error::check(of, "cell", cell, (1e-3, 1e3), "m")?;
+        Error::check(of, "columns", columns as f64, (2.0, 1e5), "1")?;
+        let most = MOST_CELLS as f64;
+        Error::check(of, "cells", heights.len() as f64, (4.0, most), "1")?;
+        let rows = heights.len() / columns;
+        Error::check(of, "rows", rows as f64, (2.0, 1e5), "1")?;
+        let odd = heights.len() - rows * columns;
+        Error::check(of, "cells beyond the last row", odd as f64, (0.0, 0.0), "1")?;
+        for height in &heights {
+            if !height.is_nan() {
+                Error::check(of, "height", f64::from(*height), (-1e6, 1e6), "m")?;
+            }
+        }
+        let mut map = Self {
+            origin,
+            cell,
+            columns,
+            rows,
+            heights,
+            unknown: Vec::new(),
+        };
+        map.fill_unknown()?;
+        Ok(map)
+    }
+
+    /// Unknown nodes take the height of the nearest known one in their row, then in their column.
+    fn fill_unknown(&mut self) -> Result<()> {
+        if !self.heights.iter().any(|height| height.is_nan()) {
+            return Ok(());
+        }
+        self.unknown = self.heights.iter().map(|height| height.is_nan()).collect();
+        let known = self.unknown.iter().filter(|unknown| !**unknown).count();
+        let most = self.heights.len() as f64;
+        Error::check(
+            "height map",
+            "known heights",
+            known as f64,
+            (1.0, most),
+            "1",
+        )?;
+        let (columns, rows) = (self.columns, self.rows);
+        for row in 0..rows {
+            spread(
+                &mut self.heights,
+                (0..columns).map(|column| row * columns + column),
+            );
+        }
+        for column in 0..columns {
+            spread(
+                &mut self.heights,
+                (0..rows).map(|row| row * columns + column),
+            );
+        }
+        Ok(())
+    }
+
+    /// A map of `size` (m) about x from 0 and y around 0, with the heights of `shape`.
+    ///
+    /// # Errors
+    /// As [`HeightMap::new`].
+    pub fn from_shape(
+        size: (f64, f64),
+        cell: f64,
+        shape: impl Fn(f64, f64) -> f64,
+    ) -> Result<Self> {
+        let of = "ground";
+        Error::check(of, "cell", cell, (1e-3, 1e3), "m")?;
+        Error::check(of, "size_x", size.0, (2.0 * cell, 1e5 * cell), "m")?;
+        Error::check(of, "size_y", size.1, (2.0 * cell, 1e5 * cell), "m")?;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "between 2 and 1e5, as just checked"
+        )]
+        let count = |length: f64| (length / cell).round() as usize + 1;
+        let (columns, rows) = (count(size.0), count(size.1));
+        let most = MOST_CELLS as f64;
+        Error::check(of, "cells", columns as f64 * rows as f64, (4.0, most), "1")?;
+        let origin = (0.0, -0.5 * (rows - 1) as f64 * cell);
+        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+        let heights = (0..rows * columns)
+            .map(|index| {
+                let x = (index % columns) as f64 * cell;
+                let y = origin.1 + (index / columns) as f64 * cell;
+                shape(x, y) as f32
+            })
+            .collect();
+        Self::new(origin, cell, columns, heights)
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn cells(&self) -> usize {
+        self.heights.len()
+    }
+
+    /// Distance of the nodes, m.
+    #[must_use]
+    pub const fn cell(&self) -> f64 {
+        self.cell
+    }
+
+    /// The first node and the last one, m.
+    #[must_use]
+    pub fn extent(&self) -> ((f64, f64), (f64, f64)) {
+        let (x, y) = self.origin;
+        let far = |from: f64, count: usize| from + (count - 1) as f64 * self.cell;
+        (self.origin, (far(x, self.columns), far(y, self.rows)))
+    }
+
+    /// Where a node lies, m.
+    #[must_use]
+    pub fn centre_of(&self, index: usize) -> (f64, f64) {
+        (
+            self.origin.0 + (index % self.columns) as f64 * self.cell,
+            self.origin.1 + (index / self.columns) as f64 * self.cell,
+        )
+    }
+
+    /// Height at (x, y), m.
+    #[must_use]
+    pub fn height(&self, x: f64, y: f64) -> f64 {
+        self.corner(x, y).mix(&self.heights)
+    }
+
+    pub(crate) fn corner(&self, x: f64, y: f64) -> Corner {
+        let (column, share_x, in_x) = place((x - self.origin.0) / self.cell, self.columns);
+        let (row, share_y, in_y) = place((y - self.origin.1) / self.cell, self.rows);
+        Corner {
+            index: row * self.columns + column,
+            columns: self.columns,
+            share: (share_x, share_y),
+            inside: in_x && in_y,
+        }
+    }
+
+    pub(crate) fn surface(&self, corner: &Corner) -> Surface {
+        let at = |index: usize| f64::from(self.heights[index]);
+        let (x, y) = corner.share;
+        let (low, high) = (corner.index, corner.index + self.columns);
+        let (a, b, c, d) = (at(low), at(low + 1), at(high), at(high + 1));
+        Surface {
+            height: (1.0 - y) * (a + x * (b - a)) + y * (c + x * (d - c)),
+            slope: [
+                ((1.0 - y) * (b - a) + y * (d - c)) / self.cell,
+                ((1.0 - x) * (c - a) + x * (d - b)) / self.cell,
+            ],
+            known: corner.inside
+                && !self
+                    .unknown
+                    .get(corner.nearest())
+                    .copied()
+                    .unwrap_or_default(),
+        }
+    }
+
+    /// The nodes of a rectangle, row by row.
+    pub(crate) fn indices_between(
+        &self,
+        low: (f64, f64),
+        high: (f64, f64),
+    ) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.columns;
+        let across = nodes(
+            low.0 - self.origin.0,
+            high.0 - self.origin.0,
+            self.cell,
+            columns,
+        );
+        let rows = nodes(
+            low.1 - self.origin.1,
+            high.1 - self.origin.1,
+            self.cell,
+            self.rows,
+        );
+        rows.flat_map(move |row| across.clone().map(move |column| row * columns + column))
+    }
+}
+
+/// The node below `at` (in cells), the share towards the next, and whether it lies on the map.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the map before"
+)]
+fn place(at: f64, count: usize) -> (usize, f64, bool) {
+    let last = (count - 1) as f64;
+    let inside = at >= 0.0 && at <= last;
+    let at = if at.is_nan() {
+        0.0
+    } else {
+        at.clamp(0.0, last)
+    };
+    let below = (at as usize).min(count - 2);
+    (below, at - below as f64, inside)
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the map before"
+)]
+fn nodes(low: f64, high: f64, cell: f64, count: usize) -> RangeInclusive<usize> {
+    let last = (count - 1) as f64;
+    let low = (low / cell).ceil().clamp(0.0, last) as usize;
+    let high = (high / cell).floor().clamp(0.0, last) as usize;
+    low..=high
+}
+
+/// Along a line of nodes, what is unknown takes the nearest known height.
+fn spread(heights: &mut [f32], line: impl Iterator<Item = usize> + DoubleEndedIterator) {
+    let line: Vec<usize> = line.collect();
+    let mut known: Vec<usize> = Vec::new();
+    for (place, index) in line.iter().enumerate() {
+        if !heights[*index].is_nan() {
+            known.push(place);
+        }
+    }
+    let Some(first) = known.first().copied() else {
+        return;
+    };
+    let (mut before, mut next) = (first, 0);
+    for (place, index) in line.iter().enumerate() {
+        while next < known.len() && known[next] <= place {
+            before = known[next];
+            next += 1;
+        }
+        let after = known.get(next).copied();
+        let nearest = match after {
+            Some(after) if after - place < place.abs_diff(before) => after,
+            _ => before,
+        };
+        if heights[*index].is_nan() {
+            heights[*index] = heights[line[nearest]];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_itself_between_the_nodes() {
+        let map = HeightMap::from_shape((2.0, 1.0), 0.25, |x, y| 0.25 * x - 0.5 * y).unwrap();
+        let surface = map.surface(&map.corner(0.61, -0.13));
+        assert!((surface.height - (0.25 * 0.61 + 0.5 * 0.13)).abs() < 1e-7);
+        assert!((surface.slope[0] - 0.25).abs() < 1e-6 && (surface.slope[1] + 0.5).abs() < 1e-6);
+        assert!(surface.known);
+        assert!(!map.surface(&map.corner(-0.1, 0.0)).known);
+        assert_eq!(map.extent(), ((0.0, -0.5), (2.0, 0.5)));
+    }
+
+    #[test]
+    fn what_is_unknown_is_never_height_zero() {
+        let (gap, five) = (f32::NAN, 5.0);
+        let map = HeightMap::new((0.0, 0.0), 1.0, 3, vec![five, gap, five, gap, gap, gap]).unwrap();
+        assert_eq!(map.height(1.0, 0.0), 5.0);
+        assert_eq!(map.height(1.5, 1.0), 5.0);
+        assert!(!map.surface(&map.corner(1.0, 1.0)).known);
+        assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![gap; 4]).is_err());
+        assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![1.0, 2.0, 3.0, f32::INFINITY]).is_err());
+        assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![1.0; 5]).is_err());
+    }
+}

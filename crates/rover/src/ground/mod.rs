@@ -1,0 +1,264 @@
+//! The ground: its height, the soil of each place, and the ruts that wheels leave.
+
+mod file;
+mod height_map;
+mod noise;
+mod shape;
+
+pub use file::{HeightFile, read_heights};
+pub use height_map::HeightMap;
+pub use noise::Noise;
+pub use shape::{Rocks, Shape};
+
+use grouser_terra::Soil;
+
+use crate::error::{Error, Result};
+
+/// Where a soil lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// A disc.
+    Disc {
+        /// Centre, m.
+        x: f64,
+        /// Centre, m.
+        y: f64,
+        /// m.
+        radius: f64,
+    },
+    /// A rectangle along the axes.
+    Box {
+        /// Centre, m.
+        x: f64,
+        /// Centre, m.
+        y: f64,
+        /// Extent along x, m.
+        length: f64,
+        /// Extent along y, m.
+        width: f64,
+    },
+}
+
+impl Place {
+    /// The same place, moved by (x, y) m.
+    #[must_use]
+    pub fn moved(mut self, right: f64, up: f64) -> Self {
+        match &mut self {
+            Self::Disc { x, y, .. } | Self::Box { x, y, .. } => {
+                *x += right;
+                *y += up;
+            }
+        }
+        self
+    }
+
+    fn holds(&self, at_x: f64, at_y: f64) -> bool {
+        match *self {
+            Self::Disc { x, y, radius } => (at_x - x).hypot(at_y - y) <= radius,
+            Self::Box {
+                x,
+                y,
+                length,
+                width,
+            } => (at_x - x).abs() <= 0.5 * length && (at_y - y).abs() <= 0.5 * width,
+        }
+    }
+}
+
+/// How a soil changes where a wheel has passed, and from place to place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Packing {
+    /// Modulus and cohesion of packed soil grow by up to this share ...
+    pub gain: f64,
+    /// ... as 1 − e^(−rut/depth), m.
+    pub depth: f64,
+    /// Standard deviation of the logarithm of modulus and cohesion from place to place.
+    pub scatter: f64,
+    /// Over this length, m.
+    pub scatter_length: f64,
+}
+
+impl Default for Packing {
+    fn default() -> Self {
+        Self {
+            gain: 0.0,
+            depth: 0.02,
+            scatter: 0.0,
+            scatter_length: 1.0,
+        }
+    }
+}
+
+/// The ground under a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Height of the surface now, ruts included, m.
+    pub height: f64,
+    /// Slope of the undisturbed surface along x and y.
+    pub slope: [f64; 2],
+    /// Index of its soil.
+    pub soil: usize,
+    /// Factor of modulus and cohesion.
+    pub strength: f64,
+    /// Depth of the rut that is already there, m.
+    pub rut: f64,
+    /// Is it on the map, and known there?
+    pub known: bool,
+}
+
+/// The ground.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    map: HeightMap,
+    soils: Vec<Soil>,
+    soil_of: Vec<u8>,
+    scatter: Vec<f32>,
+    rut: Vec<f32>,
+    packing: Packing,
+}
+
+impl Ground {
+    /// Ground of `soils[0]` with the shape of `map`.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] without a soil, [`Error::TooMany`] for more than 255.
+    pub fn new(map: HeightMap, soils: Vec<Soil>) -> Result<Self> {
+        if soils.is_empty() {
+            return Err(Error::Missing {
+                of: "the ground".into(),
+                what: "a soil".into(),
+            });
+        }
+        if soils.len() > 255 {
+            return Err(Error::TooMany {
+                what: "soils",
+                count: soils.len(),
+                limit: 255,
+            });
+        }
+        let cells = map.cells();
+        Ok(Self {
+            map,
+            soils,
+            soil_of: vec![0; cells],
+            scatter: Vec::new(),
+            rut: vec![0.0; cells],
+            packing: Packing::default(),
+        })
+    }
+
+    /// Puts `soils[soil]` where `place` is.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a soil that is not there.
+    pub fn lay(&mut self, soil: usize, place: &Place) -> Result<()> {
+        let last = self.soils.len() - 1;
+        Error::check("region", "soil", soil as f64, (0.0, last as f64), "1")?;
+        for index in 0..self.soil_of.len() {
+            let (x, y) = self.map.centre_of(index);
+            if place.holds(x, y) {
+                self.soil_of[index] = u8::try_from(soil).unwrap_or(0);
+            }
+        }
+        Ok(())
+    }
+
+    /// How soil is packed and scatters, the latter by `seed`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn pack(&mut self, packing: Packing, seed: u64) -> Result<()> {
+        Error::check("ground", "packing", packing.gain, (0.0, 10.0), "1")?;
+        Error::check("ground", "packing_depth", packing.depth, (1e-4, 10.0), "m")?;
+        Error::check("ground", "scatter", packing.scatter, (0.0, 1.0), "1")?;
+        let length = packing.scatter_length;
+        Error::check("ground", "scatter_length", length, (1e-3, 1e4), "m")?;
+        self.packing = packing;
+        if packing.scatter > 0.0 {
+            let noise = shape::Lattice::new(seed);
+            self.scatter = (0..self.map.cells())
+                .map(|index| {
+                    let (x, y) = self.map.centre_of(index);
+                    let value = noise.normal(x / length, y / length);
+                    #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+                    let factor = (packing.scatter * value).exp() as f32;
+                    factor
+                })
+                .collect();
+        }
+        Ok(())
+    }
+
+    /// The soils.
+    #[must_use]
+    pub fn soils(&self) -> &[Soil] {
+        &self.soils
+    }
+
+    /// Its shape without ruts.
+    #[must_use]
+    pub const fn map(&self) -> &HeightMap {
+        &self.map
+    }
+
+    /// The ground under (x, y).
+    #[must_use]
+    pub fn at(&self, x: f64, y: f64) -> Spot {
+        let corner = self.map.corner(x, y);
+        let base = self.map.surface(&corner);
+        let rut = corner.mix(&self.rut);
+        let scatter = if self.scatter.is_empty() {
+            1.0
+        } else {
+            corner.mix(&self.scatter)
+        };
+        let packed = if self.packing.gain > 0.0 && rut > 0.0 {
+            1.0 + self.packing.gain * (1.0 - (-rut / self.packing.depth).exp())
+        } else {
+            1.0
+        };
+        Spot {
+            height: base.height - rut,
+            slope: base.slope,
+            soil: usize::from(self.soil_of[corner.nearest()]),
+            strength: scatter * packed,
+            rut,
+            known: base.known,
+        }
+    }
+
+    /// A wheel has pressed the strip from `from` to `to`, `width` wide, to `depth` (m) below the undisturbed
+    /// surface. What is deeper already stays.
+    pub fn press(&mut self, from: (f64, f64), to: (f64, f64), width: f64, depth: f64) {
+        let (length_x, length_y) = (to.0 - from.0, to.1 - from.1);
+        let length = length_x.hypot(length_y);
+        if !(length > 0.0 && depth > 0.0) {
+            return;
+        }
+        let cell = self.map.cell();
+        let (along_x, along_y) = (length_x / length, length_y / length);
+        // a strip narrower than a cell still leaves one
+        let half = 0.5 * width.max(cell);
+        let reach = half.max(cell) + cell;
+        let low = (from.0.min(to.0) - reach, from.1.min(to.1) - reach);
+        let high = (from.0.max(to.0) + reach, from.1.max(to.1) + reach);
+        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+        let depth = depth as f32;
+        for index in self.map.indices_between(low, high) {
+            let (x, y) = self.map.centre_of(index);
+            let (d_x, d_y) = (x - from.0, y - from.1);
+            let along = d_x * along_x + d_y * along_y;
+            let across = (d_y * along_x - d_x * along_y).abs();
+            if across <= half && along >= -1e-9 && along <= length {
+                self.rut[index] = self.rut[index].max(depth);
+            }
+        }
+    }
+
+    /// Volume of all ruts, m³.
+    #[must_use]
+    pub fn rut_volume(&self) -> f64 {
+        let area = self.map.cell() * self.map.cell();
+        self.rut.iter().map(|depth| f64::from(*depth) * area).sum()
+    }
+}

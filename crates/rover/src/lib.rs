@@ -1,0 +1,13 @@
+//! Robots on soft ground.
+#![forbid(unsafe_code)]
+
+pub mod drive;
+pub mod dynamics;
+mod error;
+pub mod ground;
+pub mod robot;
+pub mod sensors;
+pub mod statics;
+pub mod vector;
+
+pub use error::{Error, Result};

@@ -1,0 +1,314 @@
+//! A robot ready to be put on the ground.
+
+use std::path::Path;
+
+use grouser_files::body::{BodyFile, MassFile};
+use grouser_files::robot::{self, RobotFile};
+use grouser_files::{Document, nearest};
+use grouser_slip::{Drive, Settings};
+use grouser_terra::RigidWheel;
+
+use crate::dynamics::{Body, Hold, Link, Linkage, MAX_CHAIN, MAX_FREEDOMS, Motor};
+use crate::error::{Error, Result};
+use crate::vector::{Tensor, Vector};
+
+/// How a wheel is mounted, and what turns it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelMount {
+    /// Its name.
+    pub name: String,
+    /// The link that carries it; `None`: the chassis.
+    pub link: Option<usize>,
+    /// Its centre in the pose of the description, m.
+    pub centre: Vector,
+    /// The direction in which it drives, rad from x towards y.
+    pub heading: f64,
+    /// Radius and width.
+    pub wheel: RigidWheel,
+    /// kg.
+    pub mass: f64,
+    /// Inertia about its axle with what turns with it, kg m².
+    pub spin_inertia: f64,
+    /// Friction of its bearing, N m.
+    pub bearing: f64,
+    /// Lean, top to the left, rad.
+    pub camber: f64,
+    /// Lean of the steering axis, rad.
+    pub caster: f64,
+    /// How far it steers either way, rad; 0: not at all.
+    pub steer_range: f64,
+    /// How fast, rad/s.
+    pub steer_rate: f64,
+    /// Its motor; `None` for a free wheel.
+    pub motor: Option<Motor>,
+}
+
+impl WheelMount {
+    /// The axle's direction at the steering angle `steer` (rad), in the pose of the description: to the left
+    /// of travel.
+    ///
+    /// A steering axis that leans back by the caster leans the wheel by caster · sin(steer).
+    #[must_use]
+    pub fn axle(&self, steer: f64) -> Vector {
+        let (sin, cos) = (self.heading + steer).sin_cos();
+        let (lean_sin, lean_cos) = (self.camber + self.caster * steer.sin()).sin_cos();
+        Vector::new(-sin * lean_cos, cos * lean_cos, -lean_sin)
+    }
+}
+
+/// A robot: what the estimator knows of it, its body, and its wheels in the same order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotModel {
+    /// What the estimator knows.
+    pub robot: grouser_slip::Robot,
+    /// How the estimator is to work.
+    pub settings: Settings,
+    /// Chassis and links with all masses, those of the wheels included.
+    pub linkage: Linkage,
+    /// The wheels.
+    pub wheels: Vec<WheelMount>,
+    /// The names of the links.
+    pub links: Vec<String>,
+}
+
+impl RobotModel {
+    /// Reads a robot file.
+    ///
+    /// # Errors
+    /// What the file lacks or says wrong.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(&Document::read(path)?)
+    }
+
+    /// A robot out of a document.
+    ///
+    /// # Errors
+    /// As [`RobotModel::read`].
+    pub fn parse(document: &Document) -> Result<Self> {
+        Self::new(&robot::parse(document)?)
+    }
+
+    /// A robot out of what a file says.
+    ///
+    /// # Errors
+    /// [`Error::Missing`] where it has no body or a wheel no width, [`Error::Unknown`] for names of links or
+    /// motors that do not exist, [`Error::TooMany`].
+    pub fn new(file: &RobotFile) -> Result<Self> {
+        let name = file.robot.name().to_owned();
+        let Some(body) = &file.body else {
+            return Err(Error::Missing {
+                of: format!("robot \"{name}\""),
+                what: "its [chassis], which a simulation needs".into(),
+            });
+        };
+        let (links, holds) = links(body)?;
+        let wheels = wheels(file, body)?;
+        let bodies = bodies(body, &wheels);
+        let settings = Settings {
+            reference: file.reference.unwrap_or(file.settings.reference),
+            ..file.settings
+        };
+        Ok(Self {
+            robot: file.robot.clone(),
+            settings,
+            linkage: Linkage::new(bodies, links, holds),
+            wheels,
+            links: body.links.iter().map(|link| link.name.clone()).collect(),
+        })
+    }
+
+    /// The indices of the powered wheels.
+    pub fn powered(&self) -> impl Iterator<Item = usize> + '_ {
+        self.wheels
+            .iter()
+            .enumerate()
+            .filter(|(_, wheel)| wheel.motor.is_some())
+            .map(|(index, _)| index)
+    }
+
+    /// Weight of the whole, N.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        self.linkage.mass() * crate::dynamics::GRAVITY
+    }
+}
+
+fn find<'a>(
+    of: &str,
+    name: &str,
+    mut names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize> {
+    names
+        .clone()
+        .position(|other| other == name)
+        .ok_or_else(|| Error::Unknown {
+            of: of.to_owned(),
+            name: name.to_owned(),
+            meant: nearest(name, names.by_ref()).map(Into::into),
+        })
+}
+
+/// Links that a differential joins share one freedom.
+fn links(body: &BodyFile) -> Result<(Vec<Link>, Vec<Hold>)> {
+    let names = || body.links.iter().map(|link| link.name.as_str());
+    let mut out: Vec<Link> = Vec::new();
+    let mut holds = Vec::new();
+    for (index, file) in body.links.iter().enumerate() {
+        let of = format!("link \"{}\"", file.name);
+        let on = match &file.on {
+            None => None,
+            Some(on) => Some(find(&of, on, names().take(index))?),
+        };
+        let mut chain = 1;
+        let mut next = on;
+        while let Some(carrier) = next {
+            chain += 1;
+            next = out.get(carrier).and_then(|link| link.on);
+        }
+        if chain > MAX_CHAIN {
+            return Err(Error::TooMany {
+                what: "links one upon the other",
+                count: chain,
+                limit: MAX_CHAIN,
+            });
+        }
+        let other = match &file.opposite {
+            None => None,
+            Some(other) => Some(find(&of, other, names())?),
+        };
+        let joined = other.filter(|other| *other < index).map(|other| out[other]);
+        let (freedom, sign) = match joined {
+            Some(other) => (other.freedom, -other.sign),
+            None => {
+                holds.push(Hold {
+                    stiffness: file.stiffness,
+                    damping: file.damping,
+                    preload: file.preload,
+                    range: file.range,
+                });
+                (holds.len() - 1, 1.0)
+            }
+        };
+        out.push(Link {
+            on,
+            pivot: vector(file.pivot),
+            freedom,
+            sign,
+        });
+    }
+    if holds.len() > MAX_FREEDOMS {
+        return Err(Error::TooMany {
+            what: "links that turn by themselves",
+            count: holds.len(),
+            limit: MAX_FREEDOMS,
+        });
+    }
+    Ok((out, holds))
+}
+
+fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
+    let of_law = |name: &str, source| Error::Law {
+        of: format!("wheel \"{name}\""),
+        source,
+    };
+    let mut out = Vec::new();
+    for (wheel, extra) in file.robot.wheels().iter().zip(&body.wheels) {
+        let of = format!("wheel \"{}\"", wheel.name);
+        let width = wheel.width.ok_or_else(|| Error::Missing {
+            of: of.clone(),
+            what: "width_m".into(),
+        })?;
+        let link = match &extra.on {
+            None => None,
+            Some(on) => Some(find(&of, on, body.links.iter().map(|l| l.name.as_str()))?),
+        };
+        let motor = match (&extra.motor, wheel.drive) {
+            (Some(name), Drive::Powered) => {
+                let index = find(&of, name, body.motors.iter().map(|m| m.name.as_str()))?;
+                Some(&body.motors[index])
+            }
+            (None, Drive::Powered) => {
+                return Err(Error::Missing {
+                    of,
+                    what: "its motor".into(),
+                });
+            }
+            (_, Drive::Free) => None,
+        };
+        let gear = wheel.encoder.gear;
+        let ring = extra.mass * wheel.radius * wheel.radius;
+        let rotor = motor.map_or(0.0, |motor| motor.rotor_inertia * gear * gear);
+        out.push(WheelMount {
+            name: wheel.name.clone(),
+            link,
+            centre: Vector::new(wheel.x, wheel.y, extra.z.unwrap_or(wheel.radius)),
+            heading: wheel.heading.rad(),
+            wheel: RigidWheel::new(wheel.radius, width)
+                .map_err(|source| of_law(&wheel.name, source))?,
+            mass: extra.mass,
+            spin_inertia: extra.spin_inertia.unwrap_or(ring) + rotor,
+            bearing: extra.bearing,
+            camber: extra.camber,
+            caster: extra.caster,
+            steer_range: extra.steer_range,
+            steer_rate: extra.steer_rate,
+            motor: motor.map(|motor| Motor {
+                resistance: motor.resistance,
+                constant: motor.constant,
+                gear,
+                efficiency: motor.gear_efficiency,
+                voltage: motor.voltage,
+                current: motor.current,
+            }),
+        });
+    }
+    Ok(out)
+}
+
+/// Chassis and links, each with its wheels: a wheel's turning about its own axle is a motion of its own, so
+/// that it counts as a point with half its spin inertia across.
+fn bodies(body: &BodyFile, wheels: &[WheelMount]) -> Vec<Body> {
+    let files = std::iter::once((None, &body.chassis)).chain(
+        body.links
+            .iter()
+            .enumerate()
+            .map(|(index, link)| (Some(index), &link.mass)),
+    );
+    files
+        .map(|(link, own)| {
+            let mounted = wheels.iter().filter(|wheel| wheel.link == link);
+            with_wheels(link, own, mounted)
+        })
+        .collect()
+}
+
+fn with_wheels<'a>(
+    link: Option<usize>,
+    own: &MassFile,
+    wheels: impl Iterator<Item = &'a WheelMount> + Clone,
+) -> Body {
+    let (mut mass, mut moment) = (own.mass, vector(own.centre) * own.mass);
+    for wheel in wheels.clone() {
+        mass += wheel.mass;
+        moment += wheel.centre * wheel.mass;
+    }
+    let centre = moment * (1.0 / mass);
+    let mut inertia = Tensor::diagonal(vector(own.inertia))
+        .plus(Tensor::of_point(own.mass, vector(own.centre) - centre), 1.0);
+    for wheel in wheels {
+        let across = 0.5 * wheel.mass * wheel.wheel.radius() * wheel.wheel.radius();
+        inertia = inertia
+            .plus(Tensor::of_point(wheel.mass, wheel.centre - centre), 1.0)
+            .plus(Tensor::diagonal(Vector::new(across, 0.0, across)), 1.0);
+    }
+    Body {
+        link,
+        mass,
+        centre,
+        inertia,
+    }
+}
+
+fn vector([x, y, z]: [f64; 3]) -> Vector {
+    Vector::new(x, y, z)
+}

@@ -1,0 +1,11 @@
+//! A robot at rest: what its wheels carry, how stable it stands, and what it can climb, in closed form.
+
+mod gradeability;
+mod loads;
+mod margins;
+mod posture;
+
+pub use gradeability::{Gradeability, gradeability};
+pub use loads::{WheelLoads, wheel_loads};
+pub use margins::{Edge, StabilityMargins, stability_margins};
+pub use posture::{Posture, PostureLimits, adjusted_posture};

@@ -1,0 +1,115 @@
+//! The chassis adjusted for a slope.
+
+use super::loads::wheel_loads;
+use super::margins::stability_margins;
+use crate::robot::RobotModel;
+
+/// What may be adjusted, and how far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PostureLimits {
+    /// The chassis' centre of gravity slides forwards and back by up to this, m.
+    pub slide: f64,
+    /// And to either side, m.
+    pub shift: f64,
+    /// And down by up to this, m.
+    pub lower: f64,
+    /// The wheels of one side stand apart by up to this factor (wheelbase, with the rockers' length).
+    pub lengthen: f64,
+    /// And the two sides (stance).
+    pub widen: f64,
+}
+
+/// A chassis adjusted for a slope.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posture {
+    /// The centre of gravity's way forwards, to the left and down, m.
+    pub moved: [f64; 3],
+    /// Factors of wheelbase and stance.
+    pub factors: [f64; 2],
+    /// Least angle to tipping over, rad, before and after.
+    pub tip_over: [f64; 2],
+    /// Standard deviation of the powered wheels' loads over their mean, before and after.
+    pub unevenness: [f64; 2],
+    /// The robot so adjusted.
+    pub model: RobotModel,
+}
+
+/// The adjustment that stands best on a slope (`pitch` nose up, `roll` left side up, rad): the angle to tipping over
+/// (rad) less half the unevenness of the loads is greatest.
+///
+/// A pattern search within the limits: each variable in turn by steps that halve, from no adjustment; it never ends
+/// worse than it began. Five variables and a function of microseconds ask for no more.
+#[must_use]
+pub fn adjusted_posture(
+    model: &RobotModel,
+    (pitch, roll): (f64, f64),
+    limits: &PostureLimits,
+) -> Posture {
+    let value = |x: &[f64; 5]| {
+        let (tip_over, uneven) = quality(&adjusted(model, x), pitch, roll);
+        tip_over - 0.5 * uneven
+    };
+    let bounds = [
+        (-limits.slide, limits.slide),
+        (-limits.shift, limits.shift),
+        (0.0, limits.lower),
+        (1.0, limits.lengthen.max(1.0)),
+        (1.0, limits.widen.max(1.0)),
+    ];
+    let mut best = [0.0, 0.0, 0.0, 1.0, 1.0];
+    let mut at_best = value(&best);
+    let mut share = 0.5;
+    while share > 1e-4 {
+        let mut moved = false;
+        for i in 0..best.len() {
+            let (low, high) = bounds[i];
+            for sense in [1.0, -1.0] {
+                let mut trial = best;
+                trial[i] = (trial[i] + sense * share * (high - low)).clamp(low, high);
+                let at_trial = value(&trial);
+                if at_trial > at_best + 1e-12 {
+                    best = trial;
+                    at_best = at_trial;
+                    moved = true;
+                }
+            }
+        }
+        if !moved {
+            share *= 0.5;
+        }
+    }
+    let after = adjusted(model, &best);
+    let (tip_before, uneven_before) = quality(model, pitch, roll);
+    let (tip_after, uneven_after) = quality(&after, pitch, roll);
+    Posture {
+        moved: [best[0], best[1], best[2]],
+        factors: [best[3], best[4]],
+        tip_over: [tip_before, tip_after],
+        unevenness: [uneven_before, uneven_after],
+        model: after,
+    }
+}
+
+fn quality(model: &RobotModel, pitch: f64, roll: f64) -> (f64, f64) {
+    let margins = stability_margins(model, pitch, roll);
+    let loads = wheel_loads(model, pitch, roll).loads;
+    let powered: Vec<f64> = model.powered().map(|index| loads[index]).collect();
+    let count = powered.len().max(1) as f64;
+    let mean = powered.iter().sum::<f64>() / count;
+    let square = powered.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / count;
+    (margins.tip_over, square.sqrt() / mean.abs().max(1e-9))
+}
+
+fn adjusted(model: &RobotModel, x: &[f64; 5]) -> RobotModel {
+    let mut out = model.clone();
+    let [slide, shift, lower, lengthen, widen] = *x;
+    out.linkage.adjust(
+        crate::vector::Vector::new(slide, shift, -lower),
+        (lengthen, widen),
+    );
+    for wheel in &mut out.wheels {
+        wheel.centre.x *= lengthen;
+        wheel.centre.y *= widen;
+    }
+    out
+}

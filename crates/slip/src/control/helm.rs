@@ -1,0 +1,322 @@
+//! Where the robot goes: forward, across a slope, back, or nowhere any more.
+
+use grouser_real::Real;
+
+use super::decision::{Action, Ending, Mode, Pending, Reason};
+use super::settings::ControlSettings;
+use super::wrapped;
+
+/// The slip that decisions look at is smoothed over this, s.
+const SMOOTHING: f64 = 1.0;
+/// Headings that differ by less than this count as steered, rad.
+const ON_COURSE: f64 = 0.35;
+/// A turn may take this long before it is given up, s.
+const TURN_TIME: f64 = 12.0;
+/// A traverse turns away from the asked heading by at most this, rad.
+const WIDEST: f64 = 1.15;
+/// Backing out for longer than its length over its speed times this has failed.
+const BACK_PATIENCE: f64 = 3.0;
+
+/// The robot as a whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    /// Slip of the powered wheels, weighed by load.
+    pub(crate) slip: Option<f64>,
+    pub(crate) speed: Option<f64>,
+    /// Mean speed of the powered rims, m/s.
+    pub(crate) rim: f64,
+    pub(crate) heading: Option<f64>,
+    pub(crate) pitch: Option<f64>,
+    pub(crate) roll: Option<f64>,
+    pub(crate) asked_speed: f64,
+    pub(crate) asked_heading: f64,
+    /// Seconds without slip or speed.
+    pub(crate) blind: f64,
+}
+
+impl Seen {
+    /// Angle of the robot's deck against the level, rad.
+    fn tilt(&self) -> Option<f64> {
+        let (pitch, roll) = (self.pitch?, self.roll?);
+        Some(Real::acos((pitch.cos() * roll.cos()).clamp(-1.0, 1.0)))
+    }
+}
+
+/// What the wheels are to do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    pub(crate) speed: f64,
+    pub(crate) turn: f64,
+    pub(crate) heading: f64,
+    pub(crate) slip_matters: bool,
+    pub(crate) stopped: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Helm {
+    mode: Mode,
+    slip: f64,
+    /// Smoothed tilt, rad.
+    tilt: f64,
+    /// How long slip has been high, and so high that the wheels dig in, and without progress, s.
+    high: f64,
+    dig: f64,
+    stuck: f64,
+    tilted: f64,
+    /// How long and how far it has been in this mode, s and m.
+    time: f64,
+    way: f64,
+    /// Progress along the asked heading since the last time of backing out, m.
+    progress: f64,
+    attempts: u32,
+    /// Side of the traverse: +1 left, −1 right, 0 not chosen yet.
+    side: f64,
+    /// How far the traverse turns away, rad.
+    angle: f64,
+    /// How long it has been turning, s.
+    turning: f64,
+    /// The heading that it holds while it backs out, rad.
+    held: f64,
+}
+
+impl Helm {
+    pub(crate) const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub(crate) const fn slip(&self) -> f64 {
+        self.slip
+    }
+
+    fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.time = 0.0;
+        self.way = 0.0;
+        self.high = 0.0;
+        self.dig = 0.0;
+        self.stuck = 0.0;
+        self.turning = 0.0;
+    }
+
+    fn heading(&self, seen: &Seen) -> f64 {
+        match self.mode {
+            Mode::Traverse => wrapped(seen.asked_heading + self.side * self.angle),
+            Mode::BackOut => self.held,
+            Mode::Forward | Mode::Stopped => seen.asked_heading,
+        }
+    }
+
+    /// How far it is off its heading, rad; 0 where the heading is not measured.
+    fn off(&self, seen: &Seen) -> f64 {
+        seen.heading
+            .map_or(0.0, |now| wrapped(self.heading(seen) - now))
+    }
+
+    /// Watches and decides.
+    pub(crate) fn steer(
+        &mut self,
+        settings: &ControlSettings,
+        seen: &Seen,
+        step: f64,
+        pending: &mut Pending,
+    ) {
+        if self.mode == Mode::Stopped {
+            return;
+        }
+        self.watch(settings, seen, step);
+        if !settings.decides {
+            return;
+        }
+        if self.tilted > 0.2 {
+            let values = (self.tilt, settings.most_tilt);
+            self.end(Ending::Tipping, Reason::TiltHigh, values, pending);
+            return;
+        }
+        if seen.blind > settings.blind_time {
+            let values = (seen.blind, settings.blind_time);
+            self.end(Ending::SensorsLost, Reason::Blind, values, pending);
+            return;
+        }
+        match self.mode {
+            Mode::Forward => self.forward(settings, pending),
+            Mode::Traverse => self.traverse(settings, pending),
+            Mode::BackOut => self.back_out(settings, seen, pending),
+            Mode::Stopped => {}
+        }
+    }
+
+    fn watch(&mut self, settings: &ControlSettings, seen: &Seen, step: f64) {
+        let share = step / (SMOOTHING + step);
+        if let Some(slip) = seen.slip {
+            self.slip += share * (slip - self.slip);
+        }
+        if let Some(tilt) = seen.tilt() {
+            self.tilt += share * (tilt - self.tilt);
+            let over = tilt > settings.most_tilt;
+            self.tilted = if over { self.tilted + step } else { 0.0 };
+        }
+        let speed = seen.speed.unwrap_or(0.0);
+        self.time += step;
+        self.way += step * speed.abs();
+        let on_course = self.off(seen).abs() < ON_COURSE;
+        self.turning = if on_course { 0.0 } else { self.turning + step };
+        let asked = seen.asked_speed.abs();
+        // What happens while it turns on the spot, or while nothing is asked of it, says nothing.
+        if asked == 0.0 || !on_course || self.time < SMOOTHING {
+            self.high = 0.0;
+            self.dig = 0.0;
+            self.stuck = 0.0;
+            return;
+        }
+        let count = |past: f64, now: bool| if now { past + step } else { 0.0 };
+        self.high = count(self.high, self.slip > settings.high_slip);
+        self.dig = count(self.dig, self.slip > settings.dig_slip);
+        let stands = speed.abs() < settings.stuck_share * seen.rim.max(settings.creep * asked);
+        self.stuck = count(self.stuck, stands && seen.speed.is_some());
+        if self.mode != Mode::BackOut {
+            let ahead = seen
+                .heading
+                .map_or(1.0, |now| wrapped(now - seen.asked_heading).cos());
+            self.progress += step * speed.max(0.0) * ahead;
+            if self.progress > settings.progress {
+                self.attempts = 0;
+            }
+        }
+    }
+
+    fn end(&mut self, ending: Ending, reason: Reason, values: (f64, f64), pending: &mut Pending) {
+        self.enter(Mode::Stopped);
+        pending.push(Action::End(ending), reason, None, values);
+    }
+
+    /// Digging in or standing still: back, if there are tries left. Tells whether it decided.
+    fn stuck(&mut self, settings: &ControlSettings, pending: &mut Pending) -> bool {
+        let (reason, values) = if self.dig >= settings.dig_time {
+            (Reason::DiggingIn, (self.slip, settings.dig_slip))
+        } else if self.stuck >= 2.0 * settings.dig_time {
+            (Reason::NoProgress, (self.stuck, 2.0 * settings.dig_time))
+        } else {
+            return false;
+        };
+        if self.attempts >= settings.most_attempts {
+            let values = (f64::from(self.attempts), f64::from(settings.most_attempts));
+            self.end(Ending::Immobilised, Reason::AttemptsUsed, values, pending);
+            return true;
+        }
+        self.attempts += 1;
+        self.progress = 0.0;
+        self.enter(Mode::BackOut);
+        pending.push(Action::BackOut, reason, None, values);
+        true
+    }
+
+    fn forward(&mut self, settings: &ControlSettings, pending: &mut Pending) {
+        if self.high >= settings.high_slip_time && self.tilt > settings.steep {
+            self.side = if self.side == 0.0 { 1.0 } else { self.side };
+            self.angle = settings.traverse_angle.min(WIDEST);
+            self.enter(Mode::Traverse);
+            let values = (self.slip, settings.high_slip);
+            pending.push(Action::Traverse, Reason::SlipHigh, None, values);
+            return;
+        }
+        self.stuck(settings, pending);
+    }
+
+    fn traverse(&mut self, settings: &ControlSettings, pending: &mut Pending) {
+        if self.stuck(settings, pending) {
+            return;
+        }
+        if self.turning > TURN_TIME {
+            // it cannot turn that far here: back, and the other way
+            let values = (self.turning, TURN_TIME);
+            if self.attempts >= settings.most_attempts {
+                self.end(Ending::Immobilised, Reason::AttemptsUsed, values, pending);
+            } else {
+                self.attempts += 1;
+                self.progress = 0.0;
+                self.enter(Mode::BackOut);
+                pending.push(Action::BackOut, Reason::NoProgress, None, values);
+            }
+            return;
+        }
+        let gentle = self.tilt < settings.level;
+        if self.way >= settings.traverse_length {
+            if gentle || self.tilt < settings.steep {
+                let values = (self.tilt, settings.level);
+                self.enter(Mode::Forward);
+                pending.push(Action::Resume, Reason::SlopeGentle, None, values);
+                return;
+            }
+            self.side = -self.side;
+            let values = (self.way, settings.traverse_length);
+            self.enter(Mode::Traverse);
+            pending.push(Action::Tack, Reason::BoardDone, None, values);
+        } else if gentle && self.way > 0.3 * settings.traverse_length {
+            let values = (self.tilt, settings.level);
+            self.enter(Mode::Forward);
+            pending.push(Action::Resume, Reason::SlopeGentle, None, values);
+        } else if self.high >= settings.high_slip_time && self.angle < WIDEST {
+            self.angle = (self.angle + 0.5 * settings.traverse_angle).min(WIDEST);
+            let values = (self.slip, settings.high_slip);
+            self.high = 0.0;
+            pending.push(Action::Traverse, Reason::SlipHigh, None, values);
+        }
+    }
+
+    fn back_out(&mut self, settings: &ControlSettings, seen: &Seen, pending: &mut Pending) {
+        let speed = settings.back_speed * seen.asked_speed.abs();
+        let patience = BACK_PATIENCE * settings.back_length / speed.max(1e-3);
+        if self.way >= settings.back_length {
+            // another way: the other side, wider with every try
+            self.side = if self.side == 0.0 { 1.0 } else { -self.side };
+            let tries = f64::from(self.attempts.max(1) - 1);
+            let angle = settings.traverse_angle * (0.75 + 0.25 * tries);
+            self.angle = angle.min(WIDEST);
+            let values = (self.way, settings.back_length);
+            self.enter(Mode::Traverse);
+            pending.push(Action::Traverse, Reason::BackedOut, None, values);
+        } else if self.time > patience {
+            let values = (self.time, patience);
+            self.end(Ending::Immobilised, Reason::NoProgress, values, pending);
+        }
+    }
+
+    /// Speed and turning rate for the mode.
+    pub(crate) fn course(&mut self, settings: &ControlSettings, seen: &Seen) -> Course {
+        let heading = self.heading(seen);
+        if self.mode == Mode::Stopped {
+            return Course {
+                speed: 0.0,
+                turn: 0.0,
+                heading,
+                slip_matters: false,
+                stopped: true,
+            };
+        }
+        if self.mode != Mode::BackOut {
+            self.held = seen.heading.unwrap_or(seen.asked_heading);
+        }
+        let off = self.off(seen);
+        let most = settings.most_turn;
+        let turn = (settings.turn_gain * off).clamp(-most, most);
+        // far off its heading it turns rather than travels
+        let on_course = off.abs() < ON_COURSE;
+        let ahead = if on_course {
+            1.0
+        } else {
+            (off.cos() - 0.5).clamp(0.2, 1.0)
+        };
+        let speed = match self.mode {
+            Mode::BackOut => -settings.back_speed * seen.asked_speed,
+            _ => ahead * seen.asked_speed,
+        };
+        let idle = seen.asked_speed == 0.0;
+        Course {
+            speed,
+            turn: if idle { 0.0 } else { turn },
+            heading,
+            slip_matters: on_course && !idle && self.mode != Mode::BackOut,
+            stopped: false,
+        }
+    }
+}

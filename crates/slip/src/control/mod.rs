@@ -1,0 +1,272 @@
+//! The slip controller: what the robot does with what it knows of its slip.
+//!
+//! After fig. 11 of \[Ani2012\]: the slip that the estimator gives is compared with the optimum; torque is raised or
+//! reduced wheel by wheel; where that does not help the robot changes its direction or ends the drive. Each
+//! [`Decision`] comes with its reason.
+//!
+//! ```text
+//! rim_i = min( v_i* (1 + x),  v̂_i/(1 − s_i*) )      s_i* = s_opt + k_p e_i + k_i ∫ e_i dt,   e_i = s_opt − ŝ_i
+//! ```
+//!
+//! with v_i* the speed that the drive asks of wheel i, x the cruise control's share, v̂_i and ŝ_i as estimated. The
+//! motor driver turns the rim's speed into torque, up to a limit that shares the traction by load: a rim that
+//! is told to run slower pulls with less torque.
+
+mod decision;
+mod helm;
+mod input;
+mod settings;
+mod wheel_loop;
+
+pub use decision::{Action, Decision, Ending, Mode, Reason};
+pub use input::{ControlInput, ControlOutput, WheelOrder, WheelSeen};
+pub use settings::ControlSettings;
+
+use alloc::{boxed::Box, vec::Vec};
+
+use grouser_real::Real;
+
+use crate::error::Result;
+use crate::robot::{Drive, Robot};
+use crate::state::{Health, Invalid, Motion};
+use decision::Pending;
+use helm::{Course, Helm, Seen};
+use wheel_loop::WheelLoop;
+
+/// Angle in (−π, π].
+pub(crate) fn wrapped(angle: f64) -> f64 {
+    let (sin, cos) = Real::sin_cos(angle);
+    Real::atan2(sin, cos)
+}
+
+/// A slip controller for one robot.
+///
+/// [`Controller::step`] takes what is known and gives what every motor is to do. It never panics, allocates or
+/// reads a clock, and its cost is bounded by the number of wheels. Numbers that are NaN or infinite count as
+/// not measured.
+///
+/// ```
+/// use grouser_slip::control::{ControlInput, ControlSettings, Controller, Mode, WheelSeen};
+/// use grouser_slip::{CounterWidth, Drive, Encoder, Health, Motion, Robot, Shaft, Wheel};
+/// use grouser_terra::Angle;
+///
+/// let encoder = Encoder {
+///     shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
+///     counter: CounterWidth::new(32)?, reversed: false, rate_step: 0.0,
+/// };
+/// let wheel = Wheel {
+///     name: "drive".into(), x: 0.0, y: 0.0, heading: Angle::from_deg(0.0), radius: 0.1,
+///     drive: Drive::Powered, encoder, width: None, load: Some(50.0),
+/// };
+/// let robot = Robot::new("one wheel".into(), vec![wheel])?;
+/// let settings = ControlSettings { optimum: 0.25, ..ControlSettings::default() };
+/// let mut controller = Controller::new(&robot, settings)?;
+/// let mut rim = 0.0;
+/// for step in 0..500_i64 {
+///     // sand in which the wheel travels at half its rim's speed
+///     let seen = [WheelSeen {
+///         slip: Some(0.5), sigma: Some(0.02), health: Health::Ok, motion: Some(Motion::Driving),
+///         forward_speed: Some(0.1), rim_speed: Some(rim), torque_share: Some(0.3), load: 50.0,
+///     }];
+///     let output = controller.step(&ControlInput {
+///         time_ns: step * 10_000_000, wheels: &seen, speed: Some(0.1), heading: Some(0.0),
+///         pitch: Some(0.0), roll: Some(0.0), asked_speed: 0.3, asked_heading: 0.0,
+///     });
+///     rim = output.orders[0].rim_speed;
+///     assert_eq!(output.mode, Mode::Forward);
+/// }
+/// // it runs the rim at or below 0.1/(1 − 0.25), not at 0.3 m/s and more
+/// assert!(rim < 0.134);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Controller {
+    settings: ControlSettings,
+    wheels: Box<[WheelLoop]>,
+    rows: Box<[[f64; 3]]>,
+    orders: Box<[WheelOrder]>,
+    helm: Helm,
+    /// Share by which rims run faster than the robot is to travel.
+    cruise: f64,
+    last_ns: Option<i64>,
+    /// Seconds without any usable slip, and of calls that were late.
+    blind: f64,
+    pending: Pending,
+}
+
+impl Controller {
+    /// A controller for `robot`. This is the only place that allocates.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
+    pub fn new(robot: &Robot, settings: ControlSettings) -> Result<Self> {
+        settings.check()?;
+        let wheels: Vec<WheelLoop> = robot
+            .wheels()
+            .iter()
+            .map(|wheel| WheelLoop::new(wheel.drive == Drive::Powered))
+            .collect();
+        let rows: Vec<[f64; 3]> = robot.wheels().iter().map(|w| w.speed_row()).collect();
+        let orders: Vec<WheelOrder> = wheels.iter().map(|_| WheelOrder::default()).collect();
+        Ok(Self {
+            settings,
+            orders: orders.into_boxed_slice(),
+            wheels: wheels.into_boxed_slice(),
+            rows: rows.into_boxed_slice(),
+            helm: Helm::default(),
+            cruise: 0.0,
+            last_ns: None,
+            blind: 0.0,
+            pending: Pending::default(),
+        })
+    }
+
+    /// The settings that it works by.
+    #[must_use]
+    pub const fn settings(&self) -> &ControlSettings {
+        &self.settings
+    }
+
+    /// Another optimum, where soil or slope have changed.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) outside [0.01, 0.95].
+    pub fn set_optimum(&mut self, optimum: f64) -> Result<()> {
+        let settings = ControlSettings {
+            optimum,
+            ..self.settings
+        };
+        settings.check()?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// What it does now.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.helm.mode()
+    }
+
+    /// Takes what is known and gives an order for every wheel, and the decision that was taken, if any. Of
+    /// several decisions in one step the next step gives the next one.
+    pub fn step(&mut self, input: &ControlInput<'_>) -> ControlOutput<'_> {
+        let step = self.time_step(input.time_ns);
+        let seen = self.look(input, step);
+        self.helm
+            .steer(&self.settings, &seen, step, &mut self.pending);
+        let course = self.helm.course(&self.settings, &seen);
+        self.order(input, &course, step);
+        ControlOutput {
+            orders: &self.orders,
+            mode: self.helm.mode(),
+            heading: course.heading,
+            slip: self.helm.slip(),
+            decision: self.pending.take(input.time_ns),
+        }
+    }
+
+    /// Seconds since the last step, held in [0, 0.1]; what is beyond counts as blindness.
+    fn time_step(&mut self, now_ns: i64) -> f64 {
+        let passed = self
+            .last_ns
+            .map_or(0.0, |last| now_ns.saturating_sub(last) as f64 * 1e-9);
+        self.last_ns = Some(now_ns);
+        if !(passed >= 0.0) {
+            return 0.0;
+        }
+        if passed > 0.1 {
+            self.blind += passed - 0.1;
+        }
+        passed.min(0.1)
+    }
+
+    /// What the wheels and the attitude say of the robot as a whole.
+    fn look(&mut self, input: &ControlInput<'_>, step: f64) -> Seen {
+        let (mut sum, mut weight, mut measured) = (0.0, 0.0, false);
+        let mut rims = (0.0, 0.0);
+        for (wheel, own) in input.wheels.iter().zip(&self.wheels) {
+            if !own.powered {
+                continue;
+            }
+            let alive = !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised);
+            measured |= alive;
+            if wheel.health == Health::Invalid(Invalid::Dropout) {
+                continue;
+            }
+            let load = finite(Some(wheel.load)).unwrap_or(0.0).max(1e-3);
+            if let Some(rim) = finite(wheel.rim_speed) {
+                rims.0 += load * rim.abs();
+                rims.1 += load;
+            }
+            if wheel.motion == Some(Motion::LiftOff) || !alive {
+                continue;
+            }
+            if let Some(slip) = finite(wheel.slip) {
+                sum += load * slip.clamp(-1.0, 1.0);
+                weight += load;
+            }
+        }
+        let speed = finite(input.speed);
+        if measured && speed.is_some() {
+            self.blind = 0.0;
+        } else {
+            self.blind += step;
+        }
+        Seen {
+            slip: (weight > 0.0).then(|| sum / weight),
+            speed,
+            rim: if rims.1 > 0.0 { rims.0 / rims.1 } else { 0.0 },
+            heading: finite(input.heading),
+            pitch: finite(input.pitch),
+            roll: finite(input.roll),
+            asked_speed: finite(Some(input.asked_speed)).unwrap_or(0.0),
+            asked_heading: finite(Some(input.asked_heading)).unwrap_or(0.0),
+            blind: self.blind,
+        }
+    }
+
+    /// Rim speeds and torque limits for the course.
+    fn order(&mut self, input: &ControlInput<'_>, course: &Course, step: f64) {
+        self.run_cruise(course, finite(input.speed), step);
+        let settings = &self.settings;
+        for (index, own) in self.wheels.iter_mut().enumerate() {
+            let Some(seen) = input.wheels.get(index) else {
+                self.orders[index] = WheelOrder::default();
+                continue;
+            };
+            let row = self.rows[index];
+            let asked = row[0] * course.speed + row[2] * course.turn;
+            let order = own.order(
+                settings,
+                seen,
+                &wheel_loop::Asked {
+                    speed: asked,
+                    cruise: self.cruise,
+                    slip_matters: course.slip_matters,
+                    stopped: course.stopped,
+                },
+                step,
+                (index, &mut self.pending),
+            );
+            self.orders[index] = order;
+        }
+    }
+
+    /// The cruise control: rims run faster by the share x until the robot travels as asked.
+    fn run_cruise(&mut self, course: &Course, speed: Option<f64>, step: f64) {
+        let most = self.settings.most_cruise;
+        let Some(speed) = speed else { return };
+        if course.stopped || course.speed == 0.0 || !course.slip_matters {
+            self.cruise -= self.cruise * (step / 1.0).min(1.0);
+            return;
+        }
+        let off = (course.speed - speed) / course.speed;
+        let gain = self.settings.cruise_gain;
+        self.cruise = (self.cruise + step * gain * off.clamp(-1.0, 1.0)).clamp(0.0, most);
+    }
+}
+
+/// A number that is one.
+pub(crate) fn finite(x: Option<f64>) -> Option<f64> {
+    x.filter(|x| x.is_finite())
+}

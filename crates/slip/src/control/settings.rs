@@ -1,0 +1,143 @@
+//! How the controller works: one value per line, each with its default.
+
+use crate::error::{Result, check_range};
+
+/// How the controller works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlSettings {
+    /// The slip to run at, s_opt: from the running-slip problem of the optimiser.
+    pub optimum: f64,
+    /// Gain of the slip error, k_p.
+    pub gain: f64,
+    /// Gain of its integral, k_i, 1/s.
+    pub integral_gain: f64,
+    /// A slip whose sigma is this counts half.
+    pub sigma_half: f64,
+    /// How fast a rim's order may change, m/s².
+    pub most_acceleration: f64,
+    /// Rims run at least at this share of the asked speed while the drive goes on.
+    pub creep: f64,
+    /// How fast the cruise share follows, 1/s.
+    pub cruise_gain: f64,
+    /// Greatest cruise share.
+    pub most_cruise: f64,
+    /// Greatest torque over load and radius of a wheel: the traction that the ground may give.
+    pub most_traction: f64,
+    /// May it change direction and end the drive by itself?
+    pub decides: bool,
+    /// Slip above which a change of direction is considered ...
+    pub high_slip: f64,
+    /// ... once it has lasted this long, s.
+    pub high_slip_time: f64,
+    /// Slip above which the robot digs in ...
+    pub dig_slip: f64,
+    /// ... once it has lasted this long, s.
+    pub dig_time: f64,
+    /// A robot slower than this share of its rims' speed and of the asked speed is stuck.
+    pub stuck_share: f64,
+    /// Slope from which traversing can help, rad.
+    pub steep: f64,
+    /// Slope below which a traverse ends, rad: the hysteresis against `steep`.
+    pub level: f64,
+    /// First angle of a traverse against the asked heading, rad; each further try adds half of it.
+    pub traverse_angle: f64,
+    /// Length of one board of a traverse, m.
+    pub traverse_length: f64,
+    /// How far to back out, m.
+    pub back_length: f64,
+    /// Speed of backing out over the asked one.
+    pub back_speed: f64,
+    /// After this many times of backing out without progress the drive ends.
+    pub most_attempts: u32,
+    /// Progress that wipes out former attempts, m.
+    pub progress: f64,
+    /// Tilt at which the drive ends, rad.
+    pub most_tilt: f64,
+    /// Without slip or speed for longer than this the robot stops, s.
+    pub blind_time: f64,
+    /// Turning rate per heading error, 1/s.
+    pub turn_gain: f64,
+    /// Greatest turning rate, rad/s.
+    pub most_turn: f64,
+}
+
+impl Default for ControlSettings {
+    fn default() -> Self {
+        Self {
+            optimum: 0.3,
+            gain: 0.3,
+            integral_gain: 0.3,
+            sigma_half: 0.1,
+            most_acceleration: 0.5,
+            creep: 0.25,
+            cruise_gain: 0.5,
+            most_cruise: 4.0,
+            most_traction: 0.8,
+            decides: true,
+            high_slip: 0.5,
+            high_slip_time: 2.0,
+            dig_slip: 0.8,
+            dig_time: 2.0,
+            stuck_share: 0.1,
+            steep: 0.09,
+            level: 0.05,
+            traverse_angle: 0.8,
+            traverse_length: 3.0,
+            back_length: 0.8,
+            back_speed: 0.7,
+            most_attempts: 5,
+            progress: 1.5,
+            most_tilt: 0.61,
+            blind_time: 1.0,
+            turn_gain: 0.8,
+            most_turn: 0.4,
+        }
+    }
+}
+
+impl ControlSettings {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) that names the field.
+    pub fn check(&self) -> Result<()> {
+        let of = "controller";
+        let share = (0.0, 1.0);
+        let gain = (0.0, 100.0);
+        let angle = (0.0, core::f64::consts::FRAC_PI_2);
+        let time = (0.0, 1e3);
+        check_range(of, "optimum", self.optimum, (0.01, 0.95), "1")?;
+        check_range(of, "gain", self.gain, gain, "1")?;
+        check_range(of, "integral_gain", self.integral_gain, gain, "1/s")?;
+        check_range(of, "sigma_half", self.sigma_half, (1e-6, 10.0), "1")?;
+        let acceleration = self.most_acceleration;
+        check_range(
+            of,
+            "most_acceleration",
+            acceleration,
+            (1e-3, 100.0),
+            "m/s^2",
+        )?;
+        check_range(of, "creep", self.creep, share, "1")?;
+        check_range(of, "cruise_gain", self.cruise_gain, gain, "1/s")?;
+        check_range(of, "most_cruise", self.most_cruise, gain, "1")?;
+        check_range(of, "most_traction", self.most_traction, (0.01, 10.0), "1")?;
+        check_range(of, "high_slip", self.high_slip, share, "1")?;
+        check_range(of, "high_slip_time", self.high_slip_time, time, "s")?;
+        check_range(of, "dig_slip", self.dig_slip, share, "1")?;
+        check_range(of, "dig_time", self.dig_time, time, "s")?;
+        check_range(of, "stuck_share", self.stuck_share, share, "1")?;
+        check_range(of, "steep", self.steep, angle, "rad")?;
+        check_range(of, "level", self.level, (0.0, self.steep), "rad")?;
+        check_range(of, "traverse_angle", self.traverse_angle, angle, "rad")?;
+        let length = (1e-3, 1e4);
+        check_range(of, "traverse_length", self.traverse_length, length, "m")?;
+        check_range(of, "back_length", self.back_length, length, "m")?;
+        check_range(of, "back_speed", self.back_speed, (0.01, 10.0), "1")?;
+        check_range(of, "progress", self.progress, length, "m")?;
+        check_range(of, "most_tilt", self.most_tilt, angle, "rad")?;
+        check_range(of, "blind_time", self.blind_time, (1e-3, 1e3), "s")?;
+        check_range(of, "turn_gain", self.turn_gain, gain, "1/s")?;
+        check_range(of, "most_turn", self.most_turn, (1e-3, 100.0), "rad/s")
+    }
+}

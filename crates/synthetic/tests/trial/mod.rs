@@ -1,0 +1,289 @@
+//! A run of the slip filter on the five-wheeled robot, with faults, against what is true.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::{
+    CounterWidth, Drive, Encoder, Health, Robot, Sample, Shaft, Wheel, WheelEstimate,
+};
+use grouser_synthetic::{Course, Event, Fault, FiveWheel, Leg, Sensors, WHEELS, inject};
+use grouser_terra::Angle;
+
+/// Rows per second.
+pub(crate) const RATE: u32 = 100;
+/// The free wheel.
+pub(crate) const FREE: usize = WHEELS - 1;
+
+/// When a fault comes, s: at rest, while the speed rises, on the way, while it brakes.
+pub(crate) const PHASES: [(&str, f64); 4] = [
+    ("start", 0.5),
+    ("converge", 2.5),
+    ("steady", 9.0),
+    ("stop", 21.0),
+];
+
+/// The robot: rest until 2 s, at 0.3 m/s from 4 s to 20 s with a soft patch and a curve, at rest from 23 s to 26 s.
+pub(crate) fn five_wheel(seed: u64) -> FiveWheel {
+    let leg = |seconds, speed, yaw_rate| Leg {
+        seconds,
+        speed,
+        yaw_rate,
+        brakes: false,
+    };
+    let mut robot = FiveWheel {
+        seed,
+        rate: RATE,
+        legs: vec![
+            leg(2.0, 0.0, 0.0),
+            leg(2.0, 0.30, 0.0),
+            leg(8.0, 0.30, 0.0),
+            leg(1.0, 0.30, 0.15),
+            leg(6.0, 0.30, 0.15),
+            leg(1.0, 0.30, 0.0),
+            Leg {
+                brakes: true,
+                ..leg(3.0, 0.0, 0.0)
+            },
+            leg(3.0, 0.0, 0.0),
+        ],
+        free_slip: (-0.002, -0.005),
+        ..FiveWheel::default()
+    };
+    robot.wheels[FREE].ticks = 500.0;
+    robot
+}
+
+pub(crate) fn described(robot: &FiveWheel, bits: u32) -> Robot {
+    let wheels = robot.wheels.iter().enumerate().map(|(index, wheel)| Wheel {
+        name: grouser_synthetic::NAMES[index].into(),
+        x: wheel.x,
+        y: wheel.y,
+        heading: Angle::from_deg(0.0),
+        radius: wheel.radius,
+        drive: if wheel.free {
+            Drive::Free
+        } else {
+            Drive::Powered
+        },
+        encoder: Encoder {
+            shaft: Shaft::Wheel,
+            gear: 1.0,
+            ticks_per_turn: Some(wheel.ticks),
+            counter: CounterWidth::new(bits).unwrap(),
+            reversed: false,
+            rate_step: 0.0,
+        },
+        width: None,
+        load: None,
+    });
+    Robot::new("five wheels".into(), wheels.collect()).unwrap()
+}
+
+/// What is tried.
+#[derive(Clone, Debug)]
+pub(crate) struct Trial {
+    pub(crate) robot: FiveWheel,
+    pub(crate) sensors: Sensors,
+    pub(crate) events: Vec<(Event, (f64, f64))>,
+    pub(crate) faults: Vec<(Fault, (f64, f64))>,
+    pub(crate) settings: FilterSettings,
+}
+
+impl Trial {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self {
+            robot: five_wheel(seed),
+            sensors: Sensors {
+                seed: seed ^ 0x5eed,
+                ..Sensors::default()
+            },
+            events: Vec::new(),
+            faults: Vec::new(),
+            settings: FilterSettings::default(),
+        }
+    }
+
+    pub(crate) fn fault(mut self, fault: Fault, from: f64, to: f64) -> Self {
+        self.faults.push((fault, (from, to)));
+        self
+    }
+
+    pub(crate) fn event(mut self, event: Event, from: f64, to: f64) -> Self {
+        self.events.push((event, (from, to)));
+        self
+    }
+
+    /// The course as it was and what arrives of it.
+    pub(crate) fn samples(&self) -> (Course, Vec<Sample>) {
+        let run = self.robot.generate();
+        let mut course = Course::new(&self.robot, &run);
+        for &(event, span) in &self.events {
+            course = course.with(event, span);
+        }
+        let mut samples = self.sensors.samples(&self.robot, &mut course);
+        for (index, &(fault, span)) in self.faults.iter().enumerate() {
+            samples = inject(&samples, fault, span, self.sensors.bits, index as u64 + 7);
+        }
+        (course, samples)
+    }
+
+    pub(crate) fn filter(&self) -> SlipFilter {
+        SlipFilter::new(&described(&self.robot, self.sensors.bits), self.settings).unwrap()
+    }
+
+    /// Runs it; the moments are those of the filter's estimates, one a row.
+    pub(crate) fn run(&self) -> Outcome {
+        let (course, samples) = self.samples();
+        self.follow(&course, &samples)
+    }
+
+    pub(crate) fn follow(&self, course: &Course, samples: &[Sample]) -> Outcome {
+        let mut filter = self.filter();
+        let rate = f64::from(RATE);
+        let mut out = Outcome {
+            moments: Vec::with_capacity(course.steps.len()),
+            refused: 0,
+        };
+        let mut last = None;
+        let start = self.sensors.start_ns;
+        for sample in samples {
+            out.refused += u64::from(filter.update(*sample).is_err());
+            let known = filter.latest();
+            for wheel in known.wheels {
+                assert!(wheel.slip.is_none_or(|slip| slip.value().abs() <= 1.0));
+                assert!(
+                    wheel
+                        .sigma
+                        .is_none_or(|sigma| sigma.is_finite() && sigma > 0.0)
+                );
+            }
+            assert!(known.body.forward.value.is_finite() && known.body.forward.variance > 0.0);
+            if last == Some(known.time_ns) {
+                continue;
+            }
+            last = Some(known.time_ns);
+            let time = known.time_ns.wrapping_sub(start) as f64 * 1e-9;
+            let row = (time * rate).round();
+            if !(row >= 0.0 && row < course.steps.len() as f64) {
+                continue;
+            }
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "checked above"
+            )]
+            let row = row as usize;
+            let step = &course.steps[row];
+            out.moments.push(Moment {
+                time,
+                wheels: std::array::from_fn(|i| known.wheels[i]),
+                truth: std::array::from_fn(|i| course.slip(row, i)),
+                speed: step.speed,
+                known_speed: (known.body.forward.value, known.body.forward.sigma()),
+            });
+        }
+        out
+    }
+}
+
+/// What the filter said at a moment, and what was true.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    pub(crate) time: f64,
+    pub(crate) wheels: [WheelEstimate; WHEELS],
+    pub(crate) truth: [Option<f64>; WHEELS],
+    pub(crate) speed: f64,
+    pub(crate) known_speed: (f64, f64),
+}
+
+impl Moment {
+    /// Estimate less truth, and sigma, where both are.
+    pub(crate) fn error(&self, wheel: usize) -> Option<(f64, f64)> {
+        let estimate = &self.wheels[wheel];
+        Some((estimate.slip?.value() - self.truth[wheel]?, estimate.sigma?))
+    }
+}
+
+pub(crate) struct Outcome {
+    pub(crate) moments: Vec<Moment>,
+    pub(crate) refused: u64,
+}
+
+impl Outcome {
+    pub(crate) fn between(&self, from: f64, to: f64) -> impl Iterator<Item = &Moment> {
+        self.moments
+            .iter()
+            .filter(move |moment| moment.time >= from && moment.time < to)
+    }
+
+    /// Root mean square of the slips' errors over the powered wheels, above 0.05 m/s.
+    pub(crate) fn rms(&self, from: f64, to: f64) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for moment in self.between(from, to).filter(|m| m.speed.abs() > 0.05) {
+            for wheel in 0..FREE {
+                if let Some((error, _)) = moment.error(wheel) {
+                    sum += error * error;
+                    count += 1.0;
+                }
+            }
+        }
+        (sum / count).sqrt()
+    }
+
+    /// Root mean square error of the robot's speed.
+    pub(crate) fn speed_rms(&self, from: f64, to: f64) -> f64 {
+        let errors: Vec<f64> = self
+            .between(from, to)
+            .map(|m| m.known_speed.0 - m.speed)
+            .collect();
+        (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+    }
+
+    /// Mean squared error over variance of the powered wheels' slips.
+    pub(crate) fn nees(&self, from: f64, to: f64) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for moment in self.between(from, to).filter(|m| m.speed.abs() > 0.05) {
+            for wheel in 0..FREE {
+                if let Some((error, sigma)) = moment.error(wheel) {
+                    sum += (error / sigma) * (error / sigma);
+                    count += 1.0;
+                }
+            }
+        }
+        sum / count
+    }
+
+    /// The longest time with health Ok and a slip more than four sigma off, of any powered wheel, s, and when it ended.
+    pub(crate) fn silence(&self) -> (f64, f64, usize) {
+        let mut worst = (0.0, 0.0, 0);
+        for wheel in 0..FREE {
+            let mut since: Option<f64> = None;
+            for moment in &self.moments {
+                let lies = moment.wheels[wheel].health == Health::Ok
+                    && moment
+                        .error(wheel)
+                        .is_some_and(|(error, sigma)| error.abs() > 4.0 * sigma);
+                if !lies {
+                    since = None;
+                    continue;
+                }
+                let lasted = moment.time - *since.get_or_insert(moment.time);
+                if lasted > worst.0 {
+                    worst = (lasted, moment.time, wheel);
+                }
+            }
+        }
+        worst
+    }
+
+    /// Seconds from `from` until `wheel` first has a health for which `is` holds; `None` if never before `to`.
+    pub(crate) fn delay(
+        &self,
+        wheel: usize,
+        (from, to): (f64, f64),
+        is: impl Fn(Health) -> bool,
+    ) -> Option<f64> {
+        self.between(from, to)
+            .find(|moment| is(moment.wheels[wheel].health))
+            .map(|moment| moment.time - from)
+    }
+}

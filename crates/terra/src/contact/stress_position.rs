@@ -1,0 +1,40 @@
+//! Where the normal stress is greatest: which slip moves it.
+
+use grouser_real::Scalar;
+
+use super::Motion;
+
+/// Which slip enters θ_m = (c_1 + c_2 s) θ_1 \[WR67\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StressPosition {
+    /// The slip in the wheel's plane, signed. The default.
+    #[default]
+    InPlane,
+    /// hypot(s_x⁺, s_t⁺), what the wheel drives and what it ploughs along its way together: both move the
+    /// greatest stress forwards ([`SlipVelocity`](crate::SlipVelocity)). Straight ahead |s|.
+    ///
+    /// Source: ours. \[WR67\] II has other coefficients for a towed wheel than for a driven one; upstream of
+    /// the Carnegie Mellon data gives θ_m a constant of its own while braking. Both say that the signed
+    /// slip does not carry over; the size of the slip does so without a further number.
+    Whole,
+}
+
+impl StressPosition {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::InPlane => "in-plane",
+            Self::Whole => "whole",
+        }
+    }
+
+    /// The slip that enters.
+    pub(crate) fn slip_of<R: Scalar>(self, motion: &Motion<R>) -> R {
+        match self {
+            Self::InPlane => motion.slip,
+            Self::Whole => motion.slip_velocity().working(),
+        }
+    }
+}

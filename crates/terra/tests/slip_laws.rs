@@ -1,0 +1,197 @@
+//! The laws for soil that is dug, pushed and ploughed: against an independent program, against differences,
+//! and that they are off unless asked for.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_real::Dual;
+use grouser_terra::{
+    Angle, Bulldozing, DualInputs, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip,
+    SlipSinkage, Soil, SoilParams, StressPosition, WheelOnSoil,
+};
+
+fn sand() -> SoilParams {
+    SoilParams {
+        n_1: 0.2,
+        n_2: 0.29,
+        cohesion: 50.0,
+        phi: Angle::from_deg(29.0),
+        k_shear: 0.019,
+        c_1: 0.17,
+        c_2: 0.49,
+        rebound: 0.25,
+        unit_weight: Some(13e3),
+        rear_driving: 0.4,
+        rear_drift: 1.0,
+        transport_layer: 0.001,
+        laws: LawChoice {
+            slip_sinkage: SlipSinkage::Whole,
+            stress_position: StressPosition::Whole,
+            shear: Some(ShearLaw::SlipVelocity),
+            bulldozing: Some(Bulldozing::Chord),
+        },
+        ..SoilParams::bekker(0.0, 8e6, 1.46)
+    }
+}
+
+fn on(params: SoilParams) -> WheelOnSoil {
+    let wheel = RigidWheel::new(0.058, 0.05).unwrap();
+    WheelOnSoil::new(wheel, Soil::new(params).unwrap(), Settings::default()).unwrap()
+}
+
+/// Pull, torque, side force and sinkage under 22 N, by SciPy's adaptive quadrature and Brent's method on the
+/// formulas as the documentation prints them.
+#[test]
+fn an_independent_program_finds_the_same() {
+    let cosine = 30_f64.to_radians().cos();
+    let cases = [
+        (
+            (cosine, 0.5, 0.5),
+            [
+                -16.479_822_894_3,
+                -0.344_836_017_704,
+                13.408_235_613_1,
+                0.029_365_080_676_7,
+            ],
+        ),
+        (
+            (cosine, 0.5, 2.0),
+            [
+                -0.754_154_070_344,
+                0.443_477_006_170,
+                4.899_598_183_25,
+                0.024_719_685_737_4,
+            ],
+        ),
+        (
+            (1.0, 0.0, 1.6),
+            [0.776_659_804_8, 0.382_601_122_606, 0.0, 0.018_749_640_307_8],
+        ),
+    ];
+    for ((v_x, v_y, rim), [pull, torque, side, sinkage]) in cases {
+        let motion = Kinematics::from_speeds(v_x, v_y, rim).unwrap();
+        let point = on(sand()).under_load(22.0, &motion).unwrap().point.unwrap();
+        // 1e-9 of the forces, and what that makes of the sinkage
+        assert!((point.forces.drawbar_pull - pull).abs() < 1e-7, "{point:?}");
+        assert!((point.forces.torque - torque).abs() < 1e-8, "{point:?}");
+        assert!((point.side_force + side).abs() < 1e-7, "{point:?}");
+        assert!((point.sinkage - sinkage).abs() < 1e-10, "{point:?}");
+        assert!(point.forces.lost_work >= 0.0);
+    }
+}
+
+#[test]
+fn derivatives_agree_with_differences() {
+    let motion = Kinematics::from_speeds(0.8, 0.6, 1.3).unwrap();
+    let at = |change: &dyn Fn(&mut SoilParams)| {
+        let mut params = sand();
+        change(&mut params);
+        let point = on(params).under_load(22.0, &motion).unwrap().point.unwrap();
+        [
+            point.sinkage,
+            point.forces.drawbar_pull,
+            point.forces.torque,
+            point.side_force,
+        ]
+    };
+    type Change = (f64, fn(&mut SoilParams, f64));
+    let changes: [Change; 6] = [
+        (sand().n_1, |p, x| p.n_1 = x),
+        (sand().n_2, |p, x| p.n_2 = x),
+        (sand().c_2, |p, x| p.c_2 = x),
+        (sand().rear_driving, |p, x| p.rear_driving = x),
+        (sand().rear_drift, |p, x| p.rear_drift = x),
+        (sand().transport_layer, |p, x| p.transport_layer = x),
+    ];
+    let pair = on(sand());
+    let mut inputs = DualInputs::<6>::new(&pair, &motion);
+    inputs.soil.exponent.n_1 = Dual::variable(changes[0].0, 0);
+    inputs.soil.exponent.n_2 = Dual::variable(changes[1].0, 1);
+    inputs.soil.c_2 = Dual::variable(changes[2].0, 2);
+    inputs.soil.rear_driving = Dual::variable(changes[3].0, 3);
+    inputs.soil.rear_drift = Dual::variable(changes[4].0, 4);
+    inputs.soil.transport_layer = Dual::variable(changes[5].0, 5);
+    let exact = inputs
+        .under_load(&pair, &motion, Dual::constant(22.0))
+        .unwrap()
+        .unwrap();
+    let exact = [
+        exact.sinkage,
+        exact.forces.drawbar_pull,
+        exact.forces.torque,
+        exact.side_force,
+    ];
+    for (column, (value, set)) in changes.into_iter().enumerate() {
+        let step = 1e-4 * value;
+        let high = at(&|p| set(p, value + step));
+        let low = at(&|p| set(p, value - step));
+        for (row, dual) in exact.iter().enumerate() {
+            let difference = (high[row] - low[row]) / (2.0 * step);
+            // the difference's own error: 1e-9 of a force over the step, and its square
+            let slack = 1e-9 * 22.0 / step + 1e-6 * difference.abs();
+            let off = (dual.gradient[column] - difference).abs();
+            assert!(off < slack, "{row} {column}: {off} {slack}");
+        }
+    }
+}
+
+#[test]
+fn straight_ahead_the_whole_slip_is_the_slip() {
+    let plain = SoilParams {
+        laws: LawChoice::default(),
+        rear_drift: 0.0,
+        ..sand()
+    };
+    let whole = SoilParams {
+        laws: LawChoice {
+            slip_sinkage: SlipSinkage::Whole,
+            stress_position: StressPosition::Whole,
+            ..LawChoice::default()
+        },
+        ..sand()
+    };
+    for slip in [0.0, 0.2, 0.6] {
+        let motion = Kinematics::straight(Slip::new(slip).unwrap());
+        let a = on(plain).under_load(22.0, &motion).unwrap().point.unwrap();
+        let b = on(whole).under_load(22.0, &motion).unwrap().point.unwrap();
+        assert!((a.sinkage - b.sinkage).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn a_drifting_wheel_sinks_more_and_loses_its_rear() {
+    let at = |beta: f64| {
+        let (v_y, v_x) = beta.to_radians().sin_cos();
+        let motion = Kinematics::from_speeds(v_x, v_y, 1.0).unwrap();
+        on(sand()).under_load(22.0, &motion).unwrap().point.unwrap()
+    };
+    let mut before = at(0.0);
+    for beta in [10.0, 20.0, 30.0, 40.0] {
+        let now = at(beta);
+        assert!(now.sinkage > before.sinkage, "{beta}");
+        assert!(now.side_force < before.side_force, "{beta}");
+        let rear = |p: &grouser_terra::OperatingPoint| p.angles.theta_2 / p.angles.theta_1;
+        assert!(rear(&now) > rear(&before), "{beta}");
+        before = now;
+    }
+}
+
+#[test]
+fn bad_numbers_are_refused() {
+    for bad in [-0.1, f64::NAN] {
+        for params in [
+            SoilParams {
+                rear_driving: bad,
+                ..sand()
+            },
+            SoilParams {
+                rear_drift: bad,
+                ..sand()
+            },
+            SoilParams {
+                transport_layer: bad,
+                ..sand()
+            },
+        ] {
+            assert!(Soil::new(params).is_err());
+        }
+    }
+}
