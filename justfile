@@ -36,3 +36,11 @@ rivals:
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy scipy numba
     bench/target/venv/bin/python bench/rivals.py
+
+# the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
+sanitize:
+    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --test tracked --test surrogate --target x86_64-unknown-linux-gnu
+
+# a long search for random cases in which standard and reference mode disagree; minutes
+search:
+    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate

@@ -5,6 +5,8 @@
 mod batch;
 mod batch_columns;
 mod batch_lanes;
+mod batch_sink;
+mod batch_stream;
 mod curve;
 mod curve_figure;
 mod curve_output;
