@@ -72,7 +72,7 @@ impl Container {
             self.scan.skip(MAGIC.len() as u64)?;
             return Ok(None);
         }
-        let suspect = self.passed_over.take();
+        let suspect = self.passed_over;
         let mut head = Vec::new();
         if !self.scan.read(4, &mut head)? {
             return self.bag_resume(offset, suspect, "the file ends within a record");
@@ -116,7 +116,9 @@ impl Container {
         };
         if entry == 0 || count * entry != length {
             // Its length may be what is wrong, if nothing makes sense behind it.
-            self.passed_over = Some(offset);
+            self.passed_over.get_or_insert(offset);
+        } else {
+            self.passed_over = None;
         }
         if op == INDEX {
             self.indexed(count);
@@ -177,6 +179,7 @@ impl Container {
         suspect: Option<u64>,
         what: &str,
     ) -> io::Result<Option<Found>> {
+        self.passed_over = None;
         let from = self.look_again(offset, suspect, CHUNK_HEADER, is_chunk)?;
         self.lose(from, self.scan.offset() - from, what);
         Ok(None)
@@ -222,7 +225,8 @@ impl Container {
         };
         if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
+            self.scan
+                .find(offset + 1..u64::MAX, CHUNK_HEADER, is_chunk)?;
             self.chunk.bytes = self.scan.offset() - offset;
             self.lose_of_chunk("the file ends within a chunk; its readable part is kept");
         } else if let Err(what) = unpacked {

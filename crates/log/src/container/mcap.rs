@@ -70,13 +70,15 @@ impl Container {
             return Ok(None);
         };
         let here = self.scan.left();
-        let passed_over = self.passed_over.take();
+        let passed_over = self.passed_over;
+        let behind_chunk = std::mem::take(&mut self.behind_chunk);
         let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
         if length > here
             && let Some(suspect) = passed_over
             && let back = self.scan.offset()
         {
             if self.swallowed(suspect, offset, 64, is_chunk_or_file)? {
+                self.passed_over = None;
                 self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
                 return Ok(None);
             }
@@ -92,6 +94,7 @@ impl Container {
         }
         if opcode == CHUNK {
             self.tell_orphans();
+            (self.passed_over, self.behind_chunk) = (None, true);
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
                 .map(|()| None);
@@ -102,12 +105,18 @@ impl Container {
             );
             return self.mcap_resume(offset, passed_over, &what).map(|()| None);
         }
+        self.passed_over.get_or_insert(offset);
         match opcode {
             SCHEMA | CHANNEL | MESSAGE => {
                 let mut record = std::mem::take(&mut self.record);
                 let read = self.scan.read(length, &mut record);
                 self.record = record;
                 read?;
+                if behind_chunk && opcode == MESSAGE && is_index(&self.record) {
+                    self.behind_chunk = true;
+                    self.lose(offset, 0, "a chunk's index is marked as a message");
+                    return Ok(None);
+                }
                 let record = std::mem::take(&mut self.record);
                 let done = self.mcap_content(opcode, &record, (0, false));
                 self.record = record;
@@ -119,7 +128,6 @@ impl Container {
             HEADER if length <= 1024 => {
                 let mut record = Vec::new();
                 self.scan.read(length, &mut record)?;
-                self.passed_over = Some(offset);
                 let profile = Fields(&record).counted().unwrap_or_default();
                 self.profile = String::from_utf8_lossy(profile).into_owned();
             }
@@ -132,6 +140,7 @@ impl Container {
                 self.scan.read(MAGIC.len() as u64, &mut end)?;
                 if end == MAGIC {
                     self.closed = true;
+                    self.passed_over = None;
                 } else {
                     self.lose(offset, 0, "the footer is not followed by the magic bytes");
                     self.closed = true;
@@ -140,7 +149,6 @@ impl Container {
             }
             _ => {
                 self.attached += u64::from(matches!(opcode, ATTACHMENT | METADATA));
-                self.passed_over = Some(offset);
                 self.scan.skip(length)?;
             }
         }
@@ -156,6 +164,7 @@ impl Container {
             && u64::from(bytes) + 6 == length
         {
             self.indexed(u64::from(bytes) / 16);
+            (self.passed_over, self.behind_chunk) = (None, true);
             self.scan.skip(length - 6)?;
             return Ok(());
         }
@@ -198,6 +207,7 @@ impl Container {
     /// Looks for the next chunk after a place that makes no sense, first in what the record at `suspect`
     /// made it pass over.
     fn mcap_resume(&mut self, offset: u64, suspect: Option<u64>, what: &str) -> io::Result<()> {
+        self.passed_over = None;
         let from = self.look_again(offset, suspect, 64, is_chunk_or_file)?;
         if self.scan.left() == 0 {
             self.closed = true;
@@ -264,7 +274,7 @@ impl Container {
         };
         let wrong = if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            let next = self.scan.find(offset + 1, 64, is_chunk)?;
+            let next = self.scan.find(offset + 1..u64::MAX, 64, is_chunk)?;
             self.chunk.bytes = next.unwrap_or(self.scan.offset()) - offset;
             if next.is_none() {
                 self.closed = true;
@@ -451,6 +461,14 @@ fn metadata_of(fields: &mut Fields<'_>) -> BTreeMap<String, String> {
         }
     }
     metadata
+}
+
+/// Is this the content of a message's index?
+fn is_index(content: &[u8]) -> bool {
+    let mut fields = Fields(content);
+    fields.u16();
+    let bytes = fields.u32().map_or(0, |bytes| bytes as usize);
+    bytes > 0 && bytes == fields.0.len() && bytes.is_multiple_of(16)
 }
 
 fn is_chunk_or_file(bytes: &[u8], left: u64) -> bool {

@@ -206,8 +206,10 @@ pub struct Container {
     index_at: Option<u64>,
     closed: bool,
     ended: bool,
-    /// Where the record began that was passed over last, if nothing was read since: its length may lie.
+    /// Where the first record began whose length nothing confirms yet: it may lie.
     passed_over: Option<u64>,
+    /// Does a chunk's index stand here, or another record behind a chunk?
+    behind_chunk: bool,
     /// Messages of this file so far.
     messages: u64,
     attached: u64,
@@ -287,6 +289,7 @@ impl Container {
             closed: false,
             ended: false,
             passed_over: None,
+            behind_chunk: false,
             messages: 0,
             attached: 0,
             profile: String::new(),
@@ -389,6 +392,7 @@ impl Container {
         self.ids.clear();
         self.base = offset;
         self.spare = None;
+        self.passed_over = None;
     }
 
     /// Goes to the next place after `offset` where `fits` finds a record, or to one before it that the
@@ -405,7 +409,7 @@ impl Container {
         {
             return Ok(suspect);
         }
-        self.scan.find(offset + 1, reach, &fits)?;
+        self.scan.find(offset + 1..u64::MAX, reach, &fits)?;
         Ok(offset)
     }
 
@@ -418,8 +422,7 @@ impl Container {
         reach: usize,
         fits: impl Fn(&[u8], u64) -> bool,
     ) -> std::io::Result<bool> {
-        let found = self.scan.find(suspect + 1, reach, fits)?;
-        Ok(found.is_some_and(|found| found < offset))
+        Ok(self.scan.find(suspect + 1..offset, reach, fits)?.is_some())
     }
 
     fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {
