@@ -53,6 +53,14 @@ fn a_whole_file_stays_whole() {
         assert!(!copied.is_partial(), "{name}: {copied:?}");
         verify(&out, &copied).unwrap();
         assert_eq!(counts(&out), (40, 0), "{name}");
+        // And follows whose conventions it followed.
+        let profile = |path: &Path| {
+            let mut container = Container::open(path).unwrap();
+            container.next();
+            container.profile().to_owned()
+        };
+        assert_eq!(profile(&out), profile(&shipped(name)), "{name}");
+        assert!(profile(&out).starts_with("ros"), "{name}");
     }
 }
 

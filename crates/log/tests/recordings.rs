@@ -229,6 +229,22 @@ fn c2_a_covariance_says_what_may_be_used() {
 }
 
 #[test]
+fn a_gyro_of_one_axis_needs_no_mounting() {
+    let folder = Folder::new("one-axis");
+    let gyro = build::yaw_gyro(build::header(5, "base_link"), 0.25);
+    let log = log(&folder, "", &[("/gyro", IMU, 5, gyro)]).unwrap();
+    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: 0.25 });
+    let none = imu(5, [0.0, 0.3, 0.0], [0.0; 3], [f64::MAX, 0.0, f64::MAX]);
+    let other = Folder::new("one-axis-y");
+    let path = write(&other.0.join("log.mcap"), &[("/gyro", IMU, 5, none)]);
+    let text = format!("format = 1\nname = \"cart\"\n{WHEELS}");
+    let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    let log = Log::find_any(&[path], None, &robot.topics).unwrap();
+    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: 0.3 });
+    assert!(log.notes().is_empty(), "{:?}", log.notes());
+}
+
+#[test]
 fn odometry_of_unknown_origin_is_named_not_believed() {
     let folder = Folder::new("odometry");
     let odometry = |topic| {

@@ -24,7 +24,7 @@ fn integral(samples: &[(f64, f64)]) -> f64 {
 }
 
 #[test]
-fn a_robot_that_turns_by_skidding_turns_less_than_its_wheels() {
+fn the_gyro_turns_far_less_than_the_wheels_say() {
     let Some(folder) = data("jackal") else { return };
     let bag = folder.join("jackal_61s.bag");
     let jackal = example("jackal");

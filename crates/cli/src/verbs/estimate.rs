@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
-use grouser_log::{LOOK_AHEAD, Log};
+use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
     Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
 };
@@ -16,6 +16,7 @@ use super::estimate_calibration;
 use super::estimate_object::object;
 use super::estimate_output::Outputs;
 use super::estimate_text::text;
+use super::log::printable;
 use crate::error::{Error, Outcome, Result};
 use crate::input::Input;
 use crate::law_error::Names;
@@ -143,6 +144,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
+    text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&asked.robot, &summary)?);
     Ok(Report {
         outcome: match summary.status {
@@ -229,6 +231,17 @@ pub(super) fn note_input(session: &mut Session, path: &Path) -> Result<()> {
     io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
     session.used_input(input);
     Ok(())
+}
+
+/// The topics that were used of bags and MCAP files; of tables the column map says it.
+fn topics(log: &Log) -> String {
+    let one = |used: UsedTopic| format!("{}: {}\n", printable(&used.topic), used.used_for);
+    let lines: Vec<String> = log.topics().map(one).collect();
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!("\n{}", lines.concat())
+    }
 }
 
 fn failure(summary: &Summary) -> Option<String> {

@@ -65,8 +65,8 @@ pub fn copy<W: Write + Seek>(
 ) -> Result<Copied> {
     let mut container = Container::open(path)?;
     let mut crc = crc32fast::Hasher::new();
-    let mut writer: Option<Writer<W>> = None;
-    let mut out = Some(out);
+    let profile = profile(path)?;
+    let mut writer = Writer::new(out, format, &profile).map_err(Error::Output)?;
     // By channel of the source: its number in the target, and its messages.
     let mut ids: Vec<Option<(u16, u64)>> = Vec::new();
     let mut copied = Copied {
@@ -82,8 +82,6 @@ pub fn copy<W: Write + Seek>(
     };
     loop {
         progress(container.offset());
-        // Begun once the header was read, which says the profile.
-        let profile = container.profile().to_owned();
         match container.next() {
             None => break,
             Some(Event::Damage(damage)) => {
@@ -95,10 +93,6 @@ pub fn copy<W: Write + Seek>(
                 }
             }
             Some(Event::Message(message)) => {
-                let writer = match &mut writer {
-                    Some(writer) => writer,
-                    None => begin(&mut writer, &mut out, format, &profile)?,
-                };
                 if ids.len() <= message.channel {
                     ids.resize(message.channel + 1, None);
                 }
@@ -127,13 +121,7 @@ pub fn copy<W: Write + Seek>(
             }
         }
     }
-    if writer.is_none() {
-        let profile = container.profile().to_owned();
-        begin(&mut writer, &mut out, format, &profile)?;
-    }
-    if let Some(writer) = writer {
-        writer.finish().map_err(Error::Output)?;
-    }
+    writer.finish().map_err(Error::Output)?;
     let channels = container.channels().iter().zip(&ids);
     copied.channels = channels
         .filter_map(|(channel, id)| {
@@ -146,17 +134,11 @@ pub fn copy<W: Write + Seek>(
     Ok(copied)
 }
 
-fn begin<'a, W: Write + Seek>(
-    writer: &'a mut Option<Writer<W>>,
-    out: &mut Option<W>,
-    format: Format,
-    profile: &str,
-) -> Result<&'a mut Writer<W>> {
-    let Some(out) = out.take() else {
-        return Err(Error::Output(std::io::ErrorKind::NotConnected.into()));
-    };
-    let begun = Writer::new(out, format, profile).map_err(Error::Output)?;
-    Ok(writer.insert(begun))
+/// Whose conventions the file says it follows: that stands before its first message.
+fn profile(path: &Path) -> Result<String> {
+    let mut container = Container::open(path)?;
+    container.next();
+    Ok(container.profile().to_owned())
 }
 
 /// Reads what was written once more: is every message there as it was read, and no damage?

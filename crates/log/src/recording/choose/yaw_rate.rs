@@ -71,6 +71,9 @@ impl Choosing<'_> {
             }
             (None, Some(gravity)) => (gravity, "by gravity"),
             (None, None) => {
+                if let Some(up) = only_usable(imu) {
+                    return (up, "the only one to be used");
+                }
                 self.choice.notes.push(format!(
                     "neither transforms nor gravity tell how the IMU of `{topic}` is mounted: its z axis \
                      is taken to point up (`imu_up` in the robot file decides)"
@@ -90,4 +93,12 @@ fn direction(up: [f64; 3]) -> String {
         }
     }
     format!("direction ({:.3}, {:.3}, {:.3})", up[0], up[1], up[2])
+}
+
+/// The axis of a gyro that gives one rate alone, by its covariances: a robot's is its yaw rate.
+fn only_usable(imu: &Imu) -> Option<[f64; 3]> {
+    let usable = imu
+        .angular_rate_trust
+        .map(|trust| f64::from(u8::from(trust != Trust::DoNotUse)));
+    (usable.iter().sum::<f64>() == 1.0).then_some(usable)
 }
