@@ -9,6 +9,9 @@ use crate::error::{Error, Result};
 /// The most bytes of a table of tests.
 pub const TABLE_LIMIT: u64 = 64 << 20;
 
+/// The most rows of a table of tests: every fit holds them all, several times.
+pub const ROW_LIMIT: usize = 200_000;
+
 /// A quantity by the names of its columns, each with the SI value of one of its unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Column(pub &'static [(&'static str, f64)]);
@@ -85,6 +88,11 @@ impl Table {
                     "line {number} has {} fields, but the header has {}",
                     row.len(),
                     names.len()
+                )));
+            }
+            if rows.len() == ROW_LIMIT {
+                return Err(wrong(format!(
+                    "line {number} is beyond the limit of {ROW_LIMIT} rows; thin the readings"
                 )));
             }
             rows.push(row);

@@ -86,6 +86,9 @@ fn derivatives_agree_with_differences() {
     }
 }
 
+/// A parameter's value and how to set it.
+type Change = (f64, fn(&mut SoilParams, f64));
+
 fn check_derivatives(motion: &Kinematics) {
     let at = |change: &dyn Fn(&mut SoilParams)| {
         let mut params = sand();
@@ -98,7 +101,6 @@ fn check_derivatives(motion: &Kinematics) {
             point.side_force,
         ]
     };
-    type Change = (f64, fn(&mut SoilParams, f64));
     let changes: [Change; 6] = [
         (sand().n_1, |p, x| p.n_1 = x),
         (sand().n_2, |p, x| p.n_2 = x),

@@ -67,7 +67,7 @@ pub struct PlateFit {
     pub fit: Fit,
 }
 
-/// ln p of each reading as a function of (n, ln k per width or ln k and k_c's share, datums).
+/// ln p of each reading as a function of (n, ln k or ln k under the narrowest and the widest plate, datums).
 struct Law<'a> {
     tests: &'a [PlateTest],
     used: &'a [Vec<usize>],
