@@ -106,11 +106,12 @@ def rung(theta_1, q, r_over_k):
 
 FRICTION = np.array([f for _, f, _ in LADDER])
 COHESION = np.array([c for _, _, c in LADDER])
-fast_integrals = numba.njit(fastmath=True)(integrals)
+# inlined, so that a caller who drops dW/dθ_1 does not pay for it
+fast_integrals = numba.njit(fastmath=True, inline="always")(integrals)
 fast_rung = numba.njit(rung)
 
 
-@numba.njit(fastmath=True)
+@numba.njit(fastmath=True, inline="always")
 def numba_one(theta_1, p, n, t, tw, x, xw):
     k = fast_rung(theta_1, p[2], p[5])
     return fast_integrals(theta_1, p, n, FRICTION[k], COHESION[k], t[k], tw[k], x[k], xw[k])
@@ -434,6 +435,12 @@ def report(rows, ours, load_before):
                 shown_error = "" if error is None else f"{error:.1e}"
                 check = check if isinstance(check, str) else f"{check:.12g}"
                 lines.append(f"| {title} | {name} | {shown(seconds)} | {ratio} | {shown_error} | {check} |")
+    for verb, title in (
+        ("loop", "One wheel in a control loop, call by call"),
+        ("paths", "Paths that are not the common one, through the general kernel"),
+    ):
+        told = subprocess.run([OURS, verb], check=True, capture_output=True, text=True).stdout
+        lines += ["", f"## {title}", "", f"`grouser-bench {verb}`", "", "```text", *told.splitlines(), "```"]
     text = "\n".join(lines) + "\n"
     (HERE / "RESULTS.md").write_text(text)
     print(text)

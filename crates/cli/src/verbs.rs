@@ -5,9 +5,18 @@
 mod batch;
 mod batch_columns;
 mod batch_lanes;
+mod batch_sink;
+mod batch_stream;
 mod curve;
 mod curve_figure;
 mod curve_output;
+mod drive;
+mod drive_map;
+mod drive_object;
+mod drive_optimum;
+mod drive_report;
+mod drive_tables;
+mod drive_text;
 mod estimate;
 mod estimate_calibration;
 mod estimate_figure;
@@ -59,6 +68,7 @@ pub(crate) enum Verb {
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
+    Drive(drive::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
     Identify(identify::Arguments),
@@ -75,6 +85,7 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
+        Verb::Drive(arguments) => drive::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
         Verb::Identify(arguments) => identify::run(&arguments, session),

@@ -319,4 +319,13 @@ fn what_makes_no_sense_is_refused() {
         "means both tables and bags",
     );
     assert!(folder.names().is_empty(), "{:?}", folder.names());
+    // What ROS 2 recorded before MCAP.
+    let database = out("run_0.db3");
+    fs::write(&database, b"SQLite format 3\0\x10\0\x01\x01").unwrap();
+    for verb in [&["log", "info"][..], &["estimate", "--robot", ROBOT]] {
+        refused(
+            &[verb, &[&database]].concat(),
+            "`ros2 bag convert` makes an MCAP file of it",
+        );
+    }
 }

@@ -124,13 +124,8 @@ fn plates(job: &Job) -> Result<PlateStage> {
     for source in &job.plates {
         match source {
             PlateSource::Table(path) => tests.extend(plate::read_table(path)?),
-            PlateSource::Bag {
-                name,
-                plate,
-                source,
-                depth,
-            } => {
-                let record = read_bag(name, *plate, source, depth)?;
+            PlateSource::Bag(test) => {
+                let record = read_bag(&test.name, test.plate, &test.source, &test.depth)?;
                 tests.push(record.test.clone());
                 records.push(record);
             }

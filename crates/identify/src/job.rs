@@ -81,16 +81,20 @@ pub enum PlateSource {
     /// In a table.
     Table(PathBuf),
     /// In a bag and a text file.
-    Bag {
-        /// Its name.
-        name: String,
-        /// The plate.
-        plate: Plate,
-        /// The force.
-        source: BagSource,
-        /// The depth.
-        depth: DepthColumn,
-    },
+    Bag(Box<BagTest>),
+}
+
+/// A plate test in a bag and a text file.
+#[derive(Clone, Debug)]
+pub struct BagTest {
+    /// Its name.
+    pub name: String,
+    /// The plate.
+    pub plate: Plate,
+    /// The force.
+    pub source: BagSource,
+    /// The depth.
+    pub depth: DepthColumn,
 }
 
 /// Wheel tests and what they are to tell.
@@ -157,9 +161,9 @@ impl Job {
         for plate in &self.plates {
             match plate {
                 PlateSource::Table(path) => list.push(path),
-                PlateSource::Bag { source, depth, .. } => {
-                    list.push(&source.bag);
-                    list.push(&depth.file);
+                PlateSource::Bag(test) => {
+                    list.push(&test.source.bag);
+                    list.push(&test.depth.file);
                 }
             }
         }
@@ -198,7 +202,7 @@ fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
         )),
         None => None,
     };
-    Ok(PlateSource::Bag {
+    Ok(PlateSource::Bag(Box::new(BagTest {
         name: name.map_or_else(
             || {
                 let stem = bag.file_stem().unwrap_or_default();
@@ -229,7 +233,7 @@ fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
             controller,
             surface: section.optional_number("surface_m", (-1e3, 1e3))?,
         },
-    })
+    })))
 }
 
 fn read_plate_settings(section: &Section<'_>) -> Read<PlateSettings> {

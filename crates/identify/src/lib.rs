@@ -39,5 +39,5 @@ pub use error::{Error, Result};
 pub use identification::{
     Identification, PlateStage, ShearStage, WheelNumber, WheelStage, identify,
 };
-pub use job::{Job, PlateSource, WheelJob};
+pub use job::{BagTest, Job, PlateSource, WheelJob};
 pub use parameter::Parameter;

@@ -7,9 +7,12 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_identify::Parameter;
+use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
-use grouser_identify::validate::{ModelName, Row, Split, plate_tests, validate};
-use grouser_identify::wheel::Quantity;
+use grouser_identify::validate::{ModelName, Row, Split, ding, plate_tests, validate};
+use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
+use grouser_terra::{RigidWheel, SoilParams, catalogue};
 
 /// The folder of measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
 fn data() -> Option<PathBuf> {
@@ -122,4 +125,73 @@ fn measured_wheels_are_predicted() {
         .map(|row| row.hub_buried)
         .sum();
     assert!(buried > 30, "{buried}");
+}
+
+/// Slip-sinkage as an exponent that grows with slip, and as a layer that is carried backwards: with one number
+/// each they say the same of Ding's wheel.
+#[test]
+fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
+    let tests = ding::tests().unwrap();
+    let soil = SoilParams {
+        rebound: 1.0,
+        rear_driving: 2.0,
+        ..*catalogue::find("hit-lss1")
+            .unwrap()
+            .completed(&catalogue::Completion {
+                k_shear: Some(ding::K_SHEAR_RANGE.0),
+                c_1: Some(0.4),
+                c_2: Some(0.2),
+                unit_weight: None,
+            })
+            .unwrap()
+            .params()
+    };
+    let fixed = Fixed {
+        wheel: RigidWheel::new(ding::WHEEL.0, ding::WHEEL.1).unwrap(),
+        soil,
+        scatter: Scatter {
+            pull: 1.5,
+            side: 1.5,
+            torque: 0.3,
+            sinkage: 1e-3,
+        },
+    };
+    let cost = |digging: Parameter| {
+        let parameters = [
+            Parameter::Exponent,
+            digging,
+            Parameter::C1,
+            Parameter::C2,
+            Parameter::RearDriving,
+        ];
+        let model = WheelModel::new(fixed, &tests, &parameters);
+        let start: Vec<_> = parameters.iter().map(|p| p.bounded(&soil)).collect();
+        let (found, _) = multi_start(
+            &model,
+            model.count(),
+            &start,
+            &Settings::default(),
+            &StartSettings::default(),
+        )
+        .unwrap();
+        let said = predict(&fixed, &tests, &parameters, &found.x).unwrap();
+        let rmse = |quantity: Quantity| {
+            let squares: f64 = tests
+                .iter()
+                .zip(&said)
+                .map(|(test, said)| (said.of(quantity) - test.read(quantity).unwrap()).powi(2))
+                .sum();
+            (squares / tests.len() as f64).sqrt()
+        };
+        // the figures asked for, with either form
+        assert!(rmse(Quantity::Pull) < 2.5);
+        assert!(rmse(Quantity::Torque) < 0.4);
+        assert!(rmse(Quantity::Sinkage) < 1.5e-3);
+        found.cost
+    };
+    let (exponent, layer) = (
+        cost(Parameter::ExponentDriving),
+        cost(Parameter::TransportLayer),
+    );
+    assert!((exponent / layer - 1.0).abs() < 0.1, "{exponent} {layer}");
 }

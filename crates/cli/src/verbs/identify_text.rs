@@ -28,9 +28,9 @@ pub(super) fn text(found: &Identification) -> String {
         let readings: usize = stage.fit.residuals.iter().map(Vec::len).sum();
         let _ = writeln!(
             out,
-            "{} plate tests, {readings} readings that tell as much as {} independent ones; {} % about the law",
+            "{} plate tests, {readings} readings that tell as much as {} independent ones, {} % of scatter about the law",
             stage.tests.len(),
-            rounded(readings as f64 / stage.fit.redundancy, 2),
+            rounded(readings as f64 / stage.fit.redundancy, 3),
             rounded(100.0 * stage.fit.relative_deviation, 2),
         );
         for record in &stage.records {

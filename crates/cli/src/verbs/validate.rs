@@ -77,8 +77,7 @@ impl From<grouser_identify::Error> for Error {
     fn from(error: grouser_identify::Error) -> Self {
         use grouser_identify::Error as Identify;
         match error {
-            Identify::File(error) => error.into(),
-            Identify::Log(grouser_log::Error::File(error)) => error.into(),
+            Identify::File(error) | Identify::Log(grouser_log::Error::File(error)) => error.into(),
             Identify::Content { path, message } => Self::Content {
                 path,
                 message,

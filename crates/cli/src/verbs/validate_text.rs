@@ -100,7 +100,12 @@ fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
             title(row.model.key(), row.fit),
             row.split.key().to_owned(),
             score.n.to_string(),
-            rounded(score.bias, 2),
+            // an offset that was fitted leaves rounding only
+            if score.bias.abs() < 1e-6 * score.rmse {
+                "0".to_owned()
+            } else {
+                rounded(score.bias, 2)
+            },
             rounded(score.rmse, 3),
             rounded(score.q75, 3),
             rounded(score.q99, 3),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use grouser_log::container::{Container, Event};
-use grouser_log::message::Decoder;
+use grouser_log::message::{Decoder, Value};
 
 use super::align::{at, straightened, time_zone};
 use super::test::{Plate, PlateTest};
@@ -270,11 +270,11 @@ fn read_force(source: &BagSource) -> Result<(Vec<f64>, Vec<f64>)> {
         let value = decoder
             .decode(message.data)
             .map_err(|error| wrong(error.to_string()))?;
-        let Some(number) = value.at(&source.force).and_then(|field| field.number()) else {
+        let Some(number) = value.at(&source.force).and_then(Value::number) else {
             return Err(wrong(format!("messages have no number `{}`", source.force)));
         };
         let stamp = source.stamp.as_ref().and_then(|path| value.at(path));
-        let stamp = stamp.and_then(grouser_log::message::Value::time_ns);
+        let stamp = stamp.and_then(Value::time_ns);
         let seconds = stamp.map_or(1e-9 * message.log_time_ns as f64, |ns| 1e-9 * ns as f64);
         if number.is_finite() && times.last().is_none_or(|last| seconds > *last) {
             times.push(seconds);

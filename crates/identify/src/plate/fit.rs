@@ -247,7 +247,7 @@ fn assemble(
         }
         Shape::Two { least, greatest } => {
             for (index, width) in [(1, least), (2, greatest)] {
-                let name = format!("k_pa_per_m_n at b = {} mm", 1e3 * width);
+                let name = format!("k_pa_per_m_n_at_b_{}_mm", 1e3 * width);
                 parameters.push(parameter(name, index, &f64::exp));
             }
             let (narrow, wide) = (found.x[1].exp(), found.x[2].exp());

@@ -72,18 +72,16 @@ pub fn read_table(path: &Path) -> Result<Vec<PlateTest>> {
     for row in 0..table.len() {
         let name = names.as_ref().map_or("plate", |names| names[row]);
         let plate = Plate::disc(diameter[row])?;
-        let place = match tests.iter().position(|test| test.name == name) {
-            Some(place) => place,
-            None => {
-                tests.push(PlateTest {
-                    name: name.to_owned(),
-                    plate,
-                    depth: Vec::new(),
-                    force: Vec::new(),
-                });
-                tests.len() - 1
-            }
-        };
+        let known = tests.iter().position(|test| test.name == name);
+        let place = known.unwrap_or_else(|| {
+            tests.push(PlateTest {
+                name: name.to_owned(),
+                plate,
+                depth: Vec::new(),
+                force: Vec::new(),
+            });
+            tests.len() - 1
+        });
         let test = &mut tests[place];
         if test.plate != plate {
             return Err(Error::Content {

@@ -3,10 +3,18 @@
 use grouser_terra::{RigidWheel, SoilParams};
 
 use super::rows::{FitReport, Found, ModelName};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::least_squares::{Bounded, Loss, Settings, StartSettings, Uncertainty, multi_start};
 use crate::parameter::Parameter;
 use crate::wheel::{Fixed, Prediction, Scatter, WheelModel, WheelTest, predict};
+
+/// A wheel, soil or motion of the measured data that the laws refuse.
+pub(super) fn law_error(source: grouser_terra::Error) -> Error {
+    Error::Law {
+        what: "a wheel of the measured data".to_owned(),
+        source,
+    }
+}
 
 /// A model with its numbers.
 #[derive(Clone, Debug)]
@@ -30,7 +38,7 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Fits from the soil's own numbers and eleven more starts.
+    /// Fits from the soil's own numbers and five more starts.
     pub(super) fn run(&self) -> Result<Fitted> {
         let fixed = Fixed {
             wheel: self.wheel,
@@ -47,7 +55,7 @@ impl Job<'_> {
             steps: 200,
             ..Settings::default()
         };
-        let starts = StartSettings { starts: 8, seed: 1 };
+        let starts = StartSettings { starts: 6, seed: 1 };
         let (best, _) = multi_start(&model, model.count(), &start, &settings, &starts)?;
         let uncertainty = Uncertainty::of(&best, Loss::Squares);
         let found = self

@@ -3,6 +3,8 @@
 pub mod cmu;
 pub mod ding;
 mod fitting;
+mod on_ding;
+mod on_trials;
 mod rows;
 mod run;
 mod score;

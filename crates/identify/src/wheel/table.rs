@@ -92,3 +92,55 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str, text: &str) -> Result<Vec<WheelTest>> {
+        let file = std::env::temp_dir().join(format!("grouser-{name}-{}.csv", std::process::id()));
+        std::fs::write(&file, text).unwrap();
+        let read = read_table(&file);
+        std::fs::remove_file(&file).unwrap();
+        read
+    }
+
+    #[test]
+    fn speeds_and_slip_say_the_same() {
+        let by_slip = read(
+            "slip",
+            "slip,slip_angle_deg,load_n,sinkage_mm\n0.25,30,40,12\n",
+        )
+        .unwrap();
+        // in the wheel's plane 0.06 m/s of 0.08 m/s: slip 0.25; along the travel 0.06/cos 30°
+        let travel = 60.0 / 30_f64.to_radians().cos();
+        let by_speed = read(
+            "speed",
+            &format!(
+                "rim_speed_mm_per_s,travel_speed_mm_per_s,slip_angle_deg,load_n,sinkage_m\n80,{travel},30,40,0.012\n"
+            ),
+        )
+        .unwrap();
+        let (a, b) = (&by_slip[0], &by_speed[0]);
+        assert!((a.kinematics.slip().value() - b.kinematics.slip().value()).abs() < 1e-14);
+        assert!((a.kinematics.q_y() - b.kinematics.q_y()).abs() < 1e-14);
+        assert_eq!((a.support, a.sinkage), (Support::Load(40.0), Some(0.012)));
+        assert_eq!((a.pull, a.torque), (None, None));
+    }
+
+    #[test]
+    fn a_row_without_a_load_stands_at_its_sinkage() {
+        let tests = read(
+            "held",
+            "slip,load_n,sinkage_mm,torque_nm\n0.1,,8,0.5\n0.1,30,,0.5\n",
+        )
+        .unwrap();
+        assert_eq!(tests[0].support, Support::Sinkage(0.008));
+        assert_eq!(tests[0].sinkage, None);
+        assert_eq!(tests[1].support, Support::Load(30.0));
+        let neither = read("neither", "slip,load_n,sinkage_mm\n0.1,,\n").unwrap_err();
+        assert!(neither.to_string().contains("row 1"), "{neither}");
+        let beyond = read("beyond", "slip,load_n\n1.5,30\n").unwrap_err();
+        assert!(beyond.to_string().contains("row 1"), "{beyond}");
+    }
+}
