@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoder, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::order::Ordered;
 
 /// How many messages a message may stand from its place in time.
@@ -68,7 +68,7 @@ impl LeftOut {
 /// Says whether a channel is wanted, and what is added to its times, ns.
 type Wanted = Box<dyn FnMut(&Channel) -> Option<i64> + Send>;
 /// How a channel is decoded, and what is added to its times, ns.
-type Decoding = (std::result::Result<Decoder, String>, i64);
+type Decoding = (SharedDecoder, i64);
 
 /// The messages of an MCAP file or a bag, decoded by the definitions it holds, in the order of time.
 ///
@@ -81,6 +81,7 @@ pub struct Messages {
     clock: Clock,
     /// By channel; `None`: not wanted.
     decoders: BTreeMap<usize, Option<Decoding>>,
+    shared: Decoders,
     ordered: Ordered<Stamped>,
     sizes: VecDeque<usize>,
     held: usize,
@@ -112,6 +113,7 @@ impl Messages {
             wanted: Box::new(wanted),
             clock,
             decoders: BTreeMap::new(),
+            shared: Decoders::default(),
             ordered: Ordered::new(LOOK_AHEAD),
             sizes: VecDeque::new(),
             held: 0,
@@ -157,16 +159,15 @@ impl Messages {
                 return;
             }
             Some(Event::Message(message)) => {
-                let wanted = &mut self.wanted;
+                let (wanted, shared) = (&mut self.wanted, &mut self.shared);
                 let decoder = self.decoders.entry(message.channel).or_insert_with(|| {
                     let shift_ns = wanted(message.of)?;
-                    let decoder = Decoder::new(message.of).map_err(|error| error.to_string());
-                    Some((decoder, shift_ns))
+                    Some((shared.of(message.of), shift_ns))
                 });
                 let Some((decoder, shift_ns)) = decoder else {
                     return;
                 };
-                let decoded = match decoder {
+                let decoded = match &**decoder {
                     Ok(decoder) => decoder
                         .decode(message.data)
                         .map_err(|error| error.to_string()),

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
-use crate::message::{Decoder, View};
+use crate::message::{Decoders, SharedDecoder, View};
 use crate::messages::stamp_of;
 
 /// Intervals are counted in bins, this many to a doubling.
@@ -108,8 +107,6 @@ pub struct Survey {
     pub bytes_lost: u64,
 }
 
-type SharedDecoder = Arc<std::result::Result<Decoder, String>>;
-
 struct Tally {
     topic: Topic,
     /// Shared by the channels of one definition.
@@ -128,6 +125,7 @@ impl Survey {
         let mut container = Container::open(path)?;
         // By the number of their channel.
         let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
+        let mut decoders = Decoders::default();
         let mut known = 0;
         let mut survey = Self {
             format: container.format(),
@@ -141,7 +139,7 @@ impl Survey {
         loop {
             progress(container.offset());
             for channel in &container.channels()[known..] {
-                Tally::enter(&mut tallies, known, channel);
+                Tally::enter(&mut tallies, &mut decoders, known, channel);
                 known += 1;
             }
             match container.next() {
@@ -158,7 +156,8 @@ impl Survey {
                     survey.first_ns = Some(survey.first_ns.map_or(time, |first| first.min(time)));
                     survey.last_ns = Some(survey.last_ns.map_or(time, |last| last.max(time)));
                     // Its channel may have been met on the way to it.
-                    Tally::enter(&mut tallies, index, message.of).take(time, message.data);
+                    Tally::enter(&mut tallies, &mut decoders, index, message.of)
+                        .take(time, message.data);
                 }
             }
         }
@@ -185,31 +184,18 @@ impl Tally {
     /// The tally of a channel, new if it was not met before.
     fn enter<'a>(
         tallies: &'a mut BTreeMap<usize, Self>,
+        decoders: &mut Decoders,
         index: usize,
         channel: &Channel,
     ) -> &'a mut Self {
-        let decoder = if tallies.contains_key(&index) {
-            None
-        } else {
-            let alike = tallies.values().find(|tally| {
-                let other = &tally.topic.channel;
-                Arc::ptr_eq(&other.definition, &channel.definition)
-                    && other.type_name == channel.type_name
-                    && other.encoding_name == channel.encoding_name
-                    && other.definition_language == channel.definition_language
-            });
-            alike.map(|tally| Arc::clone(&tally.decoder))
-        };
         tallies
             .entry(index)
-            .or_insert_with(|| Self::new(channel, decoder))
+            .or_insert_with(|| Self::new(channel, decoders.of(channel)))
     }
 
-    fn new(channel: &Channel, decoder: Option<SharedDecoder>) -> Self {
+    fn new(channel: &Channel, decoder: SharedDecoder) -> Self {
         Self {
-            decoder: decoder.unwrap_or_else(|| {
-                Arc::new(Decoder::new(channel).map_err(|error| error.to_string()))
-            }),
+            decoder,
             topic: Topic {
                 channel: channel.clone(),
                 messages: 0,

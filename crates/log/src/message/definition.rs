@@ -1,5 +1,6 @@
 //! Message definitions in the languages `ros1msg` and `ros2msg`.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::MessageError;
@@ -8,6 +9,8 @@ use super::MessageError;
 const DEPTH_LIMIT: usize = 32;
 /// How many types a definition may have, and how many fields a type.
 const COUNT_LIMIT: usize = 4096;
+/// How many fields all types of a definition may have together.
+const FIELD_LIMIT: usize = 1 << 15;
 
 /// What a field holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +54,39 @@ pub(super) struct Type {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Definition {
     pub(super) types: Vec<Type>,
+}
+
+/// Where each type stands, by its name; of two of one name the first.
+struct Names {
+    places: BTreeMap<String, usize>,
+    /// Types that definitions leave out because ROS 2 has them, behind all others.
+    built_in: Vec<String>,
+    count: usize,
+}
+
+impl Names {
+    fn of(drafts: &[Draft<'_>]) -> Self {
+        let mut places = BTreeMap::new();
+        for (place, draft) in drafts.iter().enumerate() {
+            places.entry(draft.name.clone()).or_insert(place);
+        }
+        Self {
+            places,
+            built_in: Vec::new(),
+            count: drafts.len(),
+        }
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.places.get(name).copied()
+    }
+
+    fn add_built_in(&mut self, name: String) -> usize {
+        let place = self.count + self.built_in.len();
+        self.places.insert(name.clone(), place);
+        self.built_in.push(name);
+        place
+    }
 }
 
 struct Draft<'a> {
@@ -104,15 +140,20 @@ impl Definition {
         if drafts.len() > COUNT_LIMIT {
             return Err(wrong(format!("more than {COUNT_LIMIT} types")));
         }
-        let mut names: Vec<String> = drafts.iter().map(|draft| draft.name.clone()).collect();
+        let mut names = Names::of(&drafts);
         let mut types = Vec::new();
+        let mut all = 0;
         for draft in &drafts {
             let mut fields = Vec::new();
             for line in &draft.lines {
-                fields.extend(read_field(line, &draft.name, byte, &mut names).map_err(wrong)?);
-            }
-            if fields.len() > COUNT_LIMIT {
-                return Err(wrong(format!("more than {COUNT_LIMIT} fields")));
+                let field = read_field(line, &draft.name, byte, &mut names).map_err(wrong)?;
+                all += usize::from(field.is_some());
+                fields.extend(field);
+                if fields.len() > COUNT_LIMIT || all > FIELD_LIMIT {
+                    return Err(wrong(format!(
+                        "more than {COUNT_LIMIT} fields in a type, or {FIELD_LIMIT} in all"
+                    )));
+                }
             }
             types.push(Type {
                 name: draft.name.clone(),
@@ -120,7 +161,7 @@ impl Definition {
             });
         }
         // Types that definitions leave out because ROS 2 has them built in.
-        for name in names.drain(types.len()..) {
+        for name in names.built_in {
             let signed = name == BUILT_IN[0] || name == BUILT_IN[1];
             let kinds = [
                 ("sec", if signed { Kind::Int(4) } else { Kind::UInt(4) }),
@@ -176,7 +217,7 @@ fn read_field(
     line: &str,
     own: &str,
     byte: Kind,
-    names: &mut Vec<String>,
+    names: &mut Names,
 ) -> Result<Option<Field>, String> {
     let bare = line.split('#').next().unwrap_or("").trim();
     let Some((kind, rest)) = bare.split_once(char::is_whitespace) else {
@@ -237,25 +278,24 @@ fn read_field(
 }
 
 /// The index of a type that is named in a field of the type `own`.
-fn find(name: &str, own: &str, names: &mut Vec<String>) -> Result<usize, String> {
+fn find(name: &str, own: &str, names: &mut Names) -> Result<usize, String> {
     let name = short(name);
     let full = if name.contains('/') {
         name
     } else {
         let package = own.split('/').next().unwrap_or("");
         let near = format!("{package}/{name}");
-        if name == "Header" && !names.contains(&near) {
+        if name == "Header" && names.place(&near).is_none() {
             "std_msgs/Header".to_owned()
         } else {
             near
         }
     };
-    if let Some(index) = names.iter().position(|other| *other == full) {
-        return Ok(index);
+    if let Some(place) = names.place(&full) {
+        return Ok(place);
     }
     if BUILT_IN.contains(&full.as_str()) {
-        names.push(full);
-        return Ok(names.len() - 1);
+        return Ok(names.add_built_in(full));
     }
     Err(format!(
         "the type `{}` is not there",

@@ -6,11 +6,13 @@ mod covariance;
 mod definition;
 mod encode;
 pub mod known;
+mod shared;
 mod value;
 mod view;
 
 pub use covariance::Trust;
 pub use definition::Definition;
+pub(crate) use shared::{Decoders, SharedDecoder};
 pub use value::Value;
 pub use view::{Imu, JointState, Odometry, Transform, View};
 

@@ -8,7 +8,7 @@ use grouser_files::topics::Topics;
 use super::mounting::{Accelerations, Tree, enter};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoder, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 
 /// So much of a file is looked through, bytes, unless something is missing that is needed.
@@ -69,7 +69,8 @@ impl Peek {
 
     fn look(&mut self, file: &Path, topics: &Topics) -> Result<()> {
         let mut container = Container::open(file)?;
-        let mut decoders: BTreeMap<usize, (usize, Option<Decoder>)> = BTreeMap::new();
+        let mut decoders: BTreeMap<usize, (usize, Option<SharedDecoder>)> = BTreeMap::new();
+        let mut shared = Decoders::default();
         let mut looked = 0;
         loop {
             let offset = container.offset();
@@ -91,7 +92,7 @@ impl Peek {
                 let wanted = View::exists_for(&message.of.type_name)
                     || fields.clone().any(|f| f.topic == message.of.topic);
                 let decoder = if wanted {
-                    Decoder::new(message.of).ok()
+                    Some(shared.of(message.of))
                 } else {
                     None
                 };
@@ -99,7 +100,9 @@ impl Peek {
             });
             let seen = &mut self.topics[*index];
             seen.messages += 1;
-            let Some(decoder) = decoder else { continue };
+            let Some(Ok(decoder)) = decoder.as_deref() else {
+                continue;
+            };
             let is_enough = match &seen.view {
                 Some(View::Imu(_)) => seen.accelerations.count() >= ACCELERATIONS,
                 Some(View::Transforms(_)) => false,
