@@ -18,6 +18,18 @@ test:
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
 
+# draw the README's figure anew from measured data
+measured data:
+    cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
+
+# one reader or promise under libFuzzer, a million executions (fuzz/README.md): just fuzz mcap_read
+fuzz target executions="1000000":
+    fuzz/run {{target}} {{executions}}
+
+# reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
+bench-log:
+    cargo run --release --manifest-path bench/log/Cargo.toml
+
 # the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
 rivals:
     cargo build --release --manifest-path bench/Cargo.toml

@@ -69,6 +69,7 @@ pub mod filter;
 pub mod ground;
 mod history;
 mod measured_slip;
+pub mod prior;
 mod reference_track;
 mod robot;
 mod sample;

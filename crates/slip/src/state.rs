@@ -80,6 +80,8 @@ pub enum Degraded {
     Relative,
     /// No yaw rate is measured: the robot is taken to drive straight.
     YawAssumed,
+    /// The wheel's sensor may be wrong: it stands while the robot moves, not yet for long enough to be sure.
+    Suspect,
 }
 
 /// What makes an estimate impossible.
@@ -104,6 +106,7 @@ impl Degraded {
             Self::ReferenceLost => "ReferenceLost",
             Self::Relative => "Relative",
             Self::YawAssumed => "YawAssumed",
+            Self::Suspect => "Suspect",
         }
     }
 }

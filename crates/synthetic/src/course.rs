@@ -25,7 +25,7 @@ pub enum Event {
         /// Which.
         wheel: usize,
     },
-    /// The robot stays where it is; its powered wheels turn on.
+    /// The robot digs itself in within half a second and stays there; its powered wheels turn on.
     Immobilised,
     /// Robot and wheels stand; the motors push with this torque, N m.
     Stall {
@@ -72,6 +72,9 @@ pub fn slip(forward: f64, rim: f64) -> Option<f64> {
         rim / forward - 1.0
     })
 }
+
+/// A robot that digs itself in comes to rest within this time, s.
+const DIGGING: f64 = 0.5;
 
 fn torque(forward: f64, rim: f64) -> f64 {
     let Some(slip) = slip(forward, rim) else {
@@ -134,11 +137,15 @@ impl Course {
                     step.torque[wheel] = 0.02;
                 }
                 Event::Immobilised => {
-                    (step.speed, step.yaw_rate) = (0.0, 0.0);
-                    step.forward = [0.0; WHEELS];
-                    step.rim[fifth] = 0.0;
-                    for i in 0..fifth {
-                        step.torque[i] = torque(0.0, step.rim[i]);
+                    let left = (1.0 - (time - from) / DIGGING).max(0.0);
+                    step.speed *= left;
+                    step.yaw_rate *= left;
+                    step.rim[fifth] *= left;
+                    for i in 0..WHEELS {
+                        step.forward[i] *= left;
+                        if i < fifth {
+                            step.torque[i] = torque(step.forward[i], step.rim[i]);
+                        }
                     }
                 }
                 Event::Stall { torque } => {

@@ -23,6 +23,14 @@ fn slips_without_faults() {
             out.speed_rms(5.0, 23.0),
             out.refused
         );
+        for k in 5..23 {
+            print!(
+                "{k}: {:.3} {:.1}; ",
+                out.rms(k as f64, k as f64 + 1.0),
+                out.nees(k as f64, k as f64 + 1.0)
+            );
+        }
+        println!();
         let mut camera = Trial::new(seed);
         camera.sensors.camera = Some(Camera {
             every: 5,

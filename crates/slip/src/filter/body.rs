@@ -102,38 +102,47 @@ pub(super) fn advance(
     felt
 }
 
-/// Moves the slips on by `dt` (s): each is drawn towards what is believed of it.
+/// How long doubt about a free wheel's skid lasts, s.
+const DOUBT: f64 = 10.0;
+
+/// Moves the slips on by `dt` (s): each is drawn towards what is believed of it. Of each wheel: is it free, and how much
+/// more does its slip wander than was told?
 pub(super) fn advance_slips(
     state: &mut Kalman,
     settings: &FilterSettings,
     dt: f64,
-    wheels: impl Iterator<Item = bool>,
+    wheels: impl Iterator<Item = (bool, f64)>,
 ) {
-    let mut draw = |i: usize, mean: f64, sigma: f64, memory: f64| {
+    let draw = |state: &mut Kalman, i: usize, mean: f64, sigma: f64, memory: f64| {
         let a = Real::exp(-dt / memory);
         state.relax(i, mean, a);
         state.widen(i, (1.0 - a * a) * sigma * sigma, f64::MAX);
     };
     draw(
+        state,
         COMMON_SLIP,
         settings.slip.mean,
         settings.slip.sigma,
         settings.slip_memory,
     );
-    for (wheel, free) in wheels.enumerate() {
+    for (wheel, (free, unrest)) in wheels.enumerate() {
         if free {
-            let prior = settings.free_slip;
-            draw(
-                own_slip(wheel),
-                prior.mean,
-                prior.sigma,
-                settings.free_slip_memory,
-            );
+            let prior = settings.free_slip.by_rim();
+            // doubt about its skid does not last
+            let doubted = state.covariance(own_slip(wheel), own_slip(wheel))
+                > 2.0 * prior.sigma * prior.sigma;
+            let memory = if doubted {
+                DOUBT.min(settings.free_slip_memory)
+            } else {
+                settings.free_slip_memory
+            };
+            draw(state, own_slip(wheel), prior.mean, prior.sigma, memory);
         } else {
             draw(
+                state,
                 own_slip(wheel),
                 0.0,
-                settings.wheel_slip_sigma,
+                settings.wheel_slip_sigma * Real::sqrt(unrest),
                 settings.wheel_slip_memory,
             );
         }

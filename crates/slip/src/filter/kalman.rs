@@ -16,6 +16,8 @@ pub(crate) struct Kalman {
     covariance: Box<[f64]>,
     /// P hᵀ of the measurement at hand.
     spread: Box<[f64]>,
+    /// Which numbers are not estimated, though what is not known of them counts (Schmidt's filter).
+    considered: Box<[bool]>,
 }
 
 /// One measurement, linear in a few of the numbers.
@@ -36,6 +38,7 @@ impl Kalman {
             mean: vec![0.0; n].into_boxed_slice(),
             covariance: vec![0.0; n * n].into_boxed_slice(),
             spread: vec![0.0; n].into_boxed_slice(),
+            considered: vec![false; n].into_boxed_slice(),
         }
     }
 
@@ -53,6 +56,11 @@ impl Kalman {
 
     pub(crate) fn sigma(&self, i: usize) -> f64 {
         Real::sqrt(self.covariance(i, i))
+    }
+
+    /// Is number `i` to be estimated, or only its uncertainty to be counted with?
+    pub(crate) fn consider(&mut self, i: usize, only_counted: bool) {
+        self.considered[i] = only_counted;
     }
 
     /// Number `i` is known anew, apart from all others.
@@ -130,13 +138,18 @@ impl Kalman {
         let inverse = 1.0 / total;
         for i in 0..n {
             let gain = self.spread[i] * inverse;
-            if gain == 0.0 {
+            if gain == 0.0 || self.considered[i] {
                 continue;
             }
             self.mean[i] += gain * seen.residual;
             let row = &mut self.covariance[i * n..(i + 1) * n];
             for (slot, spread) in row.iter_mut().zip(&self.spread) {
                 *slot -= gain * spread;
+            }
+        }
+        for i in (0..n).filter(|&i| self.considered[i]) {
+            for j in (0..n).filter(|&j| !self.considered[j]) {
+                self.covariance[i * n + j] = self.covariance[j * n + i];
             }
         }
         for i in 0..n {

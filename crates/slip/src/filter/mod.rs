@@ -20,6 +20,7 @@ mod kalman;
 mod order;
 mod reference;
 mod settings;
+mod turn;
 mod watch;
 mod wheel;
 
@@ -46,6 +47,7 @@ use kalman::{Kalman, Scalar};
 use order::{Offered, Order};
 use reference::{Reference, Seen};
 pub use settings::{FilterSettings, SlipPrior};
+use turn::Turn;
 use watch::Watch;
 use wheel::{LONGEST, Tracked};
 
@@ -57,6 +59,8 @@ const QUEUE: usize = 256;
 const AT_ONCE: usize = 4;
 /// A clock that goes further than this at once has been set, s.
 const CLOCK_STEP: f64 = 1.0;
+/// When all samples have come too late for this long, the clock has been set back, s.
+const LATE: f64 = 0.1;
 /// A wheel that stands while the robot moves for this long is stuck, or turns against it: its encoder is wrong, s.
 const WRONG: f64 = 0.25;
 /// All wheels still for this long: the robot stands, s.
@@ -68,8 +72,35 @@ const APART: f64 = 0.5;
 /// Without a reference for this long the speed follows the wheels, s; how much looser it is then.
 const ALONE: f64 = 0.5;
 const LOOSE: f64 = 10.0;
+/// Wheels whose readings are off to one side by this much in the mean, in sigma, break away together; how fast that mean
+/// forgets, a reading; and the most that one reading says.
+const PULLED: f64 = 0.7;
+const TOGETHER: f64 = 0.2;
+const BREAKS: f64 = 4.0;
+/// How fast a wheel's unrest is learnt, a reading, and its limits.
+const LEARNING: f64 = 0.005;
+const UNREST: (f64, f64) = (0.1, 100.0);
+/// What a rim and the robot may differ by for other reasons than slip, m/s.
+const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;
-const MAX_FORCE: f64 = 1000.0;
+/// No wheeled robot is pushed harder than this, m/s²: an accelerometer that shows more has been hit.
+const MAX_FORCE: f64 = 20.0;
+/// A gyro that shows the same to the bit for this long while the wheels turn is stuck, s.
+const SAME: f64 = 0.5;
+/// A free wheel that failed is believed again when it is within this share of the robot's speed.
+const RETURNS: f64 = 0.15;
+/// A free wheel whose skid is less certain than this is no reference.
+const SKID_KNOWN: f64 = 0.1;
+/// How fast the accelerometer's unrest is learnt, a reading of a reference, and its limits.
+const FELT: f64 = 0.01;
+const FELT_UNREST: (f64, f64) = (1.0, 40.0);
+/// How far the yaw rate is from what the powered wheels would give, as a share and rad/s.
+const BY_WHEELS: (f64, f64) = (0.3, 0.05);
+/// How fast the mean residual of a camera or its like forgets, a reading, and from where on it is a contradiction, in sigma.
+const ONE_SIDE: f64 = 0.3;
+const ONE_SIDED: f64 = 2.0;
+/// A robot this much faster than its fastest wheel (as a share, and m/s) for long is an error of the filter.
+const RUNAWAY: (f64, f64) = (1.5, 0.05);
 
 /// A speed that was seen: slopes, residual, variance.
 type Statement = ([(usize, f64); 3], f64, f64);
@@ -152,9 +183,21 @@ pub struct SlipFilter {
     heard: Option<Heard>,
     gyro: Watch,
     gyro_ns: Option<i64>,
+    /// The gyro's last reading to the bit, and since when.
+    gyro_same: Option<(u64, i64)>,
+    turn: Turn,
+    turned_ns: Option<i64>,
+    contradicted: Watch,
+    runaway: Watch,
+    /// How much worse than told the accelerometer foresees the speed, as a share of that variance.
+    felt_unrest: f64,
     reference: Reference,
     reference_ns: Option<i64>,
     suspect_ns: Option<i64>,
+    /// Nothing but samples that came too late, since this one.
+    late_from_ns: Option<i64>,
+    /// Mean of the powered wheels' residuals, in sigma.
+    pull: f64,
     distances: [f64; 2],
     nis: f64,
     rejected: Rejected,
@@ -197,9 +240,17 @@ impl SlipFilter {
             heard: None,
             gyro: Watch::default(),
             gyro_ns: None,
+            gyro_same: None,
+            turn: Turn::default(),
+            turned_ns: None,
+            contradicted: Watch::default(),
+            runaway: Watch::default(),
+            felt_unrest: 1.0,
             reference: Reference::default(),
             reference_ns: None,
             suspect_ns: None,
+            late_from_ns: None,
+            pull: 0.0,
             distances: [0.0; 2],
             nis: 0.0,
             rejected: Rejected::default(),
@@ -266,6 +317,26 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// The free wheels skid otherwise than was believed: on another soil, or under another load.
+    ///
+    /// # Errors
+    /// As [`SlipFilter::believe`].
+    pub fn believe_free_wheels(&mut self, free_slip: SlipPrior) -> Result<()> {
+        let settings = FilterSettings {
+            free_slip,
+            ..self.settings
+        };
+        settings.check()?;
+        self.settings = settings;
+        for index in 0..self.wheels.len() {
+            if self.wheels[index].free {
+                let SlipPrior { mean, sigma } = free_slip.by_rim();
+                self.state.restart(own_slip(index), mean, sigma * sigma);
+            }
+        }
+        Ok(())
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..
@@ -275,11 +346,14 @@ impl SlipFilter {
         state.restart(COMMON_SLIP, settings.slip.mean, square(settings.slip.sigma));
         for (i, wheel) in self.wheels.iter().enumerate() {
             let (mean, sigma) = if wheel.free {
-                (settings.free_slip.mean, settings.free_slip.sigma)
+                let SlipPrior { mean, sigma } = settings.free_slip.by_rim();
+                (mean, sigma)
             } else {
                 (0.0, settings.wheel_slip_sigma)
             };
             state.restart(own_slip(i), mean, square(sigma));
+            // Nothing tells a larger radius from a smaller slip.
+            state.consider(radius(i), true);
             state.restart(
                 radius(i),
                 0.0,
@@ -301,11 +375,19 @@ impl SlipFilter {
             outcome = self.work_off(oldest);
         }
         if self.order.offer(sample) == Offered::TooLate {
-            return Err(Fault::NotLater {
-                time_ns: sample.time_ns,
-                last_ns: self.now_ns.unwrap_or(sample.time_ns),
-            });
+            let last_ns = self.now_ns.unwrap_or(sample.time_ns);
+            let from = *self.late_from_ns.get_or_insert(sample.time_ns);
+            if seconds_between(from, sample.time_ns) < LATE {
+                return Err(Fault::NotLater {
+                    time_ns: sample.time_ns,
+                    last_ns,
+                });
+            }
+            // nothing but late samples: the clock was set back
+            self.restart_clock();
+            self.order.offer(sample);
         }
+        self.late_from_ns = None;
         for _ in 0..AT_ONCE {
             let Some(next) = self.order.release(false) else {
                 break;
@@ -335,18 +417,23 @@ impl SlipFilter {
                 last_ns: newest,
             });
         }
+        self.restart_clock();
+        Ok(())
+    }
+
+    fn restart_clock(&mut self) {
         self.suspect_ns = None;
+        self.late_from_ns = None;
         self.order.clear();
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
         self.heard = None;
         self.reference = Reference::default();
-        // biases outlast a pause, speeds and slips do not
-        let biases = [GYRO_BIAS, body::FORWARD_BIAS, body::LEFT_BIAS].map(|i| self.state.mean(i));
+        // the gyro's bias outlasts a pause, speeds and slips do not
+        let bias = self.state.mean(GYRO_BIAS);
         self.start();
-        self.state.set_mean(GYRO_BIAS, biases[0]);
-        Ok(())
+        self.state.set_mean(GYRO_BIAS, bias);
     }
 
     fn work_off(&mut self, sample: Sample) -> core::result::Result<(), Fault> {
@@ -381,11 +468,11 @@ impl SlipFilter {
         if dt > 0.0 {
             let silent =
                 |heard: &Heard| seconds_between(heard.time_ns, time_ns) <= self.settings.dropout;
-            let heard = self.heard.filter(silent);
+            let heard = self.heard.filter(silent).filter(|_| self.feels());
             let walk = self.walk();
             let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
-            let free = self.wheels.iter().map(|wheel| wheel.free);
-            body::advance_slips(&mut self.state, &self.settings, dt, free);
+            let wheels = self.wheels.iter().map(|wheel| (wheel.free, wheel.unrest));
+            body::advance_slips(&mut self.state, &self.settings, dt, wheels);
             self.totals[0] += felt[0];
             self.totals[1] += felt[1];
             self.totals[2] += self.turning * dt;
@@ -398,6 +485,7 @@ impl SlipFilter {
         if due {
             self.held_ns = Some(time_ns);
             self.assume(time_ns);
+            self.catch_runaway(time_ns);
             self.state.tidy();
         }
     }
@@ -410,6 +498,25 @@ impl SlipFilter {
             let sigma = weight * self.settings.lateral_sigma;
             body::hold(&mut self.state, row, 0.0, sigma);
         }
+        let heard = self
+            .gyro_ns
+            .is_some_and(|then| seconds_between(then, time_ns) <= self.settings.dropout);
+        let believed = !self.gyro.has_failed() && !self.contradicted.has_failed();
+        if !(heard && believed)
+            && let Some(turn) = self.turn_by_wheels()
+        {
+            // nothing else tells how the robot turns
+            let sigma = BY_WHEELS.0 * turn.abs() + BY_WHEELS.1;
+            body::hold(&mut self.state, [0.0, 0.0, 1.0], turn, weight * sigma);
+        }
+        for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
+            let still = wheel.stillness(time_ns);
+            if still >= STANDS && wheel.watch.is_clean() {
+                // it has gone less than a tick since
+                let sigma = (0.6 * wheel.tick / still).max(0.002);
+                body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
+            }
+        }
         let stand = self
             .wheels
             .iter()
@@ -418,6 +525,8 @@ impl SlipFilter {
             // without a free wheel it may still slide with its wheels locked
             let rolls = self.wheels.iter().any(|wheel| wheel.free);
             let sigma = if rolls { 0.002 } else { 0.02 };
+            let variance = self.state.variance_of(&[(FORWARD, 1.0)]) + sigma * sigma;
+            self.learn_felt(self.state.mean(FORWARD), variance);
             for row in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
                 body::hold(&mut self.state, row, 0.0, weight * sigma);
             }
@@ -433,11 +542,57 @@ impl SlipFilter {
             residual: rate - self.state.mean(YAW) - self.state.mean(GYRO_BIAS),
             variance: sigma * sigma,
         };
-        self.gyro.judge(time_ns, true, self.settings.failure);
+        let (residual, variance) = self.state.innovation(&seen);
+        let agreed = residual.abs() <= self.settings.gate * Real::sqrt(variance)
+            && !self.is_stuck(time_ns, rate);
+        let believed = self.gyro.judge(time_ns, agreed, self.settings.failure);
         self.gyro_ns = Some(time_ns);
+        if let Some(wheels) = self.turn_by_wheels() {
+            let dt = seconds_between(self.turned_ns.replace(time_ns).unwrap_or(time_ns), time_ns);
+            self.turn.take(rate, wheels, dt);
+        }
+        let same_way = !self.turn.contradicts();
+        self.contradicted
+            .judge(time_ns, same_way, self.settings.failure);
+        if !agreed || !believed || self.contradicted.has_failed() {
+            self.turning = self.state.mean(YAW);
+            return Ok(());
+        }
         self.turning = rate;
         self.nis = self.state.take(&seen);
         Ok(())
+    }
+
+    /// Has the gyro shown the same to the bit for long, while wheels turn?
+    fn is_stuck(&mut self, time_ns: i64, rate: f64) -> bool {
+        let same = rate.to_bits();
+        let moves = self.wheels.iter().any(|wheel| wheel.turns());
+        match self.gyro_same {
+            Some((bits, since)) if bits == same && moves => seconds_between(since, time_ns) >= SAME,
+            _ => {
+                self.gyro_same = Some((same, time_ns));
+                false
+            }
+        }
+    }
+
+    /// The yaw rate that the powered wheels would give without slip, where all point one way.
+    fn turn_by_wheels(&self) -> Option<f64> {
+        self.sideways?;
+        let powered = || self.wheels.iter().filter(|wheel| !wheel.free);
+        let count = powered().count() as f64;
+        let (mut rims, mut arms) = (0.0, 0.0);
+        for wheel in powered() {
+            rims += wheel.rim?.0.value;
+            arms += wheel.row[2];
+        }
+        let (mut product, mut square) = (0.0, 0.0);
+        for wheel in powered() {
+            let arm = wheel.row[2] - arms / count;
+            product += arm * (wheel.rim?.0.value - rims / count);
+            square += arm * arm;
+        }
+        (square > 1e-6).then(|| product / square)
     }
 
     fn take_acceleration(
@@ -517,7 +672,7 @@ impl SlipFilter {
         // the branch goes by the slip, not by which of two noisy speeds happens to be greater, unless they leave no doubt
         let excess = forward.abs() - u.abs();
         let doubt = 3.0 * (self.state.sigma(FORWARD) + rim.sigma());
-        let braking = excess > doubt || (slip < 0.0 && excess > -doubt);
+        let braking = !free && (excess > doubt || (slip < 0.0 && excess > -doubt));
         let faster = if braking { forward } else { u };
         // what the rim has beyond the robot, as a share of the faster of the two
         let by_speed = if braking {
@@ -525,7 +680,7 @@ impl SlipFilter {
         } else {
             1.0
         };
-        // near standstill a slip is no number, and says nothing
+        // near standstill a slip is no number
         let shows = faster.abs() > self.settings.low_speed;
         // The slope by the slip comes from the readings before: that of this one would share its error, and its square
         // would draw the slip upwards reading by reading.
@@ -534,12 +689,11 @@ impl SlipFilter {
         } else {
             self.wheels[index].usual_rim()
         };
-        let by_slip = if shows { usual } else { 0.0 };
         self.wheels[index].remember(u);
         let mut slopes = [(FORWARD, 0.0); 8];
         slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
-        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { by_slip });
-        slopes[4] = (own_slip(index), by_slip);
+        slopes[3] = (COMMON_SLIP, if free { 0.0 } else { usual });
+        slopes[4] = (own_slip(index), usual);
         slopes[5] = (radius(index), -rim.value);
         // the mean over the window, where the robot's speed has wandered since
         let walk = self.walk();
@@ -551,12 +705,17 @@ impl SlipFilter {
         let remainders = self.state.mean(remainder(index, !odd)) / window;
         let tick = self.wheels[index].tick;
         let counted = begun * tick * tick / 6.0 / (window * window);
-        let unseen = if shows { 0.0 } else { 0.3 * faster } + 1e-4;
         let seen = Scalar {
             slopes: &slopes,
-            residual: u - forward - if shows { slip * faster } else { 0.0 } - remainders,
-            variance: (rim.variance - counted).max(0.0) + wandered + unseen * unseen,
+            residual: u - forward - slip * faster - remainders,
+            variance: (rim.variance - counted).max(0.0) + wandered + CREEP * CREEP,
         };
+        if free {
+            // Nor a free wheel's skid from the robot's speed, unless something else tells that.
+            let told = self.reference.accepted_ns;
+            let alone = told.is_none_or(|then| seconds_between(then, to_ns) > ALONE);
+            self.state.consider(own_slip(index), alone);
+        }
         let (residual, variance) = self.state.innovation(&seen);
         self.wheels[index].remainder = Some(odd);
         let off = residual.abs() > self.settings.gate * Real::sqrt(variance);
@@ -571,21 +730,55 @@ impl SlipFilter {
             wheel.against_since_ns = None;
         }
         if free {
-            let believed = wheel.watch.judge(to_ns, !off, self.settings.failure);
-            if off || !believed {
+            let near = (u - forward).abs() <= RETURNS * faster.abs() + self.settings.low_speed;
+            let agreed = !off && (near || !wheel.watch.has_failed());
+            let believed = wheel.watch.judge(to_ns, agreed, self.settings.failure);
+            let was_off = core::mem::replace(&mut wheel.was_off, off);
+            if off && was_off && shows && rim.value != 0.0 {
+                // The robot's speed has changed unfelt, or the wheel skids: from now on both are less certain. That the
+                // wheel runs ahead of the robot cannot be: nothing drives it.
+                self.state.widen(FORWARD, residual * residual, 1e4);
+                if residual * u < 0.0 {
+                    let step = residual / faster;
+                    self.state.widen(own_slip(index), step * step, step * step);
+                }
+            }
+            self.learn_felt(residual, variance);
+            if !agreed || !believed {
                 return;
             }
-            self.reference_ns = Some(to_ns);
+            if self.state.sigma(own_slip(index)) < SKID_KNOWN {
+                self.reference_ns = Some(to_ns);
+            }
         } else if against || (still && off) {
             return;
-        } else if off && shows {
-            // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
-            let own = self.state.mean(own_slip(index)) + residual / faster;
-            let spread = 2.0 * self.settings.wheel_slip_sigma;
-            self.state
-                .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
-            self.nis = residual * residual / variance;
-            return;
+        } else if shows {
+            if off && !core::mem::replace(&mut self.wheels[index].was_off, true) {
+                // once may be the play of its gears
+                return;
+            }
+            let expected = Real::sqrt(variance);
+            let r = (residual / expected).clamp(-BREAKS, BREAKS);
+            self.pull += TOGETHER * (r - self.pull);
+            // sigmas that fit what is seen: residuals larger than they should be are slips that wander more
+            let learnt = Real::exp(LEARNING * (r * r - 1.0));
+            let unrest = &mut self.wheels[index].unrest;
+            *unrest = (*unrest * learnt).clamp(UNREST.0, UNREST.1);
+            let step = residual / faster;
+            if self.pull.abs() > PULLED {
+                // they break away together: the ground is another one
+                self.state.widen(COMMON_SLIP, step * step, 4.0);
+            }
+            if off {
+                // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
+                let own = self.state.mean(own_slip(index)) + step;
+                let spread = 2.0 * self.settings.wheel_slip_sigma;
+                self.state
+                    .restart(own_slip(index), own.clamp(-2.0, 2.0), spread * spread);
+                self.nis = residual * residual / variance;
+                return;
+            }
+            self.wheels[index].was_off = false;
         }
         self.nis = self.state.take(&seen);
         let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
@@ -608,6 +801,55 @@ impl SlipFilter {
         }
         self.state.restart(remainder(index, odd), 0.0, variance);
         (odd, f64::from(u8::from(tick > 0.0)))
+    }
+
+    /// Is the accelerometer better than nothing?
+    fn feels(&self) -> bool {
+        self.settings.accelerometer_noise * Real::sqrt(self.felt_unrest) < self.settings.speed_walk
+    }
+
+    /// A filter that has lost its way: the robot would be much faster than the fastest of its wheels. It begins again from
+    /// these.
+    fn catch_runaway(&mut self, time_ns: i64) {
+        let rims = || {
+            self.wheels
+                .iter()
+                .filter_map(|wheel| Some(wheel.rim?.0.value))
+        };
+        let Some(fastest) = rims().reduce(|a, b| if b.abs() > a.abs() { b } else { a }) else {
+            return;
+        };
+        let speed = self.state.mean(FORWARD);
+        let runs = speed.abs() > RUNAWAY.0 * fastest.abs() + RUNAWAY.1;
+        if self.runaway.judge(time_ns, !runs, self.settings.failure) {
+            return;
+        }
+        self.runaway = Watch::default();
+        self.felt_unrest = FELT_UNREST.1;
+        let sigma = 0.5 * fastest.abs() + RUNAWAY.1;
+        self.state.restart(FORWARD, fastest, sigma * sigma);
+        self.state.restart(
+            COMMON_SLIP,
+            self.settings.slip.mean,
+            self.settings.slip.sigma * self.settings.slip.sigma,
+        );
+        for (index, wheel) in self.wheels.iter_mut().enumerate() {
+            wheel.watch = Watch::default();
+            if wheel.free {
+                let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();
+                self.state.restart(own_slip(index), mean, sigma * sigma);
+            } else {
+                let sigma = self.settings.wheel_slip_sigma;
+                self.state.restart(own_slip(index), 0.0, sigma * sigma);
+            }
+        }
+    }
+
+    /// A speed that comes out otherwise than the accelerometer foresaw makes that less certain.
+    fn learn_felt(&mut self, residual: f64, variance: f64) {
+        let r = (residual / Real::sqrt(variance)).clamp(-BREAKS, BREAKS);
+        let learnt = Real::exp(FELT * (r * r - 1.0));
+        self.felt_unrest = (self.felt_unrest * learnt).clamp(FELT_UNREST.0, FELT_UNREST.1);
     }
 
     fn slip_slopes(&self, index: usize) -> [(usize, f64); 2] {
@@ -634,13 +876,27 @@ impl SlipFilter {
         let frozen = self.reference.is_frozen(&seen, self.settings.failure) && moving;
         let statements = self.statements(&seen, time_ns);
         let mut agreed = !frozen;
+        let mut first = None;
         for (slopes, residual, variance) in statements.iter().flatten() {
             let (residual, variance) = self.state.innovation(&Scalar {
                 slopes,
                 residual: *residual,
                 variance: *variance,
             });
-            agreed &= residual.abs() <= self.settings.gate * Real::sqrt(variance);
+            let r = residual / Real::sqrt(variance);
+            agreed &= r.abs() <= self.settings.gate;
+            first.get_or_insert(r);
+        }
+        // one side for long is a scale or a delay, though no single reading is far off
+        let r = first.unwrap_or(0.0).clamp(-BREAKS, BREAKS);
+        self.reference.pull += ONE_SIDE * (r - self.reference.pull);
+        agreed &= self.reference.pull.abs() <= ONE_SIDED;
+        if self.reference.watch.has_failed()
+            && let Some((_, residual, _)) = statements[0]
+        {
+            // Without it the speed is known so badly that anything would agree.
+            let near = RETURNS * self.state.mean(FORWARD).abs() + self.settings.low_speed;
+            agreed &= residual.abs() <= near;
         }
         let believed = self
             .reference
@@ -670,8 +926,9 @@ impl SlipFilter {
             .is_none_or(|then| seconds_between(then, now_ns) > ALONE);
         if alone {
             LOOSE * self.settings.speed_walk
-        } else if self.heard.is_some() {
-            self.settings.accelerometer_noise
+        } else if self.heard.is_some() && self.feels() {
+            (self.settings.accelerometer_noise * Real::sqrt(self.felt_unrest))
+                .min(LOOSE * self.settings.speed_walk)
         } else {
             self.settings.speed_walk
         }
@@ -738,8 +995,12 @@ impl SlipFilter {
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slips = self.slip_slopes(index);
-        let sigma = Real::sqrt(self.state.variance_of(&slips));
-        let slip = self.slip_mean(index).clamp(-1.0, 1.0);
+        let kept = SlipPrior {
+            mean: self.slip_mean(index),
+            sigma: Real::sqrt(self.state.variance_of(&slips)),
+        };
+        let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
+        let slip = mean.clamp(-1.0, 1.0);
         let shows = measured.slip.is_some();
         let mut estimate = WheelEstimate {
             slip: Slip::new(slip).ok().filter(|_| shows),
@@ -770,6 +1031,9 @@ impl SlipFilter {
         }
         if measured.slip.is_none() {
             return measured.health;
+        }
+        if self.contradicted.has_failed() || (moves && wheel.stillness(now_ns) > 0.0) {
+            return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
         match age {

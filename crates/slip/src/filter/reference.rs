@@ -26,6 +26,8 @@ pub(super) struct Reference {
     last_ns: Option<i64>,
     last_pose: Option<[f64; 3]>,
     pub(super) watch: Watch,
+    /// Mean of its residuals, in sigma.
+    pub(super) pull: f64,
     pub(super) accepted_ns: Option<i64>,
     /// The same to the bit since.
     frozen: Option<([u64; 3], i64)>,

@@ -11,6 +11,34 @@ pub struct SlipPrior {
     pub sigma: f64,
 }
 
+impl SlipPrior {
+    /// As 1 − v/u, the form in which the filter keeps a free wheel's skid: its rim, which is measured, stands below the
+    /// line, so that the statement v = u (1 − x) is linear in v and x. In the skid s = u/v − 1 it would be their product, and
+    /// an unknown skid would drift.
+    pub(crate) fn by_rim(self) -> Self {
+        if self.mean >= 0.0 {
+            return self;
+        }
+        let ratio = 1.0 / (1.0 + self.mean.max(-0.95));
+        Self {
+            mean: 1.0 - ratio,
+            sigma: self.sigma * ratio * ratio,
+        }
+    }
+
+    /// The slip that [`SlipPrior::by_rim`] came from.
+    pub(crate) fn by_faster(self) -> Self {
+        if self.mean >= 0.0 {
+            return self;
+        }
+        let ratio = 1.0 / (1.0 - self.mean);
+        Self {
+            mean: ratio - 1.0,
+            sigma: self.sigma * ratio * ratio,
+        }
+    }
+}
+
 /// How the filter works.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSettings {
@@ -97,7 +125,7 @@ impl Default for FilterSettings {
                 mean: 0.0,
                 sigma: 0.01,
             },
-            free_slip_memory: 5.0,
+            free_slip_memory: 1000.0,
             radius_sigma: 0.01,
             position_sigma: 0.001,
             speed_sigma: 0.01,
@@ -149,7 +177,7 @@ impl FilterSettings {
             ("slip_memory", self.slip_memory, time, "s"),
             ("wheel_slip_sigma", self.wheel_slip_sigma, (1e-6, 2.0), "1"),
             ("wheel_slip_memory", self.wheel_slip_memory, time, "s"),
-            ("free_slip mean", self.free_slip.mean, (-1.0, 1.0), "1"),
+            ("free_slip mean", self.free_slip.mean, (-0.95, 0.95), "1"),
             ("free_slip sigma", self.free_slip.sigma, (1e-6, 2.0), "1"),
             ("free_slip_memory", self.free_slip_memory, time, "s"),
             ("radius_sigma", self.radius_sigma, (1e-9, 0.5), "1"),

@@ -30,14 +30,19 @@ pub(super) struct Tracked {
     pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
-    /// Its rim speed smoothed over a few windows.
+    /// Its rim speed smoothed over a few windows, the last one left out; and that one.
     usual: f64,
+    last_rim: f64,
     /// The rim has not moved since.
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
     pub(super) against_since_ns: Option<i64>,
+    /// Its last reading was far from what was expected.
+    pub(super) was_off: bool,
     pub(super) torque: Option<(i64, f64)>,
     pub(super) watch: Watch,
+    /// How much more its slip wanders than was told, as a share of that variance.
+    pub(super) unrest: f64,
     pub(super) estimate: WheelEstimate,
 }
 
@@ -64,10 +69,13 @@ impl Tracked {
                 remainder: None,
                 rim: None,
                 usual: 0.0,
+                last_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
+                was_off: false,
                 torque: None,
                 watch: Watch::default(),
+                unrest: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
     }
@@ -104,14 +112,15 @@ impl Tracked {
         Some((rim, from))
     }
 
-    /// The rim speed as it has been, m/s.
+    /// The rim speed as it was before the last window, m/s: the last one shares a tick with the present one.
     pub(super) const fn usual_rim(&self) -> f64 {
         self.usual
     }
 
     /// One more window's rim speed, m/s.
     pub(super) fn remember(&mut self, rim: f64) {
-        self.usual += SMOOTHING * (rim - self.usual);
+        self.usual += SMOOTHING * (self.last_rim - self.usual);
+        self.last_rim = rim;
     }
 
     /// Seconds since its last reading.
@@ -119,6 +128,11 @@ impl Tracked {
         self.track
             .newest_time()
             .map(|last| seconds_between(last, now_ns))
+    }
+
+    /// Did its rim move in the last window?
+    pub(super) fn turns(&self) -> bool {
+        self.still_since_ns.is_none() && self.rim.is_some()
     }
 
     /// Seconds since its rim last moved; 0 where it moves.

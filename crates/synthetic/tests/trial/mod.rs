@@ -130,6 +130,17 @@ impl Trial {
         SlipFilter::new(&described(&self.robot, self.sensors.bits), self.settings).unwrap()
     }
 
+    /// Runs it where a fault has changed the clocks of samples, but neither their number nor their order.
+    pub(crate) fn run_by_true_time(&self) -> Outcome {
+        let without = Self {
+            faults: Vec::new(),
+            ..self.clone()
+        };
+        let true_ns: Vec<i64> = without.samples().1.iter().map(|s| s.time_ns).collect();
+        let (course, samples) = self.samples();
+        self.follow_by(&course, &samples, Some(&true_ns))
+    }
+
     /// Runs it; the moments are those of the filter's estimates, one a row.
     pub(crate) fn run(&self) -> Outcome {
         let (course, samples) = self.samples();
@@ -137,6 +148,16 @@ impl Trial {
     }
 
     pub(crate) fn follow(&self, course: &Course, samples: &[Sample]) -> Outcome {
+        self.follow_by(course, samples, None)
+    }
+
+    /// The same where the clocks are wrong: `true_ns` are the samples' true times, one each.
+    pub(crate) fn follow_by(
+        &self,
+        course: &Course,
+        samples: &[Sample],
+        true_ns: Option<&[i64]>,
+    ) -> Outcome {
         let mut filter = self.filter();
         let rate = f64::from(RATE);
         let mut out = Outcome {
@@ -145,7 +166,7 @@ impl Trial {
         };
         let mut last = None;
         let start = self.sensors.start_ns;
-        for sample in samples {
+        for (index, sample) in samples.iter().enumerate() {
             out.refused += u64::from(filter.update(*sample).is_err());
             let known = filter.latest();
             for wheel in known.wheels {
@@ -161,7 +182,17 @@ impl Trial {
                 continue;
             }
             last = Some(known.time_ns);
-            let time = known.time_ns.wrapping_sub(start) as f64 * 1e-9;
+            let now_ns = match true_ns {
+                Some(true_ns) => {
+                    let lag = sample.time_ns.saturating_sub(known.time_ns);
+                    if !(0..1_000_000_000).contains(&lag) {
+                        continue;
+                    }
+                    true_ns[index] - lag
+                }
+                None => known.time_ns,
+            };
+            let time = now_ns.wrapping_sub(start) as f64 * 1e-9;
             let row = (time * rate).round();
             if !(row >= 0.0 && row < course.steps.len() as f64) {
                 continue;
@@ -172,6 +203,8 @@ impl Trial {
                 reason = "checked above"
             )]
             let row = row as usize;
+            // what the sensors tell of ends at the row
+            let row = row.saturating_sub(1);
             let step = &course.steps[row];
             out.moments.push(Moment {
                 time,

@@ -5,6 +5,7 @@ mod breakpoints;
 #[cfg(all(test, feature = "std"))]
 mod effort;
 mod integrals;
+mod jump;
 pub(crate) mod ladder;
 pub(crate) mod lean;
 mod panels;

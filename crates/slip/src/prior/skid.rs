@@ -1,0 +1,83 @@
+//! The skid of a free wheel on soft ground, over its load.
+
+use grouser_real::Real;
+use grouser_terra::{Error, Result, RigidWheel, Settings, Soil, WheelOnSoil};
+
+use super::doubt::SoilDoubt;
+use super::table::Table;
+use crate::filter::SlipPrior;
+
+/// Points of the table.
+const POINTS: u32 = 9;
+
+/// The slip s_f < 0 at which the soil turns a free wheel against its bearing: torque + bearing torque = 0.
+///
+/// A free wheel that is taken to roll reads slips too high by −s_f (1 − s): .08 to .19 on dry sand.
+///
+/// Source: MODEL.md 7; laws of \[WR67\]. Valid range: loads between those given. Assumes: straight ahead, steady.
+///
+/// ```
+/// use grouser_slip::prior::{FreeWheelSkid, SoilDoubt};
+/// use grouser_terra::{RigidWheel, catalogue};
+/// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let skid = FreeWheelSkid::new(RigidWheel::new(0.05, 0.03)?, &sand, 0.0, (2.0, 20.0), SoilDoubt::default())?;
+/// let at_5_newton = skid.at(5.0).expect("in the table");
+/// // solved by an independent quadrature: −.095
+/// assert!((at_5_newton.mean + 0.095).abs() < 2e-3 && at_5_newton.sigma > 0.01);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FreeWheelSkid {
+    /// Over √load: the skid is all but linear in it.
+    table: Table,
+}
+
+impl FreeWheelSkid {
+    /// The table for `wheel` on `soil` with a bearing that holds it back by `bearing_torque` (N m), for loads from
+    /// `loads.0` to `loads.1` (N).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for loads outside [1e-3, 1e6] N or a negative bearing torque; what [`WheelOnSoil`] refuses.
+    pub fn new(
+        wheel: RigidWheel,
+        soil: &Soil,
+        bearing_torque: f64,
+        loads: (f64, f64),
+        doubt: SoilDoubt,
+    ) -> Result<Self> {
+        for (field, load, low) in [
+            ("least load", loads.0, 1e-3),
+            ("greatest load", loads.1, loads.0),
+        ] {
+            if !(load >= low && load <= 1e6) {
+                return Err(Error::OutOfRange {
+                    field,
+                    value: load,
+                    low,
+                    high: 1e6,
+                    unit: "N",
+                });
+            }
+        }
+        // what is wrong with the wheel, the soil or the bearing shows at once
+        WheelOnSoil::new(wheel, *soil, Settings::default())?.free_slip(loads.0, bearing_torque)?;
+        let slip = |soil: &Soil, load: f64| {
+            let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
+            Some(pair.free_slip(load, bearing_torque).ok()??.value())
+        };
+        let (from, to) = (Real::sqrt(loads.0), Real::sqrt(loads.1));
+        let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
+        Ok(Self {
+            table: Table::new(places.map(|place| {
+                let prior = doubt.spread(soil, -1.0, |soil| slip(soil, place * place));
+                (place, prior)
+            })),
+        })
+    }
+
+    /// The skid under `load` (N); `None` outside the table, or where the soil does not turn the wheel.
+    #[must_use]
+    pub fn at(&self, load: f64) -> Option<SlipPrior> {
+        self.table.at(Real::sqrt(load))
+    }
+}

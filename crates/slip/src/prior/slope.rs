@@ -1,0 +1,78 @@
+//! The slip that holds a slope, over the slope.
+
+use grouser_terra::{Angle, Error, Result, RigidWheel, Settings, SlopeOutcome, Soil, WheelOnSoil};
+
+use super::doubt::SoilDoubt;
+use super::table::Table;
+use crate::filter::SlipPrior;
+
+/// Points of the table.
+const POINTS: u32 = 17;
+
+/// The slip that a powered wheel needs on a slope: what the filter may believe before it has measured.
+///
+/// Source: MODEL.md 5 (slip demand). Valid range: slopes between those given, up to the one that no slip holds. Assumes:
+/// all powered wheels share the pull by their load.
+///
+/// ```
+/// use grouser_slip::prior::{SlipDemand, SoilDoubt};
+/// use grouser_terra::{Angle, RigidWheel, catalogue};
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let slopes = (Angle::from_deg(-10.0), Angle::from_deg(20.0));
+/// let demand = SlipDemand::new(RigidWheel::new(0.125, 0.1)?, &soil, 80.0, slopes, SoilDoubt::default())?;
+/// let (level, uphill) = (demand.at(Angle::from_deg(0.0)), demand.at(Angle::from_deg(10.0)));
+/// assert!(uphill.expect("it is held").mean > level.expect("it is held").mean);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SlipDemand {
+    table: Table,
+}
+
+impl SlipDemand {
+    /// The table for `wheel` under `weight` (N) on `soil`, from one slope to another.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a weight or slopes outside the model's limits; what [`WheelOnSoil`] refuses.
+    pub fn new(
+        wheel: RigidWheel,
+        soil: &Soil,
+        weight: f64,
+        slopes: (Angle, Angle),
+        doubt: SoilDoubt,
+    ) -> Result<Self> {
+        let (from, to) = (slopes.0.rad(), slopes.1.rad());
+        if !(from <= to) {
+            return Err(Error::OutOfRange {
+                field: "greatest slope",
+                value: to,
+                low: from,
+                high: core::f64::consts::FRAC_PI_2,
+                unit: "rad",
+            });
+        }
+        let pair = WheelOnSoil::new(wheel, *soil, Settings::default())?;
+        pair.slip_demand(weight, slopes.0)?;
+        pair.slip_demand(weight, slopes.1)?;
+        let slip = |soil: &Soil, slope: f64| {
+            let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
+            match pair.slip_demand(weight, Angle::from_rad(slope)).ok()? {
+                SlopeOutcome::Holds { slip } => Some(slip.value()),
+                _ => None,
+            }
+        };
+        let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
+        Ok(Self {
+            table: Table::new(places.map(|place| {
+                let end = if place < 0.0 { -1.0 } else { 1.0 };
+                (place, doubt.spread(soil, end, |soil| slip(soil, place)))
+            })),
+        })
+    }
+
+    /// The slip demand on `slope`; `None` outside the table, or where no slip holds it.
+    #[must_use]
+    pub fn at(&self, slope: Angle) -> Option<SlipPrior> {
+        self.table.at(slope.rad())
+    }
+}

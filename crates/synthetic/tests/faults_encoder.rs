@@ -1,0 +1,327 @@
+//! Faults of wheels and their encoders (A1 to A15), put into the five-wheeled robot's run in every phase.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+mod trial;
+
+use grouser_slip::{Degraded, Health, Invalid, Motion};
+use grouser_synthetic::{Event, Fault};
+use trial::{FREE, PHASES, Trial};
+
+const END: f64 = 26.0;
+
+const fn is_invalid(health: Health) -> bool {
+    matches!(health, Health::Invalid(_))
+}
+
+/// No powered wheel lies for longer than this, s.
+fn honest(out: &trial::Outcome, what: &str) {
+    let (lasted, at, wheel) = out.silence();
+    assert!(
+        lasted <= 1.0,
+        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
+    );
+}
+
+#[test]
+fn a1_a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
+    let nominal = Trial::new(1).run();
+    for (phase, from) in PHASES {
+        for (gap, invalid) in [(0.05, false), (0.5, true), (60.0, true)] {
+            let trial = Trial::new(1).fault(Fault::WheelSilent(1), from, from + gap);
+            let out = trial.run();
+            honest(&out, phase);
+            let to = (from + gap).min(END);
+            let delay = out.delay(1, (from, to), |health| {
+                health == Health::Invalid(Invalid::Dropout)
+            });
+            assert_eq!(delay.is_some(), invalid, "{phase} {gap} s");
+            if let Some(delay) = delay {
+                assert!(delay <= 0.15, "{phase} {gap} s: {delay}");
+            }
+            // the others
+            for moment in out.between(from, END) {
+                for wheel in [0, 2, 3] {
+                    assert!(
+                        !is_invalid(moment.wheels[wheel].health),
+                        "{phase} {gap} s {:.2}",
+                        moment.time
+                    );
+                }
+            }
+            // and back again within 2 s
+            if to + 2.0 < 20.0 {
+                assert!(
+                    out.between(to + 2.0, 20.0)
+                        .all(|m| !is_invalid(m.wheels[1].health))
+                );
+            }
+            let ratio = out.speed_rms(5.0, 23.0) / nominal.speed_rms(5.0, 23.0);
+            assert!(
+                ratio <= 1.5,
+                "{phase} {gap} s: the robot's speed is {ratio:.2} times as wrong"
+            );
+        }
+    }
+    // the free wheel and a powered one
+    let out = Trial::new(1)
+        .fault(Fault::WheelSilent(1), 9.0, END)
+        .fault(Fault::WheelSilent(3), 9.0, END)
+        .run();
+    let ratio = out.speed_rms(5.0, 23.0) / nominal.speed_rms(5.0, 23.0);
+    println!("two of five lost: speed {ratio:.2} times as wrong");
+    assert!(ratio <= 2.0);
+}
+
+#[test]
+fn a2_a_stuck_encoder_is_found_and_is_no_skid() {
+    for (phase, from) in [("converge", 3.0), ("steady", 9.0), ("stop", 20.5)] {
+        let out = Trial::new(2)
+            .fault(Fault::WheelStuck(1), from, from + 2.0)
+            .run();
+        honest(&out, phase);
+        let delay = out.delay(1, (from, from + 2.0), is_invalid).unwrap();
+        println!("stuck, {phase}: found after {delay:.2} s");
+        assert!(delay <= 0.3);
+        for moment in out.between(from, from + 2.0) {
+            let wheel = &moment.wheels[1];
+            let skid = wheel.slip.is_some_and(|slip| slip.value() < -0.9);
+            assert!(
+                !(skid && wheel.health == Health::Ok),
+                "{phase} {:.2} s",
+                moment.time
+            );
+        }
+    }
+    // one that is stuck from the start is found when the robot moves
+    let out = Trial::new(2).fault(Fault::WheelStuck(1), 0.5, 6.0).run();
+    assert!(out.delay(1, (2.6, 6.0), is_invalid).unwrap() <= 0.5);
+}
+
+#[test]
+fn a3_lost_pulses_bias_the_slip_by_no_more_than_their_share() {
+    let nominal = Trial::new(3).run();
+    let mean = |out: &trial::Outcome| {
+        let errors: Vec<f64> = out
+            .between(8.0, 19.0)
+            .filter_map(|m| Some(m.error(1)?.0))
+            .collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    };
+    for share in [0.01, 0.05, 0.2] {
+        let out = Trial::new(3)
+            .fault(Fault::PulsesLost(1, share), 6.0, END)
+            .run();
+        let bias = mean(&out) - mean(&nominal);
+        println!("{share} of the pulses lost: bias {bias:.4}");
+        assert!(bias.abs() <= 1.25 * share + 0.01);
+    }
+}
+
+#[test]
+fn a5_swapped_tracks_are_found() {
+    for (phase, from) in [("converge", 3.0), ("steady", 9.0), ("stop", 20.5)] {
+        let out = Trial::new(5)
+            .fault(Fault::Swapped(1), from, from + 2.0)
+            .run();
+        honest(&out, phase);
+        let delay = out.delay(1, (from, from + 2.0), is_invalid).unwrap();
+        println!("swapped, {phase}: found after {delay:.2} s");
+        assert!(delay <= 1.0);
+    }
+}
+
+#[test]
+fn a6_a_counter_that_goes_round_is_the_same_to_the_bit() {
+    let told = |bits: u32, ticks: f64, start: i64, back: bool| {
+        let mut trial = Trial::new(6);
+        trial.sensors.bits = bits;
+        for wheel in &mut trial.robot.wheels {
+            wheel.ticks = ticks;
+            wheel.count_at_start = start;
+        }
+        if back {
+            for leg in &mut trial.robot.legs {
+                leg.speed = -leg.speed;
+            }
+        }
+        let (course, samples) = trial.samples();
+        let out = trial.follow(&course, &samples);
+        assert_eq!(out.refused, 0);
+        let last = out.moments[out.moments.len() / 2];
+        format!("{:?} {:?}", last.wheels, last.known_speed)
+    };
+    for back in [false, true] {
+        let whole = told(64, 960.0, 0, back);
+        for (bits, start) in [
+            (8, 255),
+            (8, 0),
+            (16, 65_535),
+            (16, 0),
+            (32, 2_147_483_647),
+            (32, 0),
+            (32, 4_294_967_295),
+        ] {
+            assert_eq!(
+                told(bits, 960.0, start, back),
+                whole,
+                "{bits} bits from {start}"
+            );
+        }
+        // twice round in one row: 0.3 m/s are 573 ticks a row
+        assert_eq!(
+            told(8, 120_000.0, 255, back),
+            told(64, 120_000.0, 255, back)
+        );
+    }
+}
+
+#[test]
+fn a7_a_counter_that_begins_again_costs_one_sample() {
+    for (phase, from) in PHASES {
+        let mut trial = Trial::new(7).fault(Fault::CounterReset(1), from, END);
+        trial.sensors.bits = 32;
+        trial.robot.wheels[1].count_at_start = 1_000_000;
+        let out = trial.run();
+        honest(&out, phase);
+        assert_eq!(out.refused, 1, "{phase}");
+        let back = out
+            .between(from + 0.5, 20.0)
+            .all(|m| !is_invalid(m.wheels[1].health));
+        assert!(back, "{phase}");
+    }
+}
+
+#[test]
+fn a8_a_single_jump_is_refused_and_moves_nothing() {
+    for (phase, from) in PHASES {
+        for ticks in [1_000_000, -1_000_000] {
+            let mut trial = Trial::new(8);
+            trial.sensors.bits = 32;
+            let without = trial.run();
+            let out = trial
+                .fault(Fault::CounterJumps(1, ticks), from, from + 1.0)
+                .run();
+            assert_eq!(out.refused, 1, "{phase}");
+            for (a, b) in out.between(from, END).zip(without.between(from, END)) {
+                if let (Some(slip), Some(other), Some(sigma)) =
+                    (a.wheels[0].slip, b.wheels[0].slip, b.wheels[0].sigma)
+                {
+                    assert!(
+                        (slip.value() - other.value()).abs() < 0.1 * sigma,
+                        "{phase} {:.2}",
+                        a.time
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a9_a_crawling_wheel_is_called_slow_without_chatter() {
+    let mut trial = Trial::new(9);
+    for leg in &mut trial.robot.legs {
+        leg.speed *= 0.005 / 0.3;
+        leg.yaw_rate = 0.0;
+    }
+    let out = trial.run();
+    let mut changes = 0;
+    let mut last = None;
+    for moment in out.between(6.0, 19.0) {
+        let wheel = &moment.wheels[0];
+        assert!(
+            wheel.slip.is_none(),
+            "{:.2} s: {:?}",
+            moment.time,
+            wheel.slip
+        );
+        let slow = matches!(wheel.health, Health::Degraded(Degraded::LowSpeed));
+        let stands = wheel.motion == Some(Motion::Standstill);
+        assert!(
+            slow || stands,
+            "{:.2} s: {} {:?}",
+            moment.time,
+            wheel.health,
+            wheel.motion
+        );
+        changes += u32::from(last.is_some_and(|last| last != wheel.health));
+        last = Some(wheel.health);
+    }
+    println!("crawling: {changes} changes of health in 13 s");
+    assert!(changes <= 13);
+}
+
+#[test]
+fn a12_a_towed_robot_slips_backwards() {
+    let mut trial = Trial::new(12);
+    trial.robot.drive_slip = (-0.08, -0.2);
+    let out = trial.run();
+    honest(&out, "towed");
+    for moment in out.between(5.0, 19.0) {
+        for wheel in 0..FREE {
+            let (error, sigma) = moment.error(wheel).unwrap();
+            assert!(error.abs() < 0.15 + 4.0 * sigma, "{:.2} s", moment.time);
+        }
+    }
+    println!(
+        "towed: rms {:.4} nees {:.2}",
+        out.rms(5.0, 20.0),
+        out.nees(5.0, 20.0)
+    );
+    assert!(out.rms(5.0, 20.0) < 0.03);
+}
+
+#[test]
+fn a13_an_immobilised_robot_slips_wholly() {
+    let mut trial = Trial::new(13);
+    trial.robot.legs[2].seconds = 68.0;
+    trial = trial.event(Event::Immobilised, 6.0, 66.0);
+    let out = trial.run();
+    honest(&out, "immobilised");
+    for moment in out.between(7.0, 66.0) {
+        for wheel in 0..FREE {
+            let slip = moment.wheels[wheel].slip.unwrap().value();
+            let near = (slip - 1.0).abs() <= 0.03;
+            assert!(near && slip <= 1.0, "{:.2} s: {slip}", moment.time);
+            assert_eq!(
+                moment.wheels[wheel].health,
+                Health::Ok,
+                "{:.2} s",
+                moment.time
+            );
+        }
+    }
+}
+
+#[test]
+fn a15_play_in_the_gears_makes_no_lasting_slip() {
+    // 30 ticks of 960 at once
+    let play = 30.0 / 960.0 * std::f64::consts::TAU * 0.1;
+    for (phase, from) in PHASES {
+        let with = Trial::new(15)
+            .event(Event::Backlash { play }, from, from + 1.0)
+            .run();
+        let without = Trial::new(15).run();
+        let mut since = None;
+        for (a, b) in with
+            .between(from, from + 3.0)
+            .zip(without.between(from, from + 3.0))
+        {
+            let far = (0..FREE).any(|wheel| match (a.wheels[wheel].slip, b.wheels[wheel].slip) {
+                (Some(a), Some(b)) => (a.value() - b.value()).abs() > 0.1,
+                _ => false,
+            });
+            if !far {
+                since = None;
+                continue;
+            }
+            let lasted = a.time - *since.get_or_insert(a.time);
+            // to the row
+            assert!(lasted < 0.105, "{phase}: {lasted:.2} s");
+        }
+    }
+}

@@ -1,0 +1,430 @@
+//! Faults of the other sensors (C1 to C12), put into the five-wheeled robot's run.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+mod trial;
+
+use grouser_slip::filter::{FilterSettings, SlipPrior};
+use grouser_slip::{Error, Health, Measurement, Sample};
+use grouser_synthetic::{Camera, Event, Fault};
+use trial::{FREE, Outcome, PHASES, Trial};
+
+const END: f64 = 26.0;
+
+fn honest(out: &Outcome, what: &str) {
+    let (lasted, at, wheel) = out.silence();
+    assert!(
+        lasted <= 1.0,
+        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
+    );
+}
+
+fn with_camera(seed: u64) -> Trial {
+    let mut trial = Trial::new(seed);
+    trial.sensors.camera = Some(Camera {
+        every: 5,
+        sigma: 0.001,
+        late: 0,
+    });
+    trial
+}
+
+/// Runs with and without the fault; says and checks what it costs.
+fn compare(what: &str, trial: Trial, fault: Fault, lasts: f64, most: f64) {
+    let nominal = trial.run();
+    for (phase, from) in PHASES {
+        let out = trial.clone().fault(fault, from, from + lasts).run();
+        let (lasted, ..) = out.silence();
+        let after = from + lasts + 2.0;
+        let back = if after < 18.0 {
+            out.rms(after, 19.0) / nominal.rms(after, 19.0)
+        } else {
+            1.0
+        };
+        println!(
+            "{what}, {phase}: rms {:.2} of nominal, {back:.2} after it; longest silence {lasted:.2} s; {} refused",
+            out.rms(5.0, 23.0) / nominal.rms(5.0, 23.0),
+            out.refused
+        );
+        honest(&out, what);
+        assert!(
+            back <= most,
+            "{what}, {phase}: {back:.2} of nominal two seconds after"
+        );
+    }
+}
+
+#[test]
+fn c1_what_is_no_number_is_refused_counted_and_changes_no_bit() {
+    let (_, samples) = with_camera(1).samples();
+    let mut filter = with_camera(1).filter();
+    for sample in &samples[..8000] {
+        let _ = filter.update(*sample);
+    }
+    let time_ns = samples[8000].time_ns;
+    let bad = [
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::from(f32::MAX),
+        f64::MAX,
+    ];
+    for one in bad {
+        for other in bad.into_iter().chain([0.0, -0.0, 5e-324]) {
+            for measurement in [
+                Measurement::WheelAngle {
+                    wheel: 0,
+                    angle: one,
+                },
+                Measurement::WheelRate {
+                    wheel: 0,
+                    rate: one,
+                },
+                Measurement::YawRate { rate: one },
+                Measurement::Acceleration {
+                    forward: one,
+                    left: other,
+                },
+                Measurement::Acceleration {
+                    forward: other,
+                    left: one,
+                },
+                Measurement::WheelTorque {
+                    wheel: 1,
+                    torque: one,
+                },
+                Measurement::Displacement {
+                    forward: one,
+                    left: other,
+                    turn: None,
+                },
+                Measurement::Displacement {
+                    forward: other,
+                    left: one,
+                    turn: Some(other),
+                },
+                Measurement::Displacement {
+                    forward: other,
+                    left: other,
+                    turn: Some(one),
+                },
+                Measurement::Pose {
+                    x: one,
+                    y: other,
+                    yaw: other,
+                },
+                Measurement::Pose {
+                    x: other,
+                    y: one,
+                    yaw: other,
+                },
+                Measurement::Pose {
+                    x: other,
+                    y: other,
+                    yaw: one,
+                },
+                Measurement::Speed {
+                    forward: one,
+                    left: Some(other),
+                },
+                Measurement::Speed {
+                    forward: other,
+                    left: Some(one),
+                },
+            ] {
+                let before = filter.clone();
+                let mut after = filter.clone();
+                // let it come through the horizon, beside a filter that never saw it
+                let refused = after
+                    .update(Sample {
+                        time_ns,
+                        measurement,
+                    })
+                    .is_err();
+                let mut without = before;
+                let mut faults = u64::from(refused);
+                for sample in &samples[8000..8200] {
+                    faults += u64::from(after.update(*sample).is_err());
+                    let _ = without.update(*sample);
+                }
+                assert!(faults >= 1, "{measurement:?} was not refused");
+                let (a, b) = (after.latest(), without.latest());
+                // a displacement that is a number leaves a hole: what came since the last one is not known
+                let hole = matches!(
+                    measurement,
+                    Measurement::Displacement { .. } | Measurement::Pose { .. }
+                );
+                if hole {
+                    assert!((a.body.forward.value - b.body.forward.value).abs() < 0.002);
+                    continue;
+                }
+                assert_eq!(
+                    format!("{:?}", a.wheels),
+                    format!("{:?}", b.wheels),
+                    "{measurement:?}"
+                );
+                assert!(a.rejected.total() > b.rejected.total());
+            }
+        }
+    }
+}
+
+#[test]
+fn c2_a_sigma_that_is_none_is_refused_by_name() {
+    let trial = Trial::new(2);
+    let robot = trial::described(&trial.robot, 16);
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.797e308] {
+        let settings = [
+            FilterSettings {
+                yaw_rate_sigma: bad,
+                ..FilterSettings::default()
+            },
+            FilterSettings {
+                position_sigma: bad,
+                ..FilterSettings::default()
+            },
+            FilterSettings {
+                speed_sigma: bad,
+                ..FilterSettings::default()
+            },
+            FilterSettings {
+                radius_sigma: bad,
+                ..FilterSettings::default()
+            },
+            FilterSettings {
+                slip: SlipPrior {
+                    mean: 0.1,
+                    sigma: bad,
+                },
+                ..FilterSettings::default()
+            },
+        ];
+        for settings in settings {
+            let refused = grouser_slip::filter::SlipFilter::new(&robot, settings);
+            assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{bad}");
+        }
+    }
+}
+
+#[test]
+fn c3_a_stuck_imu_does_no_lasting_harm() {
+    compare("IMU stuck", Trial::new(3), Fault::ImuStuck, 3.0, 1.3);
+}
+
+#[test]
+fn c4_an_impact_that_saturates_the_accelerometer_does_little() {
+    compare(
+        "saturated 0.1 s",
+        Trial::new(4),
+        Fault::AccelerometerSaturated(156.9),
+        0.1,
+        1.3,
+    );
+    compare(
+        "saturated 1 s",
+        Trial::new(4),
+        Fault::AccelerometerSaturated(156.9),
+        1.0,
+        1.3,
+    );
+}
+
+#[test]
+fn c5_a_step_of_bias_is_learnt() {
+    for bias in [0.5, -0.5] {
+        let out = Trial::new(5)
+            .fault(Fault::AccelerometerBias(bias), 9.0, END)
+            .run();
+        let (lasted, ..) = out.silence();
+        println!(
+            "accelerometer bias {bias}: rms {:.3}, longest silence {lasted:.2} s",
+            out.rms(9.0, 23.0)
+        );
+        honest(&out, "accelerometer bias");
+        assert!(out.rms(14.0, 16.0) < 0.04);
+    }
+    for bias in [0.05, -0.05] {
+        let out = Trial::new(5).fault(Fault::GyroBias(bias), 9.0, END).run();
+        let (lasted, ..) = out.silence();
+        println!(
+            "gyro bias {bias}: rms {:.3}, longest silence {lasted:.2} s",
+            out.rms(9.0, 23.0)
+        );
+        honest(&out, "gyro bias");
+    }
+}
+
+#[test]
+fn c6_an_imu_that_is_silent_or_noise_does_no_lasting_harm() {
+    compare("IMU silent", Trial::new(6), Fault::ImuSilent, 3.0, 1.3);
+    compare("IMU noise", Trial::new(6), Fault::ImuGarbage(2.0), 3.0, 1.3);
+    compare("IMU zero", Trial::new(6), Fault::ImuValue(0.0), 3.0, 1.3);
+}
+
+#[test]
+fn c7_a_camera_that_fails_is_left() {
+    let lasts = 3.0;
+    compare("camera lost", with_camera(7), Fault::CameraLost, lasts, 1.3);
+    compare(
+        "camera jumps 2 m",
+        with_camera(7),
+        Fault::CameraJumps(2.0),
+        lasts,
+        1.3,
+    );
+    compare(
+        "camera frozen",
+        with_camera(7),
+        Fault::CameraFrozen,
+        lasts,
+        1.3,
+    );
+    compare(
+        "camera half",
+        with_camera(7),
+        Fault::CameraScale(0.5),
+        lasts,
+        1.3,
+    );
+    compare(
+        "camera twice",
+        with_camera(7),
+        Fault::CameraScale(2.0),
+        lasts,
+        1.3,
+    );
+    compare(
+        "camera NaN",
+        with_camera(7),
+        Fault::CameraValue(f64::NAN),
+        lasts,
+        1.3,
+    );
+    // Without the free wheel the camera is the only reference. A scale that is wrong from the start is then the slip's; one
+    // that changes on the way is a jump of the speed that the accelerometer has not felt.
+    let mut alone = with_camera(7);
+    alone.faults.push((Fault::WheelSilent(FREE), (0.0, END)));
+    for (what, fault) in [
+        ("camera alone lost", Fault::CameraLost),
+        ("camera alone jumps", Fault::CameraJumps(2.0)),
+        ("camera alone frozen", Fault::CameraFrozen),
+    ] {
+        compare(what, alone.clone(), fault, lasts, 1.5);
+    }
+    for scale in [0.5, 2.0] {
+        let out = alone
+            .clone()
+            .fault(Fault::CameraScale(scale), 9.0, 12.0)
+            .run();
+        let (lasted, ..) = out.silence();
+        println!("camera alone, {scale} times, steady: longest silence {lasted:.2} s");
+        honest(&out, "camera alone, scale");
+    }
+}
+
+#[test]
+fn c8_c9_wrong_units_and_signs_never_pass_silently() {
+    for (what, scale) in [
+        ("degrees for radians", 57.3),
+        ("sign", -1.0),
+        ("revolutions", 9.55),
+    ] {
+        let out = Trial::new(8).fault(Fault::GyroScale(scale), 0.0, END).run();
+        let (lasted, ..) = out.silence();
+        println!(
+            "gyro {what}: rms {:.3}, longest silence {lasted:.2} s, {} refused",
+            out.rms(5.0, 23.0),
+            out.refused
+        );
+        honest(&out, what);
+    }
+    for (what, scale) in [
+        ("millimetres for metres", 1000.0),
+        ("metres for millimetres", 0.001),
+    ] {
+        let mut trial = with_camera(8);
+        trial.faults.push((Fault::CameraScale(scale), (0.0, END)));
+        let out = trial.run();
+        let (lasted, ..) = out.silence();
+        println!(
+            "camera {what}: rms {:.3}, longest silence {lasted:.2} s, {} refused",
+            out.rms(5.0, 23.0),
+            out.refused
+        );
+        honest(&out, what);
+    }
+}
+
+#[test]
+fn c10_bad_torques_do_not_move_the_slips() {
+    for fault in [
+        Fault::TorqueOffset(3.0),
+        Fault::TorqueZero,
+        Fault::TorqueNoise(3.0),
+    ] {
+        compare("torque", Trial::new(10), fault, 5.0, 1.1);
+    }
+}
+
+#[test]
+fn c11_when_all_is_silent_the_estimate_ends() {
+    for (phase, from) in PHASES {
+        let trial = Trial::new(11).fault(Fault::AllSilent, from, END + 60.0);
+        let (_, samples) = trial.samples();
+        let mut filter = trial.filter();
+        for sample in &samples {
+            let _ = filter.update(*sample);
+        }
+        let last = samples.last().unwrap().time_ns;
+        let known = filter.at(last + 1_000_000_000);
+        for wheel in known.wheels {
+            let ended = matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised);
+            assert!(ended && wheel.slip.is_none(), "{phase}: {}", wheel.health);
+        }
+    }
+}
+
+#[test]
+fn c12_a_start_in_motion_or_on_a_slope_is_right_or_says_that_it_is_not() {
+    // in motion: nothing is heard before
+    let moving = Trial::new(12).fault(Fault::AllSilent, 0.0, 6.0).run();
+    honest(&moving, "moving");
+    println!(
+        "start in motion: rms {:.3} from 0.5 s on",
+        moving.rms(6.5, 10.0)
+    );
+    assert!(moving.rms(6.5, 10.0) < 0.04);
+    // a slope of 11 degrees, and upside down
+    for tilt in [2.0, -2.0] {
+        let mut slope = Trial::new(12);
+        slope.sensors.acceleration_bias = (tilt, 0.5);
+        let out = slope.run();
+        honest(&out, "slope");
+        println!("slope: rms {:.3}", out.rms(5.0, 20.0));
+        assert!(out.rms(5.0, 20.0) < 0.04);
+    }
+}
+
+#[test]
+fn a_free_wheel_that_fails_is_found() {
+    for (what, event) in [
+        ("locked", Event::FreeWheelLocked),
+        ("half", Event::FreeWheelSkids { share: 0.5 }),
+        ("0.8", Event::FreeWheelSkids { share: 0.8 }),
+        ("twice", Event::FreeWheelSkids { share: 2.0 }),
+    ] {
+        for (phase, from) in [("converge", 3.0), ("steady", 8.0), ("steady", 14.5)] {
+            let out = Trial::new(14).event(event, from, from + 3.0).run();
+            let (lasted, at, wheel) = out.silence();
+            let delay = out.delay(FREE, (from, from + 3.0), |h| {
+                matches!(h, Health::Invalid(_))
+            });
+            println!(
+                "free wheel {what}, {phase}: found after {delay:.2?} s; wheel {wheel} silent for {lasted:.2} s until {at:.2}"
+            );
+        }
+    }
+}
