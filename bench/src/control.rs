@@ -87,6 +87,32 @@ pub fn run() {
                 .drawbar_pull
         }),
     );
+    let inside = SurrogateBox {
+        slip: (0.0, 0.5),
+        sinkage: (0.004, 0.03),
+    };
+    let built = (0..200)
+        .map(|_| {
+            let start = Instant::now();
+            black_box(Surrogate::new(&pair, black_box(inside)).expect("a surrogate"));
+            start.elapsed().as_secs_f64() * 1e9
+        })
+        .collect();
+    let fast = Surrogate::new(&pair, inside).expect("a surrogate");
+    line(
+        "surrogate: sinkage and forces under a load",
+        timed(|s, load| fast.under_load(load, s).expect("inside").drawbar_pull),
+    );
+    line(
+        "surrogate: forces at a sinkage",
+        timed(|s, _| fast.forces(0.01, s).expect("inside").drawbar_pull),
+    );
+    line("surrogate: built", quantiles(built));
+    let bounds = fast.bounds();
+    println!(
+        "bounds of the surrogate: forces {:.1e}, entry angle {:.1e}",
+        bounds.forces, bounds.theta_1
+    );
     println!(
         "evaluations a tick, tracked: {:.2}",
         f64::from(evaluations) / TICKS as f64

@@ -1,4 +1,4 @@
-//! Forces, sinkage and slip curve: lanes against the naive program, medians of interleaved rounds.
+//! Forces, sinkage and slip curve: lanes against the naive program, in interleaved rounds.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -15,24 +15,42 @@ pub const BATCH: usize = 4096;
 const ROUNDS: usize = 41;
 const CURVE: usize = 101;
 
-/// Every round's time of one job, ns a point.
-struct Timing(Vec<f64>);
-
-impl Timing {
-    fn median(&mut self) -> f64 {
-        self.0.sort_by(f64::total_cmp);
-        self.0[self.0.len() / 2]
-    }
+/// Every round's times of one job, piece by piece. A piece is short (a tenth of a millisecond or so), so that
+/// its median over the rounds is free of what else the machine does; the job's time is the sum of them.
+#[derive(Default)]
+struct Timing {
+    pieces: Vec<Vec<f64>>,
+    sum: f64,
 }
 
-/// What one job gave: its time and the sum of its outputs, which no compiler may drop.
-fn timed(points: usize, timing: &mut Timing, check: &mut f64, job: impl FnOnce() -> f64) {
-    let start = Instant::now();
-    let sum = job();
-    timing
-        .0
-        .push(start.elapsed().as_secs_f64() * 1e9 / points as f64);
-    *check = black_box(sum);
+impl Timing {
+    /// Runs and times a piece; its outputs' sum is one that no compiler may drop.
+    fn piece(&mut self, place: usize, job: impl FnOnce() -> f64) {
+        let start = Instant::now();
+        let sum = black_box(job());
+        let time = start.elapsed().as_secs_f64() * 1e9;
+        if self.pieces.len() <= place {
+            self.pieces.resize_with(place + 1, Vec::new);
+        }
+        self.pieces[place].push(time);
+        self.sum += sum;
+    }
+
+    /// The job's time, ns.
+    fn time(&mut self) -> f64 {
+        self.pieces
+            .iter_mut()
+            .map(|times| {
+                times.sort_by(f64::total_cmp);
+                times[times.len() / 2]
+            })
+            .sum()
+    }
+
+    /// The sum of a round's outputs.
+    fn check_sum(&self) -> f64 {
+        self.sum / ROUNDS as f64
+    }
 }
 
 fn batch(points: &Points) -> BatchPoints<'_> {
@@ -158,78 +176,92 @@ pub fn run(json: bool) {
         .collect();
     let mut curve_out = vec![BatchOutcome::default(); CURVE];
 
-    let mut timings: [Timing; 6] = std::array::from_fn(|_| Timing(Vec::new()));
-    let mut checks = [0.0; 6];
+    let mut timings: [Timing; 6] = std::array::from_fn(|_| Timing::default());
+    // every sixteenth point for the slow search
+    let some: Vec<(usize, usize)> = sets
+        .iter()
+        .enumerate()
+        .flat_map(|(k, set)| (0..set.slip.len()).step_by(16).map(move |i| (k, i)))
+        .collect();
     for _ in 0..ROUNDS {
         let [eval, solve, curve, naive_eval, naive_solve, naive_curve] = &mut timings;
-        timed(BATCH, eval, &mut checks[0], || {
-            let mut sum = 0.0;
-            for ((set, kernel), out) in sets.iter().zip(&kernels).zip(&mut outs) {
+        for (place, ((set, kernel), out)) in sets.iter().zip(&kernels).zip(&mut outs).enumerate() {
+            eval.piece(place, || {
                 kernel
                     .forces(&batch(set), &set.sinkage, out)
                     .expect("equal lengths");
-                sum += out.iter().map(|f| done(f).drawbar_pull).sum::<f64>();
-            }
-            sum
-        });
-        timed(BATCH, solve, &mut checks[1], || {
-            let mut sum = 0.0;
-            for (((set, kernel), out), load) in sets.iter().zip(&kernels).zip(&mut outs).zip(&loads)
-            {
+                out.iter().map(|f| done(f).drawbar_pull).sum()
+            });
+        }
+        for (place, ((set, kernel), (out, load))) in sets
+            .iter()
+            .zip(&kernels)
+            .zip(outs.iter_mut().zip(&loads))
+            .enumerate()
+        {
+            solve.piece(place, || {
                 kernel
                     .under_load(&batch(set), load, out)
                     .expect("equal lengths");
-                sum += out.iter().map(|f| done(f).sinkage).sum::<f64>();
-            }
-            sum
-        });
-        timed(curves.len(), curve, &mut checks[2], || {
-            let mut sum = 0.0;
-            for ((set, kernel), load) in curves.iter().zip(&kernels).zip(&curve_loads) {
-                let wheel = RigidWheel::new(set.radius[0], set.width[0]).expect("a wheel");
+                out.iter().map(|f| done(f).sinkage).sum()
+            });
+        }
+        for (place, ((set, kernel), load)) in
+            curves.iter().zip(&kernels).zip(&curve_loads).enumerate()
+        {
+            let wheel = RigidWheel::new(set.radius[0], set.width[0]).expect("a wheel");
+            curve.piece(place, || {
                 kernel
                     .curve(&wheel, load[0], &set.slip, &mut curve_out)
                     .expect("equal lengths");
-                sum += curve_out.iter().map(|f| done(f).drawbar_pull).sum::<f64>();
+                curve_out.iter().map(|f| done(f).drawbar_pull).sum()
+            });
+        }
+        let mut place = 0;
+        for set in &sets {
+            for part in (0..set.slip.len()).collect::<Vec<_>>().chunks(32) {
+                naive_eval.piece(place, || {
+                    part.iter()
+                        .map(|&i| {
+                            let theta_1 = (1.0 - set.sinkage[i] / set.radius[i]).acos();
+                            naive(set, i).forces(&table, theta_1, set.slip[i])[1]
+                        })
+                        .sum()
+                });
+                place += 1;
             }
-            sum
-        });
-        timed(BATCH, naive_eval, &mut checks[3], || {
-            let mut sum = 0.0;
-            for set in &sets {
-                for i in 0..set.slip.len() {
-                    let theta_1 = (1.0 - set.sinkage[i] / set.radius[i]).acos();
-                    sum += naive(set, i).forces(&table, theta_1, set.slip[i])[1];
-                }
-            }
-            sum
-        });
-        // The slow rivals on a sixteenth of the points a round.
-        let part = |n: usize| (0..n).step_by(16);
-        let count: usize = sets.iter().map(|set| part(set.slip.len()).count()).sum();
-        timed(count, naive_solve, &mut checks[4], || {
-            let mut sum = 0.0;
-            for (set, load) in sets.iter().zip(&loads) {
-                for i in part(set.slip.len()) {
-                    let theta_1 = naive(set, i).solve(&table, load[i], set.slip[i]);
-                    sum += set.radius[i] * (1.0 - theta_1.cos());
-                }
-            }
-            sum
-        });
-        timed(1, naive_curve, &mut checks[5], || {
-            let (set, load) = (&curves[0], &curve_loads[0]);
-            (0..CURVE)
-                .map(|i| {
-                    let wheel = naive(set, i);
-                    let theta_1 = wheel.solve(&table, load[i], set.slip[i]);
-                    wheel.forces(&table, theta_1, set.slip[i])[1]
-                })
-                .sum()
-        });
+        }
+        for (place, part) in some.chunks(4).enumerate() {
+            naive_solve.piece(place, || {
+                part.iter()
+                    .map(|&(k, i)| {
+                        let set = &sets[k];
+                        let theta_1 = naive(set, i).solve(&table, loads[k][i], set.slip[i]);
+                        set.radius[i] * (1.0 - theta_1.cos())
+                    })
+                    .sum()
+            });
+        }
+        let (set, load) = (&curves[0], &curve_loads[0]);
+        for (place, part) in (0..CURVE).collect::<Vec<_>>().chunks(4).enumerate() {
+            naive_curve.piece(place, || {
+                part.iter()
+                    .map(|&i| {
+                        let wheel = naive(set, i);
+                        let theta_1 = wheel.solve(&table, load[i], set.slip[i]);
+                        wheel.forces(&table, theta_1, set.slip[i])[1]
+                    })
+                    .sum()
+            });
+        }
     }
-    let [eval, solve, curve, naive_eval, naive_solve, naive_curve] =
-        timings.each_mut().map(Timing::median);
+    let checks = timings.each_ref().map(Timing::check_sum);
+    let counts = [BATCH, BATCH, curves.len(), BATCH, some.len(), 1];
+    let mut times = timings.each_mut().map(Timing::time);
+    for (time, count) in times.iter_mut().zip(counts) {
+        *time /= count as f64;
+    }
+    let [eval, solve, curve, naive_eval, naive_solve, naive_curve] = times;
     let lanes_error = worst(&sets, |set, i| {
         let place = sets
             .iter()

@@ -48,24 +48,22 @@ impl Input {
     /// Opens a table: as [`Input::open`], and a Parquet file as the text of a CSV table.
     #[cfg(feature = "parquet")]
     pub(crate) fn open_table(path: &Path) -> Result<Self> {
-        use std::io::Seek as _;
-
         use crate::error::Error;
         use crate::parquet_table::{ParquetText, is_parquet};
         if !is_parquet(path) {
             return Self::open(path);
         }
         let refuse = |error: io::Error| Error::file("read", path, &error);
-        let mut file = regular::open(path)?;
-        let mut hash = Sha256::new();
-        io::copy(&mut file, &mut hash).map_err(refuse)?;
-        file.rewind().map_err(refuse)?;
+        let mut whole = Self::open(path)?;
+        io::copy(&mut whole, &mut io::sink()).map_err(refuse)?;
+        let (_, known) = whole.digest();
+        let file = regular::open(path)?;
         Ok(Self {
             source: Box::new(ParquetText::open(file).map_err(refuse)?),
             hash: Sha256::new(),
             path: path.to_owned(),
             length: None,
-            known: Some(hexadecimal(hash)),
+            known: Some(known),
         })
     }
 
