@@ -17,3 +17,30 @@ test:
 # write the five-wheel example anew (a test compares it byte for byte)
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
+
+# draw the README's figure anew from measured data
+measured data:
+    cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
+
+# one reader or promise under libFuzzer, a million executions (fuzz/README.md): just fuzz mcap_read
+fuzz target executions="1000000":
+    fuzz/run {{target}} {{executions}}
+
+# reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
+bench-log:
+    cargo run --release --manifest-path bench/log/Cargo.toml
+
+# the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
+rivals:
+    cargo build --release --manifest-path bench/Cargo.toml
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy scipy numba
+    bench/target/venv/bin/python bench/rivals.py
+
+# the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
+sanitize:
+    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --test tracked --test surrogate --target x86_64-unknown-linux-gnu
+
+# a long search for random cases in which standard and reference mode disagree; minutes
+search:
+    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate

@@ -3,7 +3,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use grouser_terra::{RigidWheel, Settings, Slip, TrackedWheel, WheelOnSoil, catalogue};
+use grouser_terra::{
+    RigidWheel, Settings, Slip, Surrogate, SurrogateBox, TrackedWheel, WheelOnSoil, catalogue,
+};
 
 const TICKS: usize = 200_000;
 

@@ -11,7 +11,7 @@ use grouser_terra::{
 use crate::naive::{Naive, Table};
 use crate::points::{Points, points};
 
-const BATCH: usize = 4096;
+pub const BATCH: usize = 4096;
 const ROUNDS: usize = 41;
 const CURVE: usize = 101;
 
@@ -96,6 +96,25 @@ fn worst(sets: &[Points], forces: impl Fn(&Points, usize) -> [f64; 3]) -> f64 {
         }
     }
     worst
+}
+
+/// Worst relative error of the entry angle against the reference mode.
+fn worst_angle(set: &Points, out: &[BatchOutcome], load: &[f64]) -> f64 {
+    let exact = Settings {
+        accuracy: Accuracy::Reference,
+        ..Settings::default()
+    };
+    (0..load.len())
+        .map(|i| {
+            let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
+            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
+            let found = pair.sinkage_under(load[i], &motion).expect("a search");
+            let angle = |z: f64| entry_angle(z, set.radius[i]);
+            let exact = angle(found.sinkage.expect("carried"));
+            (angle(done(&out[i]).sinkage) / exact - 1.0).abs()
+        })
+        .fold(0.0, f64::max)
 }
 
 pub fn run(json: bool) {
@@ -229,6 +248,18 @@ pub fn run(json: bool) {
         let f = done(&out[0]);
         [f.vertical_force, f.drawbar_pull, f.torque]
     });
+    let solve_error = sets
+        .iter()
+        .zip(&kernels)
+        .zip(&loads)
+        .map(|((set, kernel), load)| {
+            let mut out = vec![BatchOutcome::default(); load.len()];
+            kernel
+                .under_load(&batch(set), load, &mut out)
+                .expect("equal lengths");
+            worst_angle(set, &out, load)
+        })
+        .fold(0.0_f64, f64::max);
     let naive_error = worst(&sets, |set, i| {
         naive(set, i).forces(
             &table,
@@ -243,14 +274,14 @@ pub fn run(json: bool) {
                 "eval_ns": eval, "solve_ns": solve, "curve_us": curve / 1e3,
                 "naive_eval_ns": naive_eval, "naive_solve_ns": naive_solve,
                 "naive_curve_us": naive_curve / 1e3,
-                "worst_error": lanes_error, "naive_worst_error": naive_error,
+                "worst_error": lanes_error, "solve_worst_error": solve_error, "naive_worst_error": naive_error,
                 "instructions": kernels[0].instructions(), "check_sums": checks,
             })
         );
         return;
     }
     println!(
-        "lanes: {}; worst error {lanes_error:.1e}, naive {naive_error:.1e}",
+        "lanes: {}; worst error {lanes_error:.1e}, of a solved angle {solve_error:.1e}, naive {naive_error:.1e}",
         kernels[0].instructions()
     );
     println!(

@@ -1,10 +1,12 @@
 //! `kernel`: the direct kernel at 1e-9 against the naive program, in one run, on one core.
 //!
+//! `points`: the operating points and their exact forces, for rivals in other languages.
+//!
 //! `loop`: one wheel in a control loop, call by call.
 //!
 //! `paths`: every path that is not the common one.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | paths`
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | paths | points`
 
 mod control;
 mod kernel;
@@ -19,9 +21,10 @@ fn main() {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
         ["loop"] => control::run(),
+        ["points"] => points::print(kernel::BATCH),
         ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json] | loop | paths");
+            eprintln!("usage: grouser-bench kernel [--json] | loop | paths | points");
             std::process::exit(2);
         }
     }

@@ -1,6 +1,8 @@
 //! The operating points that every rival gets: seeded, over the catalogue's first five soils.
 
-use grouser_terra::{Soil, catalogue};
+use grouser_terra::{
+    Accuracy, Kinematics, Pressure, RigidWheel, Settings, Slip, Soil, WheelOnSoil, catalogue,
+};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -49,4 +51,52 @@ pub fn points(count: usize) -> Vec<Points> {
             }
         })
         .collect()
+}
+
+/// The points as CSV, with the soil's parameters in SI units and the forces by the reference mode, for
+/// rivals in other languages.
+pub fn print(count: usize) {
+    println!(
+        "soil,k_c,k_phi,n,c,phi,k_shear,c_1,c_2,radius_m,width_m,slip,sinkage_m,load_n,w,pull,torque"
+    );
+    for set in points(count) {
+        let p = set.soil.params();
+        let Pressure::Bekker(law) = p.pressure else {
+            unreachable!("the catalogue's law")
+        };
+        let exact = Settings {
+            accuracy: Accuracy::Reference,
+            ..Settings::default()
+        };
+        for i in 0..set.slip.len() {
+            let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
+            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
+            let f = pair.forces_at(set.sinkage[i], &motion).expect("forces");
+            let w = f.vertical_force;
+            let numbers = [
+                law.k_c,
+                law.k_phi,
+                p.n,
+                p.cohesion,
+                p.phi.rad(),
+                p.k_shear,
+                p.c_1,
+                p.c_2,
+                set.radius[i],
+                set.width[i],
+                set.slip[i],
+                set.sinkage[i],
+                w,
+                w,
+                f.drawbar_pull,
+                f.torque,
+            ];
+            println!(
+                "{},{}",
+                set.key,
+                numbers.map(|x| format!("{x:?}")).join(",")
+            );
+        }
+    }
 }

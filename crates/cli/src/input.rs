@@ -17,6 +17,9 @@ pub(crate) struct Input {
     hash: Sha256,
     path: PathBuf,
     length: Option<u64>,
+    /// The SHA-256 of the file, where what is read is not what stands in it.
+    #[cfg(feature = "parquet")]
+    known: Option<String>,
 }
 
 impl Input {
@@ -37,7 +40,40 @@ impl Input {
             hash: Sha256::new(),
             path: path.to_owned(),
             length,
+            #[cfg(feature = "parquet")]
+            known: None,
         })
+    }
+
+    /// Opens a table: as [`Input::open`], and a Parquet file as the text of a CSV table.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn open_table(path: &Path) -> Result<Self> {
+        use std::io::Seek as _;
+
+        use crate::error::Error;
+        use crate::parquet_table::{ParquetText, is_parquet};
+        if !is_parquet(path) {
+            return Self::open(path);
+        }
+        let refuse = |error: io::Error| Error::file("read", path, &error);
+        let mut file = regular::open(path)?;
+        let mut hash = Sha256::new();
+        io::copy(&mut file, &mut hash).map_err(refuse)?;
+        file.rewind().map_err(refuse)?;
+        Ok(Self {
+            source: Box::new(ParquetText::open(file).map_err(refuse)?),
+            hash: Sha256::new(),
+            path: path.to_owned(),
+            length: None,
+            known: Some(hexadecimal(hash)),
+        })
+    }
+
+    /// Opens a table.
+    #[cfg(not(feature = "parquet"))]
+    pub(crate) fn open_table(path: &Path) -> Result<Self> {
+        refuse_parquet(path)?;
+        Self::open(path)
     }
 
     /// Its name as given.
@@ -52,8 +88,30 @@ impl Input {
 
     /// Its name and the SHA-256 of what was read.
     pub(crate) fn digest(self) -> (String, String) {
+        #[cfg(feature = "parquet")]
+        if let Some(known) = self.known {
+            return (self.path.display().to_string(), known);
+        }
         (self.path.display().to_string(), hexadecimal(self.hash))
     }
+}
+
+/// This build reads and writes no Parquet.
+#[cfg(not(feature = "parquet"))]
+pub(crate) fn refuse_parquet(path: &Path) -> Result<()> {
+    let parquet = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+    if parquet {
+        return Err(crate::error::Error::usage(
+            format!(
+                "{} is a Parquet file, which this build does not know",
+                crate::error::shown(path)
+            ),
+            "build with `--features parquet`, or give a CSV file",
+        ));
+    }
+    Ok(())
 }
 
 /// The SHA-256 of `bytes`.

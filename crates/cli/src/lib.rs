@@ -19,6 +19,8 @@ mod number;
 mod operation;
 mod output;
 mod output_choice;
+#[cfg(feature = "parquet")]
+mod parquet_table;
 mod progress;
 mod report;
 mod session;

@@ -40,13 +40,12 @@ impl Lines {
     /// The next line; `None` at the end. A byte order mark before the first is left out.
     pub(crate) fn next(&mut self) -> Result<Option<Line>> {
         let mut bytes = Vec::new();
-        let path = self.reader.get_ref().path().to_owned();
         let count = self
             .reader
             .by_ref()
             .take(LONGEST + 1)
             .read_until(b'\n', &mut bytes)
-            .map_err(|error| Error::file("read", &path, &error))?;
+            .map_err(|error| Error::file("read", self.reader.get_ref().path(), &error))?;
         if count == 0 {
             return Ok(None);
         }
@@ -54,7 +53,7 @@ impl Lines {
         self.bytes += count as u64;
         if bytes.last() != Some(&b'\n') && bytes.len() as u64 > LONGEST {
             return Err(Error::Content {
-                path,
+                path: self.reader.get_ref().path().to_owned(),
                 message: format!("line {} is longer than the limit of 1 MiB", self.number),
                 hint: None,
             });

@@ -18,6 +18,23 @@ impl Progress {
         Self::new(total, template)
     }
 
+    /// Of `jobs` simulated drives that last `seconds` together: how much of them is driven, and how fast.
+    pub(crate) fn of_drives(seconds: f64, jobs: usize) -> Self {
+        let drives = if jobs == 1 { "drive" } else { "drives" };
+        let template =
+            format!("{{wide_bar}} {{percent:>3}} % of {jobs} {drives}  {{msg}}  {{eta}} left");
+        Self::new(Some(whole(1e3 * seconds)), &template)
+    }
+
+    /// `seconds` more of a drive are done; the robot goes at `speed` (m/s) with this slip.
+    pub(crate) fn drove(&self, seconds: f64, speed: f64, slip: Option<f64>) {
+        if let Some(slip) = slip {
+            self.0
+                .set_message(format!("{speed:.2} m/s, slip {slip:.2}"));
+        }
+        self.0.inc(whole(1e3 * seconds));
+    }
+
     fn new(total: Option<u64>, template: &str) -> Self {
         let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(5));
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -44,4 +61,13 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count of milliseconds for a bar; the cast saturates"
+)]
+fn whole(value: f64) -> u64 {
+    value as u64
 }

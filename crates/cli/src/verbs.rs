@@ -5,9 +5,18 @@
 mod batch;
 mod batch_columns;
 mod batch_lanes;
+mod batch_sink;
+mod batch_stream;
 mod curve;
 mod curve_figure;
 mod curve_output;
+mod drive;
+mod drive_map;
+mod drive_object;
+mod drive_optimum;
+mod drive_report;
+mod drive_tables;
+mod drive_text;
 mod estimate;
 mod estimate_calibration;
 mod estimate_figure;
@@ -15,6 +24,9 @@ mod estimate_mcap;
 mod estimate_object;
 mod estimate_output;
 mod estimate_text;
+mod identify;
+mod identify_figure;
+mod identify_text;
 mod log;
 mod log_convert;
 mod log_info;
@@ -35,6 +47,11 @@ mod slip_model_figure;
 mod slip_model_grid;
 mod slip_model_output;
 mod soils;
+mod validate;
+mod validate_csv;
+mod validate_figure;
+mod validate_object;
+mod validate_text;
 mod wheel;
 mod wheel_figure;
 
@@ -51,8 +68,11 @@ pub(crate) enum Verb {
     Batch(batch::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
+    Drive(drive::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
+    Identify(identify::Arguments),
+    Validate(validate::Arguments),
     Log(log::Arguments),
 }
 
@@ -65,8 +85,11 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
+        Verb::Drive(arguments) => drive::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
+        Verb::Identify(arguments) => identify::run(&arguments, session),
+        Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
     }
 }

@@ -93,8 +93,25 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
     })
 }
 
+/// The numbers and laws of a section that may leave any of them open: NaN stands for a number that is not
+/// there (zero where zero switches a law off). Nothing is checked but that they are numbers.
+///
+/// # Errors
+/// A value that is no number, or a law that does not exist, with its place.
+pub fn read_open(section: &Section<'_>) -> Result<SoilParams> {
+    read_numbers(section, |key| {
+        Ok(section.optional_number(key, FINITE)?.unwrap_or(f64::NAN))
+    })
+}
+
 fn read_params(root: &Section<'_>) -> Result<SoilParams> {
-    let number = |key| root.number(key, FINITE);
+    read_numbers(root, |key| root.number(key, FINITE))
+}
+
+fn read_numbers(
+    root: &Section<'_>,
+    number: impl Fn(&'static str) -> Result<f64>,
+) -> Result<SoilParams> {
     let optional = |key| root.optional_number(key, FINITE);
     let zero = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(0.0));
     let open = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(f64::NAN));

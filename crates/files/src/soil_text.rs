@@ -130,7 +130,7 @@ fn degrees(out: &mut String, key: &str, value: f64) {
     number(
         out,
         key,
-        nearest(value.to_degrees(), |x| x.to_radians(), value),
+        nearest(value.to_degrees(), f64::to_radians, value),
     );
 }
 

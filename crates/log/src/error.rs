@@ -205,6 +205,12 @@ pub enum Error {
         /// The joints that it has.
         joints: String,
     },
+    /// A database as ROS 2 recorded before MCAP.
+    #[error("{file}: is a SQLite database, as rosbag2 wrote them, which is not read")]
+    Database {
+        /// The file.
+        file: String,
+    },
     /// One path for tables and for bags or MCAP files.
     #[error("{path}: means both tables and bags or MCAP files")]
     Mixed {
@@ -253,6 +259,7 @@ impl Error {
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }
+            Self::Database { .. } => Some("`ros2 bag convert` makes an MCAP file of it".into()),
             Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),

@@ -1,9 +1,10 @@
-//! Robot logs as typed records in the order of time, whatever they were written as: today tables of
-//! text (CSV and its relatives, plain or gzip) read through a column map.
+//! Robot logs as typed records in the order of time, whatever they were written as: MCAP files, ROS 1 bags,
+//! and tables of text (CSV and its relatives, plain or gzip) read through a column map.
 //!
-//! Reading streams: memory does not grow with the file, and rows may stand up to 1024 places from
-//! where their time belongs. Whatever is wrong ends the log with an error that names line and column:
-//! a log is read whole or not at all.
+//! Reading streams: memory does not grow with the file; rows may stand up to 1024 places from where their
+//! time belongs, messages up to 4096. A table is read whole or not at all: whatever is wrong ends it with an
+//! error that names line and column. A bag is read as far as it can be, and what was left out is counted
+//! ([`LeftOut`]).
 //!
 //! ```
 //! use grouser_files::columns;
@@ -22,8 +23,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! MCAP files and ROS 1 bags are read message by message by [`container::Container`], whole or damaged,
-//! and decoded by the definitions they hold ([`message::Decoder`]); [`Survey`] tells what one holds.
+//! | for | there is |
+//! |---|---|
+//! | readings of a robot's sensors | [`Log::find_any`], which chooses columns and topics |
+//! | decoded messages in the order of time | [`Messages`] |
+//! | one number over time | [`series()`] |
+//! | messages as the file has them, and its damage | [`container::Container`] |
+//! | what a file holds | [`Survey`], [`Sheet`] |
+//! | writing | [`write`](mod@write) |
+//!
+//! Messages are decoded by the definitions that their file holds ([`message::Decoder`]).
 //!
 //! The primary type is [`Log`]. It knows nothing of robots or slip.
 #![forbid(unsafe_code)]

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::messages::LeftOut;
 use crate::record::Record;
 use crate::recording::{Recording, RecordingReader, UsedTopic};
+use crate::source;
 
 /// The files of one run with what their columns or topics mean.
 #[derive(Clone, Debug)]
@@ -52,10 +53,11 @@ impl Log {
         for path in paths {
             expand(path, &mut found)?;
         }
+        if found.iter().any(|path| is_recording(path)) {
+            return Ok(false);
+        }
         for path in &found {
-            if is_recording(path) {
-                return Ok(false);
-            }
+            source::refuse_database(path)?;
         }
         Ok(true)
     }
@@ -110,6 +112,9 @@ impl Log {
             files.push((path, table));
         }
         if files.is_empty() && recording.is_none() {
+            for file in &unused {
+                source::refuse_database(file)?;
+            }
             let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
             let patterns: Vec<String> = (0..map.tables.len()).map(|t| pattern(&map, t)).collect();
             return Err(Error::NoTable {

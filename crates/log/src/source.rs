@@ -13,6 +13,7 @@ use crate::error::{Cell, Error, Result};
 
 const BUFFER: usize = 1 << 16;
 const GZIP: [u8; 2] = [0x1f, 0x8b];
+const DATABASE: &[u8] = b"SQLite format 3\0";
 
 /// A file whose bytes are counted as they are read.
 struct Counted {
@@ -28,9 +29,28 @@ impl Read for Counted {
     }
 }
 
+/// Refuses what ROS 2 recorded before MCAP: a database, neither text nor messages in a row. What cannot
+/// be opened is left to whoever opens it.
+pub(crate) fn refuse_database(path: &Path) -> Result<()> {
+    let mut start = Vec::new();
+    if let Ok(file) = regular::open(path)
+        && file
+            .take(DATABASE.len() as u64)
+            .read_to_end(&mut start)
+            .is_ok()
+        && start == DATABASE
+    {
+        return Err(Error::Database {
+            file: path.display().to_string(),
+        });
+    }
+    Ok(())
+}
+
 /// Opens a regular file; gzip is known by its first bytes, whatever the name. What is read of it is
 /// added to `count`.
 pub(crate) fn open(path: &Path, count: &Arc<AtomicU64>) -> Result<Box<dyn BufRead + Send>> {
+    refuse_database(path)?;
     let file = Counted {
         file: regular::open(path)?,
         count: Arc::clone(count),

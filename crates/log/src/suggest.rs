@@ -55,12 +55,7 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
             name(topic)
         );
     }
-    let wheels: Vec<(String, Option<String>)> = match joints {
-        Some(topic) => wheel_joints(&topic.joints),
-        None => [("left", None), ("right", None)]
-            .map(|(name, joint)| (name.to_owned(), joint))
-            .to_vec(),
-    };
+    let wheels = joints.map_or_else(Vec::new, |topic| wheel_joints(&topic.joints));
     let counts = joints.is_some_and(|topic| topic.channel.type_name.ends_with("/WheelTicks"));
     let counter = if counts {
         line(
@@ -124,6 +119,11 @@ pub fn suggest_for_sheet(sheet: &Sheet, file_name: &str) -> String {
         );
     }
     table.push_str("]\n");
+    if sheet.columns.iter().all(|column| column.guess.is_none()) {
+        // Nothing was recognised: a pattern to fill in.
+        let lines = table.lines().map(|line| format!("# {line}\n"));
+        table = lines.collect();
+    }
     let wheels: Vec<_> = sheet
         .wheels()
         .into_iter()
@@ -161,11 +161,12 @@ pub fn suggest_for_sheet(sheet: &Sheet, file_name: &str) -> String {
 /// The joints that are wheels: those that say so, else all.
 fn wheel_joints(joints: &[String]) -> Vec<(String, Option<String>)> {
     let says = |joint: &&String| joint.to_lowercase().contains("wheel");
-    let wheels: Vec<&String> = if joints.iter().any(|joint| says(&joint)) {
-        joints.iter().filter(says).collect()
-    } else {
-        joints.iter().collect()
-    };
+    let mut wheels: Vec<&String> = joints.iter().filter(|joint| !joint.is_empty()).collect();
+    if wheels.iter().any(says) {
+        wheels.retain(says);
+    }
+    wheels.sort_unstable();
+    wheels.dedup();
     let name = |joint: &&String| {
         let parts = joint
             .split('_')
@@ -178,7 +179,10 @@ fn wheel_joints(joints: &[String]) -> Vec<(String, Option<String>)> {
         }
     };
     let names: Vec<String> = wheels.iter().map(name).collect();
-    let unique = |own: &String| names.iter().filter(|other| *other == own).count() == 1;
+    // A short name that is another joint's, or another's short name, would be two wheels of one name.
+    let unique = |own: &String| {
+        names.iter().filter(|other| *other == own).count() == 1 && !wheels.contains(&own)
+    };
     wheels
         .iter()
         .zip(&names)
@@ -206,6 +210,8 @@ fn robot(
         "# Proposed by `grouser log info --suggest-robot`: measure what a comment says, then delete the comment.\n\
          format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n",
     );
+    let both = [("left".to_owned(), None), ("right".to_owned(), None)];
+    let wheels = if wheels.is_empty() { &both } else { wheels };
     let free = wheels.iter().any(|(name, _)| is_free(name));
     if !free && needs_reference {
         out.push_str(

@@ -3,6 +3,7 @@
 
 mod scratch;
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use grouser_log::Error;
@@ -30,7 +31,15 @@ fn shipped(name: &str) -> PathBuf {
 
 /// Every message with its time, and every damage.
 fn read(path: &Path) -> Result<(Vec<Row>, Vec<Damage>), Error> {
-    let mut container = Container::open(path)?;
+    read_over(Container::open(path)?)
+}
+
+/// The same of bytes in memory.
+fn read_bytes(bytes: Vec<u8>) -> Result<(Vec<Row>, Vec<Damage>), Error> {
+    read_over(Container::over(Path::new("bytes"), Cursor::new(bytes))?)
+}
+
+fn read_over(mut container: Container) -> Result<(Vec<Row>, Vec<Damage>), Error> {
     let (mut rows, mut damages) = (Vec::new(), Vec::new());
     while let Some(event) = container.next() {
         match event {
@@ -86,13 +95,12 @@ fn values_of_python_writers_are_equal_to_the_bit() {
 
 #[test]
 fn e1_a_cut_at_every_17th_byte_loses_only_what_is_behind_it() {
-    let folder = Folder::new("cut");
     for name in FILES {
         let bytes = std::fs::read(shipped(name)).unwrap();
         let (whole, _) = read(&shipped(name)).unwrap();
         let mut before = 0;
         for cut in (16..bytes.len()).step_by(17) {
-            let (rows, damages) = read(&folder.file("cut", &bytes[..cut])).unwrap();
+            let (rows, damages) = read_bytes(bytes[..cut].to_vec()).unwrap();
             assert_eq!(rows, whole[..rows.len()], "{name} cut at {cut}");
             assert!(
                 rows.len() == COUNT || !damages.is_empty(),
@@ -117,7 +125,6 @@ const LARGEST_CHUNK: usize = 9;
 
 #[test]
 fn e2_every_5th_bit_flipped_gives_the_same_data_or_is_told() {
-    let folder = Folder::new("flip");
     for name in &FILES[..3] {
         let bytes = std::fs::read(shipped(name)).unwrap();
         let (whole, _) = read(&shipped(name)).unwrap();
@@ -128,7 +135,7 @@ fn e2_every_5th_bit_flipped_gives_the_same_data_or_is_told() {
         for bit in (0..bytes.len() * 8).step_by(5) {
             let mut flipped = bytes.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
-            let Ok((rows, damages)) = read(&folder.file("flip", &flipped)) else {
+            let Ok((rows, damages)) = read_bytes(flipped) else {
                 continue;
             };
             assert!(
@@ -148,14 +155,13 @@ fn e2_every_5th_bit_flipped_gives_the_same_data_or_is_told() {
 
 #[test]
 fn e2_every_97th_bit_of_a_bag_flipped_ends_without_panic() {
-    let folder = Folder::new("flip-bag");
     for name in &FILES[3..] {
         let bytes = std::fs::read(shipped(name)).unwrap();
         for bit in (0..bytes.len() * 8).step_by(97) {
             let mut flipped = bytes.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             // A bag has no checksums: what is read may differ, but no more is read than was written.
-            if let Ok((rows, _)) = read(&folder.file("flip", &flipped)) {
+            if let Ok((rows, _)) = read_bytes(flipped) {
                 assert!(rows.len() <= COUNT, "{name}: bit {bit}");
             }
         }

@@ -198,6 +198,11 @@ impl<const N: usize> Real for Dual<N> {
         self.chain(Real::cos(self.value), -Real::sin(self.value))
     }
     #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = (Real::sin(self.value), Real::cos(self.value));
+        (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+    #[inline]
     fn tan(self) -> Self {
         let t = Real::tan(self.value);
         self.chain(t, 1.0 + t * t)
@@ -248,6 +253,9 @@ impl<const N: usize> Real for Dual<N> {
         let power = Real::powf(self.value, n.value);
         let by_base = if n.value == 0.0 {
             0.0
+        } else if self.value != 0.0 && power.is_normal() {
+            // the power is there already; a second one would cost as much again
+            n.value * power / self.value
         } else {
             n.value * Real::powf(self.value, n.value - 1.0)
         };

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use grouser_terra::{
@@ -12,21 +11,19 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::batch_columns::{Columns, Row};
-use super::batch_lanes;
+use super::batch_sink::TableSink;
+use super::{batch_lanes, batch_stream};
 use crate::error::{Error, Result, shown};
 use crate::input::Input;
 use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::number::exact;
 use crate::operation::{self, Answer, Status};
-use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::{Object, Report};
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 
-/// Rows in memory at a time.
-const CHUNK: usize = 4096;
 /// Soils kept at a time: a table may name any number of files.
 const SOILS: usize = 256;
 
@@ -65,29 +62,19 @@ struct Counts {
 type Soils = BTreeMap<String, (Soil, String)>;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let input = Input::open(&arguments.input)?;
+    let input = Input::open_table(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
     let mut lines = Lines::of(input);
     let columns = Columns::read(lines.next()?, &arguments.input)?;
-    let mut output = OutputFile::create(&arguments.output)?;
+    let mut output = TableSink::create(&arguments.output)?;
     let path = output.path().to_owned();
-    let mut write = |text: &str| {
-        output
-            .write_all(text.as_bytes())
-            .map_err(|error| Error::file("write", &path, &error))
-    };
 
-    write(&columns.header())?;
+    output.line(&columns.header())?;
     let mut counts = Counts::default();
     let mut soils = Soils::new();
     let mut used = Object::new();
-    loop {
-        let before = lines.bytes();
-        let chunk = next_chunk(&mut lines)?;
-        if chunk.is_empty() {
-            break;
-        }
-        let rows: Vec<Row> = chunk.iter().map(|line| columns.row(line)).collect();
+    let solve = |chunk: Vec<Line>, bytes: u64| {
+        let rows: Vec<Row> = chunk.par_iter().map(|line| columns.row(line)).collect();
         for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
             add_soil(&mut soils, &row.soil, &arguments.overrides, session);
         }
@@ -109,12 +96,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                 None => complete(&columns, row, &soils, arguments, cache),
             })
             .collect();
-        for (line, ending) in &solved {
-            counts.add(*ending);
-            write(line)?;
-        }
-        progress.advance(lines.bytes() - before);
-    }
+        progress.advance(bytes);
+        solved
+            .into_iter()
+            .map(|(line, ending)| {
+                counts.add(ending);
+                line
+            })
+            .collect()
+    };
+    let lines = batch_stream::solve_lines(lines, solve, |line| output.line(line))?;
     if counts.rows == 0 {
         return Err(Error::Content {
             path: arguments.input.clone(),
@@ -135,18 +126,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     report.warnings = columns.warnings();
     Ok(report)
-}
-
-fn next_chunk(lines: &mut Lines) -> Result<Vec<Line>> {
-    let mut chunk = Vec::new();
-    while chunk.len() < CHUNK {
-        match lines.next()? {
-            Some(line) if line.text.trim().is_empty() && line.is_text => {}
-            Some(line) => chunk.push(line),
-            None => break,
-        }
-    }
-    Ok(chunk)
 }
 
 /// Keeps a soil that can be had; what cannot is told in its rows.

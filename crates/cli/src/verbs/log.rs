@@ -67,6 +67,7 @@ pub(super) fn damages_object(damages: &[Damage]) -> Value {
         Value::Object(keyed([
             ("offset", Value::from(damage.offset)),
             ("bytes", Value::from(damage.bytes)),
+            ("messages", Value::from(damage.messages)),
             ("what", Value::from(damage.what.as_str())),
         ]))
     };
@@ -76,8 +77,11 @@ pub(super) fn damages_object(damages: &[Damage]) -> Value {
 /// The same as lines, the first twenty.
 pub(super) fn damages_text(damages: &[Damage]) -> String {
     let one = |damage: &Damage| {
+        let messages = damage
+            .messages
+            .map_or_else(String::new, |lost| format!(" and {lost} messages"));
         format!(
-            "damaged at byte {}, {} bytes lost: {}\n",
+            "damaged at byte {}, {} bytes{messages} lost: {}\n",
             damage.offset,
             damage.bytes,
             printable(&damage.what)
@@ -142,6 +146,7 @@ pub(super) fn copied_object(copied: &Copied, output: &Path) -> Object {
         ("topics", copied.channels.iter().map(topic).collect()),
         ("damage_count", Value::from(copied.damage_count)),
         ("bytes_lost", Value::from(copied.bytes_lost)),
+        ("messages_lost", Value::from(copied.messages_lost)),
         ("damages", damages_object(&copied.damages)),
         ("attachments_left_out", Value::from(copied.attached)),
         ("verified", Value::from(true)),

@@ -25,7 +25,7 @@ impl Default for Settings {
         Self {
             loss: Loss::Squares,
             steps: 400,
-            cosine: 1e-10,
+            cosine: 1e-8,
             change: 1e-13,
         }
     }

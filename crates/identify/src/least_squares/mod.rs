@@ -19,6 +19,7 @@ pub use loss::Loss;
 pub use marquardt::{Settings, fit};
 pub use multi_start::{StartSettings, multi_start};
 pub use profile::{Interval, profile};
+pub(crate) use qr::solve_damped;
 pub use student::student_quantile;
 pub use uncertainty::{Uncertainty, Verdict};
 

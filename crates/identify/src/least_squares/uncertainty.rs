@@ -99,9 +99,12 @@ impl Uncertainty {
             standard_errors: vec![f64::NAN; n],
             correlation: vec![vec![f64::NAN; n]; n],
             verdicts: (0..n)
-                .map(|k| match fit.on_bound(k) {
-                    true => Verdict::OnBound,
-                    false => Verdict::NotIdentifiable,
+                .map(|k| {
+                    if fit.on_bound(k) {
+                        Verdict::OnBound
+                    } else {
+                        Verdict::NotIdentifiable
+                    }
                 })
                 .collect(),
             condition: (greatest / least.max(0.0)).sqrt(),

@@ -6,7 +6,7 @@ use grouser_terra::{Angle, Kinematics, RigidWheel};
 
 use crate::error::{Error, Result};
 use crate::table::{Column, Table};
-use crate::wheel::WheelTest;
+use crate::wheel::{Support, WheelTest};
 
 /// Where the trials stand below the folder of measured data.
 pub const TRIALS: &str = "cmu-wheel/trials.csv";
@@ -90,7 +90,7 @@ pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>
             stated_slip: slip[i],
             test: WheelTest {
                 kinematics,
-                load: -vertical[i],
+                support: Support::Load(-vertical[i]),
                 pull: Some(-drag[i]),
                 side: Some(-side[i]),
                 torque: None,

@@ -3,7 +3,7 @@
 use grouser_terra::{Kinematics, Slip};
 
 use crate::error::{Error, Result};
-use crate::wheel::WheelTest;
+use crate::wheel::{Support, WheelTest};
 
 /// Radius and width, m; load, N.
 pub const WHEEL: (f64, f64, f64) = (0.15735, 0.165, 80.0);
@@ -36,7 +36,7 @@ pub fn tests() -> Result<Vec<WheelTest>> {
             })?;
             Ok(WheelTest {
                 kinematics: Kinematics::straight(slip),
-                load: WHEEL.2,
+                support: Support::Load(WHEEL.2),
                 pull: Some(pull),
                 side: None,
                 torque: Some(torque),

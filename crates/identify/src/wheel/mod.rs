@@ -1,7 +1,9 @@
 //! Wheel tests: one wheel on one soil at several slips.
 
 mod model;
+mod table;
 mod test;
 
 pub use model::{Fixed, Prediction, WheelModel, predict};
-pub use test::{Quantity, Scatter, WheelTest};
+pub use table::read_table;
+pub use test::{Quantity, Scatter, Support, WheelTest};

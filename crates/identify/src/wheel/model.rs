@@ -6,7 +6,7 @@ use grouser_terra::{
     DualInputs, DualSolution, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil, entry_angle,
 };
 
-use super::test::{Quantity, Scatter, WheelTest};
+use super::test::{Quantity, Scatter, Support, WheelTest};
 use crate::error::{Error, Result};
 use crate::parameter::Parameter;
 
@@ -156,15 +156,20 @@ fn solve<const N: usize>(
     pair: &WheelOnSoil,
     test: &WheelTest,
 ) -> Option<(DualSolution<N>, bool)> {
-    let load = Dual::constant(test.load);
-    match inputs.under_load(pair, &test.kinematics, load) {
-        Ok(Some(solved)) => Some((solved, false)),
-        Ok(None) => {
-            let radius = pair.wheel().running_radius();
-            let theta_1 = entry_angle(HUB * radius, radius);
-            Some((inputs.at_entry_angle(Dual::constant(theta_1)), true))
+    let radius = pair.wheel().running_radius();
+    let at = |sinkage: f64| {
+        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB * radius), radius);
+        inputs.at_entry_angle(Dual::constant(theta_1))
+    };
+    match test.support {
+        Support::Sinkage(sinkage) => Some((at(sinkage), sinkage >= radius)),
+        Support::Load(load) => {
+            match inputs.under_load(pair, &test.kinematics, Dual::constant(load)) {
+                Ok(Some(solved)) => Some((solved, false)),
+                Ok(None) => Some((at(radius), true)),
+                Err(_) => None,
+            }
         }
-        Err(_) => None,
     }
 }
 
@@ -234,8 +239,12 @@ pub fn predict(
         .map(|test| {
             let inputs = DualInputs::<0>::new(&pair, &test.kinematics);
             let Some((solved, hub_buried)) = solve(&inputs, &pair, test) else {
-                // the only other outcome is the error that the pair gives for this motion
-                let refused = pair.sinkage_under(test.load, &test.kinematics);
+                // the pair says what it does not like of this motion or this load
+                let load = match test.support {
+                    Support::Load(load) => load,
+                    Support::Sinkage(_) => 1.0,
+                };
+                let refused = pair.sinkage_under(load, &test.kinematics);
                 return Err(law(refused.err().unwrap_or(
                     grouser_terra::Error::NotFinite {
                         field: "sinkage",

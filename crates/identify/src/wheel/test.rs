@@ -7,8 +7,8 @@ use grouser_terra::Kinematics;
 pub struct WheelTest {
     /// How the wheel moved.
     pub kinematics: Kinematics,
-    /// Its load, N.
-    pub load: f64,
+    /// What holds it up.
+    pub support: Support,
     /// Drawbar pull, N, forwards.
     pub pull: Option<f64>,
     /// Side force, N, to the left.
@@ -17,6 +17,15 @@ pub struct WheelTest {
     pub torque: Option<f64>,
     /// Sinkage, m, above a datum that may be unknown.
     pub sinkage: Option<f64>,
+}
+
+/// What is known of how deep a wheel sits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Support {
+    /// The soil carries this load, N; the model finds the sinkage.
+    Load(f64),
+    /// It is held at this sinkage, m (at most the radius); the load is not looked at.
+    Sinkage(f64),
 }
 
 /// What a test reads.

@@ -5,8 +5,8 @@ use std::io;
 use super::scan::Scan;
 use super::unpack::Packing;
 use super::{
-    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, name_of,
-    room_for,
+    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, SWALLOWED,
+    name_of, room_for,
 };
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -19,6 +19,9 @@ const CHUNK_INFO: u8 = 6;
 pub(super) const CONNECTION: u8 = 7;
 /// The greatest header of a record, bytes.
 const HEADER_LIMIT: u64 = 1 << 20;
+/// Bytes of an entry of an index, and of one in what is told of a chunk.
+const INDEX_ENTRY: u64 = 12;
+const CHUNK_INFO_ENTRY: u64 = 8;
 /// How long the header of a chunk may be for it to be found after damage, bytes.
 const CHUNK_HEADER: usize = 96;
 const CHUNK_FIELDS: std::ops::Range<u32> = 16..88;
@@ -51,6 +54,12 @@ impl Container {
     pub(super) fn bag_record(&mut self) -> io::Result<Option<Found>> {
         let offset = self.scan.offset();
         if self.scan.left() == 0 {
+            if let Some(suspect) = self.passed_over.take()
+                && self.swallowed(suspect, offset, CHUNK_HEADER, is_chunk)?
+            {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
             self.ended = true;
             self.bag_end(offset);
             return Ok(None);
@@ -63,46 +72,56 @@ impl Container {
             self.scan.skip(MAGIC.len() as u64)?;
             return Ok(None);
         }
+        let suspect = self.passed_over;
         let mut head = Vec::new();
         if !self.scan.read(4, &mut head)? {
-            return Ok(self.bag_cut(offset, "the file ends within a record"));
+            return self.bag_resume(offset, suspect, "the file ends within a record");
         }
         let length = u64::from(Fields(&head).u32().unwrap_or(0));
         if length > HEADER_LIMIT {
             let what =
                 format!("a header declares {length} bytes, more than the limit of {HEADER_LIMIT}");
-            return self.bag_resume(offset, &what).map(|()| None);
+            return self.bag_resume(offset, suspect, &what);
         }
         let mut header = Vec::new();
         if !self.scan.read(length, &mut header)? {
-            return self
-                .bag_resume(offset, "the file ends within a header")
-                .map(|()| None);
+            return self.bag_resume(offset, suspect, "the file ends within a header");
         }
         let Some(op) = opcode(&header) else {
-            return self
-                .bag_resume(offset, "no record begins here")
-                .map(|()| None);
+            return self.bag_resume(offset, suspect, "no record begins here");
         };
         if !self.scan.read(4, &mut head)? {
-            return Ok(self.bag_cut(offset, "the file ends within a record"));
+            return self.bag_resume(offset, suspect, "the file ends within a record");
         }
         let length = u64::from(Fields(&head).u32().unwrap_or(0));
         let left = self.scan.left();
         let cut = length > left;
         if op == CHUNK {
-            return self
-                .bag_chunk(offset, &header, length.min(left), cut)
-                .map(|()| None);
+            self.bag_chunk(offset, &header, length.min(left), cut)?;
+            // One that declares too much swallows its neighbours, which shows behind it.
+            self.passed_over = Some(offset);
+            return Ok(None);
         }
         if cut || (length > CHUNK_LIMIT && matches!(op, MESSAGE | CONNECTION)) {
             let what = format!(
                 "a record declares {length} bytes; {left} are left, the limit is {CHUNK_LIMIT}"
             );
-            return self.bag_resume(offset, &what).map(|()| None);
+            return self.bag_resume(offset, suspect, &what);
+        }
+        let count = u64::from(number(&header, b"count").unwrap_or(0));
+        let entry = match op {
+            INDEX => INDEX_ENTRY,
+            CHUNK_INFO => CHUNK_INFO_ENTRY,
+            _ => 0,
+        };
+        if entry == 0 || count * entry != length {
+            // Its length may be what is wrong, if nothing makes sense behind it.
+            self.passed_over.get_or_insert(offset);
+        } else {
+            self.passed_over = None;
         }
         if op == INDEX {
-            self.indexed(u64::from(number(&header, b"count").unwrap_or(0)));
+            self.indexed(count);
         } else {
             self.settle();
         }
@@ -127,7 +146,7 @@ impl Container {
             INDEX | CHUNK_INFO => {}
             _ => {
                 let what = format!("the record's kind {op} is not known");
-                return self.bag_resume(offset, &what).map(|()| None);
+                return self.bag_resume(offset, suspect, &what);
             }
         }
         self.scan.skip(length)?;
@@ -152,17 +171,18 @@ impl Container {
         }
     }
 
-    fn bag_cut(&mut self, offset: u64, what: &str) -> Option<Found> {
-        self.ended = true;
-        self.lose(offset, self.scan.offset() + self.scan.left() - offset, what);
-        None
-    }
-
-    /// Looks for the next chunk after a place that makes no sense.
-    fn bag_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
-        self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
-        self.lose(offset, self.scan.offset() - offset, what);
-        Ok(())
+    /// Looks for the next chunk after a place that makes no sense, first in what the record at `suspect`
+    /// made it pass over.
+    fn bag_resume(
+        &mut self,
+        offset: u64,
+        suspect: Option<u64>,
+        what: &str,
+    ) -> io::Result<Option<Found>> {
+        self.passed_over = None;
+        let from = self.look_again(offset, suspect, CHUNK_HEADER, is_chunk)?;
+        self.lose(from, self.scan.offset() - from, what);
+        Ok(None)
     }
 
     fn bag_chunk(&mut self, offset: u64, header: &[u8], length: u64, cut: bool) -> io::Result<()> {
@@ -171,7 +191,19 @@ impl Container {
         self.chunks += 1;
         let packing = field(header, b"compression").and_then(Packing::named);
         let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
-            return self.bag_resume(offset, "the chunk's compression or size is not known");
+            // By its length, if a record stands behind it.
+            let what = "the chunk's compression or size is not known";
+            self.scan.skip(length)?;
+            if !is_record(self.scan.peek(64)?) {
+                return self.bag_resume(offset, None, what).map(|_| ());
+            }
+            self.chunk = Chunk {
+                offset,
+                bytes: self.scan.offset() - offset,
+                ..Chunk::default()
+            };
+            self.lose_of_chunk(what);
+            return Ok(());
         };
         let mut record = std::mem::take(&mut self.record);
         let read = self.scan.read(length, &mut record);
@@ -193,12 +225,18 @@ impl Container {
         };
         if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            self.scan.find(offset + 1, CHUNK_HEADER, is_chunk)?;
+            self.scan
+                .find(offset + 1..u64::MAX, CHUNK_HEADER, is_chunk)?;
             self.chunk.bytes = self.scan.offset() - offset;
             self.lose_of_chunk("the file ends within a chunk; its readable part is kept");
         } else if let Err(what) = unpacked {
-            // A bag has no checksums: what came before the fault is kept.
-            self.chunk.cut = true;
+            if packing == Packing::None {
+                // Only its size contradicts: its messages are there.
+                self.chunk.cut = true;
+            } else {
+                // Where it is wrong is not known: none of it is believed.
+                self.chunk.content.clear();
+            }
             self.lose_of_chunk(what);
         }
         Ok(())
@@ -317,6 +355,14 @@ pub(super) fn record(
         }
     }
     Ok(true)
+}
+
+/// Does a record begin here, by its header's first field?
+fn is_record(bytes: &[u8]) -> bool {
+    let mut fields = Fields(bytes);
+    let length = fields.u32().unwrap_or(0);
+    let first = fields.counted().unwrap_or_default();
+    u64::from(length) <= HEADER_LIMIT && first.len() < length as usize && first.contains(&b'=')
 }
 
 /// Does a chunk begin here, by all that its header says?

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::unpack::Packing;
 use super::{
-    CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, Schema,
-    name_of, room_for, too_many,
+    CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, SWALLOWED,
+    Schema, name_of, room_for, too_many,
 };
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -37,6 +37,12 @@ impl Container {
         let left = self.scan.left();
         let before = self.scan.crc();
         if left == 0 {
+            if let Some(suspect) = self.passed_over.take()
+                && self.swallowed(suspect, offset, 64, is_chunk_or_file)?
+            {
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
             self.ended = true;
             if !self.closed {
                 self.lose(offset, 0, "the file ends without its footer");
@@ -64,14 +70,23 @@ impl Container {
             return Ok(None);
         };
         let here = self.scan.left();
-        let passed_over = self.passed_over.take();
+        let passed_over = self.passed_over;
+        let behind_chunk = std::mem::take(&mut self.behind_chunk);
         let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
-        if !known
-            || (length > here && (passed_over.is_some() || !matches!(opcode, CHUNK | MESSAGE)))
+        if length > here
+            && let Some(suspect) = passed_over
+            && let back = self.scan.offset()
         {
-            // The length of the record that was passed over may be what is wrong.
+            if self.swallowed(suspect, offset, 64, is_chunk_or_file)? {
+                self.passed_over = None;
+                self.lose(suspect, self.scan.offset() - suspect, SWALLOWED);
+                return Ok(None);
+            }
+            self.scan.go_to(back);
+        }
+        if !known || (length > here && !matches!(opcode, CHUNK | MESSAGE)) {
             return self
-                .mcap_resume(passed_over.unwrap_or(offset), "no record begins here")
+                .mcap_resume(offset, passed_over, "no record begins here")
                 .map(|()| None);
         }
         if opcode != MESSAGE_INDEX {
@@ -79,6 +94,7 @@ impl Container {
         }
         if opcode == CHUNK {
             self.tell_orphans();
+            (self.passed_over, self.behind_chunk) = (None, true);
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
                 .map(|()| None);
@@ -87,14 +103,20 @@ impl Container {
             let what = format!(
                 "a record declares {length} bytes; {here} are left, the limit is {CHUNK_LIMIT}"
             );
-            return self.mcap_resume(offset, &what).map(|()| None);
+            return self.mcap_resume(offset, passed_over, &what).map(|()| None);
         }
+        self.passed_over.get_or_insert(offset);
         match opcode {
             SCHEMA | CHANNEL | MESSAGE => {
                 let mut record = std::mem::take(&mut self.record);
                 let read = self.scan.read(length, &mut record);
                 self.record = record;
                 read?;
+                if behind_chunk && opcode == MESSAGE && is_index(&self.record) {
+                    self.behind_chunk = true;
+                    self.lose(offset, 0, "a chunk's index is marked as a message");
+                    return Ok(None);
+                }
                 let record = std::mem::take(&mut self.record);
                 let done = self.mcap_content(opcode, &record, (0, false));
                 self.record = record;
@@ -118,6 +140,7 @@ impl Container {
                 self.scan.read(MAGIC.len() as u64, &mut end)?;
                 if end == MAGIC {
                     self.closed = true;
+                    self.passed_over = None;
                 } else {
                     self.lose(offset, 0, "the footer is not followed by the magic bytes");
                     self.closed = true;
@@ -126,7 +149,6 @@ impl Container {
             }
             _ => {
                 self.attached += u64::from(matches!(opcode, ATTACHMENT | METADATA));
-                self.passed_over = Some(offset);
                 self.scan.skip(length)?;
             }
         }
@@ -137,15 +159,21 @@ impl Container {
     fn mcap_index(&mut self, offset: u64, length: u64) -> io::Result<()> {
         let mut record = Vec::new();
         self.scan.read(length.min(6), &mut record)?;
-        self.scan.skip(length.saturating_sub(6))?;
-        self.passed_over = Some(offset);
         let mut fields = Fields(&record);
         if let (Some(_), Some(bytes)) = (fields.u16(), fields.u32())
             && u64::from(bytes) + 6 == length
         {
             self.indexed(u64::from(bytes) / 16);
+            (self.passed_over, self.behind_chunk) = (None, true);
+            self.scan.skip(length - 6)?;
+            return Ok(());
         }
-        Ok(())
+        // Its length may be what is wrong.
+        self.mcap_resume(
+            offset,
+            None,
+            "a chunk's index does not have the length that it declares",
+        )
     }
 
     /// Are all messages there that the file says it holds?
@@ -176,16 +204,15 @@ impl Container {
         Ok(())
     }
 
-    /// Looks for the next chunk after a place that makes no sense.
-    fn mcap_resume(&mut self, offset: u64, what: &str) -> io::Result<()> {
-        let found = self.scan.find(offset + 1, 64, |bytes, left| {
-            bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
-        })?;
-        let to = found.unwrap_or(self.scan.offset());
-        if found.is_none() {
+    /// Looks for the next chunk after a place that makes no sense, first in what the record at `suspect`
+    /// made it pass over.
+    fn mcap_resume(&mut self, offset: u64, suspect: Option<u64>, what: &str) -> io::Result<()> {
+        self.passed_over = None;
+        let from = self.look_again(offset, suspect, 64, is_chunk_or_file)?;
+        if self.scan.left() == 0 {
             self.closed = true;
         }
-        self.lose(offset, to - offset, what);
+        self.lose(from, self.scan.offset() - from, what);
         Ok(())
     }
 
@@ -247,7 +274,7 @@ impl Container {
         };
         let wrong = if cut {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            let next = self.scan.find(offset + 1, 64, is_chunk)?;
+            let next = self.scan.find(offset + 1..u64::MAX, 64, is_chunk)?;
             self.chunk.bytes = next.unwrap_or(self.scan.offset()) - offset;
             if next.is_none() {
                 self.closed = true;
@@ -283,7 +310,7 @@ impl Container {
         let sound = opcode.is_some_and(|opcode| (1..=DATA_END).contains(&opcode))
             && behind.is_some_and(|length| length < left);
         if !sound {
-            return self.mcap_resume(offset, what);
+            return self.mcap_resume(offset, None, what);
         }
         self.chunk = Chunk {
             offset,
@@ -434,6 +461,18 @@ fn metadata_of(fields: &mut Fields<'_>) -> BTreeMap<String, String> {
         }
     }
     metadata
+}
+
+/// Is this the content of a message's index?
+fn is_index(content: &[u8]) -> bool {
+    let mut fields = Fields(content);
+    fields.u16();
+    let bytes = fields.u32().map_or(0, |bytes| bytes as usize);
+    bytes > 0 && bytes == fields.0.len() && bytes.is_multiple_of(16)
+}
+
+fn is_chunk_or_file(bytes: &[u8], left: u64) -> bool {
+    bytes.starts_with(&MAGIC) || is_chunk(bytes, left)
 }
 
 /// Does a chunk begin here, by all that its head says?

@@ -135,6 +135,9 @@ pub const fn unpacked_limit(file_bytes: u64) -> u64 {
 /// 64 MiB: a file of many small bombs would take minutes. Logs unfold to less than a hundred.
 const UNFOLDING: u64 = 256;
 
+/// What is told where a record's length made the reading pass over others.
+const SWALLOWED: &str = "a record declares more bytes than it has";
+
 /// A message whose bytes stand in a buffer of the container.
 struct Found {
     channel: usize,
@@ -203,8 +206,10 @@ pub struct Container {
     index_at: Option<u64>,
     closed: bool,
     ended: bool,
-    /// Where the record began that was passed over last, if nothing was read since: its length may lie.
+    /// Where the first record began whose length nothing confirms yet: it may lie.
     passed_over: Option<u64>,
+    /// Does a chunk's index stand here, or another record behind a chunk?
+    behind_chunk: bool,
     /// Messages of this file so far.
     messages: u64,
     attached: u64,
@@ -284,6 +289,7 @@ impl Container {
             closed: false,
             ended: false,
             passed_over: None,
+            behind_chunk: false,
             messages: 0,
             attached: 0,
             profile: String::new(),
@@ -386,6 +392,37 @@ impl Container {
         self.ids.clear();
         self.base = offset;
         self.spare = None;
+        self.passed_over = None;
+    }
+
+    /// Goes to the next place after `offset` where `fits` finds a record, or to one before it that the
+    /// record at `suspect` made the reading pass over; from where on nothing is read.
+    fn look_again(
+        &mut self,
+        offset: u64,
+        suspect: Option<u64>,
+        reach: usize,
+        fits: impl Fn(&[u8], u64) -> bool,
+    ) -> std::io::Result<u64> {
+        if let Some(suspect) = suspect
+            && self.swallowed(suspect, offset, reach, &fits)?
+        {
+            return Ok(suspect);
+        }
+        self.scan.find(offset + 1..u64::MAX, reach, &fits)?;
+        Ok(offset)
+    }
+
+    /// Does `fits` find a record in what the record at `suspect` made the reading pass over, up to `offset`?
+    /// Then the scan stands there.
+    fn swallowed(
+        &mut self,
+        suspect: u64,
+        offset: u64,
+        reach: usize,
+        fits: impl Fn(&[u8], u64) -> bool,
+    ) -> std::io::Result<bool> {
+        Ok(self.scan.find(suspect + 1..offset, reach, fits)?.is_some())
     }
 
     fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {

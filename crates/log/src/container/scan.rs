@@ -196,23 +196,25 @@ impl Scan {
         Ok(self.peek(what.len())? == what)
     }
 
-    /// The first place at or after `from` where `fits` finds a record, given what stands there and how
-    /// many bytes the file has from there. The scan stands there, or at the end.
+    /// The first of these places where `fits` finds a record, given what stands there and how many bytes the
+    /// file has from there. The scan stands there, or behind the last.
     pub(super) fn find(
         &mut self,
-        from: u64,
+        places: std::ops::Range<u64>,
         reach: usize,
         fits: impl Fn(&[u8], u64) -> bool,
     ) -> io::Result<Option<u64>> {
-        let mut at = from;
+        let mut at = places.start;
+        let end = places.end.min(self.length);
         let mut window = Vec::new();
-        while at < self.length {
+        while at < end {
             self.go_to(at);
             self.read((WINDOW + reach) as u64, &mut window)?;
             if window.is_empty() {
                 break;
             }
-            let starts = window.len().min(WINDOW);
+            let rest = usize::try_from(end - at).unwrap_or(usize::MAX);
+            let starts = window.len().min(WINDOW).min(rest);
             for start in 0..starts {
                 let place = at + start as u64;
                 if fits(&window[start..], self.length - place) {
@@ -222,7 +224,7 @@ impl Scan {
             }
             at += starts as u64;
         }
-        self.go_to(self.length);
+        self.go_to(end.min(self.length));
         Ok(None)
     }
 }

@@ -262,3 +262,24 @@ fn find(name: &str, own: &str, names: &mut Vec<String>) -> Result<usize, String>
         full.chars().take(64).collect::<String>()
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_byte_is_signed_in_ros_1_and_not_in_ros_2() {
+        let text = "byte level\nbyte[] all\nchar c\n";
+        let kinds = |definition: Definition| -> Vec<Kind> {
+            definition.types[0]
+                .fields
+                .iter()
+                .map(|field| field.kind)
+                .collect()
+        };
+        let ros1 = Definition::parse_ros1("t/T", text).unwrap();
+        assert_eq!(kinds(ros1), [Kind::Int(1), Kind::Int(1), Kind::UInt(1)]);
+        let ros2 = Definition::parse("t/T", text).unwrap();
+        assert_eq!(kinds(ros2), [Kind::UInt(1); 3]);
+    }
+}

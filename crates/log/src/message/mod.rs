@@ -123,22 +123,38 @@ impl Decoder {
     /// # Errors
     /// What the message lacks.
     pub fn decode(&self, data: &[u8]) -> Result<Value, MessageError> {
+        let mut value = Value::Null;
+        self.decode_into(data, &mut value)?;
+        Ok(value)
+    }
+
+    /// As [`Decoder::decode`], into the value of the message before: its texts and arrays are used again, so
+    /// that a message like it costs no allocation. After an error the value is some mixture.
+    ///
+    /// # Errors
+    /// As [`Decoder::decode`].
+    pub fn decode_into(&self, data: &[u8], value: &mut Value) -> Result<(), MessageError> {
         match (&self.definition, self.encoding) {
-            (Some(definition), Encoding::Ros1) => cdr::decode(definition, data, cdr::Layout::Ros1),
+            (Some(definition), Encoding::Ros1) => {
+                cdr::decode(definition, data, cdr::Layout::Ros1, value)
+            }
             (Some(definition), _) => {
                 let (layout, body) = cdr::Layout::of_cdr(data)?;
-                cdr::decode(definition, body, layout)
+                cdr::decode(definition, body, layout, value)
             }
             (None, _) if data.len() > JSON_LIMIT => Err(MessageError::Long {
                 length: data.len(),
                 limit: JSON_LIMIT,
             }),
-            (None, _) => serde_json::from_slice(data)
-                .map(Value::from_json)
-                .map_err(|_| MessageError::NotText {
+            (None, _) => {
+                let json = serde_json::from_slice(data);
+                let json = json.map_err(|_| MessageError::NotText {
                     field: "the message".to_owned(),
                     expected: "JSON",
-                }),
+                })?;
+                *value = Value::from_json(json);
+                Ok(())
+            }
         }
     }
 }

@@ -25,6 +25,8 @@ pub struct Copied {
     pub damage_count: u64,
     /// Bytes of the file that are lost in them.
     pub bytes_lost: u64,
+    /// Messages that are lost in them, of those places where the file tells.
+    pub messages_lost: u64,
     /// Attachments and metadata records, which are not carried over.
     pub attached: u64,
     /// The CRC of all messages in their order.
@@ -74,6 +76,7 @@ pub fn copy<W: Write + Seek>(
         damages: Vec::new(),
         damage_count: 0,
         bytes_lost: 0,
+        messages_lost: 0,
         attached: 0,
         digest: 0,
     };
@@ -86,6 +89,7 @@ pub fn copy<W: Write + Seek>(
             Some(Event::Damage(damage)) => {
                 copied.damage_count += 1;
                 copied.bytes_lost += damage.bytes;
+                copied.messages_lost += damage.messages.unwrap_or(0);
                 if copied.damages.len() < DAMAGES {
                     copied.damages.push(damage);
                 }

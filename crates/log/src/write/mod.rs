@@ -9,6 +9,8 @@ mod topic;
 
 use std::io::{self, Seek, Write};
 
+use lz4_flex::frame::{BlockSize, FrameEncoder, FrameInfo};
+
 use crate::container::{Channel, Format};
 pub use bag::BagWriter;
 pub use copy::{Copied, copy, verify};
@@ -106,9 +108,10 @@ fn invalid(what: &'static str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
-/// A frame of LZ4.
+/// A frame of LZ4, in blocks of 64 KiB: of a frame that is cut, all whole blocks can be read.
 fn lz4(content: &[u8]) -> io::Result<Vec<u8>> {
-    let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
+    let info = FrameInfo::new().block_size(BlockSize::Max64KB);
+    let mut encoder = FrameEncoder::with_frame_info(info, Vec::new());
     encoder.write_all(content)?;
     encoder.finish().map_err(io::Error::other)
 }

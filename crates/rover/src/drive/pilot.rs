@@ -1,12 +1,12 @@
 //! Who drives: open loop, a fixed slip, or the controller.
 
-use grouser_slip::control::{ControlSettings, Mode};
+use grouser_slip::control::ControlSettings;
 
 /// Who drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Pilot {
-    /// Every rim runs at the asked speed, whatever the ground does.
+    /// Every rim runs at the asked speed, whatever the ground does; only the heading is held.
     OpenLoop,
     /// The slip loop at a fixed slip, without decisions.
     FixedSlip,
@@ -28,32 +28,30 @@ impl Pilot {
         }
     }
 
-    /// The controller's settings for it; `None`: no controller at all.
+    /// The controller's settings for it.
     pub(super) fn settings(
         self,
         settings: ControlSettings,
         optimum: f64,
         fixed: f64,
-    ) -> Option<ControlSettings> {
+    ) -> ControlSettings {
         match self {
-            Self::OpenLoop => None,
-            Self::FixedSlip => Some(ControlSettings {
+            // heading is held, so that all drive the same way
+            Self::OpenLoop => ControlSettings {
+                limits_slip: false,
+                decides: false,
+                most_cruise: 0.0,
+                ..settings
+            },
+            Self::FixedSlip => ControlSettings {
                 optimum: fixed,
                 decides: false,
                 ..settings
-            }),
-            Self::Controller => Some(ControlSettings {
+            },
+            Self::Controller => ControlSettings {
                 optimum,
                 ..settings
-            }),
+            },
         }
-    }
-}
-
-/// A mode's number in tables.
-pub(super) const fn mode_of(mode: Option<Mode>) -> Mode {
-    match mode {
-        Some(mode) => mode,
-        None => Mode::Forward,
     }
 }

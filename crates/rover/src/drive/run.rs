@@ -8,7 +8,7 @@ use grouser_slip::control::{
 use super::attitude_filter::AttitudeFilter;
 use super::motor_driver::MotorDriver;
 use super::outcome::{DriveResult, NamedDecision, Outcome};
-use super::pilot::{Pilot, mode_of};
+use super::pilot::Pilot;
 use super::referee::Referee;
 use super::scenario::Scenario;
 use super::truth::{Scoring, TrueSlip};
@@ -80,7 +80,7 @@ pub struct Drive {
     sensors: Sensors,
     watch: Watch,
     attitude: AttitudeFilter,
-    controller: Option<Controller>,
+    controller: Controller,
     drivers: Vec<MotorDriver>,
     orders: Vec<WheelOrder>,
     commands: Vec<WheelCommand>,
@@ -121,9 +121,8 @@ impl Drive {
         let soil = ground.soils()[0];
         let watch = Watch::new(model, &loads, &soil)?;
         let settings = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
-        let controller = settings
-            .map(|settings| Controller::new(&model.robot, settings))
-            .transpose()?;
+        let ranges: Vec<f64> = model.wheels.iter().map(|wheel| wheel.steer_range).collect();
+        let controller = Controller::new(&model.robot, settings)?.steered(&ranges);
         let count = model.wheels.len();
         let ticks = ticks(watch.window(), CONTROL_PERIOD);
         let seen = loads.iter().map(|load| nothing_seen(*load)).collect();
@@ -230,6 +229,7 @@ impl Drive {
                 step,
             );
             command.torque = if off.is_some() { 0.0 } else { torque };
+            command.steer = order.steer;
         }
         self.vehicle.advance(&mut self.ground, &self.commands);
         for index in 0..self.truths.len() {
@@ -263,55 +263,40 @@ impl Drive {
         let ended = ended
             .or_else(|| (!on_map).then_some(Outcome::OffMap))
             .or_else(|| (time >= self.duration).then_some(Outcome::TimeOut));
-        self.watch.look(&mut self.seen);
+        let steers = self.vehicle.wheels().iter().map(|wheel| wheel.steer);
+        self.watch.look(steers, &mut self.seen);
         for (seen, load) in self.seen.iter_mut().zip(&self.loads) {
             seen.load = *load;
         }
         self.compare();
         let leg = self.referee.leg().copied().filter(|_| time >= SETTLING);
         let (asked_speed, asked_heading) = leg.map_or((0.0, 0.0), |leg| (leg.speed, leg.heading));
-        let stopped = match &mut self.controller {
-            None => {
-                let rows = self.vehicle.model().robot.wheels();
-                for (order, wheel) in self.orders.iter_mut().zip(rows) {
-                    let change = 0.5 * CONTROL_PERIOD;
-                    let wanted = wheel.speed_row()[0] * asked_speed;
-                    order.rim_speed += (wanted - order.rim_speed).clamp(-change, change);
-                    order.traction = 10.0;
-                }
-                None
-            }
-            Some(controller) => {
-                let output = controller.step(&ControlInput {
-                    time_ns: to_ns(time),
-                    wheels: &self.seen,
-                    speed: self.watch.speed(),
-                    heading: self.attitude.heading(),
-                    pitch: self.attitude.pitch(),
-                    roll: self.attitude.roll(),
-                    asked_speed,
-                    asked_heading,
+        let output = self.controller.step(&ControlInput {
+            time_ns: to_ns(time),
+            wheels: &self.seen,
+            speed: self.watch.speed(),
+            heading: self.attitude.heading(),
+            pitch: self.attitude.pitch(),
+            roll: self.attitude.roll(),
+            asked_speed,
+            asked_heading,
+        });
+        self.orders.copy_from_slice(output.orders);
+        self.mode = output.mode;
+        let mut stopped = None;
+        if let Some(decision) = output.decision {
+            self.decision_count += 1;
+            if self.decisions.len() < MOST_DECISIONS {
+                self.decisions.push(NamedDecision {
+                    time,
+                    decision,
+                    place: (place.x, place.y),
                 });
-                self.orders.copy_from_slice(output.orders);
-                self.mode = output.mode;
-                if let Some(decision) = output.decision {
-                    self.decision_count += 1;
-                    if self.decisions.len() < MOST_DECISIONS {
-                        self.decisions.push(NamedDecision {
-                            time,
-                            decision,
-                            place: (place.x, place.y),
-                        });
-                    }
-                    match decision.action {
-                        Action::End(ending) => Some(outcome_of(ending)),
-                        _ => None,
-                    }
-                } else {
-                    None
-                }
             }
-        };
+            if let Action::End(ending) = decision.action {
+                stopped = Some(outcome_of(ending));
+            }
+        }
         self.ended = ended.or(stopped);
         self.ended.is_none()
     }
@@ -363,7 +348,7 @@ impl Drive {
             angles: [roll, pitch, yaw],
             speed: state.velocity().x,
             speed_seen: self.watch.speed(),
-            mode: mode_of(Some(self.mode)),
+            mode: self.mode,
             asked_speed: self.referee.leg().map_or(0.0, |leg| leg.speed),
             energy: self.electric(),
             distance: self.referee.distance(),

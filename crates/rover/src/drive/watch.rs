@@ -1,7 +1,7 @@
 //! The estimator in the loop, behind what the loop needs of it.
 
 use grouser_slip::control::WheelSeen;
-use grouser_slip::{Drive, Estimator, Health, Reference, Robot, Sample};
+use grouser_slip::{Drive, Estimator, Health, MeasuredSlip, Reference, Robot, Sample};
 use grouser_terra::{Settings, Soil, WheelOnSoil};
 
 use crate::error::{Error, Result};
@@ -11,6 +11,7 @@ use crate::robot::RobotModel;
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
     estimator: Estimator,
+    robot: Robot,
     window: f64,
     faults: u64,
 }
@@ -42,6 +43,7 @@ impl Watch {
         let robot = Robot::new(model.robot.name().to_owned(), wheels)?;
         Ok(Self {
             estimator: Estimator::new(&robot, model.settings)?,
+            robot,
             window: model.settings.window,
             faults: 0,
         })
@@ -74,18 +76,36 @@ impl Watch {
         fresh.then_some(motion.velocity[0])
     }
 
-    /// Fills in what it knows of the wheels.
-    pub(super) fn look(&self, seen: &mut [WheelSeen]) {
+    /// Fills in what it knows of the wheels. A steered wheel's slip is along its heading now: its centre's speed comes
+    /// from the robot's motion, its rim's from its own encoder.
+    pub(super) fn look(&self, steers: impl Iterator<Item = f64>, seen: &mut [WheelSeen]) {
         let Some(estimate) = self.estimator.latest() else {
             return;
         };
-        for (wheel, seen) in estimate.wheels.iter().zip(seen) {
+        let described = self.robot.wheels();
+        for (((wheel, seen), steer), own) in
+            estimate.wheels.iter().zip(seen).zip(steers).zip(described)
+        {
             seen.slip = wheel.slip.map(|slip| slip.value());
             seen.sigma = wheel.sigma;
             seen.health = wheel.health;
             seen.motion = wheel.motion;
             seen.forward_speed = wheel.forward_speed.map(|speed| speed.value);
             seen.rim_speed = wheel.rim_speed.map(|speed| speed.value);
+            if let (Some(motion), Some(rim), true) = (
+                estimate.body.motion,
+                wheel.rim_speed,
+                steer != 0.0 && wheel.slip.is_some(),
+            ) {
+                let (sin, cos) = (own.heading.rad() + steer).sin_cos();
+                let row = [cos, sin, sin * own.x - cos * own.y];
+                let forward = motion.along(row);
+                let measured = MeasuredSlip::from_speeds(forward, rim, self.estimator.settings());
+                seen.slip = measured.slip.map(|slip| slip.value());
+                seen.sigma = measured.sigma;
+                seen.motion = Some(measured.motion);
+                seen.forward_speed = Some(forward.value);
+            }
         }
     }
 }

@@ -15,6 +15,9 @@ use crate::vector::{Attitude, Vector};
 
 /// Bearing friction turns round within this rate, rad/s.
 const BEARING_RATE: f64 = 0.05;
+/// The contact plane is laid through the ground this share of the radius before and behind the wheel: about the
+/// half contact of a wheel sunk by a tenth of its radius.
+const REACH: f64 = 0.45;
 /// A rut ends this many cells behind the wheel's axle: between the nodes it fades over one.
 const RUT_BEHIND: f64 = 1.05;
 
@@ -283,19 +286,26 @@ impl Vehicle {
         // the contact plane
         let at = linkage.point(&self.pose, mount.link, mount.centre);
         let place = self.state.position + self.state.attitude.to_world(at);
-        let spot = ground.at(place.x, place.y);
+        let axle = linkage.direction(&self.pose, mount.link, mount.axle(wheel.steer));
+        let across = self.state.attitude.to_world(axle);
+        let level = across.x.hypot(across.y).max(1e-9);
+        let radius = mount.wheel.radius();
+        let spot = ground.under(
+            (place.x, place.y),
+            (across.y / level, -across.x / level),
+            REACH * radius,
+            mount.wheel.width(),
+        );
         let up = self
             .state
             .attitude
             .to_robot(Vector::new(-spot.slope[0], -spot.slope[1], 1.0).unit());
         let steepness = 1.0 / (1.0 + spot.slope[0].powi(2) + spot.slope[1].powi(2)).sqrt();
-        let axle = linkage.direction(&self.pose, mount.link, mount.axle(wheel.steer));
         let forward = axle.cross(up).unit();
         let left = up.cross(forward);
         // height of the centre in the wheel's own plane
         let lean = forward.cross(axle).dot(up).max(0.2);
         let height = (place.z - spot.height) * steepness / lean;
-        let radius = mount.wheel.radius();
         let velocity = linkage.velocity(&self.state, &self.pose, mount.link, at);
         let motion = WheelMotionNow {
             sinkage: radius - height,

@@ -201,6 +201,32 @@ impl Ground {
         &self.map
     }
 
+    /// The ground under a wheel at (x, y) that drives along (cos, sin): height and slope of the plane through the
+    /// undisturbed surface `reach` (m) before and behind it and half its `width` (m) to either side, so that
+    /// an edge of the ground passes under the wheel gradually. Ruts lower the plane and do not tilt it.
+    #[must_use]
+    pub fn under(
+        &self,
+        (x, y): (f64, f64),
+        (cos, sin): (f64, f64),
+        reach: f64,
+        width: f64,
+    ) -> Spot {
+        let spot = self.at(x, y);
+        let half = 0.5 * width;
+        let fore = self.map.height(x + reach * cos, y + reach * sin);
+        let aft = self.map.height(x - reach * cos, y - reach * sin);
+        let left = self.map.height(x - half * sin, y + half * cos);
+        let right = self.map.height(x + half * sin, y - half * cos);
+        let along = (fore - aft) / (2.0 * reach);
+        let across = (left - right) / width;
+        Spot {
+            height: 0.25 * (fore + aft + left + right) - spot.rut,
+            slope: [along * cos - across * sin, along * sin + across * cos],
+            ..spot
+        }
+    }
+
     /// The ground under (x, y).
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> Spot {

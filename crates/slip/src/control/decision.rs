@@ -37,6 +37,8 @@ pub enum Action {
     ReduceTorque,
     /// And raised again.
     RaiseTorque,
+    /// Slip above the optimum is accepted: torque is raised.
+    AcceptSlip,
     /// A wheel's torque is cut to a tenth.
     ShedTorque,
     /// Cross the slope at an angle.
@@ -59,6 +61,8 @@ pub enum Reason {
     SlipHigh,
     /// Slip is back at its optimum.
     SlipRegained,
+    /// The slip is steady: slope and soil demand it, and running slower does not lower it.
+    Demanded,
     /// The wheels dig in.
     DiggingIn,
     /// The robot does not come on although its rims run.
@@ -130,6 +134,7 @@ impl Action {
         match self {
             Self::ReduceTorque => "reduce torque",
             Self::RaiseTorque => "raise torque",
+            Self::AcceptSlip => "accept slip",
             Self::ShedTorque => "shed torque",
             Self::Traverse => "traverse",
             Self::Tack => "tack",
@@ -149,6 +154,7 @@ impl Reason {
         match self {
             Self::SlipHigh => "slip is high",
             Self::SlipRegained => "slip is back at its optimum",
+            Self::Demanded => "slope and soil demand it, steadily",
             Self::DiggingIn => "the wheels dig in",
             Self::NoProgress => "no progress",
             Self::SlopeGentle => "the slope is gentle again",

@@ -8,12 +8,22 @@ use super::wrapped;
 
 /// The slip that decisions look at is smoothed over this, s.
 const SMOOTHING: f64 = 1.0;
+/// And over this, to see whether it rises, s.
+const SLOW: f64 = 4.0;
+/// A slip that stands within this band of its slow mean is steady.
+const STEADY_BAND: f64 = 0.03;
+/// A slip that has been steady for this long is what the ground demands, s.
+const STEADY_TIME: f64 = 2.5;
+/// An accepted slip leaves this much room for more.
+const ROOM: f64 = 0.06;
+/// No slip above this is accepted.
+const MOST_ACCEPTED: f64 = 0.92;
 /// Headings that differ by less than this count as steered, rad.
 const ON_COURSE: f64 = 0.35;
 /// A turn may take this long before it is given up, s.
 const TURN_TIME: f64 = 12.0;
 /// A traverse turns away from the asked heading by at most this, rad.
-const WIDEST: f64 = 1.15;
+const WIDEST: f64 = 0.8;
 /// Backing out for longer than its length over its speed times this has failed.
 const BACK_PATIENCE: f64 = 3.0;
 
@@ -50,12 +60,22 @@ pub(crate) struct Course {
     pub(crate) heading: f64,
     pub(crate) slip_matters: bool,
     pub(crate) stopped: bool,
+    /// The slip to run at: the optimum, or what the ground demands.
+    pub(crate) target: f64,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Helm {
+    /// Turning rate per speed that the robot can drive, 1/m; infinite where it turns on the spot.
+    pub(crate) sharpest: f64,
     mode: Mode,
     slip: f64,
+    /// The same over `SLOW` seconds: between the two stands how it changes.
+    slow: f64,
+    /// The slip that the ground demands and that was accepted; 0: none.
+    accepted: f64,
+    /// How long slip has stood steadily above its optimum, or below it (negative), s.
+    steady: f64,
     /// Smoothed tilt, rad.
     tilt: f64,
     /// How long slip has been high, and so high that the wheels dig in, and without progress, s.
@@ -77,6 +97,32 @@ pub(crate) struct Helm {
     turning: f64,
     /// The heading that it holds while it backs out, rad.
     held: f64,
+}
+
+impl Default for Helm {
+    fn default() -> Self {
+        Self {
+            sharpest: f64::INFINITY,
+            mode: Mode::Forward,
+            slip: 0.0,
+            slow: 0.0,
+            accepted: 0.0,
+            steady: 0.0,
+            tilt: 0.0,
+            high: 0.0,
+            dig: 0.0,
+            stuck: 0.0,
+            tilted: 0.0,
+            time: 0.0,
+            way: 0.0,
+            progress: 0.0,
+            attempts: 0,
+            side: 0.0,
+            angle: 0.0,
+            turning: 0.0,
+            held: 0.0,
+        }
+    }
 }
 
 impl Helm {
@@ -137,6 +183,7 @@ impl Helm {
             self.end(Ending::SensorsLost, Reason::Blind, values, pending);
             return;
         }
+        self.accept(settings, pending);
         match self.mode {
             Mode::Forward => self.forward(settings, pending),
             Mode::Traverse => self.traverse(settings, pending),
@@ -149,6 +196,7 @@ impl Helm {
         let share = step / (SMOOTHING + step);
         if let Some(slip) = seen.slip {
             self.slip += share * (slip - self.slip);
+            self.slow += step / (SLOW + step) * (slip - self.slow);
         }
         if let Some(tilt) = seen.tilt() {
             self.tilt += share * (tilt - self.tilt);
@@ -166,11 +214,24 @@ impl Helm {
             self.high = 0.0;
             self.dig = 0.0;
             self.stuck = 0.0;
+            self.steady = 0.0;
             return;
         }
         let count = |past: f64, now: bool| if now { past + step } else { 0.0 };
         self.high = count(self.high, self.slip > settings.high_slip);
-        self.dig = count(self.dig, self.slip > settings.dig_slip);
+        // On a slope that steepens the slip rises without digging.
+        let rises = self.slip > self.slow + STEADY_BAND && self.tilt < settings.steep;
+        let spins = self.slip > 1.0 - settings.stuck_share;
+        self.dig = count(self.dig, self.slip > settings.dig_slip && (rises || spins));
+        let above = self.slip > settings.optimum.max(self.accepted) + 0.02;
+        let still = (self.slip - self.slow).abs() < STEADY_BAND;
+        self.steady = if above && still && speed > 0.0 {
+            self.steady.max(0.0) + step
+        } else if self.slip < settings.optimum {
+            self.steady.min(0.0) - step
+        } else {
+            0.0
+        };
         let stands = speed.abs() < settings.stuck_share * seen.rim.max(settings.creep * asked);
         self.stuck = count(self.stuck, stands && seen.speed.is_some());
         if self.mode != Mode::BackOut {
@@ -181,6 +242,24 @@ impl Helm {
             if self.progress > settings.progress {
                 self.attempts = 0;
             }
+        }
+    }
+
+    /// A slip that stays above its optimum however slowly the rims run is what slope and soil demand. As long as it
+    /// is steady the wheels do not dig, and creeping only costs time: it is accepted until it is no longer needed.
+    fn accept(&mut self, settings: &ControlSettings, pending: &mut Pending) {
+        if self.mode == Mode::BackOut {
+            return;
+        }
+        if self.steady > STEADY_TIME && self.slip < MOST_ACCEPTED {
+            let values = (self.slip, settings.optimum.max(self.accepted));
+            self.accepted = (self.slip + ROOM).min(MOST_ACCEPTED + ROOM);
+            self.steady = 0.0;
+            pending.push(Action::AcceptSlip, Reason::Demanded, None, values);
+        } else if self.accepted > 0.0 && self.steady < -STEADY_TIME {
+            self.accepted = 0.0;
+            let values = (self.slip, settings.optimum);
+            pending.push(Action::Resume, Reason::SlipRegained, None, values);
         }
     }
 
@@ -211,12 +290,17 @@ impl Helm {
     }
 
     fn forward(&mut self, settings: &ControlSettings, pending: &mut Pending) {
-        if self.high >= settings.high_slip_time && self.tilt > settings.steep {
+        // On a slope it turns away as long as it still comes on.
+        let fails = self.dig >= settings.dig_time || self.stuck >= settings.dig_time;
+        let high = self.slip > settings.high_slip;
+        if fails && high && self.tilt > settings.steep && self.attempts == 0 {
             self.side = if self.side == 0.0 { 1.0 } else { self.side };
             self.angle = settings.traverse_angle.min(WIDEST);
+            self.attempts = 1;
+            self.progress = 0.0;
             self.enter(Mode::Traverse);
-            let values = (self.slip, settings.high_slip);
-            pending.push(Action::Traverse, Reason::SlipHigh, None, values);
+            let values = (self.slip, settings.dig_slip);
+            pending.push(Action::Traverse, Reason::DiggingIn, None, values);
             return;
         }
         self.stuck(settings, pending);
@@ -255,9 +339,12 @@ impl Helm {
             let values = (self.tilt, settings.level);
             self.enter(Mode::Forward);
             pending.push(Action::Resume, Reason::SlopeGentle, None, values);
-        } else if self.high >= settings.high_slip_time && self.angle < WIDEST {
-            self.angle = (self.angle + 0.5 * settings.traverse_angle).min(WIDEST);
-            let values = (self.slip, settings.high_slip);
+        } else if self.high >= settings.high_slip_time
+            && self.slip > 0.5 * (settings.high_slip + settings.dig_slip)
+            && self.angle < WIDEST
+        {
+            self.angle = (self.angle + 0.25 * settings.traverse_angle).min(WIDEST);
+            let values = (self.slip, 0.5 * (settings.high_slip + settings.dig_slip));
             self.high = 0.0;
             pending.push(Action::Traverse, Reason::SlipHigh, None, values);
         }
@@ -291,6 +378,7 @@ impl Helm {
                 heading,
                 slip_matters: false,
                 stopped: true,
+                target: settings.optimum,
             };
         }
         if self.mode != Mode::BackOut {
@@ -311,12 +399,27 @@ impl Helm {
             _ => ahead * seen.asked_speed,
         };
         let idle = seen.asked_speed == 0.0;
+        let (speed, turn) = if self.sharpest.is_finite() {
+            // a robot that steers turns as it travels
+            let travel = if self.mode == Mode::BackOut {
+                speed
+            } else {
+                seen.asked_speed
+            };
+            let most = travel.abs() * self.sharpest;
+            (travel, turn.clamp(-most, most))
+        } else {
+            (speed, turn)
+        };
         Course {
             speed,
             turn: if idle { 0.0 } else { turn },
             heading,
-            slip_matters: on_course && !idle && self.mode != Mode::BackOut,
+            slip_matters: (on_course || self.sharpest.is_finite())
+                && !idle
+                && self.mode != Mode::BackOut,
             stopped: false,
+            target: settings.optimum.max(self.accepted),
         }
     }
 }

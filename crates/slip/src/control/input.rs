@@ -50,8 +50,10 @@ pub struct ControlInput<'a> {
 pub struct WheelOrder {
     /// m/s.
     pub rim_speed: f64,
-    /// Greatest torque over load and radius of the wheel.
+    /// Greatest torque over load and radius of the wheel: traction is shared by load.
     pub traction: f64,
+    /// Steering angle beside the wheel's heading in the description, rad.
+    pub steer: f64,
 }
 
 /// What the controller gives.

@@ -39,6 +39,31 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     Real::atan2(sin, cos)
 }
 
+/// Where a wheel stands, and how far it steers.
+#[derive(Clone, Copy, Debug)]
+struct WheelPlace {
+    x: f64,
+    y: f64,
+    heading: f64,
+    steer_range: f64,
+}
+
+impl WheelPlace {
+    /// Steering angle and speed along the wheel's heading for a robot that travels at `speed` and turns at `turn`:
+    /// the wheel's centre moves by (v − Ω y, Ω x).
+    fn order(&self, speed: f64, turn: f64) -> (f64, f64) {
+        let (v_x, v_y) = (speed - turn * self.y, turn * self.x);
+        let mut steer = 0.0;
+        if self.steer_range > 0.0 && (v_x != 0.0 || v_y != 0.0) {
+            let sense = if speed < 0.0 { -1.0 } else { 1.0 };
+            let wanted = wrapped(Real::atan2(sense * v_y, sense * v_x) - self.heading);
+            steer = wanted.clamp(-self.steer_range, self.steer_range);
+        }
+        let (sin, cos) = Real::sin_cos(self.heading + steer);
+        (steer, cos * v_x + sin * v_y)
+    }
+}
+
 /// A slip controller for one robot.
 ///
 /// [`Controller::step`] takes what is known and gives what every motor is to do. It never panics, allocates or
@@ -83,7 +108,7 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
 pub struct Controller {
     settings: ControlSettings,
     wheels: Box<[WheelLoop]>,
-    rows: Box<[[f64; 3]]>,
+    places: Box<[WheelPlace]>,
     orders: Box<[WheelOrder]>,
     helm: Helm,
     /// Share by which rims run faster than the robot is to travel.
@@ -106,19 +131,49 @@ impl Controller {
             .iter()
             .map(|wheel| WheelLoop::new(wheel.drive == Drive::Powered))
             .collect();
-        let rows: Vec<[f64; 3]> = robot.wheels().iter().map(|w| w.speed_row()).collect();
+        let places: Vec<WheelPlace> = robot
+            .wheels()
+            .iter()
+            .map(|wheel| WheelPlace {
+                x: wheel.x,
+                y: wheel.y,
+                heading: wheel.heading.rad(),
+                steer_range: 0.0,
+            })
+            .collect();
         let orders: Vec<WheelOrder> = wheels.iter().map(|_| WheelOrder::default()).collect();
         Ok(Self {
             settings,
             orders: orders.into_boxed_slice(),
             wheels: wheels.into_boxed_slice(),
-            rows: rows.into_boxed_slice(),
+            places: places.into_boxed_slice(),
             helm: Helm::default(),
             cruise: 0.0,
             last_ns: None,
             blind: 0.0,
             pending: Pending::default(),
         })
+    }
+
+    /// The same controller for a robot whose wheels steer by up to `ranges` (rad either way, in the robot's order;
+    /// 0 or missing: not at all). It then drives arcs in place of turning on the spot.
+    #[must_use]
+    pub fn steered(mut self, ranges: &[f64]) -> Self {
+        for (place, range) in self.places.iter_mut().zip(ranges) {
+            place.steer_range = finite(Some(*range))
+                .unwrap_or(0.0)
+                .clamp(0.0, core::f64::consts::FRAC_PI_2);
+        }
+        self.helm.sharpest = self.sharpest();
+        self
+    }
+
+    /// Turning rate per speed in the sharpest arc that the steered wheels can drive; infinite without any.
+    fn sharpest(&self) -> f64 {
+        let steered = self.places.iter().filter(|place| place.steer_range > 0.0);
+        steered
+            .map(|place| Real::tan(place.steer_range) / (place.x.abs() + place.y.abs()).max(1e-3))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The settings that it works by.
@@ -234,8 +289,7 @@ impl Controller {
                 self.orders[index] = WheelOrder::default();
                 continue;
             };
-            let row = self.rows[index];
-            let asked = row[0] * course.speed + row[2] * course.turn;
+            let (steer, asked) = self.places[index].order(course.speed, course.turn);
             let order = own.order(
                 settings,
                 seen,
@@ -244,11 +298,12 @@ impl Controller {
                     cruise: self.cruise,
                     slip_matters: course.slip_matters,
                     stopped: course.stopped,
+                    target: course.target,
                 },
                 step,
                 (index, &mut self.pending),
             );
-            self.orders[index] = order;
+            self.orders[index] = WheelOrder { steer, ..order };
         }
     }
 

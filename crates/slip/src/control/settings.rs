@@ -23,6 +23,8 @@ pub struct ControlSettings {
     pub most_cruise: f64,
     /// Greatest torque over load and radius of a wheel: the traction that the ground may give.
     pub most_traction: f64,
+    /// Does the slip limit the rims' speed? Without, it holds speed and heading only.
+    pub limits_slip: bool,
     /// May it change direction and end the drive by itself?
     pub decides: bool,
     /// Slip above which a change of direction is considered ...
@@ -69,10 +71,11 @@ impl Default for ControlSettings {
             integral_gain: 0.3,
             sigma_half: 0.1,
             most_acceleration: 0.5,
-            creep: 0.25,
+            creep: 0.6,
             cruise_gain: 0.5,
             most_cruise: 4.0,
             most_traction: 0.8,
+            limits_slip: true,
             decides: true,
             high_slip: 0.5,
             high_slip_time: 2.0,

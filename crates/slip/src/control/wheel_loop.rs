@@ -35,6 +35,8 @@ pub(crate) struct Asked {
     /// Does the wheel's slip limit it? Not while the robot turns on the spot.
     pub(crate) slip_matters: bool,
     pub(crate) stopped: bool,
+    /// The slip to run at.
+    pub(crate) target: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +79,7 @@ impl WheelLoop {
             return WheelOrder::default();
         }
         let cruising = asked.speed * (1.0 + asked.cruise);
-        let limit = if asked.slip_matters && !asked.stopped {
+        let limit = if settings.limits_slip && asked.slip_matters && !asked.stopped {
             self.slip_limit(settings, seen, asked, cruising, step)
         } else {
             None
@@ -91,11 +93,12 @@ impl WheelLoop {
         // a stop is twice as fast as anything else
         let most = if asked.stopped { 2.0 * most } else { most };
         self.rim += (wanted - self.rim).clamp(-most, most);
-        self.tell(limit.is_some(), seen, settings, step, (index, pending));
+        self.tell(limit.is_some(), seen, asked.target, step, (index, pending));
         self.guard(seen, step, (index, pending));
         WheelOrder {
             rim_speed: self.rim,
             traction: settings.most_traction * self.through,
+            steer: 0.0,
         }
     }
 
@@ -121,12 +124,12 @@ impl WheelLoop {
             Some(Motion::RollBack) => Some(1.0),
             _ => finite(seen.slip),
         };
-        let mut target = settings.optimum + self.integral;
+        let mut target = asked.target + self.integral;
         if let Some(slip) = slip {
             let sigma = finite(seen.sigma).unwrap_or(settings.sigma_half);
             let ratio = sigma / settings.sigma_half;
             let trust = 1.0 / (1.0 + ratio * ratio);
-            let error = (settings.optimum - slip.clamp(-1.0, 1.0)) * trust;
+            let error = (asked.target - slip.clamp(-1.0, 1.0)) * trust;
             target += settings.gain * error;
             let limit = travel / (1.0 - target.clamp(0.02, 0.95));
             // Anti-windup: only while the slip is what limits the wheel.
@@ -148,12 +151,12 @@ impl WheelLoop {
         &mut self,
         limited: bool,
         seen: &WheelSeen,
-        settings: &ControlSettings,
+        target: f64,
         step: f64,
         (index, pending): (usize, &mut Pending),
     ) {
         let slip = finite(seen.slip).unwrap_or(1.0);
-        let limited = limited && slip > settings.optimum;
+        let limited = limited && slip > target;
         self.limited = if limited {
             self.limited.max(0.0) + step
         } else {
@@ -161,11 +164,11 @@ impl WheelLoop {
         };
         if !self.told && self.limited > TELL_TIME {
             self.told = true;
-            let values = (slip, settings.optimum);
+            let values = (slip, target);
             pending.push(Action::ReduceTorque, Reason::SlipHigh, Some(index), values);
-        } else if self.told && self.limited < -TELL_TIME {
+        } else if self.told && self.limited < -TELL_TIME && slip <= target {
             self.told = false;
-            let values = (slip, settings.optimum);
+            let values = (slip, target);
             pending.push(
                 Action::RaiseTorque,
                 Reason::SlipRegained,

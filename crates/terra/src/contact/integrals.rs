@@ -128,16 +128,17 @@ impl<R: Real> Integrals<R> {
         let (sin, cos) = (contact.angles.theta_1 - w).sin_cos();
         let (along, across) = contact.shear.mobilised(w);
         let tau = strength * along;
-        let side = (strength * across).abs();
         self.sigma_cos += sigma * cos;
         self.sigma_sin += sigma * sin;
         self.tau_cos += tau * cos;
         self.tau_sin += tau * sin;
         self.tau += tau;
-        self.tau_side += side;
-        self.lost += tau * (contact.p - contact.pq * cos)
-            + sigma * contact.pq * sin
-            + side * contact.drift();
+        self.lost += tau * (contact.p - contact.pq * cos) + sigma * contact.pq * sin;
+        if contact.shear.sideways {
+            let side = (strength * across).abs();
+            self.tau_side += side;
+            self.lost += side * contact.drift();
+        }
     }
 
     /// Friction by a Gauss-Jacobi rule on each piece, cohesion by one Gauss-Legendre rule over all:

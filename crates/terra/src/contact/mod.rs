@@ -2,7 +2,10 @@
 
 mod angles;
 mod breakpoints;
+#[cfg(all(test, feature = "std"))]
+mod effort;
 mod integrals;
+mod jump;
 pub(crate) mod ladder;
 pub(crate) mod lean;
 mod panels;

@@ -71,6 +71,7 @@ impl<R: Scalar> Integrals<R> {
                 .map(|w| 1.0 - (w - front) / rear);
             nodes += self.add_piece(contact, Piece::Rear, cuts, method);
         }
+        self.add_jumps(contact);
         nodes
     }
 

@@ -76,27 +76,21 @@ pub struct BatchKernel {
     level: Level,
 }
 
-/// The columns of a chunk for either question.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "one of them on the stack, none copied"
-)]
-pub(super) enum Sheet {
-    Forces(ForceSheet),
-    Load(LoadSheet),
-    Curve(LoadSheet),
+/// The columns of a chunk for either question: borrowed, since a move would copy them.
+pub(super) enum Sheet<'a> {
+    Forces(&'a mut ForceSheet),
+    Load(&'a mut LoadSheet),
+    Curve(&'a mut LoadSheet),
 }
 
 /// What a chunk is worked on with.
-pub(super) struct Work {
+pub(super) struct Work<'a> {
     pub(super) plan: Plan,
-    pub(super) sheet: Sheet,
+    pub(super) sheet: Sheet<'a>,
 }
 
-impl Work {
-    // made in place: a move would copy all its columns
-    #[inline(always)]
-    const fn new(sheet: Sheet) -> Self {
+impl<'a> Work<'a> {
+    const fn new(sheet: Sheet<'a>) -> Self {
         Self {
             plan: Plan::new(),
             sheet,
@@ -150,7 +144,8 @@ impl BatchKernel {
         sinkage: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        let mut work = Work::new(Sheet::Forces(ForceSheet::EMPTY));
+        let mut sheet = ForceSheet::EMPTY;
+        let mut work = Work::new(Sheet::Forces(&mut sheet));
         self.run(points, sinkage, out, &mut work)
     }
 
@@ -164,7 +159,8 @@ impl BatchKernel {
         load: &[f64],
         out: &mut [BatchOutcome],
     ) -> Result<()> {
-        let mut work = Work::new(Sheet::Load(LoadSheet::EMPTY));
+        let mut sheet = LoadSheet::EMPTY;
+        let mut work = Work::new(Sheet::Load(&mut sheet));
         self.run(points, load, out, &mut work)
     }
 
@@ -206,7 +202,8 @@ impl BatchKernel {
         Error::check_range("grouser_height", height, 0.0, 0.0, "m")?;
         let rebound = self.soil.params().rebound;
         let columns = [wheel.radius(), wheel.width(), rebound, load].map(|x| [x; CHUNK]);
-        let mut work = Work::new(Sheet::Curve(LoadSheet::EMPTY));
+        let mut sheet = LoadSheet::EMPTY;
+        let mut work = Work::new(Sheet::Curve(&mut sheet));
         for (slip, out) in slip.chunks(CHUNK).zip(out.chunks_mut(CHUNK)) {
             let [radius, width, rebound, load] = columns.each_ref().map(|c| &c[..slip.len()]);
             let points = BatchPoints {
@@ -225,7 +222,7 @@ impl BatchKernel {
         points: &BatchPoints<'_>,
         given: &[f64],
         out: &mut [BatchOutcome],
-        work: &mut Work,
+        work: &mut Work<'_>,
     ) -> Result<()> {
         let n = out.len();
         for len in [
@@ -266,7 +263,7 @@ impl BatchKernel {
         &self,
         points: &BatchPoints<'_>,
         given: &[f64],
-        work: &mut Work,
+        work: &mut Work<'_>,
         out: &mut [BatchOutcome],
     ) {
         if let Some(prepared) = &self.prepared {

@@ -77,49 +77,68 @@ pub(super) struct Loaded<V> {
     hold: V,
 }
 
+/// Points before their search and before their slip.
+#[derive(Clone, Copy)]
+pub(super) struct Base<V: Vector> {
+    r_over_k: V,
+    /// ln of r b k rⁿ/load
+    bare: V,
+    hold: V,
+    sound: V::Mask,
+    x: V,
+}
+
 /// Points before their search.
 pub(super) struct Begun<V: Vector> {
     pub(super) loaded: Loaded<V>,
     pub(super) sound: V::Mask,
+    /// ln θ_1 by Bekker's closed form.
     pub(super) x: V,
-    pub(super) per_slope: V,
 }
 
-impl<V: Vector> Begun<V> {
-    /// Points by radius, width, rebound ratio, slip and load.
+impl<V: Vector> Base<V> {
+    /// Points by radius, width, rebound ratio and load.
     #[inline(always)]
-    pub(super) fn new(prepared: &Prepared, [radius, width, rebound, slip, load]: [V; 5]) -> Self {
+    pub(super) fn new(prepared: &Prepared, [radius, width, rebound, load]: [V; 4]) -> Self {
         let c = V::from_f64;
         let n = prepared.n;
         let modulus = prepared.modulus(width);
-        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
         // With a rebound the force may fall with sinkage: that search is not for lanes.
         let sound = within(radius, 1e-3, 100.0)
             & within(width, 1e-3, 100.0)
             & within(rebound, 0.0, 0.0)
-            & within(slip, 0.0, 1.0)
             & within(load, f64::MIN_POSITIVE, 1e12)
-            & V::ZERO.lt(modulus)
-            & position.lt(V::ONE);
-        let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
+            & V::ZERO.lt(modulus);
         let area = radius * width / load;
-        // ln of r b k rⁿ/load
         let bare = c(n).mul_add(radius.ln(), (area * modulus).ln());
         // Bekker: W = b k rⁿ⁺¹ θ_1²ⁿ⁺¹ (3 − n)/3 · 2⁻ⁿ
         let shape = (3.0 - n).max(0.5) / 3.0;
         let shape = Real::ln(shape) - n * core::f64::consts::LN_2;
-        let per_slope = c(1.0 / (2.0 * n + 1.0));
         Self {
+            r_over_k: radius * c(prepared.per_k_shear),
+            bare,
+            hold: area * c(prepared.cohesion),
+            sound,
+            x: -(bare + c(shape)) * c(prepared.per_slope()),
+        }
+    }
+
+    /// These points at a slip.
+    #[inline(always)]
+    pub(super) fn at(&self, prepared: &Prepared, slip: V) -> Begun<V> {
+        let c = V::from_f64;
+        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+        let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
+        Begun {
             loaded: Loaded {
                 q: V::ONE - slip,
-                r_over_k: radius * c(prepared.per_k_shear),
+                r_over_k: self.r_over_k,
                 ahead,
-                scale: c(n + 1.0).mul_add(ahead.ln(), bare),
-                hold: area * c(prepared.cohesion),
+                scale: c(prepared.n + 1.0).mul_add(ahead.ln(), self.bare),
+                hold: self.hold,
             },
-            sound,
-            x: -(bare + c(shape)) * per_slope,
-            per_slope,
+            sound: self.sound & within(slip, 0.0, 1.0) & position.lt(V::ONE),
+            x: self.x,
         }
     }
 }
@@ -210,7 +229,8 @@ fn held<V: Vector>(x: V) -> V {
 }
 
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
-/// given back as not converged. `KEEP`: fill [`LoadSheet::kept`].
+/// given back as not converged. `KEEP`: fill
+/// [`LoadSheet::kept`], and take one rule for all.
 #[inline(always)]
 pub(super) fn run<V: Vector, const KEEP: bool>(
     prepared: &Prepared,
@@ -245,6 +265,9 @@ pub(super) fn run<V: Vector, const KEEP: bool>(
     }
     for at in (0..n).step_by(8) {
         choose::<V>(sheet, plan, at);
+    }
+    if KEEP {
+        plan.level(n);
     }
     plan.sort(n);
     for group in plan.groups() {
@@ -285,7 +308,7 @@ pub(super) fn run<V: Vector, const KEEP: bool>(
     }
 }
 
-/// Solves every point from where it is expected: `expected` gives x, dx/d ln W and the slopes of DP/W and
+/// Solves points that differ in nothing but slip from where they are expected: `expected` gives x, dx/d ln W and the slopes of DP/W and
 /// T/(r W) for eight slips, the slopes to `trust`.
 #[inline(always)]
 pub(super) fn run_from<V: Vector>(
@@ -296,9 +319,15 @@ pub(super) fn run_from<V: Vector>(
     (expected, trust): (&impl Expected, f64),
     out: &mut [BatchOutcome],
 ) {
+    // points that differ in nothing but slip
+    let base = Base::<V>::new(
+        prepared,
+        [points.radius, points.width, points.rebound, load].map(|column| V::from_f64(column[0])),
+    );
     for at in (0..load.len()).step_by(8) {
-        set_up::<V>(prepared, points, load, (sheet, plan), at);
-        let [x, rest @ ..] = expected.at(eight::<V>(points.slip, at));
+        let slip = eight::<V>(points.slip, at);
+        keep((sheet, plan), &base.at(prepared, slip), at);
+        let [x, rest @ ..] = expected.at(slip);
         sheet.x.store(at, held(x));
         for (column, x) in sheet.kept.iter_mut().zip(rest) {
             column.store(at, x);
@@ -332,32 +361,36 @@ fn set_up<V: Vector>(
     (sheet, plan): (&mut LoadSheet, &mut Plan),
     at: usize,
 ) {
-    let columns = [
-        eight(points.radius, at),
-        eight(points.width, at),
-        eight(points.rebound, at),
-        eight(points.slip, at),
-        eight(load, at),
-    ];
-    let Begun {
-        loaded,
-        sound,
-        x,
-        per_slope,
-    } = Begun::<V>::new(prepared, columns);
+    let base = Base::<V>::new(
+        prepared,
+        [
+            eight(points.radius, at),
+            eight(points.width, at),
+            eight(points.rebound, at),
+            eight(load, at),
+        ],
+    );
+    let begun = base.at(prepared, eight(points.slip, at));
+    keep((sheet, plan), &begun, at);
+    sheet.x.store(at, held(begun.x));
+    sheet.per_slope.store(at, V::from_f64(prepared.per_slope()));
+}
+
+/// Writes what does not depend on sinkage into the sheet.
+#[inline(always)]
+fn keep<V: Vector>((sheet, plan): (&mut LoadSheet, &mut Plan), begun: &Begun<V>, at: usize) {
+    let Begun { loaded, sound, .. } = begun;
     let kept = [
         loaded.q,
         loaded.r_over_k,
         loaded.ahead,
         loaded.scale,
         loaded.hold,
-        V::select(sound, V::ONE, V::ZERO),
+        V::select(*sound, V::ONE, V::ZERO),
     ];
     for (column, x) in sheet.points.iter_mut().zip(kept) {
         column.store(at, x);
     }
-    sheet.x.store(at, held(x));
-    sheet.per_slope.store(at, per_slope);
     V::from_f64(SINGLE).store(&mut plan.steps, at);
 }
 

@@ -8,7 +8,7 @@ use crate::contact::lean::{
 };
 
 use super::forces::Placed;
-use super::load::{Begun, HIGH, LOW, Loaded, STRAIGHT, stiffness};
+use super::load::{Base, HIGH, LOW, Loaded, STRAIGHT, stiffness};
 use super::plan::Prepared;
 use super::vector::Vector;
 
@@ -173,14 +173,9 @@ pub(super) fn under_load<V: Vector>(
     load: f64,
     track: &mut Option<Track>,
 ) -> Option<Carried> {
-    let inputs = [
-        single.radius,
-        single.width,
-        single.rebound,
-        single.slip,
-        load,
-    ];
-    let begun = Begun::<V>::new(single.prepared, inputs.map(V::from_f64));
+    let inputs = [single.radius, single.width, single.rebound, load];
+    let begun = Base::new(single.prepared, inputs.map(V::from_f64))
+        .at(single.prepared, V::from_f64(single.slip));
     if V::any(!begun.sound) {
         return None;
     }
@@ -190,7 +185,7 @@ pub(super) fn under_load<V: Vector>(
             load,
             slip: single.slip,
             x: begun.x.to_array()[0],
-            per_slope: begun.per_slope.to_array()[0],
+            per_slope: single.prepared.per_slope(),
             slopes: [0.0; 2],
             apart: 1.0,
             per_slip: 0.0,

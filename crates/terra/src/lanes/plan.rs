@@ -50,6 +50,11 @@ impl Prepared {
         })
     }
 
+    /// dx/d ln W of a wheel without shear, x = ln θ_1.
+    pub(super) fn per_slope(&self) -> f64 {
+        1.0 / (2.0 * self.n + 1.0)
+    }
+
     /// The pressure-sinkage modulus under wheels of these widths.
     #[inline(always)]
     pub(super) fn modulus<V: Vector>(&self, width: V) -> V {
@@ -107,6 +112,12 @@ impl Plan {
             order: [0; ROOM],
             ranges: [(0, 0); Step::COUNT],
         }
+    }
+
+    /// Gives the first `n` points the greatest step that any of them needs.
+    pub(super) fn level(&mut self, n: usize) {
+        let greatest = self.steps[..n].iter().copied().fold(0.0, f64::max);
+        self.steps[..n].fill(greatest);
     }
 
     /// Sorts the first `n` points by their steps. Stable, so that neighbours stay neighbours.

@@ -69,7 +69,7 @@ impl Level {
         prepared: &Prepared,
         points: &BatchPoints<'_>,
         given: &[f64],
-        work: &mut Work,
+        work: &mut Work<'_>,
         out: &mut [BatchOutcome],
     ) {
         match self {
@@ -120,7 +120,7 @@ fn run<V: Vector>(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
     given: &[f64],
-    work: &mut Work,
+    work: &mut Work<'_>,
     out: &mut [BatchOutcome],
 ) {
     let plan = &mut work.plan;
@@ -139,7 +139,7 @@ fn run_avx2(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
     given: &[f64],
-    work: &mut Work,
+    work: &mut Work<'_>,
     out: &mut [BatchOutcome],
 ) {
     run::<avx2::Avx2>(prepared, points, given, work, out);
@@ -151,7 +151,7 @@ fn run_avx512(
     prepared: &Prepared,
     points: &BatchPoints<'_>,
     given: &[f64],
-    work: &mut Work,
+    work: &mut Work<'_>,
     out: &mut [BatchOutcome],
 ) {
     run::<avx512::Avx512>(prepared, points, given, work, out);

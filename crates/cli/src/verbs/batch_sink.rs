@@ -1,0 +1,70 @@
+//! Where the lines of a completed table go: a CSV file, or a Parquet file where the build has it.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::output::OutputFile;
+
+/// A table being written.
+pub(super) struct TableSink {
+    path: PathBuf,
+    kind: Kind,
+}
+
+enum Kind {
+    Csv(OutputFile),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<crate::parquet_table::ParquetSink<OutputFile>>),
+}
+
+impl TableSink {
+    /// Begins the table `path`.
+    pub(super) fn create(path: &Path) -> Result<Self> {
+        #[cfg(not(feature = "parquet"))]
+        crate::input::refuse_parquet(path)?;
+        let file = OutputFile::create(path)?;
+        let target = file.path().to_owned();
+        #[cfg(feature = "parquet")]
+        if crate::parquet_table::is_parquet(path) {
+            let sink = crate::parquet_table::ParquetSink::new(file);
+            return Ok(Self {
+                path: target,
+                kind: Kind::Parquet(Box::new(sink)),
+            });
+        }
+        Ok(Self {
+            path: target,
+            kind: Kind::Csv(file),
+        })
+    }
+
+    /// Where the table will stand.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// One line with its end, the header first.
+    pub(super) fn line(&mut self, line: &str) -> Result<()> {
+        match &mut self.kind {
+            Kind::Csv(file) => file.write_all(line.as_bytes()),
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(sink) => sink.line(line),
+        }
+        .map_err(|error| Error::file("write", &self.path, &error))
+    }
+
+    /// Completes the table and puts it in its place.
+    pub(super) fn finish(self) -> Result<()> {
+        match self.kind {
+            Kind::Csv(file) => file.finish(),
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(sink) => {
+                let file = sink
+                    .finish()
+                    .map_err(|error| Error::file("write", &self.path, &error))?;
+                file.map_or(Ok(()), OutputFile::finish)
+            }
+        }
+    }
+}

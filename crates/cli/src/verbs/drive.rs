@@ -1,0 +1,225 @@
+//! `drive`: a scenario simulated with estimator and controller in the loop.
+
+use std::path::PathBuf;
+
+use grouser_rover::drive::{Drive, Outcome as Ending, Pilot, Scenario, read_scenario};
+use rayon::prelude::*;
+
+use super::{drive_object, drive_optimum, drive_report, drive_tables, drive_text};
+use crate::error::{Error, Result};
+use crate::figure_file::ending;
+use crate::input::Input;
+use crate::output::OutputFile;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::session::Session;
+use drive_tables::Track;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Simulate a drive with estimator and controller in the loop",
+    long_about = "Simulate a drive over soft ground: robot, stresses under each wheel, sensors with their noise and \
+        faults, the slip estimator and the controller in the loop.\n\nThe controller runs at the slip that the \
+        scenario gives, else at the one that the running-slip problem (examples/problems/running-slip.toml) gives for \
+        this wheel, load and soil. docs/drive.md says what is simulated and how far it can be trusted.",
+    after_help = "Examples:\n  grouser drive examples/scenarios/sandbox.toml --report sandbox.html\n  \
+        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,fixed-slip,controller\n  \
+        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller --sweep 50 --json\n  \
+        grouser drive examples/scenarios/sandbox.toml -o drive.csv"
+)]
+pub(crate) struct Arguments {
+    /// The scenario (.toml)
+    #[arg(value_name = "SCENARIO.toml")]
+    scenario: PathBuf,
+    /// Drive the same ground with each of these: `open-loop`, `fixed-slip`, `controller`
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "controller"
+    )]
+    compare: Vec<String>,
+    /// The seed of ground and noise, instead of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Drive with this many seeds, the first one and those after it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    sweep: u64,
+    /// Write a report that stands alone (.html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the log of the sensors (.csv), which `estimate` reads; of the last named driver and the first seed
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Most seeds of a sweep.
+const MOST_SEEDS: u64 = 10_000;
+
+/// One finished drive.
+pub(super) struct Run {
+    pub(super) pilot: Pilot,
+    pub(super) seed: u64,
+    pub(super) result: grouser_rover::drive::DriveResult,
+    /// What was seen on the way, of the first seed.
+    pub(super) track: Option<Track>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let pilots: Vec<Pilot> = arguments
+        .compare
+        .iter()
+        .map(|name| pilot(name))
+        .collect::<Result<_>>()?;
+    if !(1..=MOST_SEEDS).contains(&arguments.sweep) {
+        return Err(Error::usage_without_hint(format!(
+            "`--sweep` is {}, but must lie in [1, {MOST_SEEDS}]",
+            arguments.sweep
+        )));
+    }
+    let report = page(arguments)?;
+    let log = log(arguments)?;
+    note_inputs(arguments, session)?;
+    let scenario = read_scenario(&arguments.scenario)?;
+    session.used_input(Input::open(&scenario.robot_file).and_then(|mut input| {
+        std::io::copy(&mut input, &mut std::io::sink())
+            .map_err(|error| Error::file("read", &scenario.robot_file, &error))?;
+        Ok(input)
+    })?);
+    let first = arguments.seed.unwrap_or(scenario.seed);
+    session.used_seed(first);
+    let optimum = match scenario.optimum {
+        Some(slip) => slip,
+        None => drive_optimum::running_slip(&scenario)?,
+    };
+    let runs = drive_all(&scenario, &pilots, optimum, first, arguments.sweep)?;
+    let mut text = drive_text::text(&scenario, optimum, &runs);
+    let object = drive_object::object(&scenario, optimum, first, &runs);
+    if let Some(file) = log
+        && let Some(track) = runs.iter().rev().find_map(|run| run.track.as_ref())
+    {
+        text.push_str(&file.write_whole(drive_tables::log(&scenario, track).as_bytes())?);
+    }
+    if let Some(file) = report {
+        let page = drive_report::page(&scenario, optimum, &runs);
+        text.push_str(&file.write_whole(page.as_bytes())?);
+    }
+    Ok(Report::done(object, text))
+}
+
+fn pilot(name: &str) -> Result<Pilot> {
+    Pilot::ALL
+        .into_iter()
+        .find(|pilot| pilot.name() == name)
+        .ok_or_else(|| {
+            Error::usage(
+                format!("`--compare` names `{name}`, which is no driver"),
+                "drivers are `open-loop`, `fixed-slip` and `controller`",
+            )
+        })
+}
+
+fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
+    let Some(path) = &arguments.report else {
+        return Ok(None);
+    };
+    if !matches!(ending(path).as_deref(), Some("html" | "htm")) {
+        return Err(Error::usage_without_hint(format!(
+            "the report {} does not end in `.html`",
+            path.display()
+        )));
+    }
+    OutputFile::create(path).map(Some)
+}
+
+fn log(arguments: &Arguments) -> Result<Option<OutputFile>> {
+    let Some(path) = &arguments.output else {
+        return Ok(None);
+    };
+    if ending(path).as_deref() != Some("csv") {
+        return Err(Error::usage_without_hint(format!(
+            "the log {} does not end in `.csv`",
+            path.display()
+        )));
+    }
+    OutputFile::create(path).map(Some)
+}
+
+fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
+    let mut input = Input::open(&arguments.scenario)?;
+    std::io::copy(&mut input, &mut std::io::sink())
+        .map_err(|error| Error::file("read", &arguments.scenario, &error))?;
+    session.used_input(input);
+    Ok(())
+}
+
+/// Every driver with every seed, on all cores; in the order of drivers, then seeds.
+fn drive_all(
+    scenario: &Scenario,
+    pilots: &[Pilot],
+    optimum: f64,
+    first: u64,
+    sweep: u64,
+) -> Result<Vec<Run>> {
+    let jobs: Vec<(Pilot, u64)> = pilots
+        .iter()
+        .flat_map(|pilot| (0..sweep).map(move |i| (*pilot, first.wrapping_add(i))))
+        .collect();
+    let whole = scenario.duration * jobs.len() as f64;
+    let progress = Progress::of_drives(whole, jobs.len());
+    jobs.into_par_iter()
+        .map(|(pilot, seed)| {
+            let mut drive = Drive::new(scenario, pilot, optimum, seed)?;
+            let mut track = (seed == first).then(|| Track::new(scenario));
+            let mut told = 0.0;
+            let result = drive.run(|frame| {
+                if let Some(track) = &mut track {
+                    track.add(frame);
+                }
+                if frame.time - told >= 1.0 {
+                    progress.drove(
+                        frame.time - told,
+                        frame.speed,
+                        frame.wheels.iter().find_map(|w| w.seen.slip),
+                    );
+                    told = frame.time;
+                }
+                true
+            });
+            progress.drove(scenario.duration - told, 0.0, None);
+            Ok(Run {
+                pilot,
+                seed,
+                result,
+                track,
+            })
+        })
+        .collect()
+}
+
+/// How many of the runs of a driver ended so.
+pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Ending) -> usize {
+    runs.iter()
+        .filter(|run| run.pilot == pilot && run.result.outcome == outcome)
+        .count()
+}
+
+/// The drivers in the order that they were asked for, each once.
+pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
+    let mut pilots: Vec<Pilot> = Vec::new();
+    for run in runs {
+        if !pilots.contains(&run.pilot) {
+            pilots.push(run.pilot);
+        }
+    }
+    pilots
+}
+
+impl From<grouser_rover::Error> for Error {
+    fn from(error: grouser_rover::Error) -> Self {
+        match error {
+            grouser_rover::Error::File(error) => error.into(),
+            error => Self::usage_without_hint(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! A job done: plates, then shear, then the wheel, each stage with what those before it found.
+
+use grouser_files::soil::SoilFile;
+use grouser_terra::{Bekker, Pressure, SoilParams};
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::job::{Job, PlateSource, WheelJob};
+use crate::least_squares::{
+    Bounded, Interval, Settings, Status, Uncertainty, Verdict, multi_start, profile,
+};
+use crate::parameter::Parameter;
+use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates, read_bag};
+use crate::shear::{self, ShearFit, ShearReading, fit_shear};
+use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
+
+/// A soil and how it was found.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The soil; NaN where no test and no statement told a number.
+    pub soil: SoilParams,
+    /// Plate tests.
+    pub plates: Option<PlateStage>,
+    /// Shear tests.
+    pub shear: Option<ShearStage>,
+    /// Wheel tests.
+    pub wheel: Option<WheelStage>,
+}
+
+/// What plate tests told.
+#[derive(Clone, Debug)]
+pub struct PlateStage {
+    /// The tests.
+    pub tests: Vec<PlateTest>,
+    /// How those out of bags were read.
+    pub records: Vec<PlateRecord>,
+    /// What they told.
+    pub fit: PlateFit,
+}
+
+/// What shear tests told.
+#[derive(Clone, Debug)]
+pub struct ShearStage {
+    /// The readings.
+    pub readings: Vec<ShearReading>,
+    /// What they told.
+    pub fit: ShearFit,
+}
+
+/// One number that wheel tests told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelNumber {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, SI.
+    pub value: f64,
+    /// Its standard error, SI; NaN where the data cannot tell.
+    pub standard_error: f64,
+    /// Its 95 % interval, SI.
+    pub interval: Interval,
+    /// What the data say about it.
+    pub verdict: Verdict,
+}
+
+/// What wheel tests told.
+#[derive(Clone, Debug)]
+pub struct WheelStage {
+    /// The tests.
+    pub tests: Vec<WheelTest>,
+    /// What the model says of them.
+    pub said: Vec<Prediction>,
+    /// The numbers.
+    pub numbers: Vec<WheelNumber>,
+    /// Correlation of each pair of them.
+    pub correlation: Vec<Vec<f64>>,
+    /// Greatest over least singular value of the scaled Jacobian.
+    pub condition: f64,
+    /// How the search ended.
+    pub status: Status,
+    /// How many starts ended as well as the best.
+    pub reached: usize,
+    /// How many starts there were.
+    pub starts: usize,
+}
+
+/// Does a job.
+///
+/// # Errors
+/// What a test's file lacks; [`Error::Missing`] for a number that a later stage needs and nobody told.
+pub fn identify(job: &Job) -> Result<Identification> {
+    let mut out = Identification {
+        soil: job.soil,
+        plates: None,
+        shear: None,
+        wheel: None,
+    };
+    if !job.plates.is_empty() {
+        let stage = plates(job)?;
+        out.soil.n = stage.fit.n;
+        out.soil.pressure = Pressure::Bekker(Bekker {
+            k_c: stage.fit.k_c,
+            k_phi: stage.fit.k_phi,
+        });
+        out.plates = Some(stage);
+    }
+    if let Some(table) = &job.shear {
+        let readings = shear::read_table(table)?;
+        let fit = fit_shear(&readings, crate::least_squares::Loss::Squares)?;
+        let [cohesion, phi, k_shear] = fit.values;
+        out.soil.cohesion = cohesion;
+        out.soil.phi = grouser_terra::Angle::from_rad(phi);
+        out.soil.k_shear = k_shear;
+        out.shear = Some(ShearStage { readings, fit });
+    }
+    if let Some(wheel) = &job.wheel {
+        let stage = wheel_stage(wheel, &mut out.soil)?;
+        out.wheel = Some(stage);
+    }
+    Ok(out)
+}
+
+fn plates(job: &Job) -> Result<PlateStage> {
+    let (mut tests, mut records) = (Vec::new(), Vec::new());
+    for source in &job.plates {
+        match source {
+            PlateSource::Table(path) => tests.extend(plate::read_table(path)?),
+            PlateSource::Bag(test) => {
+                let record = read_bag(&test.name, test.plate, &test.source, &test.depth)?;
+                tests.push(record.test.clone());
+                records.push(record);
+            }
+        }
+    }
+    let fit = fit_plates(&tests, &job.plate_settings)?;
+    Ok(PlateStage {
+        tests,
+        records,
+        fit,
+    })
+}
+
+/// Fits the wheel's numbers and puts them into `soil`.
+fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
+    let tests = wheel::read_table(&job.table)?;
+    check_known(job, soil)?;
+    let fixed = Fixed {
+        wheel: job.wheel,
+        soil: *soil,
+        scatter: job.scatter,
+    };
+    let model = WheelModel::new(fixed, &tests, &job.parameters);
+    let start: Vec<Bounded> = job.parameters.iter().map(|p| p.bounded(soil)).collect();
+    let settings = Settings {
+        loss: job.loss,
+        steps: 200,
+        ..Settings::default()
+    };
+    let (best, reached) = multi_start(&model, model.count(), &start, &settings, &job.starts)?;
+    let uncertainty = Uncertainty::of(&best, job.loss);
+    let intervals = (0..best.x.len())
+        .into_par_iter()
+        .map(|index| {
+            if job.profile {
+                let short = Settings {
+                    steps: 40,
+                    ..settings
+                };
+                return profile(&model, &best, index, 0.95, &short);
+            }
+            let half = uncertainty.half_width(index, 0.95);
+            let end = |value: f64| value.is_finite().then_some(value);
+            Ok(Interval {
+                low: end(best.x[index] - half),
+                high: end(best.x[index] + half),
+            })
+        })
+        .collect::<Result<Vec<Interval>>>()?;
+    let numbers = job
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(index, parameter)| WheelNumber {
+            parameter: *parameter,
+            value: best.x[index],
+            standard_error: uncertainty.standard_errors[index],
+            interval: intervals[index],
+            verdict: uncertainty.verdicts[index],
+        })
+        .collect();
+    for (parameter, value) in job.parameters.iter().zip(&best.x) {
+        parameter.put(soil, *value);
+    }
+    Ok(WheelStage {
+        said: predict(&fixed, &tests, &job.parameters, &best.x)?,
+        tests,
+        numbers,
+        correlation: uncertainty.correlation,
+        condition: uncertainty.condition,
+        status: best.status,
+        reached,
+        starts: job.starts.starts.max(1),
+    })
+}
+
+/// Every number that a wheel needs must be known or be asked for.
+fn check_known(job: &WheelJob, soil: &SoilParams) -> Result<()> {
+    for parameter in [
+        Parameter::Exponent,
+        Parameter::KPhi,
+        Parameter::Cohesion,
+        Parameter::Phi,
+        Parameter::KShear,
+        Parameter::C1,
+        Parameter::C2,
+    ] {
+        if parameter.of(soil).is_nan() && !job.parameters.contains(&parameter) {
+            return Err(Error::Missing {
+                what: parameter.key(),
+                needed_by: "the wheel's stresses need it: name it in `fit`, or state it in [soil]"
+                    .to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+impl Identification {
+    /// The numbers that a soil file needs and that nobody told.
+    #[must_use]
+    pub fn missing(&self) -> Vec<&'static str> {
+        [
+            Parameter::Exponent,
+            Parameter::KPhi,
+            Parameter::Cohesion,
+            Parameter::Phi,
+        ]
+        .into_iter()
+        .filter(|parameter| parameter.of(&self.soil).is_nan())
+        .map(Parameter::key)
+        .collect()
+    }
+
+    /// The soil as a file, with what it was identified from in its source and the numbers' intervals in its
+    /// remarks.
+    #[must_use]
+    pub fn soil_file(&self, job: &Job) -> (SoilFile, Vec<String>) {
+        let mut from = Vec::new();
+        if let Some(stage) = &self.plates {
+            from.push(format!("{} plate tests", stage.tests.len()));
+        }
+        if let Some(stage) = &self.shear {
+            from.push(format!("{} shear readings", stage.readings.len()));
+        }
+        if let Some(stage) = &self.wheel {
+            from.push(format!("{} wheel tests", stage.tests.len()));
+        }
+        let source = format!("identified by grouser from {}", from.join(", "));
+        let mut file = SoilFile::new(&job.name, &source, self.soil);
+        file.key.clone_from(&job.key);
+        (file, self.remarks())
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let interval = |interval: Interval, scale: f64| {
+            let end = |value: Option<f64>| {
+                value.map_or("open".to_owned(), |v| format!("{:.4}", v / scale))
+            };
+            format!("95 % [{}, {}]", end(interval.low), end(interval.high))
+        };
+        let mut list = Vec::new();
+        if let Some(stage) = &self.plates {
+            for number in &stage.fit.parameters {
+                let digits = if number.value.abs() > 1e3 { 0 } else { 4 };
+                let ends = [number.interval.low, number.interval.high]
+                    .map(|end| end.map_or("open".to_owned(), |v| format!("{v:.digits$}")));
+                list.push(format!(
+                    "{} {:.digits$}, 95 % [{}, {}], {}",
+                    number.name,
+                    number.value,
+                    ends[0],
+                    ends[1],
+                    number.verdict.key()
+                ));
+            }
+        }
+        if let Some(stage) = &self.shear {
+            let names = [
+                ("cohesion_kpa", 1e3),
+                ("phi_deg", std::f64::consts::PI / 180.0),
+                ("k_shear_m", 1.0),
+            ];
+            for (index, (name, unit)) in names.into_iter().enumerate() {
+                list.push(format!(
+                    "{name} {:.4}, {}, {}",
+                    stage.fit.values[index] / unit,
+                    interval(stage.fit.intervals[index], unit),
+                    stage.fit.uncertainty.verdicts[index].key()
+                ));
+            }
+        }
+        if let Some(stage) = &self.wheel {
+            for number in &stage.numbers {
+                let unit = 1.0 / number.parameter.to_key_unit(1.0);
+                list.push(format!(
+                    "{} {:.4}, {}, {}",
+                    number.parameter.key(),
+                    number.value / unit,
+                    interval(number.interval, unit),
+                    number.verdict.key()
+                ));
+            }
+        }
+        list
+    }
+}

@@ -1,0 +1,311 @@
+//! Files that say what was tested and what is to be found.
+
+use std::path::{Path, PathBuf};
+
+use grouser_files::{Document, Section, nearest, soil};
+use grouser_terra::{RigidWheel, SoilParams};
+
+use crate::error::{Error, Result};
+use crate::least_squares::{Loss, StartSettings};
+use crate::parameter::Parameter;
+use crate::plate::{BagSource, DepthColumn, Plate, PlateSettings};
+use crate::wheel::Scatter;
+
+/// A job: tests of one soil.
+///
+/// ```toml
+/// format = 1
+/// name = "Sand of our test bed"
+///
+/// [[plate]]                       # force against depth, out of a table …
+/// table = "plates.csv"            # depth_mm, force_n, plate_diameter_mm, test
+///
+/// [[plate]]                       # … or out of a bag and a text file
+/// name = "60 mm disc"
+/// diameter_m = 0.06
+/// bag = "test.bag"
+/// force_field = "wrench.wrench.force.z"
+/// force_sign = -1.0               # −1 where the force reads negative when the plate is pressed in
+/// stamp_field = "wrench.header.stamp"   # optional; `topic` too
+/// depth_file = "test.txt"
+/// height_field = 5                # fields of each line, from 1
+/// height_unit = "mm"
+/// clock_field = 7                 # the system's clock, s
+/// controller_field = 6            # optional: the controller's own clock
+/// controller_unit = "ms"
+/// surface_m = -0.0096             # optional: the height of the surface
+///
+/// [plate_fit]                     # optional
+/// least_depth_m = 0.002
+/// fit_datum = false
+///
+/// [shear]
+/// table = "shear.csv"             # normal_stress_kpa, displacement_mm, shear_stress_kpa
+///
+/// [wheel]
+/// table = "wheel.csv"             # slip, load_n, and any of drawbar_pull_n, torque_nm, sinkage_mm, …
+/// radius_m = 0.1
+/// width_m = 0.05
+/// fit = ["k_shear_m", "c_1", "c_2", "sinkage_datum_m"]
+/// pull_scatter_n = 0.5            # standard deviations of one reading
+/// torque_scatter_nm = 0.05
+/// sinkage_scatter_m = 0.0007
+/// huber = 1.345                   # optional: outliers pull with a bounded force
+/// intervals = "profile"           # or "linear"
+///
+/// [soil]                          # what is known besides, and the laws to identify with
+/// cohesion_kpa = 0.0
+/// phi_deg = 29.0
+/// ```
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The soil's name.
+    pub name: String,
+    /// Its key, if it has one.
+    pub key: Option<String>,
+    /// What is known besides; NaN where nothing is.
+    pub soil: SoilParams,
+    /// Plate tests.
+    pub plates: Vec<PlateSource>,
+    /// How they are fitted.
+    pub plate_settings: PlateSettings,
+    /// The table of shear tests.
+    pub shear: Option<PathBuf>,
+    /// Wheel tests.
+    pub wheel: Option<WheelJob>,
+}
+
+/// Where a plate test stands.
+#[derive(Clone, Debug)]
+pub enum PlateSource {
+    /// In a table.
+    Table(PathBuf),
+    /// In a bag and a text file.
+    Bag(Box<BagTest>),
+}
+
+/// A plate test in a bag and a text file.
+#[derive(Clone, Debug)]
+pub struct BagTest {
+    /// Its name.
+    pub name: String,
+    /// The plate.
+    pub plate: Plate,
+    /// The force.
+    pub source: BagSource,
+    /// The depth.
+    pub depth: DepthColumn,
+}
+
+/// Wheel tests and what they are to tell.
+#[derive(Clone, Debug)]
+pub struct WheelJob {
+    /// The table.
+    pub table: PathBuf,
+    /// The wheel.
+    pub wheel: RigidWheel,
+    /// What is to be found.
+    pub parameters: Vec<Parameter>,
+    /// What residuals are divided by.
+    pub scatter: Scatter,
+    /// What a residual costs.
+    pub loss: Loss,
+    /// Are intervals by profile likelihood wanted?
+    pub profile: bool,
+    /// From where the search begins.
+    pub starts: StartSettings,
+}
+
+impl Job {
+    /// Reads a job; paths in it are beside its file.
+    ///
+    /// # Errors
+    /// What the file lacks or says wrong, with its place.
+    pub fn read(document: &Document) -> Result<Self> {
+        let beside = Path::new(document.name())
+            .parent()
+            .unwrap_or_else(|| Path::new(""));
+        let job = document.parse(|root| -> std::result::Result<Self, grouser_files::Error> {
+            let soil = root.section("soil", soil::read_open)?;
+            let plates = root.sections("plate", |section| read_plate(section, beside))?;
+            let plate_settings = root.section("plate_fit", read_plate_settings)?;
+            let shear = root.section("shear", |section| {
+                Ok::<_, grouser_files::Error>(beside.join(section.text("table")?))
+            })?;
+            Ok(Self {
+                name: root.text("name")?.to_owned(),
+                key: root.optional_text("key")?.map(Into::into),
+                soil: soil.unwrap_or_else(|| SoilParams {
+                    cohesion: f64::NAN,
+                    ..SoilParams::bekker(f64::NAN, f64::NAN, f64::NAN)
+                }),
+                plates,
+                plate_settings: plate_settings.unwrap_or_default(),
+                shear,
+                wheel: root.section("wheel", |section| read_wheel(section, beside))?,
+            })
+        })?;
+        if job.plates.is_empty() && job.shear.is_none() && job.wheel.is_none() {
+            return Err(Error::Missing {
+                what: "a test",
+                needed_by: format!("{} has no [[plate]], [shear] or [wheel]", document.name()),
+            });
+        }
+        Ok(job)
+    }
+
+    /// The files that the job reads, in order.
+    #[must_use]
+    pub fn files(&self) -> Vec<&Path> {
+        let mut list: Vec<&Path> = Vec::new();
+        for plate in &self.plates {
+            match plate {
+                PlateSource::Table(path) => list.push(path),
+                PlateSource::Bag(test) => {
+                    list.push(&test.source.bag);
+                    list.push(&test.depth.file);
+                }
+            }
+        }
+        list.extend(self.shear.as_deref());
+        list.extend(self.wheel.as_ref().map(|wheel| wheel.table.as_path()));
+        list
+    }
+}
+
+type Read<T> = std::result::Result<T, grouser_files::Error>;
+
+const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
+const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+const SIZE: (f64, f64) = (1e-3, 100.0);
+
+fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
+    if let Some(table) = section.optional_text("table")? {
+        return Ok(PlateSource::Table(beside.join(table)));
+    }
+    let field = |key| -> Read<usize> {
+        let number = section.number(key, (1.0, 1000.0))?;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "held in [1, 1000] above"
+        )]
+        Ok(number as usize)
+    };
+    let bag = beside.join(section.text("bag")?);
+    let name = section.optional_text("name")?;
+    let diameter = section.number("diameter_m", SIZE)?;
+    let controller = match section.optional_number("controller_field", (1.0, 1000.0))? {
+        Some(_) => Some((
+            field("controller_field")?,
+            section.choice("controller_unit", &TIMES)?,
+        )),
+        None => None,
+    };
+    Ok(PlateSource::Bag(Box::new(BagTest {
+        name: name.map_or_else(
+            || {
+                let stem = bag.file_stem().unwrap_or_default();
+                stem.to_string_lossy().into_owned()
+            },
+            Into::into,
+        ),
+        // a diameter within its limits makes a plate
+        plate: Plate::disc(diameter).unwrap_or(Plate {
+            area: f64::NAN,
+            width: f64::NAN,
+        }),
+        source: BagSource {
+            bag,
+            topic: section.optional_text("topic")?.map(Into::into),
+            force: section.text("force_field")?.to_owned(),
+            stamp: section.optional_text("stamp_field")?.map(Into::into),
+            sign: section
+                .optional_number("force_sign", (-1.0, 1.0))?
+                .unwrap_or(1.0)
+                .signum(),
+        },
+        depth: DepthColumn {
+            file: beside.join(section.text("depth_file")?),
+            height: field("height_field")?,
+            height_unit: section.choice("height_unit", &LENGTHS)?,
+            clock: field("clock_field")?,
+            controller,
+            surface: section.optional_number("surface_m", (-1e3, 1e3))?,
+        },
+    })))
+}
+
+fn read_plate_settings(section: &Section<'_>) -> Read<PlateSettings> {
+    let usual = PlateSettings::default();
+    Ok(PlateSettings {
+        least_depth: section
+            .optional_number("least_depth_m", (1e-6, 10.0))?
+            .unwrap_or(usual.least_depth),
+        fit_datum: section.flag("fit_datum")?,
+        loss: read_loss(section)?,
+    })
+}
+
+fn read_loss(section: &Section<'_>) -> Read<Loss> {
+    let threshold = section.optional_number("huber", (0.1, 100.0))?;
+    Ok(threshold.map_or(Loss::Squares, |threshold| Loss::Huber { threshold }))
+}
+
+fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
+    let (radius, width) = (
+        section.number("radius_m", SIZE)?,
+        section.number("width_m", SIZE)?,
+    );
+    let wheel = RigidWheel::new(radius, width).map_err(|source| grouser_files::Error::Soil {
+        at: section.place_of("radius_m"),
+        source,
+    })?;
+    let mut parameters = Vec::new();
+    for name in section.texts("fit")? {
+        let Some(parameter) = Parameter::named(name) else {
+            let keys = || Parameter::ALL.iter().map(|parameter| parameter.key());
+            let allowed: Vec<String> = keys().map(|key| format!("\"{key}\"")).collect();
+            return Err(grouser_files::Error::BadChoice {
+                at: section.place_of("fit"),
+                key: "fit".to_owned(),
+                value: name.chars().take(64).collect(),
+                allowed: allowed.join(", "),
+                meant: nearest(name, keys()).map(Into::into),
+            });
+        };
+        if !parameters.contains(&parameter) {
+            parameters.push(parameter);
+        }
+    }
+    let scatter = |key, usual| -> Read<f64> {
+        Ok(section
+            .optional_number(key, (1e-12, 1e12))?
+            .unwrap_or(usual))
+    };
+    let usual = StartSettings::default();
+    let whole = |key, usual: u64| -> Read<u64> {
+        let number = section.optional_integer(key)?;
+        Ok(number.and_then(|n| u64::try_from(n).ok()).unwrap_or(usual))
+    };
+    Ok(WheelJob {
+        table: beside.join(section.text("table")?),
+        wheel,
+        parameters,
+        scatter: Scatter {
+            pull: scatter("pull_scatter_n", 1.0)?,
+            side: scatter("side_scatter_n", 1.0)?,
+            torque: scatter("torque_scatter_nm", 0.1)?,
+            sinkage: scatter("sinkage_scatter_m", 1e-3)?,
+        },
+        loss: read_loss(section)?,
+        profile: section
+            .optional_choice("intervals", &[("profile", true), ("linear", false)])?
+            .unwrap_or(false),
+        starts: StartSettings {
+            starts: usize::try_from(whole("starts", usual.starts as u64)?.clamp(1, 1000))
+                .unwrap_or(usual.starts),
+            seed: whole("seed", usual.seed)?,
+        },
+    })
+}

@@ -1,0 +1,309 @@
+//! Bekker's exponent and moduli from plate tests.
+
+use grouser_opt::{Exact, Functions};
+use grouser_real::Scalar;
+
+use super::test::PlateTest;
+use crate::error::{Error, Result};
+use crate::least_squares::{
+    Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile,
+};
+
+/// How plate tests are fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlateSettings {
+    /// Readings at less depth are left out, m: there the surface's own roughness and the datum rule.
+    pub least_depth: f64,
+    /// Is the height of each test's surface fitted too?
+    pub fit_datum: bool,
+    /// What a residual costs.
+    pub loss: Loss,
+}
+
+impl Default for PlateSettings {
+    fn default() -> Self {
+        Self {
+            least_depth: 2e-3,
+            fit_datum: false,
+            loss: Loss::Squares,
+        }
+    }
+}
+
+/// One identified number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlateParameter {
+    /// Its name, with its unit.
+    pub name: String,
+    /// Its value, SI.
+    pub value: f64,
+    /// Its standard error, with the correlation from reading to reading taken into account; NaN where the
+    /// data cannot tell.
+    pub standard_error: f64,
+    /// Its 95 % interval by profile likelihood, likewise widened.
+    pub interval: Interval,
+    /// What the data say about it.
+    pub verdict: Verdict,
+}
+
+/// What plate tests tell of a soil.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlateFit {
+    /// Sinkage exponent n.
+    pub n: f64,
+    /// k_c, N/m^(n+1); 0 with plates of one width only.
+    pub k_c: f64,
+    /// k_phi, N/m^(n+2); with plates of one width this holds all of k.
+    pub k_phi: f64,
+    /// The numbers with their uncertainty: n, then k_c and k_phi or k alone, then datums.
+    pub parameters: Vec<PlateParameter>,
+    /// Each test's readings that were used: index, and ln(p/p_model) there.
+    pub residuals: Vec<Vec<(usize, f64)>>,
+    /// Standard deviation of ln p about the law.
+    pub relative_deviation: f64,
+    /// How many times more readings there are than independent ones (from the residuals' correlation).
+    pub redundancy: f64,
+    /// The fit.
+    pub fit: Fit,
+}
+
+/// ln p of each reading as a function of (n, ln k per width or ln k and k_c's share, datums).
+struct Law<'a> {
+    tests: &'a [PlateTest],
+    used: &'a [Vec<usize>],
+    shape: Shape,
+    fit_datum: bool,
+}
+
+/// Plates of one width tell k alone; of several, k at the least and the greatest width.
+#[derive(Clone, Copy)]
+enum Shape {
+    One,
+    Two { least: f64, greatest: f64 },
+}
+
+impl Shape {
+    fn moduli(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Two { .. } => 2,
+        }
+    }
+
+    /// k at a width from the moduli at the outer widths: linear in 1/b, as k_c/b + k_phi is.
+    fn modulus<R: Scalar>(self, x: &[R], width: f64) -> R {
+        match self {
+            Self::One => x[1].exp(),
+            Self::Two { least, greatest } => {
+                let share = (1.0 / width - 1.0 / greatest) / (1.0 / least - 1.0 / greatest);
+                R::from_f64(share) * x[1].exp() + R::from_f64(1.0 - share) * x[2].exp()
+            }
+        }
+    }
+}
+
+impl Functions for Law<'_> {
+    fn evaluate<R: Scalar>(&self, x: &[R], out: &mut [R]) {
+        let mut slots = out.iter_mut();
+        for (index, (test, used)) in self.tests.iter().zip(self.used).enumerate() {
+            let k = self.shape.modulus(x, test.plate.width);
+            let datum = if self.fit_datum {
+                x[1 + self.shape.moduli() + index]
+            } else {
+                R::ZERO
+            };
+            for &reading in used {
+                let depth = R::from_f64(test.depth[reading]) - datum;
+                let measured = R::from_f64(test.pressure(reading).ln());
+                if let Some(slot) = slots.next() {
+                    *slot = k.ln() + x[0] * depth.ln() - measured;
+                }
+            }
+        }
+    }
+}
+
+/// n, k_c and k_phi by least squares in ln p, p = (k_c/b + k_phi) (z − z_0)ⁿ.
+///
+/// A power law spans decades of pressure, so its errors are relative. Plates of two widths or more tell k_c
+/// and k_phi apart; of one width only their sum, which is given as k_phi. Readings follow each other closely
+/// and their residuals are alike: with the correlation ρ of neighbours, m of them tell no more than
+/// m (1 − ρ)/(1 + ρ) independent ones, and errors are widened accordingly.
+///
+/// Source: \[Bekker69\]; the widening: Bayley & Hammersley, J. Royal Statistical Society Supplement 8 (1946).
+///
+/// # Errors
+/// [`Error::TooFew`] where fewer than ten readings lie deeper than the least depth.
+pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<PlateFit> {
+    let used: Vec<Vec<usize>> = tests
+        .iter()
+        .map(|test| {
+            (0..test.depth.len())
+                .filter(|i| test.depth[*i] >= settings.least_depth && test.force[*i] > 0.0)
+                .collect()
+        })
+        .collect();
+    let count: usize = used.iter().map(Vec::len).sum();
+    let widths = tests.iter().map(|test| test.plate.width);
+    let least = widths.clone().fold(f64::INFINITY, f64::min);
+    let greatest = widths.fold(0.0, f64::max);
+    let shape = if greatest > least * (1.0 + 1e-6) {
+        Shape::Two { least, greatest }
+    } else {
+        Shape::One
+    };
+    if count < 10 || used.iter().any(Vec::is_empty) {
+        return Err(Error::TooFew {
+            residuals: count,
+            parameters: 1 + shape.moduli(),
+        });
+    }
+    let mut start = vec![
+        Bounded {
+            start: 1.0,
+            lower: 0.1,
+            upper: 3.0,
+        };
+        1
+    ];
+    start.extend(vec![
+        Bounded {
+            start: 1e6_f64.ln(),
+            lower: 0.0,
+            upper: 40.0,
+        };
+        shape.moduli()
+    ]);
+    if settings.fit_datum {
+        start.extend(used.iter().zip(tests).map(|(used, test)| {
+            let shallowest = used.iter().map(|i| test.depth[*i]);
+            let shallowest = shallowest.fold(f64::INFINITY, f64::min);
+            Bounded {
+                start: 0.0,
+                lower: -0.02,
+                upper: (0.9 * shallowest).max(0.0),
+            }
+        }));
+    }
+    let law = Exact(Law {
+        tests,
+        used: &used,
+        shape,
+        fit_datum: settings.fit_datum,
+    });
+    let search = Settings {
+        loss: settings.loss,
+        ..Settings::default()
+    };
+    let found = fit(&law, count, &start, &search)?;
+    let uncertainty = Uncertainty::of(&found, settings.loss);
+    let residuals = split(&found.residuals, &used);
+    let redundancy = redundancy(&residuals);
+    let widen = redundancy.sqrt();
+    let intervals = (0..found.x.len())
+        .map(|index| profile(&law, &found, index, 0.95, &search))
+        .collect::<Result<Vec<Interval>>>()?;
+    Ok(assemble(
+        tests,
+        &found,
+        &uncertainty,
+        (&intervals, widen),
+        (shape, residuals, redundancy),
+    ))
+}
+
+fn assemble(
+    tests: &[PlateTest],
+    found: &Fit,
+    uncertainty: &Uncertainty,
+    (intervals, widen): (&[Interval], f64),
+    (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
+) -> PlateFit {
+    let n = found.x[0];
+    let wide = |end: Option<f64>, value: f64| end.map(|end| value + widen * (end - value));
+    let parameter = |name: String, index: usize, change: &dyn Fn(f64) -> f64| {
+        let x = found.x[index];
+        let value = change(x);
+        // the slope of the change carries the standard error over
+        let step = 1e-6 * x.abs().max(1e-3);
+        let slope = (change(x + step) - change(x - step)) / (2.0 * step);
+        PlateParameter {
+            name,
+            value,
+            standard_error: widen * slope.abs() * uncertainty.standard_errors[index],
+            interval: Interval {
+                low: wide(intervals[index].low, x).map(change),
+                high: wide(intervals[index].high, x).map(change),
+            },
+            verdict: uncertainty.verdicts[index],
+        }
+    };
+    let itself = |x: f64| x;
+    let mut parameters = vec![parameter("n".to_owned(), 0, &itself)];
+    let (k_c, k_phi) = match shape {
+        Shape::One => {
+            parameters.push(parameter("k_pa_per_m_n".to_owned(), 1, &f64::exp));
+            (0.0, found.x[1].exp())
+        }
+        Shape::Two { least, greatest } => {
+            for (index, width) in [(1, least), (2, greatest)] {
+                let name = format!("k_pa_per_m_n_at_b_{}_mm", 1e3 * width);
+                parameters.push(parameter(name, index, &f64::exp));
+            }
+            let (narrow, wide) = (found.x[1].exp(), found.x[2].exp());
+            let k_c = (narrow - wide) / (1.0 / least - 1.0 / greatest);
+            (k_c, narrow - k_c / least)
+        }
+    };
+    for (index, test) in tests.iter().enumerate() {
+        let place = 1 + shape.moduli() + index;
+        if place < found.x.len() {
+            parameters.push(parameter(
+                format!("datum_m of {}", test.name),
+                place,
+                &itself,
+            ));
+        }
+    }
+    PlateFit {
+        n,
+        k_c,
+        k_phi,
+        parameters,
+        residuals,
+        relative_deviation: uncertainty.residual_deviation,
+        redundancy,
+        fit: found.clone(),
+    }
+}
+
+/// The residuals test by test, as measured over model.
+fn split(residuals: &[f64], used: &[Vec<usize>]) -> Vec<Vec<(usize, f64)>> {
+    let mut rest = residuals.iter();
+    used.iter()
+        .map(|used| {
+            used.iter()
+                .zip(rest.by_ref())
+                .map(|(index, r)| (*index, -r))
+                .collect()
+        })
+        .collect()
+}
+
+/// (1 + ρ)/(1 − ρ) with ρ the correlation of neighbouring residuals, at least 1 and at most the number of
+/// readings.
+fn redundancy(residuals: &[Vec<(usize, f64)>]) -> f64 {
+    let (mut products, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for test in residuals {
+        for pair in test.windows(2) {
+            products += pair[0].1 * pair[1].1;
+        }
+        squares += test.iter().map(|(_, r)| r * r).sum::<f64>();
+        count += test.len() as f64;
+    }
+    if !(squares > 0.0) {
+        return 1.0;
+    }
+    let rho = (products / squares).clamp(0.0, 1.0);
+    ((1.0 + rho) / (1.0 - rho).max(1e-12)).clamp(1.0, 0.25 * count)
+}

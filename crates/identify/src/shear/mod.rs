@@ -1,0 +1,198 @@
+//! Shear tests: cohesion, friction and the shear modulus from shear stress against displacement.
+
+use std::path::Path;
+
+use grouser_opt::{Exact, Functions};
+use grouser_real::Scalar;
+use grouser_terra::{MohrCoulomb, mobilised_janosi};
+
+use crate::error::{Error, Result};
+use crate::least_squares::{Bounded, Fit, Interval, Loss, Settings, Uncertainty, fit, profile};
+use crate::table::{Column, Table};
+
+/// One reading of a shear test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShearReading {
+    /// Normal stress, Pa.
+    pub normal: f64,
+    /// Shear displacement, m.
+    pub displacement: f64,
+    /// Shear stress, Pa.
+    pub shear: f64,
+}
+
+/// What shear tests tell of a soil.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShearFit {
+    /// Cohesion, Pa; angle of friction, rad; shear modulus K, m.
+    pub values: [f64; 3],
+    /// Their standard errors.
+    pub standard_errors: [f64; 3],
+    /// Their 95 % intervals by profile likelihood.
+    pub intervals: [Interval; 3],
+    /// What the data say about them.
+    pub uncertainty: Uncertainty,
+    /// The fit; residuals in Pa.
+    pub fit: Fit,
+}
+
+/// Reads `normal_stress_pa` or `_kpa`, `displacement_m` or `_mm`, `shear_stress_pa` or `_kpa`.
+///
+/// # Errors
+/// As [`Table::numbers`].
+pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
+    let table = Table::read(path)?;
+    let normal = table.numbers(Column(&[
+        ("normal_stress_pa", 1.0),
+        ("normal_stress_kpa", 1e3),
+    ]))?;
+    let displacement = table.numbers(Column(&[
+        ("displacement_m", 1.0),
+        ("displacement_mm", 1e-3),
+    ]))?;
+    let shear = table.numbers(Column(&[
+        ("shear_stress_pa", 1.0),
+        ("shear_stress_kpa", 1e3),
+    ]))?;
+    Ok((0..table.len())
+        .map(|row| ShearReading {
+            normal: normal[row],
+            displacement: displacement[row],
+            shear: shear[row],
+        })
+        .collect())
+}
+
+struct Law<'a>(&'a [ShearReading]);
+
+impl Functions for Law<'_> {
+    fn evaluate<R: Scalar>(&self, x: &[R], out: &mut [R]) {
+        let strength = MohrCoulomb {
+            cohesion: x[0],
+            phi: x[1],
+        };
+        for (slot, reading) in out.iter_mut().zip(self.0) {
+            let shown = mobilised_janosi(R::from_f64(reading.displacement), x[2]);
+            let said = strength.strength(R::from_f64(reading.normal)) * shown;
+            *slot = said - R::from_f64(reading.shear);
+        }
+    }
+}
+
+/// c, φ and K by least squares on τ = (c + σ tan φ)(1 − e^(−j/K)).
+///
+/// Huber's threshold, if `loss` has one, is in Pa.
+///
+/// Source: \[JH61\] with Mohr-Coulomb's strength. Readings at one normal stress only cannot tell cohesion
+/// from friction, and readings past the rise alone cannot tell K: both are said by name.
+///
+/// # Errors
+/// [`Error::TooFew`] for fewer readings than numbers.
+pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
+    let most = readings.iter().map(|r| r.shear).fold(0.0, f64::max);
+    let reach = readings.iter().map(|r| r.displacement).fold(0.0, f64::max);
+    if readings.len() < 3 || !(most > 0.0 && reach > 0.0) {
+        return Err(Error::TooFew {
+            residuals: readings.len(),
+            parameters: 3,
+        });
+    }
+    let bounds = [
+        Bounded {
+            start: 0.1 * most,
+            lower: 0.0,
+            upper: 10.0 * most,
+        },
+        Bounded {
+            start: 0.5,
+            lower: 0.0,
+            upper: 1.2,
+        },
+        Bounded {
+            start: 0.2 * reach,
+            lower: 1e-6 * reach,
+            upper: 10.0 * reach,
+        },
+    ];
+    let settings = Settings {
+        loss,
+        ..Settings::default()
+    };
+    let law = Exact(Law(readings));
+    let found = fit(&law, readings.len(), &bounds, &settings)?;
+    let uncertainty = Uncertainty::of(&found, loss);
+    let mut intervals = [Interval {
+        low: None,
+        high: None,
+    }; 3];
+    for (index, slot) in intervals.iter_mut().enumerate() {
+        *slot = profile(&law, &found, index, 0.95, &settings)?;
+    }
+    let three = |list: &[f64]| [list[0], list[1], list[2]];
+    Ok(ShearFit {
+        values: three(&found.x),
+        standard_errors: three(&uncertainty.standard_errors),
+        intervals,
+        uncertainty,
+        fit: found,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::least_squares::Verdict;
+
+    fn readings(normals: &[f64]) -> Vec<ShearReading> {
+        // c 1.2 kPa, φ 31°, K 15 mm, with a wave of 40 Pa for noise
+        let mut out = Vec::new();
+        for (i, normal) in normals.iter().enumerate() {
+            for step in 1..=20 {
+                let displacement = 0.003 * f64::from(step);
+                let strength = 1200.0 + normal * 31_f64.to_radians().tan();
+                let noise = 40.0 * (1.7 * f64::from(step) + i as f64).sin();
+                out.push(ShearReading {
+                    normal: *normal,
+                    displacement,
+                    shear: strength * (1.0 - (-displacement / 0.015).exp()) + noise,
+                });
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn the_soil_is_found_within_its_intervals() {
+        let found = fit_shear(&readings(&[2e3, 6e3, 12e3]), Loss::Squares).unwrap();
+        for (index, truth) in [1200.0, 31_f64.to_radians(), 0.015].into_iter().enumerate() {
+            let interval = found.intervals[index];
+            assert!(interval.low.unwrap() < truth && truth < interval.high.unwrap());
+            let half = found.uncertainty.half_width(index, 0.95);
+            assert!((found.values[index] - truth).abs() < half);
+        }
+    }
+
+    #[test]
+    fn one_normal_stress_cannot_tell_cohesion_from_friction() {
+        let found = fit_shear(&readings(&[6e3]), Loss::Squares).unwrap();
+        let verdicts = &found.uncertainty.verdicts;
+        let lost = verdicts[..2].iter().all(|v| *v != Verdict::Identified);
+        assert!(lost, "{verdicts:?}");
+        assert_eq!(verdicts[2], Verdict::Identified);
+    }
+
+    #[test]
+    fn an_outlier_pulls_with_a_bounded_force() {
+        let mut spoilt = readings(&[2e3, 6e3, 12e3]);
+        spoilt[30].shear *= 3.0;
+        let plain = fit_shear(&spoilt, Loss::Squares).unwrap();
+        let robust = fit_shear(&spoilt, Loss::Huber { threshold: 60.0 }).unwrap();
+        let off = |fit: &ShearFit| (fit.values[1] - 31_f64.to_radians()).abs();
+        assert!(
+            off(&robust) < 0.2 * off(&plain),
+            "{} {}",
+            off(&robust),
+            off(&plain)
+        );
+    }
+}

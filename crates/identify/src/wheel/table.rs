@@ -1,0 +1,146 @@
+//! Wheel tests out of a table.
+
+use std::path::Path;
+
+use grouser_terra::{Angle, Kinematics, Slip};
+
+use super::test::{Support, WheelTest};
+use crate::error::{Error, Result};
+use crate::table::{Column, Table};
+
+const SLIP: Column = Column(&[("slip", 1.0)]);
+const SLIP_ANGLE: Column = Column(&[("slip_angle_deg", 1.0)]);
+const RIM: Column = Column(&[("rim_speed_m_per_s", 1.0), ("rim_speed_mm_per_s", 1e-3)]);
+const TRAVEL: Column = Column(&[
+    ("travel_speed_m_per_s", 1.0),
+    ("travel_speed_mm_per_s", 1e-3),
+]);
+const LOAD: Column = Column(&[("load_n", 1.0)]);
+const PULL: Column = Column(&[("drawbar_pull_n", 1.0)]);
+const SIDE: Column = Column(&[("side_force_n", 1.0)]);
+const TORQUE: Column = Column(&[("torque_nm", 1.0)]);
+const SINKAGE: Column = Column(&[("sinkage_m", 1.0), ("sinkage_mm", 1e-3)]);
+
+/// The wheel tests of a table.
+///
+/// Motion: `slip` (in the wheel's plane), or `rim_speed_m_per_s` with `travel_speed_m_per_s` (both also in
+/// `mm_per_s`), with `slip_angle_deg` where the wheel drifts. Support: `load_n`; a row without one is taken at
+/// its measured sinkage. Readings, any of them, empty where there is none: `drawbar_pull_n`, `side_force_n` (to the
+/// left), `torque_nm`, `sinkage_m` or `sinkage_mm`.
+///
+/// # Errors
+/// As [`Table::optional`]; [`Error::Law`] for a motion that is none; [`Error::Content`] for a row without load
+/// and sinkage.
+pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
+    let table = Table::read(path)?;
+    let given = |column: Column| -> Result<Vec<Option<f64>>> {
+        if table.has(column) {
+            table.optional(column)
+        } else {
+            Ok(vec![None; table.len()])
+        }
+    };
+    let by_speeds = table.has(RIM) && table.has(TRAVEL);
+    let (rim, travel) = (given(RIM)?, given(TRAVEL)?);
+    let slip = if by_speeds {
+        given(SLIP)?
+    } else {
+        table.optional(SLIP)?
+    };
+    let angle = given(SLIP_ANGLE)?;
+    let (load, pull, side) = (given(LOAD)?, given(PULL)?, given(SIDE)?);
+    let (torque, sinkage) = (given(TORQUE)?, given(SINKAGE)?);
+    (0..table.len())
+        .map(|row| {
+            let refuse = |message: &str| Error::Content {
+                path: path.to_owned(),
+                message: format!("row {}: {message}", row + 1),
+            };
+            let degrees = angle[row].unwrap_or(0.0);
+            let beta = Angle::from_deg(degrees);
+            let motion = match (rim[row], travel[row], slip[row]) {
+                (Some(rim), Some(travel), _) => {
+                    let forward = if degrees.abs() == 90.0 {
+                        0.0
+                    } else {
+                        beta.cos()
+                    };
+                    Kinematics::from_speeds(travel * forward, travel * beta.sin(), rim)
+                }
+                (_, _, Some(slip)) => {
+                    Slip::new(slip).and_then(|slip| Kinematics::with_slip_angle(slip, beta))
+                }
+                _ => return Err(refuse("neither slip nor speeds")),
+            };
+            let kinematics = motion.map_err(|source| Error::Law {
+                what: format!("{}: row {}", path.display(), row + 1),
+                source,
+            })?;
+            let support = match (load[row], sinkage[row]) {
+                (Some(load), _) => Support::Load(load),
+                (None, Some(sinkage)) => Support::Sinkage(sinkage),
+                (None, None) => return Err(refuse("neither load nor sinkage")),
+            };
+            Ok(WheelTest {
+                kinematics,
+                support,
+                pull: pull[row],
+                side: side[row],
+                torque: torque[row],
+                sinkage: load[row].and(sinkage[row]),
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str, text: &str) -> Result<Vec<WheelTest>> {
+        let file = std::env::temp_dir().join(format!("grouser-{name}-{}.csv", std::process::id()));
+        std::fs::write(&file, text).unwrap();
+        let read = read_table(&file);
+        std::fs::remove_file(&file).unwrap();
+        read
+    }
+
+    #[test]
+    fn speeds_and_slip_say_the_same() {
+        let by_slip = read(
+            "slip",
+            "slip,slip_angle_deg,load_n,sinkage_mm\n0.25,30,40,12\n",
+        )
+        .unwrap();
+        // in the wheel's plane 0.06 m/s of 0.08 m/s: slip 0.25; along the travel 0.06/cos 30°
+        let travel = 60.0 / 30_f64.to_radians().cos();
+        let by_speed = read(
+            "speed",
+            &format!(
+                "rim_speed_mm_per_s,travel_speed_mm_per_s,slip_angle_deg,load_n,sinkage_m\n80,{travel},30,40,0.012\n"
+            ),
+        )
+        .unwrap();
+        let (a, b) = (&by_slip[0], &by_speed[0]);
+        assert!((a.kinematics.slip().value() - b.kinematics.slip().value()).abs() < 1e-14);
+        assert!((a.kinematics.q_y() - b.kinematics.q_y()).abs() < 1e-14);
+        assert_eq!((a.support, a.sinkage), (Support::Load(40.0), Some(0.012)));
+        assert_eq!((a.pull, a.torque), (None, None));
+    }
+
+    #[test]
+    fn a_row_without_a_load_stands_at_its_sinkage() {
+        let tests = read(
+            "held",
+            "slip,load_n,sinkage_mm,torque_nm\n0.1,,8,0.5\n0.1,30,,0.5\n",
+        )
+        .unwrap();
+        assert_eq!(tests[0].support, Support::Sinkage(0.008));
+        assert_eq!(tests[0].sinkage, None);
+        assert_eq!(tests[1].support, Support::Load(30.0));
+        let neither = read("neither", "slip,load_n,sinkage_mm\n0.1,,\n").unwrap_err();
+        assert!(neither.to_string().contains("row 1"), "{neither}");
+        let beyond = read("beyond", "slip,load_n\n1.5,30\n").unwrap_err();
+        assert!(beyond.to_string().contains("row 1"), "{beyond}");
+    }
+}

@@ -1,0 +1,123 @@
+//! Which topics measure where the robot is and how fast it goes, and which say what it was told.
+
+use grouser_files::columns::Meaning;
+
+use super::names::{is_over_ground, words};
+use super::{Choosing, Job, Seen};
+use crate::error::Result;
+use crate::message::View;
+
+const POSE: [(Meaning, Option<usize>); 3] = [
+    (Meaning::PoseX, None),
+    (Meaning::PoseY, None),
+    (Meaning::PoseYaw, None),
+];
+const SPEED: [(Meaning, Option<usize>); 2] =
+    [(Meaning::SpeedForward, None), (Meaning::SpeedLeft, None)];
+const COMMAND: [(Meaning, Option<usize>); 2] = [
+    (Meaning::CommandForward, None),
+    (Meaning::CommandLeft, None),
+];
+const WAY: [(Meaning, Option<usize>); 2] = [
+    (Meaning::DisplacementForward, None),
+    (Meaning::DisplacementLeft, None),
+];
+
+impl Choosing<'_> {
+    pub(super) fn motion(&mut self) -> Result<()> {
+        if let Some(name) = &self.topics.pose {
+            let seen = self.named("pose", name)?;
+            if !matches!(seen.view, Some(View::Odometry(_) | View::Pose { .. })) {
+                let wanted = "nav_msgs/Odometry or geometry_msgs/PoseStamped";
+                return Err(self.unfit("pose", seen, wanted));
+            }
+            self.take(seen, Job::Pose, "pose", POSE);
+        }
+        if let Some(name) = &self.topics.speed {
+            let seen = self.named("speed", name)?;
+            if !matches!(seen.view, Some(View::Odometry(_) | View::Twist { .. })) {
+                let wanted = "nav_msgs/Odometry or geometry_msgs/TwistStamped";
+                return Err(self.unfit("speed", seen, wanted));
+            }
+            self.take(seen, Job::Speed, "speed over ground", SPEED);
+        }
+        let free: Vec<&Seen> = self.free().collect();
+        let first = |fits: fn(&View, &str) -> bool| {
+            let mut all = free.iter();
+            all.find(|seen| {
+                let view = seen.view.as_ref();
+                view.is_some_and(|view| fits(view, &seen.channel.topic))
+            })
+            .copied()
+        };
+        if !self.measures(Meaning::DisplacementForward)
+            && let Some(seen) = first(|view, _| matches!(view, View::Displacement { .. }))
+        {
+            self.take(seen, Job::Displacement, "way since the last message", WAY);
+        }
+        if !self.measures(Meaning::PoseX)
+            && let Some(seen) = first(|view, topic| match view {
+                View::Odometry(_) => is_over_ground(topic),
+                View::Pose { .. } => !words(topic).any(|word| word == "goal"),
+                _ => false,
+            })
+        {
+            self.take(seen, Job::Pose, "pose", POSE);
+        }
+        if !self.measures(Meaning::SpeedForward)
+            && let Some(seen) = first(|view, topic| {
+                matches!(view, View::Odometry(_) | View::Twist { .. })
+                    && is_over_ground(topic)
+                    && !words(topic).any(|word| word == "cmd")
+            })
+        {
+            self.take(seen, Job::Speed, "speed over ground", SPEED);
+        }
+        Ok(())
+    }
+
+    pub(super) fn command(&mut self) -> Result<()> {
+        let seen = if let Some(name) = &self.topics.command {
+            let seen = self.named("command", name)?;
+            if !matches!(seen.view, Some(View::Twist { .. })) {
+                let wanted = "geometry_msgs/Twist or TwistStamped";
+                return Err(self.unfit("command", seen, wanted));
+            }
+            Some(seen)
+        } else if self.measures(Meaning::CommandForward) {
+            None
+        } else {
+            self.free().find(|seen| {
+                matches!(seen.view, Some(View::Twist { .. }))
+                    && words(&seen.channel.topic).any(|word| word == "cmd" || word == "command")
+            })
+        };
+        if let Some(seen) = seen {
+            self.take(seen, Job::Command, "commanded speed", COMMAND);
+        }
+        Ok(())
+    }
+
+    /// Odometry that says nothing of where it comes from is not believed to measure the ground: most is
+    /// made of the wheels, and would show no slip.
+    pub(super) fn say_unused(&mut self) {
+        let unused = self.free().filter(|seen| {
+            matches!(seen.view, Some(View::Odometry(_)))
+                && !self
+                    .choice
+                    .topics
+                    .iter()
+                    .any(|c| c.topic == seen.channel.topic)
+        });
+        let notes: Vec<String> = unused
+            .map(|seen| {
+                format!(
+                    "`{}` is not used: name it in `[topics]` of the robot file as `pose` or `speed` if it \
+                     measures the ground, as `wheel_odometry` if it was made of the wheels, or under `ignore`",
+                    seen.channel.topic
+                )
+            })
+            .collect();
+        self.choice.notes.extend(notes);
+    }
+}

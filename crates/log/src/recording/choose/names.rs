@@ -1,0 +1,98 @@
+//! What the names of topics and joints say.
+
+/// Words in a topic's name that say that it measures the ground, not the wheels.
+const OVER_GROUND: &[&str] = &[
+    "vio",
+    "vo",
+    "visual",
+    "vision",
+    "camera",
+    "zed",
+    "t265",
+    "rtabmap",
+    "slam",
+    "lidar",
+    "laser",
+    "icp",
+    "gps",
+    "gnss",
+    "rtk",
+    "truth",
+    "groundtruth",
+    "mocap",
+    "vicon",
+    "optitrack",
+    "qualisys",
+    "aruco",
+    "apriltag",
+    "flow",
+    "ground",
+];
+/// The words of a name: `/vicon/robot_1` is `vicon`, `robot`, `1`.
+pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
+    name.split(|letter: char| !letter.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+}
+
+pub(super) fn is_over_ground(topic: &str) -> bool {
+    let mut words = words(topic);
+    words.any(|word| OVER_GROUND.contains(&word.as_str()))
+}
+
+/// The joint whose name is the wheel's, the words `joint`, `wheel` and `link` aside: `front_left` is
+/// `front_left_wheel_joint`. Two such joints are none.
+pub(super) fn joint_by_name<'a>(
+    wheel: &str,
+    joints: impl Iterator<Item = &'a String>,
+) -> Option<String> {
+    let core = |name: &str| -> Vec<String> {
+        words(name)
+            .filter(|word| !matches!(word.as_str(), "joint" | "wheel" | "link"))
+            .collect()
+    };
+    let own = core(wheel);
+    let mut alike = Vec::new();
+    for joint in joints {
+        if joint == wheel {
+            return Some(joint.clone());
+        }
+        if !own.is_empty() && core(joint) == own {
+            alike.push(joint);
+        }
+    }
+    match alike.as_slice() {
+        [one] => Some((*one).clone()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_are_found_by_the_wheels_names() {
+        let joints = ["front_left_wheel_joint", "front_right_wheel_joint", "arm"].map(String::from);
+        let found = |wheel| joint_by_name(wheel, joints.iter());
+        assert_eq!(found("front_left").unwrap(), "front_left_wheel_joint");
+        assert_eq!(found("arm").unwrap(), "arm");
+        assert_eq!(found("left"), None);
+        assert_eq!(found("wheel"), None);
+        let twice = ["left_joint", "left_wheel"].map(String::from);
+        assert_eq!(joint_by_name("left", twice.iter()), None);
+    }
+
+    #[test]
+    fn only_names_that_say_so_are_of_the_ground() {
+        assert!(is_over_ground("/camera/odom/sample"));
+        assert!(is_over_ground("/vicon/jackal"));
+        for wheels in [
+            "/odom",
+            "/jackal_velocity_controller/odom",
+            "/odometry/filtered",
+        ] {
+            assert!(!is_over_ground(wheels), "{wheels}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Which topics measure the wheels.
+
+use grouser_files::columns::Meaning;
+use grouser_files::topics::WheelOdometry;
+
+use super::names::joint_by_name;
+use super::{Choosing, Job, Seen};
+use crate::error::{Error, Result};
+use crate::message::View;
+use crate::slots::Slots;
+
+impl Choosing<'_> {
+    pub(super) fn fields(&mut self) -> Result<()> {
+        for topic in &self.topics.fields {
+            let seen = self.named("field", &topic.topic)?;
+            for field in &topic.fields {
+                // An array may be empty at first, but what has no such name will never have it.
+                let number = seen
+                    .sample
+                    .as_ref()
+                    .map(|value| value.number_at(&field.column));
+                if number == Some(None) {
+                    return Err(Error::NoField {
+                        file: self.file.to_owned(),
+                        topic: topic.topic.clone(),
+                        field: field.column.clone(),
+                    });
+                }
+                if let Some(wheel) = &field.wheel
+                    && !self.choice.wheels.contains(wheel)
+                {
+                    self.choice.wheels.push(wheel.clone());
+                }
+            }
+            let wheel_of = |wheel: &Option<String>| {
+                let wheel = wheel.as_ref()?;
+                self.choice.wheels.iter().position(|own| own == wheel)
+            };
+            let measures: Vec<_> = topic
+                .fields
+                .iter()
+                .map(|field| (field.meaning, wheel_of(&field.wheel)))
+                .collect();
+            let slots = Slots::new(&topic.fields, &self.choice.wheels);
+            let paths = topic.fields.iter().map(|f| f.column.clone()).collect();
+            self.take(seen, Job::Fields(slots, paths), "fields", measures);
+        }
+        Ok(())
+    }
+
+    pub(super) fn wheels(&mut self) -> Result<()> {
+        let joints_of = |seen: &Seen| -> Vec<(String, usize)> {
+            let joints = self.topics.joints.iter().enumerate();
+            let found = joints.filter_map(|(index, wheel)| {
+                let name = match &wheel.joint {
+                    Some(joint) => seen.joints.contains_key(joint).then(|| joint.clone()),
+                    None => joint_by_name(&wheel.wheel, seen.joints.keys()),
+                };
+                Some((name?, index))
+            });
+            found.collect()
+        };
+        let mut found = Vec::new();
+        if let Some(name) = &self.topics.wheels {
+            let seen = self.named("wheels", name)?;
+            if joints_of(seen).is_empty() {
+                return Err(Error::NoJoints {
+                    file: self.file.to_owned(),
+                    topic: name.clone(),
+                    joints: seen.joints.keys().cloned().collect::<Vec<_>>().join(", "),
+                });
+            }
+            found.push(seen);
+        } else if !self.measures_wheels() {
+            // Of counters and of joints the one with the most wheels, the first of these: the wheels' sensor
+            // is chosen among all that was measured.
+            for wanted in [true, false] {
+                let free = self.free().filter(|seen| is_ticks(seen) == wanted);
+                let all = free.map(|seen| (joints_of(seen).len(), seen));
+                let best = all
+                    .filter(|(count, _)| *count > 0)
+                    .reduce(|a, b| if b.0 > a.0 { b } else { a });
+                found.extend(best.map(|(_, seen)| seen));
+            }
+        }
+        for seen in found {
+            let joints = joints_of(seen);
+            let mut measures = Vec::new();
+            for (name, wheel) in &joints {
+                let (position, velocity) = seen.joints.get(name).copied().unwrap_or_default();
+                let has = [
+                    (is_ticks(seen), Meaning::WheelCount),
+                    (position, Meaning::WheelAngle),
+                    (velocity, Meaning::WheelRate),
+                ];
+                let has = has.into_iter().filter(|(has, _)| *has);
+                measures.extend(has.map(|(_, meaning)| (meaning, Some(*wheel))));
+            }
+            let word = format!("wheels by {} joints", joints.len());
+            self.take(seen, Job::Joints(joints), word, measures);
+        }
+        if let Some(odometry) = &self.topics.wheel_odometry {
+            self.wheel_odometry(odometry)?;
+        }
+        Ok(())
+    }
+
+    fn wheel_odometry(&mut self, odometry: &WheelOdometry) -> Result<()> {
+        let seen = self.named("wheel_odometry", &odometry.topic)?;
+        if !matches!(seen.view, Some(View::Odometry(_))) {
+            return Err(self.unfit("wheel_odometry", seen, "nav_msgs/Odometry"));
+        }
+        let names = &self.choice.wheels;
+        let wheels: Vec<(usize, f64, f64)> = odometry
+            .wheels
+            .iter()
+            .filter_map(|wheel| {
+                let index = names.iter().position(|name| *name == wheel.wheel)?;
+                Some((index, wheel.per_speed, wheel.per_turn))
+            })
+            .collect();
+        let measures: Vec<_> = wheels
+            .iter()
+            .map(|(wheel, _, _)| (Meaning::WheelRate, Some(*wheel)))
+            .collect();
+        self.take(
+            seen,
+            Job::WheelOdometry(wheels),
+            "rates of the wheels",
+            measures,
+        );
+        Ok(())
+    }
+}
+
+fn is_ticks(seen: &Seen) -> bool {
+    matches!(seen.view, Some(View::WheelTicks { .. }))
+}

@@ -1,0 +1,73 @@
+//! The work that the reference cases take, without a clock: nodes of an evaluation at a sinkage, evaluations of
+//! a solve under a load (by the general solver and by [`TrackedWheel`] from nothing). Compared with
+//! `tests/snapshots/effort.txt` line by line: a change there is a change of the algorithm, to be reviewed.
+//! `GROUSER_UPDATE=1 cargo test -p grouser-terra effort` writes it anew.
+
+use std::fmt::Write as _;
+use std::string::String;
+use std::{env, fs};
+
+use crate::{Kinematics, RigidWheel, Settings, Slip, TrackedWheel, WheelOnSoil, catalogue};
+
+const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/effort.txt");
+
+fn table() -> String {
+    let cases = include_str!("../../tests/oracle/wheel_cases.csv");
+    let mut table = String::from(
+        "# what, soil, radius_m, width_m, rebound, slip, given | nodes, or evaluations (general, tracked)\n",
+    );
+    for line in cases.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |i: usize| cells[i].parse::<f64>().expect("a number");
+        let soil = catalogue::find(cells[1])
+            .expect("in the catalogue")
+            .soil()
+            .and_then(|soil| soil.with_rebound(number(4)))
+            .expect("complete");
+        let wheel = RigidWheel::new(number(2), number(3)).expect("a wheel");
+        let pair = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a pair");
+        let slip = Slip::new(number(5)).expect("a slip");
+        let motion = Kinematics::straight(slip);
+        let given = if cells[0] == "sinkage" { 7 } else { 6 };
+        let effort = if given == 7 {
+            let general = pair.sinkage_under(number(7), &motion).expect("a search");
+            let tracked = TrackedWheel::new(pair)
+                .portable()
+                .under_load(number(7), slip)
+                .expect("a search");
+            std::format!("{} {}", general.evaluations, tracked.evaluations)
+        } else {
+            let theta_1 = super::entry_angle(number(6), number(2));
+            let contact = pair.contact(theta_1, &motion);
+            let (_, nodes) = contact.forces_by(pair.tables(), pair.order());
+            std::format!("{nodes}")
+        };
+        let names = [
+            cells[0],
+            cells[1],
+            cells[2],
+            cells[3],
+            cells[4],
+            cells[5],
+            cells[given],
+        ];
+        writeln!(table, "{} | {effort}", names.join(" ")).expect("to a string");
+    }
+    table
+}
+
+#[test]
+fn effort_is_what_it_was() {
+    let now = table();
+    if env::var_os("GROUSER_UPDATE").is_some() {
+        fs::write(SNAPSHOT, &now).expect("written");
+    }
+    let before = fs::read_to_string(SNAPSHOT).expect("the snapshot");
+    let changed: Vec<_> = before
+        .lines()
+        .zip(now.lines())
+        .filter(|(before, now)| before != now)
+        .collect();
+    assert!(changed.is_empty(), "{changed:#?}");
+    assert_eq!(before.lines().count(), now.lines().count());
+}

@@ -1,0 +1,86 @@
+//! The controller whatever it is told: every order finite and bounded, every decision with a number.
+#![no_main]
+
+mod bytes;
+mod stream;
+
+use bytes::Bytes;
+use grouser_slip::control::{ControlInput, ControlSettings, Controller, WheelSeen};
+use grouser_slip::{Degraded, Health, Invalid, Motion};
+use libfuzzer_sys::fuzz_target;
+
+const HEALTH: [Health; 6] = [
+    Health::Ok,
+    Health::Uninitialised,
+    Health::Degraded(Degraded::LowSpeed),
+    Health::Degraded(Degraded::ReferenceLost),
+    Health::Invalid(Invalid::Dropout),
+    Health::Invalid(Invalid::Inconsistent),
+];
+
+fn number(bytes: &mut Bytes<'_>, from: f64, to: f64) -> Option<f64> {
+    match bytes.u8() % 8 {
+        0 => None,
+        1 => Some(bytes.any()),
+        _ => Some(bytes.within(from, to)),
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut bytes = Bytes(bytes);
+    let wheels = 3 + bytes.u8() % 4;
+    let robot = stream::robot(16, wheels);
+    let settings = ControlSettings {
+        optimum: bytes.within(0.01, 0.95),
+        decides: bytes.u8() % 4 > 0,
+        high_slip_time: bytes.within(0.0, 1.0),
+        dig_time: bytes.within(0.0, 1.0),
+        ..ControlSettings::default()
+    };
+    let most_traction = settings.most_traction;
+    let Ok(mut controller) = Controller::new(&robot, settings) else {
+        return;
+    };
+    let mut time_ns = 0_i64;
+    let mut seen = Vec::new();
+    while !bytes.is_empty() {
+        time_ns = stream::time(&mut bytes, time_ns);
+        seen.clear();
+        let told = if bytes.u8() % 16 == 0 { bytes.u8() % 8 } else { wheels };
+        for _ in 0..told {
+            let kind = bytes.u8();
+            seen.push(WheelSeen {
+                slip: number(&mut bytes, -1.0, 1.0),
+                sigma: number(&mut bytes, 0.0, 0.5),
+                health: HEALTH[usize::from(kind) % HEALTH.len()],
+                motion: Motion::ALL.get(usize::from(kind) % 8).copied(),
+                forward_speed: number(&mut bytes, -2.0, 2.0),
+                rim_speed: number(&mut bytes, -2.0, 2.0),
+                torque_share: number(&mut bytes, -1.0, 1.0),
+                load: number(&mut bytes, 0.0, 500.0).unwrap_or(f64::NAN),
+            });
+        }
+        let input = ControlInput {
+            time_ns,
+            wheels: &seen,
+            speed: number(&mut bytes, -2.0, 2.0),
+            heading: number(&mut bytes, -4.0, 4.0),
+            pitch: number(&mut bytes, -0.7, 0.7),
+            roll: number(&mut bytes, -0.7, 0.7),
+            asked_speed: number(&mut bytes, -2.0, 2.0).unwrap_or(0.0),
+            asked_heading: number(&mut bytes, -4.0, 4.0).unwrap_or(0.0),
+        };
+        let output = controller.step(&input);
+        assert_eq!(output.orders.len(), usize::from(wheels));
+        for order in output.orders {
+            assert!(order.rim_speed.is_finite(), "{order:?} of {input:?}");
+            assert!((0.0..=most_traction).contains(&order.traction), "{order:?} of {input:?}");
+        }
+        assert!(output.heading.is_finite(), "{output:?} of {input:?}");
+        assert!((-1.0..=1.0).contains(&output.slip), "{output:?} of {input:?}");
+        if let Some(decision) = output.decision {
+            assert!(decision.value.is_finite() && decision.limit.is_finite(), "{decision:?}");
+            assert!(decision.wheel.is_none_or(|wheel| wheel < usize::from(wheels)), "{decision:?}");
+        }
+    }
+});

@@ -1,0 +1,26 @@
+//! Forces at any sinkage of any wheel on any soil: an error, or numbers that are finite.
+#![no_main]
+
+mod bytes;
+mod point;
+
+use bytes::Bytes;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut bytes = Bytes(bytes);
+    let Some(point) = point::point(&mut bytes) else {
+        return;
+    };
+    let radius = point.wheel.radius();
+    for _ in 0..4 {
+        let sinkage = if bytes.u8() % 8 == 0 { bytes.any() } else { bytes.within(0.0, 1.1) * radius };
+        let Ok(solution) = point.pair.at_sinkage(sinkage, &point.motion) else {
+            continue;
+        };
+        let f = solution.forces;
+        let all = [f.vertical_force, f.drawbar_pull, f.torque, f.energy_residual, f.side_shear];
+        assert!(all.iter().all(|x| x.is_finite()), "{sinkage:e} of {radius:e}: {f:?}");
+        assert!(solution.error_estimate.is_finite());
+    }
+});
