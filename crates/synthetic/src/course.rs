@@ -25,7 +25,8 @@ pub enum Event {
         /// Which.
         wheel: usize,
     },
-    /// The robot digs itself in within half a second and stays there; its powered wheels turn on.
+    /// The robot digs itself in within half a second, stays there while its powered wheels turn on, and comes free in the
+    /// last half second.
     Immobilised,
     /// Robot and wheels stand; the motors push with this torque, N m.
     Stall {
@@ -73,7 +74,7 @@ pub fn slip(forward: f64, rim: f64) -> Option<f64> {
     })
 }
 
-/// A robot that digs itself in comes to rest within this time, s.
+/// A robot that digs itself in comes to rest within this time, and free again, s.
 const DIGGING: f64 = 0.5;
 
 fn torque(forward: f64, rim: f64) -> f64 {
@@ -137,7 +138,8 @@ impl Course {
                     step.torque[wheel] = 0.02;
                 }
                 Event::Immobilised => {
-                    let left = (1.0 - (time - from) / DIGGING).max(0.0);
+                    let edge = (time - from).min(to - time) / DIGGING;
+                    let left = (1.0 - edge).max(0.0);
                     step.speed *= left;
                     step.yaw_rate *= left;
                     step.rim[fifth] *= left;

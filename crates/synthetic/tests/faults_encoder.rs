@@ -282,7 +282,7 @@ fn a13_an_immobilised_robot_slips_wholly() {
     trial = trial.event(Event::Immobilised, 6.0, 66.0);
     let out = trial.run();
     honest(&out, "immobilised");
-    for moment in out.between(7.0, 66.0) {
+    for moment in out.between(7.0, 65.4) {
         for wheel in 0..FREE {
             let slip = moment.wheels[wheel].slip.unwrap().value();
             let near = (slip - 1.0).abs() <= 0.03;

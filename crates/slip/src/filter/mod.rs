@@ -522,6 +522,9 @@ impl SlipFilter {
             .iter()
             .all(|wheel| wheel.stillness(time_ns) >= STANDS && !wheel.watch.has_failed());
         if stand {
+            for wheel in &mut self.wheels {
+                wheel.has_turned = false;
+            }
             // without a free wheel it may still slide with its wheels locked
             let rolls = self.wheels.iter().any(|wheel| wheel.free);
             let sigma = if rolls { 0.002 } else { 0.02 };
@@ -730,9 +733,18 @@ impl SlipFilter {
             wheel.against_since_ns = None;
         }
         if free {
-            let near = (u - forward).abs() <= RETURNS * faster.abs() + self.settings.low_speed;
-            let agreed = !off && (near || !wheel.watch.has_failed());
+            // One that failed comes back where it is near what the others say. Where these know the speed only by what is
+            // believed of slip, that is far; then its skid stays in doubt for a while.
+            let gap = (u - forward).abs() - self.settings.low_speed;
+            let near = gap <= RETURNS * faster.abs();
+            let possible = gap <= (2.5 * self.settings.slip.sigma).max(RETURNS) * faster.abs();
+            let had_failed = wheel.watch.has_failed();
+            let agreed = if had_failed { possible } else { !off };
             let believed = wheel.watch.judge(to_ns, agreed, self.settings.failure);
+            if had_failed && believed && !near {
+                let doubt = 1.5 * SKID_KNOWN * SKID_KNOWN;
+                self.state.widen(own_slip(index), doubt, doubt);
+            }
             let was_off = core::mem::replace(&mut wheel.was_off, off);
             if off && was_off && shows && rim.value != 0.0 {
                 // The robot's speed has changed unfelt, or the wheel skids: from now on both are less certain. That the
@@ -801,6 +813,15 @@ impl SlipFilter {
         }
         self.state.restart(remainder(index, odd), 0.0, variance);
         (odd, f64::from(u8::from(tick > 0.0)))
+    }
+
+    /// Has no free wheel turned since the robot stood, and does nothing else tell its speed? Then either the robot is stuck
+    /// or they are.
+    fn is_blocked(&self, now_ns: i64) -> bool {
+        let told = self.reference.accepted_ns;
+        let alone = told.is_none_or(|then| seconds_between(then, now_ns) > ALONE);
+        let mut free = self.wheels.iter().filter(|wheel| wheel.free).peekable();
+        alone && free.peek().is_some() && free.all(|wheel| !wheel.has_turned)
     }
 
     /// Is the accelerometer better than nothing?
@@ -1032,7 +1053,8 @@ impl SlipFilter {
         if measured.slip.is_none() {
             return measured.health;
         }
-        if self.contradicted.has_failed() || (moves && wheel.stillness(now_ns) > 0.0) {
+        let blocked = self.is_blocked(now_ns) && !wheel.free;
+        if blocked || self.contradicted.has_failed() || (moves && wheel.stillness(now_ns) > 0.0) {
             return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));

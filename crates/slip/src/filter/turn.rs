@@ -1,7 +1,7 @@
 //! Do gyro and wheels turn the same way? A sign or a unit that is wrong shows itself in the first bend.
 
 /// Means over this long, s.
-const MEMORY: f64 = 2.0;
+const MEMORY: f64 = 0.5;
 /// Slower turns than this say nothing, rad/s.
 const SLOW: f64 = 0.05;
 /// Correlation below this is a contradiction.

@@ -12,6 +12,8 @@ use super::watch::Watch;
 
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;
+/// A free wheel faster than this turns for certain, m/s.
+const TURNS: f64 = 0.04;
 /// A window ends after this long however few ticks it has, in windows.
 pub(super) const LONGEST: f64 = 4.0;
 /// Share of a new window in the smoothed rim speed.
@@ -37,6 +39,8 @@ pub(super) struct Tracked {
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
     pub(super) against_since_ns: Option<i64>,
+    /// A free wheel that has turned since the robot stood.
+    pub(super) has_turned: bool,
     /// Its last reading was far from what was expected.
     pub(super) was_off: bool,
     pub(super) torque: Option<(i64, f64)>,
@@ -72,6 +76,7 @@ impl Tracked {
                 last_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
+                has_turned: false,
                 was_off: false,
                 torque: None,
                 watch: Watch::default(),
@@ -108,6 +113,7 @@ impl Tracked {
             self.still_since_ns.get_or_insert(from);
         } else {
             self.still_since_ns = None;
+            self.has_turned |= rim.value.abs() > TURNS;
         }
         Some((rim, from))
     }

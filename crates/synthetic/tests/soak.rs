@@ -1,0 +1,159 @@
+//! Random faults over many runs: never Ok and more than four sigma off for over a second. `GROUSER_SOAK_RUNS` says how many
+//! (100 unless told; `just soak` takes 10 000).
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+mod trial;
+
+use grouser_synthetic::{Camera, Event, Fault, Leg, Noise};
+use trial::{FREE, Trial};
+
+/// One of `count` kinds at random.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a small whole number"
+)]
+fn choose(noise: &mut Noise, count: usize) -> usize {
+    ((noise.uniform() * count as f64) as usize).min(count - 1)
+}
+
+fn of<T: Copy>(noise: &mut Noise, values: &[T]) -> T {
+    values[choose(noise, values.len())]
+}
+
+fn fault(noise: &mut Noise) -> Fault {
+    let wheel = choose(noise, FREE + 1);
+    let powered = choose(noise, FREE);
+    match choose(noise, 29) {
+        0 => Fault::WheelSilent(wheel),
+        1 => Fault::WheelStuck(wheel),
+        2 => Fault::PulsesLost(powered, of(noise, &[0.01, 0.05, 0.2])),
+        3 => Fault::SlotBroken(wheel, of(noise, &[96, 480])),
+        4 => Fault::Swapped(wheel),
+        5 => Fault::CounterReset(wheel),
+        6 => Fault::CounterJumps(wheel, of(noise, &[-5000, 3, 5000])),
+        7 => Fault::Repeated(choose(noise, 2) == 1),
+        8 => Fault::ClockOnce(of(noise, &[-1_000, -1_000_000_000, 10_000_000_000])),
+        9 => Fault::Shuffled(10_000_000),
+        10 => Fault::Burst,
+        11 => Fault::RowsLost(of(noise, &[2, 5, 10])),
+        12 => Fault::AllSilent,
+        13 => Fault::ImuSilent,
+        14 => Fault::ImuStuck,
+        15 => Fault::AccelerometerSaturated(156.9),
+        16 => Fault::AccelerometerBias(of(noise, &[-0.5, 0.5])),
+        17 => Fault::GyroBias(of(noise, &[-0.05, 0.05])),
+        18 => Fault::GyroScale(of(noise, &[-1.0, 57.3, 0.1])),
+        19 => Fault::ImuValue(of(noise, &[f64::NAN, f64::INFINITY, 0.0, 1e30])),
+        20 => Fault::ImuGarbage(of(noise, &[0.1, 2.0])),
+        21 => Fault::CameraLost,
+        22 => Fault::CameraJumps(of(noise, &[-2.0, 2.0])),
+        23 => Fault::CameraScale(of(noise, &[0.5, 2.0, 0.001])),
+        24 => Fault::CameraFrozen,
+        25 => Fault::CameraValue(of(noise, &[f64::NAN, f64::MAX, 0.0])),
+        26 => Fault::TorqueOffset(3.0),
+        27 => Fault::TorqueZero,
+        _ => Fault::TorqueNoise(3.0),
+    }
+}
+
+fn event(noise: &mut Noise) -> Event {
+    match choose(noise, 4) {
+        0 => Event::LiftOff {
+            wheel: choose(noise, FREE),
+        },
+        1 => Event::Immobilised,
+        2 => Event::FreeWheelLocked,
+        _ => Event::Backlash { play: 0.02 },
+    }
+}
+
+/// A run of 30 s with one or two faults, and sometimes an event.
+fn random(seed: u64) -> Trial {
+    let mut noise = Noise::new(seed ^ 0x0050_a4c0_ffee);
+    let mut trial = Trial::new(seed);
+    trial.robot.legs.push(Leg {
+        seconds: 4.0,
+        speed: 0.0,
+        yaw_rate: 0.0,
+        brakes: false,
+    });
+    let start = 1.0 + 4.0 * noise.uniform();
+    trial.robot.patch = (start, start + 1.8);
+    trial.robot.drive_slip = (0.02 + 0.1 * noise.uniform(), 0.2 + 0.3 * noise.uniform());
+    if choose(&mut noise, 3) == 0 {
+        trial.sensors.camera = Some(Camera {
+            every: of(&mut noise, &[3, 5, 10]),
+            sigma: 0.001,
+            late: 0,
+        });
+    }
+    let span = |noise: &mut Noise| {
+        let from = 0.3 + 24.0 * noise.uniform();
+        (from, from + of(noise, &[0.1, 0.5, 2.0, 5.0]))
+    };
+    if choose(&mut noise, 5) == 0 {
+        let span = span(&mut noise);
+        trial.events.push((event(&mut noise), span));
+    }
+    for _ in 0..1 + choose(&mut noise, 2) {
+        let span = span(&mut noise);
+        trial.faults.push((fault(&mut noise), span));
+    }
+    trial
+}
+
+#[test]
+fn no_run_is_ok_and_wrong_for_a_second() {
+    let number = |name: &str, otherwise: u64| {
+        std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
+    };
+    let (runs, first) = (
+        number("GROUSER_SOAK_RUNS", 100),
+        number("GROUSER_SOAK_FIRST", 0),
+    );
+    let (mut wrong, mut late, mut worst) = (0, 0, 0.0_f64);
+    let mut samples = 0;
+    for seed in first..first + runs {
+        let trial = random(seed);
+        let (course, arrived) = trial.samples();
+        samples += arrived.len();
+        let out = trial.follow(&course, &arrived);
+        let (lasted, at, wheel) = out.silence();
+        worst = worst.max(lasted);
+        if lasted > 1.0 {
+            wrong += 1;
+            println!(
+                "run {seed}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s: {:?} {:?} camera {:?}",
+                trial.faults,
+                trial.events,
+                trial.sensors.camera.is_some()
+            );
+        }
+        // two seconds after the last fault all is well again
+        let end = trial
+            .faults
+            .iter()
+            .map(|f| f.1.1)
+            .chain(trial.events.iter().map(|e| e.1.1))
+            .fold(0.0, f64::max);
+        let after = end + 2.0;
+        if after < 19.0 && out.rms(after, 20.0) > 0.06 {
+            late += 1;
+            println!(
+                "run {seed}: rms {:.3} two seconds after {:?} {:?}",
+                out.rms(after, 20.0),
+                trial.faults,
+                trial.events
+            );
+        }
+    }
+    println!(
+        "{runs} runs, {samples} samples: {wrong} Ok and wrong for over 1 s (longest {worst:.2} s), {late} not back after 2 s"
+    );
+    assert_eq!(wrong, 0);
+}
