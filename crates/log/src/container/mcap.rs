@@ -94,7 +94,7 @@ impl Container {
         }
         if opcode == CHUNK {
             self.tell_orphans();
-            (self.passed_over, self.behind_chunk) = (None, true);
+            (self.passed_over, self.behind_chunk, self.data_ended) = (None, true, false);
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
                 .map(|()| None);
@@ -112,6 +112,11 @@ impl Container {
                 let read = self.scan.read(length, &mut record);
                 self.record = record;
                 read?;
+                if self.data_ended && opcode == MESSAGE {
+                    // One bit parts it from a channel of the summary.
+                    self.lose(offset, 0, "a message stands behind the end of the data");
+                    return Ok(None);
+                }
                 if behind_chunk && opcode == MESSAGE && is_index(&self.record) {
                     self.behind_chunk = true;
                     self.lose(offset, 0, "a chunk's index is marked as a message");
@@ -197,6 +202,7 @@ impl Container {
         self.scan.read(length.min(4), &mut record)?;
         self.scan.skip(length.saturating_sub(4))?;
         let stored = Fields(&record).u32().unwrap_or(0);
+        self.data_ended = length == 4;
         if let Some(crc) = crc.filter(|crc| stored != 0 && *crc != stored) {
             let what = format!("the CRC of the data is {crc:08x}, but {stored:08x} is stored");
             self.lose(offset, 0, what);

@@ -210,6 +210,8 @@ pub struct Container {
     passed_over: Option<u64>,
     /// Does a chunk's index stand here, or another record behind a chunk?
     behind_chunk: bool,
+    /// Has the end of an MCAP file's data been read? Only its summary follows.
+    data_ended: bool,
     /// Messages of this file so far.
     messages: u64,
     attached: u64,
@@ -290,6 +292,7 @@ impl Container {
             ended: false,
             passed_over: None,
             behind_chunk: false,
+            data_ended: false,
             messages: 0,
             attached: 0,
             profile: String::new(),
@@ -393,6 +396,7 @@ impl Container {
         self.base = offset;
         self.spare = None;
         self.passed_over = None;
+        self.data_ended = false;
     }
 
     /// Goes to the next place after `offset` where `fits` finds a record, or to one before it that the
