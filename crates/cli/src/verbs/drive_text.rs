@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use grouser_rover::drive::{Outcome, Pilot, Scenario};
 
 use super::drive::{Run, count, pilots};
-use crate::number::told;
+use crate::number::rounded;
 
 /// Decisions that are printed; the report and the JSON hold all.
 const SHOWN: usize = 20;
@@ -15,7 +15,7 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
         "{}\nrobot {}, slip to run at {}\n\n",
         scenario.title,
         scenario.robot.robot.name(),
-        told(optimum)
+        rounded(optimum, 3)
     );
     // writing to a string cannot fail
     let _ = writeln!(
