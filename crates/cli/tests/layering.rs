@@ -63,6 +63,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-replay",
             "grouser-design",
             "grouser-identify",
+            "grouser-rover",
         ],
     ),
 ];

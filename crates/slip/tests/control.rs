@@ -1,0 +1,225 @@
+//! The controller against the faults that concern it, and its promises.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_slip::control::{
+    Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, WheelOrder,
+    WheelSeen,
+};
+use grouser_slip::{CounterWidth, Drive, Encoder, Health, Motion, Robot, Shaft, Wheel};
+use grouser_terra::Angle;
+use proptest::prelude::*;
+
+/// A robot of four powered wheels.
+fn robot() -> Robot {
+    let wheel = |name: &str, x, y| Wheel {
+        name: name.into(),
+        x,
+        y,
+        heading: Angle::from_deg(0.0),
+        radius: 0.1,
+        drive: Drive::Powered,
+        encoder: Encoder {
+            shaft: Shaft::Wheel,
+            gear: 1.0,
+            ticks_per_turn: Some(1000.0),
+            counter: CounterWidth::new(32).unwrap(),
+            reversed: false,
+            rate_step: 0.0,
+        },
+        width: None,
+        load: Some(50.0),
+    };
+    let wheels = vec![
+        wheel("a", 0.3, 0.2),
+        wheel("b", 0.3, -0.2),
+        wheel("c", -0.3, 0.2),
+        wheel("d", -0.3, -0.2),
+    ];
+    Robot::new("four wheels".into(), wheels).unwrap()
+}
+
+fn rolling(rim: f64) -> WheelSeen {
+    WheelSeen {
+        slip: Some(0.1),
+        sigma: Some(0.01),
+        health: Health::Ok,
+        motion: Some(Motion::Driving),
+        forward_speed: Some(0.9 * rim),
+        rim_speed: Some(rim),
+        torque_share: Some(0.3),
+        load: 50.0,
+    }
+}
+
+fn input(time_s: f64, wheels: &[WheelSeen]) -> ControlInput<'_> {
+    ControlInput {
+        time_ns: (time_s * 1e9) as i64,
+        wheels,
+        speed: Some(0.2),
+        heading: Some(0.0),
+        pitch: Some(0.0),
+        roll: Some(0.0),
+        asked_speed: 0.2,
+        asked_heading: 0.0,
+    }
+}
+
+/// Runs at 100 Hz from `from` to `to` (s); gives orders and decisions of every step.
+fn run(
+    controller: &mut Controller,
+    (from, to): (u32, u32),
+    seen: impl Fn(f64, &[WheelOrder]) -> [WheelSeen; 4],
+) -> Vec<(f64, Vec<WheelOrder>, Option<Decision>)> {
+    let mut orders = vec![WheelOrder::default(); 4];
+    let mut out = Vec::new();
+    for step in 100 * from..100 * to {
+        let time = f64::from(step) * 0.01;
+        let wheels = seen(time, &orders);
+        let output = controller.step(&input(time, &wheels));
+        orders = output.orders.to_vec();
+        out.push((time, orders.clone(), output.decision));
+    }
+    out
+}
+
+fn following(orders: &[WheelOrder]) -> [WheelSeen; 4] {
+    [0, 1, 2, 3].map(|index| rolling(orders[index].rim_speed))
+}
+
+#[test]
+fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let log = run(&mut controller, (0, 6), |time, orders| {
+        let mut seen = following(orders);
+        if time >= 3.0 {
+            // it pushes forwards, and its encoder says backwards
+            seen[1].rim_speed = Some(-orders[1].rim_speed.abs());
+            seen[1].torque_share = Some(1.0);
+        }
+        seen
+    });
+    let full = log[200].1[1].traction;
+    let after: Vec<_> = log.iter().filter(|(time, ..)| *time >= 3.3).collect();
+    assert!(after.iter().all(|(_, orders, _)| orders[1].traction <= 0.11 * full));
+    assert!(after.iter().all(|(_, orders, _)| orders[0].traction == full));
+    let told = log.iter().find_map(|(time, _, d)| {
+        d.filter(|d| d.reason == Reason::EncoderReversed).map(|d| (*time, d))
+    });
+    let (time, decision) = told.unwrap();
+    assert!(time < 4.0 && decision.action == Action::ShedTorque && decision.wheel == Some(1));
+}
+
+#[test]
+fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let log = run(&mut controller, (0, 8), |time, orders| {
+        let mut seen = following(orders);
+        if (3.0..5.0).contains(&time) {
+            seen[2].rim_speed = Some(0.0);
+            seen[2].torque_share = Some(0.98);
+        }
+        seen
+    });
+    let full = log[200].1[2].traction;
+    let shed = log.iter().find(|(_, orders, _)| orders[2].traction <= 0.11 * full).unwrap();
+    assert!(shed.0 - 3.0 <= 0.05, "{} s", shed.0 - 3.0);
+    assert!(log.iter().any(|(_, _, d)| d.is_some_and(|d| d.reason == Reason::Stall)));
+    // and it comes back once the wheel turns again
+    assert!(log.last().unwrap().1[2].traction > 0.99 * full);
+}
+
+#[test]
+fn c11_without_any_sensor_it_stops_within_the_declared_time() {
+    let settings = ControlSettings::default();
+    let mut controller = Controller::new(&robot(), settings).unwrap();
+    run(&mut controller, (0, 3), |_, orders| following(orders));
+    let mut ended = None;
+    let mut last = vec![WheelOrder { rim_speed: f64::NAN, ..WheelOrder::default() }];
+    for step in 300..700_u32 {
+        let time = f64::from(step) * 0.01;
+        let output = controller.step(&ControlInput {
+            speed: None,
+            heading: None,
+            pitch: None,
+            roll: None,
+            ..input(time, &[])
+        });
+        if let Some(decision) = output.decision
+            && decision.action == Action::End(Ending::SensorsLost)
+        {
+            ended = Some(time);
+        }
+        last = output.orders.to_vec();
+    }
+    let ended = ended.unwrap();
+    assert!(ended - 3.0 <= settings.blind_time + 0.03, "{ended}");
+    assert_eq!(controller.mode(), Mode::Stopped);
+    assert!(last.iter().all(|order| order.rim_speed == 0.0));
+}
+
+#[test]
+fn a_leaning_robot_ends_its_drive() {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let wheels = [rolling(0.2); 4];
+    let mut decision = None;
+    for step in 0..200 {
+        let tilted = ControlInput {
+            roll: Some(0.7),
+            ..input(f64::from(step) * 0.01, &wheels)
+        };
+        decision = decision.or(controller.step(&tilted).decision.filter(|d| d.wheel.is_none()));
+    }
+    assert_eq!(decision.unwrap().action, Action::End(Ending::Tipping));
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let wheels = [rolling(0.2); 4];
+    let info = allocation_counter::measure(|| {
+        for step in 0..1000 {
+            controller.step(&input(f64::from(step) * 0.01, &wheels));
+        }
+    });
+    assert_eq!(info.count_total, 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
+
+    /// Whatever the numbers are, orders are finite and rims stay below what can be asked.
+    #[test]
+    fn any_input_gives_finite_orders(
+        times in prop::collection::vec(any::<i64>(), 1..20),
+        numbers in prop::array::uniform12(any::<f64>()),
+    ) {
+        let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+        let [slip, sigma, forward, rim, torque, load, speed, heading, pitch, roll, asked, course] =
+            numbers;
+        let seen = WheelSeen {
+            slip: Some(slip),
+            sigma: Some(sigma),
+            forward_speed: Some(forward),
+            rim_speed: Some(rim),
+            torque_share: Some(torque),
+            load,
+            ..rolling(0.1)
+        };
+        for time_ns in times {
+            let output = controller.step(&ControlInput {
+                time_ns,
+                wheels: &[seen; 3],
+                speed: Some(speed),
+                heading: Some(heading),
+                pitch: Some(pitch),
+                roll: Some(roll),
+                asked_speed: asked,
+                asked_heading: course,
+            });
+            for order in output.orders {
+                prop_assert!(order.rim_speed.is_finite() && order.traction.is_finite());
+                prop_assert!(order.steer.is_finite());
+            }
+        }
+    }
+}
