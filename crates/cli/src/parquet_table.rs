@@ -34,6 +34,10 @@ pub(crate) fn is_parquet(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
 }
 
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "it stands in `map_err`, which gives the value"
+)]
 fn invalid(error: impl ToString) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, error.to_string())
 }
@@ -298,7 +302,6 @@ impl<W: Write + Send> ParquetSink<W> {
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use std::io::Write as _;
 
     const TABLE: &str =
         "soil,radius_m,slip,note\nlunar,0.1,0.2,\n\"a, b\",0.125,-0.30000000000000004,x\n,,1,\n";
@@ -350,7 +353,7 @@ mod tests {
             1,
             true_length - 1,
             true_length + 1,
-            bytes.len() as u32,
+            u32::try_from(bytes.len()).unwrap(),
             1 << 24,
             u32::MAX >> 1,
             u32::MAX,
