@@ -60,11 +60,18 @@ fn a_robot_at_rest_stands_on_the_loads_of_its_statics() {
         let mut vehicle = Vehicle::new(model, &ground, (5.0, 0.0, 0.0), 1e-3).unwrap();
         drive(&mut vehicle, &mut ground, 0.0, 4.0, 1e-3);
         let sum: f64 = vehicle.wheels().iter().map(|wheel| wheel.load.normal).sum();
-        assert!((sum - weight).abs() < 1e-3 * weight, "{name}: {sum} of {weight}");
+        assert!(
+            (sum - weight).abs() < 1e-3 * weight,
+            "{name}: {sum} of {weight}"
+        );
         // Wheels sink by a tenth of a radius, and links and trim turn with them: a few per cent of the weight.
         for (wheel, load) in vehicle.wheels().iter().zip(&expected.loads) {
             let off = (wheel.load.normal - load).abs();
-            assert!(off < 0.04 * weight, "{name}: {} for {load} N", wheel.load.normal);
+            assert!(
+                off < 0.04 * weight,
+                "{name}: {} for {load} N",
+                wheel.load.normal
+            );
         }
     }
 }
@@ -129,7 +136,10 @@ fn the_books_of_energy_close() {
         + (to.dampers - from.dampers)
         + (stored(&vehicle) - before);
     assert!(electric > 50.0);
-    assert!((electric - spent).abs() < 0.01 * electric, "{electric} J in, {spent} J out");
+    assert!(
+        (electric - spent).abs() < 0.01 * electric,
+        "{electric} J in, {spent} J out"
+    );
 }
 
 #[test]
