@@ -24,3 +24,7 @@ rivals:
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy scipy numba
     bench/target/venv/bin/python bench/rivals.py
+
+# every cut of 64 KiB files and every bit of 16 KiB ones; a part of them runs in `cargo test`
+dense:
+    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips -- --nocapture
