@@ -314,7 +314,7 @@ fn e12_paths_that_are_no_files_are_refused_at_once() {
         }
         let file = written::mcap::write(plan(Packing::None)).bytes;
         let secret = folder.file("secret", &file);
-        std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0)).unwrap();
+        std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0o000)).unwrap();
         if std::fs::File::open(&secret).is_err() {
             assert!(refused(&secret).contains("ermission"));
         } else {
