@@ -44,3 +44,7 @@ sanitize:
 # a long search for random cases in which standard and reference mode disagree; minutes
 search:
     PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate
+
+# every cut of 64 KiB files and every bit of 16 KiB ones; a part of them runs in `cargo test`
+dense:
+    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips -- --nocapture

@@ -14,9 +14,8 @@ use written::{Packing, Plan, Written, cases, read};
 /// Chunks of several blocks, where the packing has blocks that can be read alone.
 fn plan(packing: Packing) -> Plan {
     let (chunk, alike) = match packing {
-        Packing::None => (6 << 10, 60),
+        Packing::None | Packing::Bz2 => (6 << 10, 60),
         Packing::Lz4 | Packing::Zstd => (300 << 10, 460),
-        Packing::Bz2 => (6 << 10, 60),
     };
     Plan {
         packing,

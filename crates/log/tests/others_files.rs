@@ -31,15 +31,15 @@ fn shipped(name: &str) -> PathBuf {
 
 /// Every message with its time, and every damage.
 fn read(path: &Path) -> Result<(Vec<Row>, Vec<Damage>), Error> {
-    read_over(Container::open(path)?)
+    Container::open(path).map(read_over)
 }
 
 /// The same of bytes in memory.
 fn read_bytes(bytes: Vec<u8>) -> Result<(Vec<Row>, Vec<Damage>), Error> {
-    read_over(Container::over(Path::new("bytes"), Cursor::new(bytes))?)
+    Container::over(Path::new("bytes"), Cursor::new(bytes)).map(read_over)
 }
 
-fn read_over(mut container: Container) -> Result<(Vec<Row>, Vec<Damage>), Error> {
+fn read_over(mut container: Container) -> (Vec<Row>, Vec<Damage>) {
     let (mut rows, mut damages) = (Vec::new(), Vec::new());
     while let Some(event) = container.next() {
         match event {
@@ -47,7 +47,7 @@ fn read_over(mut container: Container) -> Result<(Vec<Row>, Vec<Damage>), Error>
             Event::Damage(damage) => damages.push(damage),
         }
     }
-    Ok((rows, damages))
+    (rows, damages)
 }
 
 #[test]

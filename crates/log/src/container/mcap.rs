@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::unpack::Packing;
 use super::{
     CHANNEL_LIMIT, CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, SWALLOWED,
-    Schema, name_of, room_for, too_many,
+    Schema, Section, name_of, room_for, too_many,
 };
 
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -71,7 +71,6 @@ impl Container {
         };
         let here = self.scan.left();
         let passed_over = self.passed_over;
-        let behind_chunk = std::mem::take(&mut self.behind_chunk);
         let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
         if length > here
             && let Some(suspect) = passed_over
@@ -94,7 +93,7 @@ impl Container {
         }
         if opcode == CHUNK {
             self.tell_orphans();
-            (self.passed_over, self.behind_chunk, self.data_ended) = (None, true, false);
+            (self.passed_over, self.section) = (None, Section::Indexes);
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
                 .map(|()| None);
@@ -106,19 +105,33 @@ impl Container {
             return self.mcap_resume(offset, passed_over, &what).map(|()| None);
         }
         self.passed_over.get_or_insert(offset);
+        let before = (before, self.section);
+        if self.section == Section::Indexes {
+            self.section = Section::Data;
+        }
+        self.mcap_known(opcode, (offset, length), before)
+    }
+
+    /// A record of a known kind that is no chunk; `before` are the CRC of what stands before it, and where it is.
+    fn mcap_known(
+        &mut self,
+        opcode: u8,
+        (offset, length): (u64, u64),
+        (before, section): (Option<u32>, Section),
+    ) -> io::Result<Option<Found>> {
         match opcode {
             SCHEMA | CHANNEL | MESSAGE => {
                 let mut record = std::mem::take(&mut self.record);
                 let read = self.scan.read(length, &mut record);
                 self.record = record;
                 read?;
-                if self.data_ended && opcode == MESSAGE {
+                if section == Section::Summary && opcode == MESSAGE {
                     // One bit parts it from a channel of the summary.
                     self.lose(offset, 0, "a message stands behind the end of the data");
                     return Ok(None);
                 }
-                if behind_chunk && opcode == MESSAGE && is_index(&self.record) {
-                    self.behind_chunk = true;
+                if section == Section::Indexes && opcode == MESSAGE && is_index(&self.record) {
+                    self.section = Section::Indexes;
                     self.lose(offset, 0, "a chunk's index is marked as a message");
                     return Ok(None);
                 }
@@ -169,7 +182,7 @@ impl Container {
             && u64::from(bytes) + 6 == length
         {
             self.indexed(u64::from(bytes) / 16);
-            (self.passed_over, self.behind_chunk) = (None, true);
+            (self.passed_over, self.section) = (None, Section::Indexes);
             self.scan.skip(length - 6)?;
             return Ok(());
         }
@@ -202,7 +215,9 @@ impl Container {
         self.scan.read(length.min(4), &mut record)?;
         self.scan.skip(length.saturating_sub(4))?;
         let stored = Fields(&record).u32().unwrap_or(0);
-        self.data_ended = length == 4;
+        if length == 4 {
+            self.section = Section::Summary;
+        }
         if let Some(crc) = crc.filter(|crc| stored != 0 && *crc != stored) {
             let what = format!("the CRC of the data is {crc:08x}, but {stored:08x} is stored");
             self.lose(offset, 0, what);

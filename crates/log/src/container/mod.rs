@@ -169,6 +169,17 @@ struct Waiting {
     indexed: Option<u64>,
 }
 
+/// What stands where an MCAP file is read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Section {
+    /// Its data.
+    Data,
+    /// The indexes of a chunk.
+    Indexes,
+    /// What follows the end of the data.
+    Summary,
+}
+
 /// A schema of an MCAP file.
 struct Schema {
     name: String,
@@ -208,10 +219,8 @@ pub struct Container {
     ended: bool,
     /// Where the first record began whose length nothing confirms yet: it may lie.
     passed_over: Option<u64>,
-    /// Does a chunk's index stand here, or another record behind a chunk?
-    behind_chunk: bool,
-    /// Has the end of an MCAP file's data been read? Only its summary follows.
-    data_ended: bool,
+    /// Where in an MCAP file the reading is.
+    section: Section,
     /// Messages of this file so far.
     messages: u64,
     attached: u64,
@@ -291,8 +300,7 @@ impl Container {
             closed: false,
             ended: false,
             passed_over: None,
-            behind_chunk: false,
-            data_ended: false,
+            section: Section::Data,
             messages: 0,
             attached: 0,
             profile: String::new(),
@@ -396,7 +404,7 @@ impl Container {
         self.base = offset;
         self.spare = None;
         self.passed_over = None;
-        self.data_ended = false;
+        self.section = Section::Data;
     }
 
     /// Goes to the next place after `offset` where `fits` finds a record, or to one before it that the

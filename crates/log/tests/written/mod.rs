@@ -62,7 +62,7 @@ impl Packing {
     pub(crate) fn readable(self, packed: &[u8], whole: usize) -> usize {
         let at = |at: usize, count: usize| {
             let bytes = packed.get(at..at + count)?;
-            let number = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+            let number = |sum: u64, byte: &u8| (sum << 8) | u64::from(*byte);
             usize::try_from(bytes.iter().rev().fold(0, number)).ok()
         };
         match self {
@@ -87,7 +87,7 @@ impl Packing {
                 let mut place = 5 + usize::from(descriptor & 0x20 == 0) + size;
                 let mut blocks = 0;
                 while let Some(head) = at(place, 3) {
-                    let length = if head >> 1 & 3 == 1 { 1 } else { head >> 3 };
+                    let length = if (head >> 1) & 3 == 1 { 1 } else { head >> 3 };
                     if place + 3 + length > packed.len() {
                         break;
                     }
