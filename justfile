@@ -44,3 +44,7 @@ sanitize:
 # a long search for random cases in which standard and reference mode disagree; minutes
 search:
     PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate
+
+# ten thousand runs with random faults (about five minutes of one core)
+soak:
+    GROUSER_SOAK_RUNS=10000 cargo test --release --package grouser-synthetic --test soak -- --nocapture
