@@ -148,7 +148,8 @@ impl SlipFilter {
         let taken = if free {
             self.free_counts(&window)
         } else {
-            !against && !(still && off) && (!shows || self.powered_counts(&window))
+            let stands_wrongly = still && off;
+            !(against || stands_wrongly || shows && !self.powered_counts(&window))
         };
         if !taken {
             return;
