@@ -48,3 +48,7 @@ search:
 # every cut of 64 KiB files and every bit of 16 KiB ones; a part of them runs in `cargo test`
 dense:
     GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips -- --nocapture
+
+# ten thousand runs with random faults (about five minutes of one core)
+soak:
+    GROUSER_SOAK_RUNS=10000 cargo test --release --package grouser-synthetic --test soak -- --nocapture

@@ -86,6 +86,8 @@ pub(crate) struct Trial {
     pub(crate) events: Vec<(Event, (f64, f64))>,
     pub(crate) faults: Vec<(Fault, (f64, f64))>,
     pub(crate) settings: FilterSettings,
+    /// How much larger each radius is told than it is, as a share.
+    pub(crate) radius_error: [f64; WHEELS],
 }
 
 impl Trial {
@@ -99,6 +101,7 @@ impl Trial {
             events: Vec::new(),
             faults: Vec::new(),
             settings: FilterSettings::default(),
+            radius_error: [0.0; WHEELS],
         }
     }
 
@@ -127,7 +130,11 @@ impl Trial {
     }
 
     pub(crate) fn filter(&self) -> SlipFilter {
-        SlipFilter::new(&described(&self.robot, self.sensors.bits), self.settings).unwrap()
+        let mut told = self.robot.clone();
+        for (wheel, error) in told.wheels.iter_mut().zip(self.radius_error) {
+            wheel.radius *= 1.0 + error;
+        }
+        SlipFilter::new(&described(&told, self.sensors.bits), self.settings).unwrap()
     }
 
     /// Runs it where a fault has changed the clocks of samples, but neither their number nor their order.
