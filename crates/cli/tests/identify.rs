@@ -99,8 +99,18 @@ fn the_example_gives_back_what_it_was_made_of() {
     // the soil file through another verb, beside the truth through the same: 24 tests tell the pull to 0.3 N
     let pull = |soil: &str| {
         let point = json(&[
-            "wheel", "--soil", soil, "--radius-m", "0.1", "--width-m", "0.06", "--load-n", "60",
-            "--slip", "0.25", "--json",
+            "wheel",
+            "--soil",
+            soil,
+            "--radius-m",
+            "0.1",
+            "--width-m",
+            "0.06",
+            "--load-n",
+            "60",
+            "--slip",
+            "0.25",
+            "--json",
         ]);
         point["drawbar_pull_n"].as_f64().unwrap()
     };
@@ -119,7 +129,11 @@ fn what_the_tests_cannot_tell_is_named() {
         .collect();
     fs::write(folder.at("shear.csv"), shear).unwrap();
     let tests = folder.at("tests.toml");
-    fs::write(&tests, "format = 1\nname = \"one load\"\n[shear]\ntable = \"shear.csv\"\n").unwrap();
+    fs::write(
+        &tests,
+        "format = 1\nname = \"one load\"\n[shear]\ntable = \"shear.csv\"\n",
+    )
+    .unwrap();
     let output = grouser(&["identify", &tests]);
     assert!(output.status.success());
     let warnings = String::from_utf8(output.stderr).unwrap();
@@ -165,7 +179,10 @@ fn validate_prints_the_rows_it_promises() {
     let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root().join("data"), PathBuf::from);
     let data = root().join(base);
     if !data.join("cmu-wheel/trials.csv").is_file() {
-        assert!(std::env::var_os("CI").is_none(), "no measured data, and CI is set");
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "no measured data, and CI is set"
+        );
         eprintln!("skipped: no measured data (GROUSER_DATA)");
         return;
     }
@@ -183,8 +200,21 @@ fn validate_prints_the_rows_it_promises() {
     ]);
     let rows = found["rows"].as_array().unwrap();
     for key in [
-        "data_set", "wheel", "slip_angle_deg", "quantity", "unit", "model", "split", "n", "bias",
-        "rmse", "q75", "q99", "max", "fitted_parameters", "published_rmse",
+        "data_set",
+        "wheel",
+        "slip_angle_deg",
+        "quantity",
+        "unit",
+        "model",
+        "split",
+        "n",
+        "bias",
+        "rmse",
+        "q75",
+        "q99",
+        "max",
+        "fitted_parameters",
+        "published_rmse",
     ] {
         assert!(rows[0].get(key).is_some(), "{key}");
     }

@@ -100,10 +100,19 @@ fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
     });
     let full = log[200].1[1].traction;
     let after: Vec<_> = log.iter().filter(|(time, ..)| *time >= 3.3).collect();
-    assert!(after.iter().all(|(_, orders, _)| orders[1].traction <= 0.11 * full));
-    assert!(after.iter().all(|(_, orders, _)| orders[0].traction == full));
+    assert!(
+        after
+            .iter()
+            .all(|(_, orders, _)| orders[1].traction <= 0.11 * full)
+    );
+    assert!(
+        after
+            .iter()
+            .all(|(_, orders, _)| orders[0].traction == full)
+    );
     let told = log.iter().find_map(|(time, _, d)| {
-        d.filter(|d| d.reason == Reason::EncoderReversed).map(|d| (*time, d))
+        d.filter(|d| d.reason == Reason::EncoderReversed)
+            .map(|d| (*time, d))
     });
     let (time, decision) = told.unwrap();
     assert!(time < 4.0 && decision.action == Action::ShedTorque && decision.wheel == Some(1));
@@ -121,9 +130,15 @@ fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
         seen
     });
     let full = log[200].1[2].traction;
-    let shed = log.iter().find(|(_, orders, _)| orders[2].traction <= 0.11 * full).unwrap();
+    let shed = log
+        .iter()
+        .find(|(_, orders, _)| orders[2].traction <= 0.11 * full)
+        .unwrap();
     assert!(shed.0 - 3.0 <= 0.05, "{} s", shed.0 - 3.0);
-    assert!(log.iter().any(|(_, _, d)| d.is_some_and(|d| d.reason == Reason::Stall)));
+    assert!(
+        log.iter()
+            .any(|(_, _, d)| d.is_some_and(|d| d.reason == Reason::Stall))
+    );
     // and it comes back once the wheel turns again
     assert!(log.last().unwrap().1[2].traction > 0.99 * full);
 }
@@ -134,7 +149,10 @@ fn c11_without_any_sensor_it_stops_within_the_declared_time() {
     let mut controller = Controller::new(&robot(), settings).unwrap();
     run(&mut controller, (0, 3), |_, orders| following(orders));
     let mut ended = None;
-    let mut last = vec![WheelOrder { rim_speed: f64::NAN, ..WheelOrder::default() }];
+    let mut last = vec![WheelOrder {
+        rim_speed: f64::NAN,
+        ..WheelOrder::default()
+    }];
     for step in 300..700_u32 {
         let time = f64::from(step) * 0.01;
         let output = controller.step(&ControlInput {
@@ -167,7 +185,10 @@ fn a_leaning_robot_ends_its_drive() {
             roll: Some(0.7),
             ..input(f64::from(step) * 0.01, &wheels)
         };
-        decision = decision.or(controller.step(&tilted).decision.filter(|d| d.wheel.is_none()));
+        decision = decision.or(controller
+            .step(&tilted)
+            .decision
+            .filter(|d| d.wheel.is_none()));
     }
     assert_eq!(decision.unwrap().action, Action::End(Ending::Tipping));
 }
