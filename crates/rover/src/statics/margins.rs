@@ -73,7 +73,7 @@ fn edge(wheels: [usize; 2], [from, to]: [Vector; 2], centre: Vector, up: Vector)
     let across = |v: Vector| v - along * v.dot(along);
     let arm = across(centre - from);
     let upright = across(up);
-    let inwards = upright.cross(along) * -1.0;
+    let inwards = upright.cross(along);
     let tip_over = arm.dot(inwards.unit()).atan2(arm.dot(upright.unit()));
     let rise = if tip_over > 0.0 {
         arm.length() * (1.0 - tip_over.cos()) * upright.length()

@@ -248,7 +248,8 @@ impl Controller {
             if wheel.health == Health::Invalid(Invalid::Dropout) {
                 continue;
             }
-            let load = finite(Some(wheel.load)).unwrap_or(0.0).max(1e-3);
+            // no robot weighs more; what says so is no load
+            let load = finite(Some(wheel.load)).unwrap_or(0.0).clamp(1e-3, 1e9);
             if let Some(rim) = finite(wheel.rim_speed) {
                 rims.0 += load * rim.abs();
                 rims.1 += load;
