@@ -86,7 +86,7 @@ fn broken(bytes: &[u8], count: usize) -> Vec<Vec<u8>> {
     for _ in 0..count {
         out.push(bytes[..next(bytes.len())].to_vec());
         let mut flipped = bytes.to_vec();
-        for _ in 0..1 + next(20) {
+        for _ in 0..=next(20) {
             flipped[next(bytes.len())] ^= 1 << next(8);
         }
         out.push(flipped);

@@ -204,7 +204,7 @@ fn b8_the_order_within_the_horizon_does_not_matter() {
         }
         // let what waits come through
         for step in 1..=10 {
-            let time_ns = course.steps.len() as i64 * 10_000_000 + step * 10_000_000;
+            let time_ns = (i64::try_from(course.steps.len()).unwrap() + step) * 10_000_000;
             let rate = Measurement::YawRate { rate: 0.0 };
             filter
                 .update(Sample {

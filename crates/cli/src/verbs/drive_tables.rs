@@ -94,7 +94,7 @@ impl Track {
                 }
                 // a table holds numbers; what a broken sensor shows instead is an empty cell
                 Measurement::YawRate { rate } => {
-                    row.yaw_rate = Some(rate).filter(|r| r.is_finite())
+                    row.yaw_rate = Some(rate).filter(|r| r.is_finite());
                 }
                 _ => continue,
             }

@@ -323,7 +323,7 @@ impl Drive {
                 slip: truth.map(|(slip, _)| slip),
                 slip_now: grouser_terra::Slip::from_speeds(wheel.velocity[0], wheel.rim)
                     .ok()
-                    .map(|slip| slip.value()),
+                    .map(grouser_slip::Slip::value),
                 seen,
                 torque: wheel.motor.torque,
                 load: wheel.load.normal,

@@ -86,7 +86,7 @@ impl Watch {
         for (((wheel, seen), steer), own) in
             estimate.wheels.iter().zip(seen).zip(steers).zip(described)
         {
-            seen.slip = wheel.slip.map(|slip| slip.value());
+            seen.slip = wheel.slip.map(grouser_slip::Slip::value);
             seen.sigma = wheel.sigma;
             seen.health = wheel.health;
             seen.motion = wheel.motion;
@@ -101,7 +101,7 @@ impl Watch {
                 let row = [cos, sin, sin * own.x - cos * own.y];
                 let forward = motion.along(row);
                 let measured = MeasuredSlip::from_speeds(forward, rim, self.estimator.settings());
-                seen.slip = measured.slip.map(|slip| slip.value());
+                seen.slip = measured.slip.map(grouser_slip::Slip::value);
                 seen.sigma = measured.sigma;
                 seen.motion = Some(measured.motion);
                 seen.forward_speed = Some(forward.value);

@@ -469,10 +469,9 @@ fn pitched(inertia: &Tensor, (cos, sin): (f64, f64)) -> Tensor {
 fn solve(matrix: &mut [[f64; MAX_SPEEDS]; MAX_SPEEDS], right: &mut Speeds, size: usize) {
     for i in 0..size {
         for j in 0..=i {
-            let mut sum = matrix[i][j];
-            for k in 0..j {
-                sum -= matrix[i][k] * matrix[j][k];
-            }
+            let (left, upper) = (&matrix[i][..j], &matrix[j][..j]);
+            let known: f64 = left.iter().zip(upper).map(|(a, b)| a * b).sum();
+            let sum = matrix[i][j] - known;
             matrix[i][j] = if i == j {
                 // masses are positive, so that only rounding could bring it to 0
                 sum.max(f64::MIN_POSITIVE).sqrt()

@@ -277,7 +277,7 @@ fn nodes(low: f64, high: f64, cell: f64, count: usize) -> RangeInclusive<usize> 
 }
 
 /// Along a line of nodes, what is unknown takes the nearest known height.
-fn spread(heights: &mut [f32], line: impl Iterator<Item = usize> + DoubleEndedIterator) {
+fn spread(heights: &mut [f32], line: impl DoubleEndedIterator<Item = usize>) {
     let line: Vec<usize> = line.collect();
     let mut known: Vec<usize> = Vec::new();
     for (place, index) in line.iter().enumerate() {

@@ -177,17 +177,16 @@ fn links(body: &BodyFile) -> Result<(Vec<Link>, Vec<Hold>)> {
             Some(other) => Some(find(&of, other, names())?),
         };
         let joined = other.filter(|other| *other < index).map(|other| out[other]);
-        let (freedom, sign) = match joined {
-            Some(other) => (other.freedom, -other.sign),
-            None => {
-                holds.push(Hold {
-                    stiffness: file.stiffness,
-                    damping: file.damping,
-                    preload: file.preload,
-                    range: file.range,
-                });
-                (holds.len() - 1, 1.0)
-            }
+        let (freedom, sign) = if let Some(other) = joined {
+            (other.freedom, -other.sign)
+        } else {
+            holds.push(Hold {
+                stiffness: file.stiffness,
+                damping: file.damping,
+                preload: file.preload,
+                range: file.range,
+            });
+            (holds.len() - 1, 1.0)
         };
         out.push(Link {
             on,

@@ -37,7 +37,7 @@ pub(super) fn read(mut reader: impl BufRead, file: &HeightFile) -> Result<Raster
         }
     }
     let whole = |name: &str, value: Option<f64>| match value {
-        Some(value) if value >= 0.0 && value <= 1e9 && value.fract() == 0.0 => {
+        Some(value) if (0.0..=1e9).contains(&value) && value.fract() == 0.0 => {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
