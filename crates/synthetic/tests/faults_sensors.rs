@@ -33,6 +33,10 @@ fn with_camera(seed: u64) -> Trial {
 }
 
 /// Runs with and without the fault; says and checks what it costs.
+#[allow(
+    clippy::needless_pass_by_value,
+    reason = "each call makes its own trial"
+)]
 fn compare(what: &str, trial: Trial, fault: Fault, lasts: f64, most: f64) {
     let nominal = trial.run();
     for (phase, from) in PHASES {
@@ -58,6 +62,7 @@ fn compare(what: &str, trial: Trial, fault: Fault, lasts: f64, most: f64) {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "a list of every field")]
 fn c1_what_is_no_number_is_refused_counted_and_changes_no_bit() {
     let (_, samples) = with_camera(1).samples();
     let mut filter = with_camera(1).filter();

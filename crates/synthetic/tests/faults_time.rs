@@ -1,5 +1,6 @@
 //! Faults of time (B1 to B11), put into the five-wheeled robot's run.
 #![allow(
+    clippy::cast_possible_wrap,
     clippy::unwrap_used,
     clippy::print_stdout,
     reason = "a test fails by panicking and may say what it measured"

@@ -100,7 +100,7 @@ fn random(seed: u64) -> Trial {
         let span = span(&mut noise);
         trial.events.push((event(&mut noise), span));
     }
-    for _ in 0..1 + choose(&mut noise, 2) {
+    for _ in 0..=choose(&mut noise, 2) {
         let span = span(&mut noise);
         trial.faults.push((fault(&mut noise), span));
     }
