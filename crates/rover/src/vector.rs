@@ -273,7 +273,7 @@ mod tests {
         assert!((roll - 0.1).abs() < 1e-12 && (pitch + 0.2).abs() < 1e-12);
         assert!((yaw - 2.5).abs() < 1e-12);
         let v = Vector::new(0.3, -1.2, 0.5);
-        assert!((attitude.to_robot(attitude.to_world(v)) - v).length() < 1e-15);
+        assert!((attitude.to_robot(attitude.to_world(v)) - v).length() < 4e-15);
     }
 
     #[test]

@@ -1,5 +1,9 @@
 //! The controller against the faults that concern it, and its promises.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test fails by panicking; its times are short"
+)]
 
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, WheelOrder,

@@ -74,8 +74,8 @@ impl Lattice {
         let at = |i: i64, j: i64| self.node(column + i, row + j);
         let low = at(0, 0) + u * (at(1, 0) - at(0, 0));
         let high = at(0, 1) + u * (at(1, 1) - at(0, 1));
-        // a node's variance is 1/12; between the nodes it falls to about 0.47 of that on average
-        (low + v * (high - low) - 0.5) * 5.05
+        // a node's variance is 1/12; between the nodes it falls to (181/231)² = 0.614 of that on average
+        (low + v * (high - low) - 0.5) * 4.42
     }
 }
 

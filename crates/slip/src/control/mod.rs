@@ -100,8 +100,8 @@ impl WheelPlace {
 ///     rim = output.orders[0].rim_speed;
 ///     assert_eq!(output.mode, Mode::Forward);
 /// }
-/// // it runs the rim at or below 0.1/(1 − 0.25), not at 0.3 m/s and more
-/// assert!(rim < 0.134);
+/// // the slip stays above the optimum whatever it does: the rim runs slower than asked
+/// assert!(rim < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

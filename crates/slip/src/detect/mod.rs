@@ -303,11 +303,13 @@ impl Detector {
     }
 }
 
-/// Slip and sigma of a wheel that can be trusted with an alarm: an estimate without a reference of its own can not.
+/// Slip and sigma of a wheel that can be trusted with an alarm: an estimate without a reference of its own can not, one that
+/// something contradicts can, for a robot that is stuck contradicts its wheels.
 fn trusted(estimate: &WheelEstimate) -> Option<(f64, f64)> {
     let usable = matches!(
         estimate.health,
-        Health::Ok | Health::Degraded(Degraded::Quantised | Degraded::YawAssumed)
+        Health::Ok
+            | Health::Degraded(Degraded::Quantised | Degraded::YawAssumed | Degraded::Suspect)
     );
     let (slip, sigma) = (estimate.slip?.value(), estimate.sigma?);
     (usable && sigma.is_finite()).then_some((slip, sigma))

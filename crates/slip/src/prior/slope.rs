@@ -18,9 +18,9 @@ const POINTS: u32 = 17;
 /// use grouser_slip::prior::{SlipDemand, SoilDoubt};
 /// use grouser_terra::{Angle, RigidWheel, catalogue};
 /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
-/// let slopes = (Angle::from_deg(-10.0), Angle::from_deg(20.0));
+/// let slopes = (Angle::from_deg(-10.0), Angle::from_deg(10.0));
 /// let demand = SlipDemand::new(RigidWheel::new(0.125, 0.1)?, &soil, 80.0, slopes, SoilDoubt::default())?;
-/// let (level, uphill) = (demand.at(Angle::from_deg(0.0)), demand.at(Angle::from_deg(10.0)));
+/// let (level, uphill) = (demand.at(Angle::from_deg(0.0)), demand.at(Angle::from_deg(5.0)));
 /// assert!(uphill.expect("it is held").mean > level.expect("it is held").mean);
 /// # Ok::<(), grouser_terra::Error>(())
 /// ```
