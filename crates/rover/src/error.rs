@@ -69,16 +69,6 @@ pub enum Error {
         /// Why not.
         source: std::io::Error,
     },
-    /// A URDF that cannot be used.
-    #[error("{file}, line {line}: {message}")]
-    Urdf {
-        /// The file.
-        file: String,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-    },
     /// One of our own files says something wrong.
     #[error(transparent)]
     File(#[from] grouser_files::Error),

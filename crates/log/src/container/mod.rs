@@ -1,6 +1,8 @@
 //! MCAP files and ROS 1 bags as a stream of messages, whole or damaged.
 
 mod bag;
+mod event;
+mod fields;
 mod mcap;
 mod scan;
 mod spare;
@@ -12,6 +14,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+pub use event::{Channel, Damage, Encoding, Event, Format, Message};
+use fields::Fields;
 use scan::Scan;
 use spare::Spare;
 use unpack::{Packing, Unpacker};
@@ -24,99 +28,6 @@ pub(crate) const CHANNEL_LIMIT: usize = 8192;
 pub(crate) const NAME_LIMIT: usize = 1024;
 /// How long all different definitions and the names of all channels may be together, bytes.
 pub(crate) const DECLARED_LIMIT: usize = 4 << 20;
-
-/// How the bytes of a message are laid out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Encoding {
-    /// ROS 1.
-    Ros1,
-    /// ROS 2: CDR.
-    Cdr,
-    /// JSON.
-    Json,
-    /// Something that is not read.
-    Other,
-}
-
-/// A topic with its type.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
-    /// The topic.
-    pub topic: String,
-    /// The full name of the message's type, as the file writes it.
-    pub type_name: String,
-    /// How its messages are laid out.
-    pub encoding: Encoding,
-    /// That encoding's name in MCAP.
-    pub encoding_name: String,
-    /// What language the definition is in, by its name in MCAP.
-    pub definition_language: String,
-    /// The definition of the type; equal ones of a file are held once.
-    pub definition: Arc<[u8]>,
-    /// What else the file says of it: of an MCAP file its metadata, of a bag the fields of its connection.
-    pub metadata: BTreeMap<String, String>,
-}
-
-/// One message.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Message<'a> {
-    /// The index of its channel in [`Container::channels`].
-    pub channel: usize,
-    /// That channel.
-    pub of: &'a Channel,
-    /// When it was recorded, ns.
-    pub log_time_ns: u64,
-    /// When it was published, ns, where the file tells; else as recorded.
-    pub publish_time_ns: u64,
-    /// Its number, where the file counts.
-    pub sequence: u32,
-    /// Its bytes.
-    pub data: &'a [u8],
-}
-
-/// A place that could not be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Damage {
-    /// Where it begins, bytes from the file's start.
-    pub offset: u64,
-    /// How many bytes of the file are lost there.
-    pub bytes: u64,
-    /// How many messages are lost there, where the file tells: a chunk's index does, which stands behind it.
-    pub messages: Option<u64>,
-    /// What is wrong.
-    pub what: String,
-}
-
-/// What comes next in a file.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Event<'a> {
-    /// A message.
-    Message(Message<'a>),
-    /// A place that could not be read; what follows it is read.
-    Damage(Damage),
-}
-
-/// A kind of file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Format {
-    /// MCAP.
-    Mcap,
-    /// A ROS 1 bag.
-    Bag,
-}
-
-impl Format {
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Mcap => "MCAP",
-            Self::Bag => "ROS 1 bag",
-        }
-    }
-}
 
 /// The greatest size of a chunk out of its compression, bytes, in a file of so many bytes: a small file
 /// may not unfold far. Beside it stand the packed chunk and what a message is decoded to, and all is to
@@ -613,33 +524,4 @@ fn unreadable(path: &Path, source: std::io::Error) -> Error {
         source,
     }
     .into()
-}
-
-/// Little-endian numbers from the front of a slice.
-struct Fields<'a>(&'a [u8]);
-
-impl<'a> Fields<'a> {
-    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    fn u16(&mut self) -> Option<u16> {
-        Some(u16::from_le_bytes(self.bytes(2)?.try_into().ok()?))
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        Some(u64::from_le_bytes(self.bytes(8)?.try_into().ok()?))
-    }
-
-    /// Bytes after their count.
-    fn counted(&mut self) -> Option<&'a [u8]> {
-        let count = self.u32()?;
-        self.bytes(usize::try_from(count).ok()?)
-    }
 }
