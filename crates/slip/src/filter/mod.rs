@@ -335,6 +335,16 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// A wheel is steered by `angle` (rad, to the left) beside its heading in the description from now on. An angle that
+    /// is no number, or a wheel that does not exist, changes nothing.
+    pub fn steer(&mut self, wheel: usize, angle: f64) {
+        if let Some(wheel) = self.wheels.get_mut(wheel)
+            && angle.is_finite()
+        {
+            wheel.steer(angle);
+        }
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..

@@ -1,5 +1,7 @@
 //! One wheel in the filter: its readings, windows and state.
 
+use grouser_real::Real;
+
 use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
 use crate::robot::{Drive, Robot};
@@ -23,6 +25,9 @@ const SMOOTHING: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) row: [f64; 3],
+    /// Where it stands (m), and the direction in which it drives when it does not steer (rad).
+    place: [f64; 2],
+    heading: f64,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
     pub(super) tick: f64,
@@ -66,6 +71,8 @@ impl Tracked {
             .enumerate()
             .map(move |(index, wheel)| Self {
                 row: wheel.speed_row(),
+                place: [wheel.x, wheel.y],
+                heading: wheel.heading.rad(),
                 free: wheel.drive == Drive::Free,
                 track: WheelTrack::new(index, wheel, &windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
@@ -83,6 +90,12 @@ impl Tracked {
                 unrest: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
+    }
+
+    /// It is steered by `angle` (rad) now.
+    pub(super) fn steer(&mut self, angle: f64) {
+        let (sin, cos) = Real::sin_cos(self.heading + angle);
+        self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
     }
 
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
