@@ -8,6 +8,7 @@ use grouser_slip::{Drive, Health, Measurement, Sample};
 use grouser_terra::{Angle, Soil};
 
 use super::attitude_filter::AttitudeFilter;
+use super::suspension::Suspension;
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
 use crate::sensors::{Reading, SensorSettings};
@@ -27,6 +28,7 @@ pub(super) struct Watch {
     filter: SlipFilter,
     detector: Detector,
     attitude: AttitudeFilter,
+    suspension: Suspension,
     demand: Option<SlipDemand>,
     prior_due: f64,
     /// Greatest torque of each wheel's motor, N m, and the torque by its current.
@@ -72,6 +74,7 @@ impl Watch {
             filter: SlipFilter::new(&model.robot, settings)?,
             detector: Detector::new(&model.robot, detect)?,
             attitude: AttitudeFilter::new(heading),
+            suspension: Suspension::new(model),
             demand,
             prior_due: 0.0,
             torques: vec![None; most_torque.len()],
@@ -102,12 +105,20 @@ impl Watch {
                 turning,
             } => {
                 self.attitude.take(time_ns, force, turning);
+                for sample in self.suspension.carriers(time_ns, turning.y) {
+                    let _ = self.filter.update(sample);
+                }
                 let [forward, left] = self.attitude.without_gravity(force);
                 self.give(Sample {
                     time_ns,
                     measurement: Measurement::Acceleration { forward, left },
                 });
             }
+            Reading::Joint {
+                time_ns,
+                freedom,
+                angle,
+            } => self.suspension.take(time_ns, freedom, angle),
             Reading::Current { wheel, share, .. } => {
                 self.torques[wheel] = Some(share * self.most_torque[wheel]);
             }

@@ -9,6 +9,7 @@ use crate::settings::Settings;
 use crate::speed::Measured;
 use crate::wheel_track::WheelTrack;
 
+use super::carrier::Carrier;
 use super::settings::FilterSettings;
 use super::watch::Watch;
 
@@ -28,6 +29,7 @@ pub(super) struct Tracked {
     /// Where it stands (m), and the direction in which it drives when it does not steer (rad).
     place: [f64; 2],
     heading: f64,
+    pub(super) carrier: Carrier,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
     pub(super) tick: f64,
@@ -73,6 +75,7 @@ impl Tracked {
                 row: wheel.speed_row(),
                 place: [wheel.x, wheel.y],
                 heading: wheel.heading.rad(),
+                carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.drive == Drive::Free,
                 track: WheelTrack::new(index, wheel, &windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
@@ -100,10 +103,14 @@ impl Tracked {
 
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
+        if self.from_ns.is_none() {
+            self.carrier.mark();
+        }
         let from = *self.from_ns.get_or_insert(now_ns);
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         }
@@ -113,6 +120,7 @@ impl Tracked {
         let Some(rim) = self.track.speed(from, now_ns) else {
             // a sensor that began anew, or fell silent
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         };
@@ -121,8 +129,19 @@ impl Tracked {
             return None;
         }
         self.from_ns = Some(now_ns);
+        let stands = rim.value == 0.0;
+        let turned = if stands {
+            0.0
+        } else {
+            self.carrier.rolled() / age
+        };
+        self.carrier.mark();
+        let rim = Measured {
+            value: rim.value + turned,
+            ..rim
+        };
         self.rim = Some((rim, now_ns));
-        if rim.value == 0.0 {
+        if stands {
             self.still_since_ns.get_or_insert(from);
         } else {
             self.still_since_ns = None;
