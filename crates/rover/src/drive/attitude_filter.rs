@@ -60,6 +60,16 @@ impl AttitudeFilter {
         self.angles = Some([roll, pitch, yaw]);
     }
 
+    /// What is left of a specific force (m/s²) forwards and to the left without gravity's share.
+    pub(super) fn without_gravity(&self, force: Vector) -> [f64; 2] {
+        let [roll, pitch, _] = self.angles.unwrap_or_default();
+        let gravity = crate::dynamics::GRAVITY;
+        [
+            force.x + gravity * pitch.sin(),
+            force.y - gravity * pitch.cos() * roll.sin(),
+        ]
+    }
+
     pub(super) fn roll(&self) -> Option<f64> {
         self.angles.map(|angles| angles[0])
     }

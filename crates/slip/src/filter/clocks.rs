@@ -11,6 +11,8 @@ use crate::sample::{Measurement, Sample};
 const SET_BACK: f64 = 0.1;
 /// Sensors that are not a wheel's.
 const OTHERS: usize = 5;
+/// A wheel's: its rotation, its torque, its carrier.
+const PER_WHEEL: usize = 3;
 /// A gap longer than this many usual periods lacks samples.
 const GAP: f64 = 1.5;
 /// How fast the usual period is learnt, a sample.
@@ -51,7 +53,7 @@ impl Clocks {
     pub(super) fn new(wheels: usize) -> Self {
         Self {
             wheels,
-            sensors: vec![Sensor::default(); OTHERS + 2 * wheels].into_boxed_slice(),
+            sensors: vec![Sensor::default(); OTHERS + PER_WHEEL * wheels].into_boxed_slice(),
             dropped: 0,
             steps: 0,
         }
@@ -62,7 +64,7 @@ impl Clocks {
         let wheels = self.wheels;
         let of = |wheel: usize, part: usize| {
             if wheel < wheels {
-                Ok(OTHERS + 2 * wheel + part)
+                Ok(OTHERS + PER_WHEEL * wheel + part)
             } else {
                 Err(Fault::UnknownWheel {
                     index: wheel,
@@ -77,6 +79,7 @@ impl Clocks {
             Measurement::Displacement { .. } | Measurement::Pose { .. } => (3, true),
             Measurement::Speed { .. } => (4, true),
             Measurement::WheelTorque { wheel, .. } => (of(wheel, 1)?, true),
+            Measurement::Carrier { wheel, .. } => (of(wheel, 2)?, true),
             Measurement::WheelCount { wheel, .. }
             | Measurement::WheelAngle { wheel, .. }
             | Measurement::WheelRate { wheel, .. } => (of(wheel, 0)?, true),

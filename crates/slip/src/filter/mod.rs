@@ -17,6 +17,7 @@
 
 mod assume;
 mod body;
+mod carrier;
 mod clocks;
 mod free_wheel;
 mod imu;
@@ -330,6 +331,16 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// A wheel is steered by `angle` (rad, to the left) beside its heading in the description from now on. An angle that
+    /// is no number, or a wheel that does not exist, changes nothing.
+    pub fn steer(&mut self, wheel: usize, angle: f64) {
+        if let Some(wheel) = self.wheels.get_mut(wheel)
+            && angle.is_finite()
+        {
+            wheel.steer(angle);
+        }
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..
@@ -423,6 +434,21 @@ impl SlipFilter {
                 self.take_wheel(time_ns, wheel, &sample.measurement)
             }
             Measurement::WheelTorque { wheel, torque } => self.take_torque(time_ns, wheel, torque),
+            Measurement::Carrier {
+                wheel,
+                turn,
+                forward,
+                up,
+            } => {
+                let wheels = self.wheels.len();
+                self.wheels
+                    .get_mut(wheel)
+                    .ok_or(Fault::UnknownWheel {
+                        index: wheel,
+                        wheels,
+                    })
+                    .and_then(|wheel| wheel.carrier.take(time_ns, [turn, forward, up]))
+            }
             Measurement::YawRate { rate } => self.take_yaw_rate(time_ns, rate),
             Measurement::Acceleration { forward, left } => {
                 self.take_acceleration(time_ns, [forward, left])

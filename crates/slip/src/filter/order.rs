@@ -2,6 +2,7 @@
 
 use alloc::{boxed::Box, vec};
 
+use crate::robot::MAX_WHEELS;
 use crate::sample::{Measurement, Sample};
 
 /// A sorted queue of bounded size.
@@ -108,6 +109,7 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         Measurement::Acceleration { .. } => (1, 0),
         Measurement::YawRate { .. } => (2, 0),
         Measurement::WheelTorque { wheel, .. } => (3, wheel),
+        Measurement::Carrier { wheel, .. } => (3, wheel.saturating_add(MAX_WHEELS)),
         Measurement::WheelCount { wheel, .. } => (4, wheel),
         Measurement::WheelEdge { wheel, .. } => (5, wheel),
         Measurement::WheelAngle { wheel, .. } => (6, wheel),

@@ -68,7 +68,8 @@ impl SlipFilter {
 
     pub(super) fn take_rim(&mut self, index: usize, rim: Measured, from_ns: i64, to_ns: i64) {
         let Tracked { row, free, .. } = self.wheels[index];
-        let forward = self.mean_along(row, from_ns, to_ns);
+        let level = self.mean_along(row, from_ns, to_ns);
+        let (forward, longer) = self.wheels[index].carrier.over_ground(level, row[0], to_ns);
         let grown = self.state.mean(radius(index));
         let u = rim.value * (1.0 + grown);
         let slip = self.slip_mean(index);
@@ -97,7 +98,7 @@ impl SlipFilter {
             self.wheels[index].pull = 0.0;
         }
         let mut slopes = [(FORWARD, 0.0); 8];
-        slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
+        slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * longer * part)));
         slopes[3] = (COMMON_SLIP, if free { 0.0 } else { usual });
         slopes[4] = (own_slip(index), usual);
         slopes[5] = (radius(index), -rim.value);

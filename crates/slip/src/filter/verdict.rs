@@ -51,9 +51,11 @@ impl SlipFilter {
             return nothing(Health::Invalid(Invalid::Dropout));
         }
         let slopes = along(wheel.row);
+        let level = slopes.iter().map(|&(i, a)| a * self.state.mean(i)).sum();
+        let (value, longer) = wheel.carrier.over_ground(level, wheel.row[0], now_ns);
         let forward = Measured {
-            value: slopes.iter().map(|&(i, a)| a * self.state.mean(i)).sum(),
-            variance: self.state.variance_of(&slopes),
+            value,
+            variance: longer * longer * self.state.variance_of(&slopes),
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slips = self.slip_slopes(index);

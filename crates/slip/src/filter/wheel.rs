@@ -1,5 +1,7 @@
 //! One wheel in the filter: its readings, windows and state.
 
+use grouser_real::Real;
+
 use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
 use crate::robot::{Drive, Robot};
@@ -7,6 +9,7 @@ use crate::settings::Settings;
 use crate::speed::Measured;
 use crate::wheel_track::WheelTrack;
 
+use super::carrier::Carrier;
 use super::free_wheel::Rolling;
 use super::settings::FilterSettings;
 use super::watch::Watch;
@@ -22,6 +25,10 @@ const SMOOTHING: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) row: [f64; 3],
+    /// Where it stands (m), and the direction in which it drives when it does not steer (rad).
+    place: [f64; 2],
+    heading: f64,
+    pub(super) carrier: Carrier,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
     pub(super) tick: f64,
@@ -70,6 +77,9 @@ impl Tracked {
             .enumerate()
             .map(move |(index, wheel)| Self {
                 row: wheel.speed_row(),
+                place: [wheel.x, wheel.y],
+                heading: wheel.heading.rad(),
+                carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.drive == Drive::Free,
                 track: WheelTrack::new(index, wheel, &windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
@@ -92,12 +102,22 @@ impl Tracked {
             })
     }
 
+    /// It is steered by `angle` (rad) now.
+    pub(super) fn steer(&mut self, angle: f64) {
+        let (sin, cos) = Real::sin_cos(self.heading + angle);
+        self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
+    }
+
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
+        if self.from_ns.is_none() {
+            self.carrier.mark();
+        }
         let from = *self.from_ns.get_or_insert(now_ns);
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         }
@@ -107,6 +127,7 @@ impl Tracked {
         let Some(rim) = self.track.speed(from, now_ns) else {
             // a sensor that began anew, or fell silent
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         };
@@ -115,8 +136,19 @@ impl Tracked {
             return None;
         }
         self.from_ns = Some(now_ns);
+        let stands = rim.value == 0.0;
+        let turned = if stands {
+            0.0
+        } else {
+            self.carrier.rolled() / age
+        };
+        self.carrier.mark();
+        let rim = Measured {
+            value: rim.value + turned,
+            ..rim
+        };
         self.rim = Some((rim, now_ns));
-        if rim.value == 0.0 {
+        if stands {
             self.still_since_ns.get_or_insert(from);
         } else {
             self.still_since_ns = None;
@@ -162,6 +194,7 @@ impl Tracked {
     /// Time begins anew: what was counted in it is forgotten, what was learnt is not.
     pub(super) fn restart_clock(&mut self) {
         self.track.restart_clock();
+        self.carrier.restart_clock();
         self.from_ns = None;
         self.remainder = None;
         self.rim = None;
