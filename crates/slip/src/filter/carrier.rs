@@ -57,6 +57,11 @@ impl Carrier {
         Ok(())
     }
 
+    /// The clock was set.
+    pub(super) const fn restart_clock(&mut self) {
+        self.time_ns = None;
+    }
+
     /// A window of the wheel begins.
     pub(super) fn mark(&mut self) {
         self.from = self.turned;

@@ -50,6 +50,11 @@ impl Order {
         self.newest_ns
     }
 
+    /// Up to when samples have been used.
+    pub(crate) const fn released_ns(&self) -> Option<i64> {
+        self.released_ns
+    }
+
     pub(crate) fn is_full(&self) -> bool {
         self.len == self.queue.len()
     }
