@@ -15,6 +15,7 @@ mod drive_charts;
 mod drive_decisions;
 mod drive_log;
 mod drive_map;
+mod drive_mcap;
 mod drive_object;
 mod drive_optimum;
 mod drive_relief;

@@ -27,7 +27,7 @@ use crate::session::Session;
     after_help = "Examples:\n  grouser drive examples/scenarios/sandbox.toml --report sandbox.html\n  \
         grouser drive examples/scenarios/soft-patch.toml --compare open-loop,fixed-slip,controller\n  \
         grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller --sweep 50 --json\n  \
-        grouser drive examples/scenarios/sandbox.toml -o drive.csv"
+        grouser drive examples/scenarios/sandbox.toml -o drive.mcap"
 )]
 pub(crate) struct Arguments {
     /// The scenario (.toml)
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     /// Write a report that stands alone (.html)
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write the log of the sensors (.csv), which `estimate` reads; of the last named driver and the first seed
+    /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -7,6 +7,7 @@ use grouser_rover::drive::{Frame, Scenario};
 use grouser_rover::sensors::Reading;
 use grouser_slip::Measurement;
 
+use super::drive_mcap::Recording;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
 use crate::number::exact;
@@ -14,37 +15,52 @@ use crate::output::OutputFile;
 
 /// The file in the making.
 pub(super) struct Log {
-    table: Table,
+    kind: Kind,
     path: PathBuf,
+}
+
+enum Kind {
+    Table(Table),
+    Recording(Box<Recording>),
 }
 
 impl Log {
     /// Begins the file; its ending says its kind.
     pub(super) fn begin(path: &Path, scenario: &Scenario) -> Result<Self> {
-        match ending(path).as_deref() {
-            Some("csv") => {}
+        let refused = |error: io::Error| Error::file("write", path, &error);
+        let kind = match ending(path).as_deref() {
+            Some("csv") => Table::begin(OutputFile::create(path)?, scenario).map(Kind::Table),
+            Some("mcap") => Recording::begin(OutputFile::create(path)?, scenario)
+                .map(|recording| Kind::Recording(Box::new(recording))),
             _ => {
                 return Err(Error::usage_without_hint(format!(
-                    "the log {} does not end in `.csv`",
+                    "the log {} does not end in `.csv` or `.mcap`",
                     shown(path)
                 )));
             }
-        }
-        let refused = |error: io::Error| Error::file("write", path, &error);
+        };
         Ok(Self {
-            table: Table::begin(OutputFile::create(path)?, scenario).map_err(refused)?,
+            kind: kind.map_err(refused)?,
             path: path.to_owned(),
         })
     }
 
     /// What arrived in one period of the control loop.
     pub(super) fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
-        self.table.add(frame)
+        match &mut self.kind {
+            Kind::Table(table) => table.add(frame),
+            Kind::Recording(recording) => recording.add(frame),
+        }
     }
 
     /// Puts the complete file in its place; gives a line that says so.
     pub(super) fn finish(self) -> Result<String> {
-        self.table.out.finish()?;
+        let out = match self.kind {
+            Kind::Table(table) => Ok(table.out),
+            Kind::Recording(recording) => recording.finish(),
+        };
+        out.map_err(|error| Error::file("write", &self.path, &error))?
+            .finish()?;
         Ok(format!("wrote {}\n", shown(&self.path)))
     }
 

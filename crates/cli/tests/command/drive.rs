@@ -97,3 +97,73 @@ fn a_log_has_a_kind_that_is_known() {
     assert!(said.err.contains(".csv"), "{said:?}");
     line("drive nothing.toml").assert_refused("no file");
 }
+
+/// The first seconds of the sandbox; what they show must not depend on how it was written down.
+#[test]
+fn a_recording_and_a_table_of_one_drive_give_the_same_slips() {
+    let folder = Folder::new();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let robot = format!("{root}/robots/five-wheel.toml");
+    let sandbox = std::fs::read_to_string(format!("{root}/scenarios/sandbox.toml")).unwrap();
+    let short = sandbox
+        .replace("../robots/five-wheel.toml", &robot)
+        .replace("duration_s = 120.0", "duration_s = 15.0");
+    let scenario = folder.file("short.toml", short).display().to_string();
+    let logs = ["drive.csv", "drive.mcap"].map(|name| folder.path(name).display().to_string());
+    for log in &logs {
+        grouser(["drive", &scenario, "-o", log]).assert_done();
+    }
+    let estimate = |log: &str, sensor: &str| {
+        let arguments = [
+            "estimate",
+            log,
+            "--robot",
+            &robot,
+            "--wheel-sensor",
+            sensor,
+            "--json",
+        ];
+        grouser(arguments).assert_done().json()
+    };
+    let [table, recording] = [&logs[0], &logs[1]].map(|log| estimate(log, "count"));
+    // the joints' angles are the counters', unwrapped: the same to rounding
+    let angles = estimate(&logs[1], "angle");
+    let wheels = table["wheels"].as_object().unwrap();
+    assert_eq!(wheels.len(), 6);
+    let mut compared = 0;
+    for (name, wheel) in wheels {
+        for key in ["median", "p5", "p95"] {
+            let Some(slip) = wheel[key].as_f64() else {
+                continue;
+            };
+            let same = recording["wheels"][name][key].as_f64().unwrap();
+            let close = angles["wheels"][name][key].as_f64().unwrap();
+            assert!(
+                (slip - same).abs() < 1e-12,
+                "{name} {key}: {slip} and {same}"
+            );
+            assert!(
+                (slip - close).abs() < 1e-6,
+                "{name} {key}: {slip} and {close}"
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared >= 15, "{compared}");
+    let driving = table["wheels"]["front_left"]["median"].as_f64().unwrap();
+    assert!((0.1..0.7).contains(&driving), "{driving}");
+    // what the simulation knows is in the file and is not believed
+    let info = grouser(["log", "info", &logs[1], "--json"]).assert_done();
+    assert!(info.out.contains("/simulation/truth/pose"), "{}", info.out);
+    for reference in ["pose", "displacement"] {
+        let arguments = [
+            "estimate",
+            &logs[1],
+            "--robot",
+            &robot,
+            "--reference",
+            reference,
+        ];
+        grouser(arguments).assert_refused(reference);
+    }
+}
