@@ -120,6 +120,7 @@ impl<'a> Choosing<'a> {
             let name = &seen.channel.topic;
             seen.view.is_some()
                 && !topics.ignore.contains(name)
+                && !names::is_of_a_simulation(name)
                 && !topics.named().any(|other| other == name)
         })
     }

@@ -1,0 +1,129 @@
+//! The log of a drive's sensors, written while it drives: what `estimate` reads.
+
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use grouser_rover::drive::{Frame, Scenario};
+use grouser_rover::sensors::Reading;
+use grouser_slip::Measurement;
+
+use super::drive_mcap::Recording;
+use crate::error::{Error, Result, shown};
+use crate::figure_file::ending;
+use crate::number::exact;
+use crate::output::OutputFile;
+
+/// The file in the making.
+pub(super) struct Log {
+    kind: Kind,
+    path: PathBuf,
+}
+
+enum Kind {
+    Table(Table),
+    Recording(Box<Recording>),
+}
+
+impl Log {
+    /// Begins the file; its ending says its kind.
+    pub(super) fn begin(path: &Path, scenario: &Scenario) -> Result<Self> {
+        let refused = |error: io::Error| Error::file("write", path, &error);
+        let kind = match ending(path).as_deref() {
+            Some("csv") => Table::begin(OutputFile::create(path)?, scenario).map(Kind::Table),
+            Some("mcap") => Recording::begin(OutputFile::create(path)?, scenario)
+                .map(|recording| Kind::Recording(Box::new(recording))),
+            _ => {
+                return Err(Error::usage_without_hint(format!(
+                    "the log {} does not end in `.csv` or `.mcap`",
+                    shown(path)
+                )));
+            }
+        };
+        Ok(Self {
+            kind: kind.map_err(refused)?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// What arrived in one period of the control loop.
+    pub(super) fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
+        match &mut self.kind {
+            Kind::Table(table) => table.add(frame),
+            Kind::Recording(recording) => recording.add(frame),
+        }
+    }
+
+    /// Puts the complete file in its place; gives a line that says so.
+    pub(super) fn finish(self) -> Result<String> {
+        let out = match self.kind {
+            Kind::Table(table) => Ok(table.out),
+            Kind::Recording(recording) => recording.finish(),
+        };
+        out.map_err(|error| Error::file("write", &self.path, &error))?
+            .finish()?;
+        Ok(format!("wrote {}\n", shown(&self.path)))
+    }
+
+    /// What the system says when a write fails.
+    pub(super) fn refused(&self, error: &io::Error) -> Error {
+        Error::file("write", &self.path, error)
+    }
+}
+
+/// A table: `time_ms`, the counter of each wheel with an encoder, the gyro.
+struct Table {
+    out: OutputFile,
+    last_ns: i64,
+    counts: Vec<Option<u64>>,
+}
+
+impl Table {
+    fn begin(mut out: OutputFile, scenario: &Scenario) -> io::Result<Self> {
+        let wheels = scenario.robot.robot.wheels();
+        out.write_all(b"time_ms")?;
+        for wheel in wheels {
+            write!(out, ",{}_ticks", wheel.name)?;
+        }
+        out.write_all(b",gyro_z_rad_per_s\n")?;
+        Ok(Self {
+            out,
+            last_ns: 0,
+            counts: vec![None; wheels.len()],
+        })
+    }
+
+    fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
+        self.counts.fill(None);
+        let (mut time_ns, mut yaw_rate) = (0, None);
+        for reading in frame.readings {
+            let Reading::Sample(sample) = reading else {
+                continue;
+            };
+            match sample.measurement {
+                Measurement::WheelCount { wheel, raw } => {
+                    if let Some(slot) = self.counts.get_mut(wheel) {
+                        *slot = Some(raw);
+                    }
+                }
+                // a table holds numbers; what a broken sensor shows instead is an empty cell
+                Measurement::YawRate { rate } => {
+                    yaw_rate = Some(rate).filter(|rate| rate.is_finite());
+                }
+                _ => continue,
+            }
+            time_ns = time_ns.max(sample.time_ns);
+        }
+        if time_ns <= self.last_ns {
+            return Ok(());
+        }
+        self.last_ns = time_ns;
+        write!(self.out, "{}", time_ns / 1_000_000)?;
+        for count in &self.counts {
+            match count {
+                Some(count) => write!(self.out, ",{count}")?,
+                None => self.out.write_all(b",")?,
+            }
+        }
+        writeln!(self.out, ",{}", yaw_rate.map(exact).unwrap_or_default())
+    }
+}
