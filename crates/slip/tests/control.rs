@@ -63,6 +63,7 @@ fn input(time_s: f64, wheels: &[WheelSeen]) -> ControlInput<'_> {
         heading: Some(0.0),
         pitch: Some(0.0),
         roll: Some(0.0),
+        demanded: None,
         asked_speed: 0.2,
         asked_heading: 0.0,
     }

@@ -269,6 +269,7 @@ impl Drive {
             heading: self.watch.attitude().heading(),
             pitch: self.watch.attitude().pitch(),
             roll: self.watch.attitude().roll(),
+            demanded: self.watch.demanded(),
             asked_speed,
             asked_heading,
         });
@@ -392,6 +393,7 @@ const fn outcome_of(ending: Ending) -> Outcome {
     match ending {
         Ending::Tipping => Outcome::Tipped,
         Ending::SensorsLost => Outcome::SensorsLost,
+        Ending::NoWay => Outcome::NoWay,
         _ => Outcome::Immobilised,
     }
 }

@@ -30,6 +30,7 @@ pub(super) struct Watch {
     attitude: AttitudeFilter,
     suspension: Suspension,
     demand: Option<SlipDemand>,
+    demanded: Option<SlipPrior>,
     prior_due: f64,
     /// Greatest torque of each wheel's motor, N m, and the torque by its current.
     most_torque: Vec<f64>,
@@ -76,6 +77,7 @@ impl Watch {
             attitude: AttitudeFilter::new(heading),
             suspension: Suspension::new(model),
             demand,
+            demanded: None,
             prior_due: 0.0,
             torques: vec![None; most_torque.len()],
             most_torque,
@@ -179,13 +181,19 @@ impl Watch {
         }
     }
 
+    /// The slip that the soil demands where it stands; `None` where no slip holds the slope.
+    pub(super) const fn demanded(&self) -> Option<SlipPrior> {
+        self.demanded
+    }
+
     /// What the soil demands on the slope that it stands on.
     fn believe(&mut self) {
         let (Some(demand), Some(pitch)) = (&self.demand, self.attitude.pitch()) else {
             return;
         };
         // nose down is downhill
-        if let Some(prior) = demand.at(Angle::from_rad(-pitch)) {
+        self.demanded = demand.at(Angle::from_rad(-pitch));
+        if let Some(prior) = self.demanded {
             let sigma = prior.sigma.max(PRIOR_SIGMA);
             // the table holds slips only
             let _ = self.filter.believe(SlipPrior { sigma, ..prior });

@@ -1,6 +1,7 @@
 //! What the controller is told and what it orders.
 
 use super::decision::{Decision, Mode};
+use crate::filter::SlipPrior;
 use crate::state::{Health, Motion};
 
 /// What is known of a wheel. Numbers that are NaN or infinite count as absent.
@@ -39,6 +40,8 @@ pub struct ControlInput<'a> {
     pub pitch: Option<f64>,
     /// Roll, right side down positive, rad.
     pub roll: Option<f64>,
+    /// The slip that soil and slope demand as far as they are known; a ground that takes much more is another one.
+    pub demanded: Option<SlipPrior>,
     /// Speed that the drive asks for, m/s.
     pub asked_speed: f64,
     /// Heading that it asks for, rad.

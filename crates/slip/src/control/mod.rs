@@ -13,6 +13,7 @@
 //! is told to run slower pulls with less torque.
 
 mod decision;
+mod detour;
 mod helm;
 mod input;
 mod settings;
@@ -95,7 +96,7 @@ impl WheelPlace {
 ///     }];
 ///     let output = controller.step(&ControlInput {
 ///         time_ns: step * 10_000_000, wheels: &seen, speed: Some(0.1), heading: Some(0.0),
-///         pitch: Some(0.0), roll: Some(0.0), asked_speed: 0.3, asked_heading: 0.0,
+///         pitch: Some(0.0), roll: Some(0.0), demanded: None, asked_speed: 0.3, asked_heading: 0.0,
 ///     });
 ///     rim = output.orders[0].rim_speed;
 ///     assert_eq!(output.mode, Mode::Forward);
@@ -238,8 +239,9 @@ impl Controller {
     /// What the wheels and the attitude say of the robot as a whole.
     fn look(&mut self, input: &ControlInput<'_>, step: f64) -> Seen {
         let (mut sum, mut weight, mut measured) = (0.0, 0.0, false);
+        let (mut left, mut right) = ([0.0; 2], [0.0; 2]);
         let mut rims = (0.0, 0.0);
-        for (wheel, own) in input.wheels.iter().zip(&self.wheels) {
+        for ((wheel, own), place) in input.wheels.iter().zip(&self.wheels).zip(&self.places) {
             if !own.powered {
                 continue;
             }
@@ -260,6 +262,11 @@ impl Controller {
             if let Some(slip) = finite(wheel.slip) {
                 sum += load * slip.clamp(-1.0, 1.0);
                 weight += load;
+                let side = if place.y > 0.0 { &mut left } else { &mut right };
+                if place.y != 0.0 {
+                    side[0] += load * slip.clamp(-1.0, 1.0);
+                    side[1] += load;
+                }
             }
         }
         let speed = finite(input.speed);
@@ -270,6 +277,14 @@ impl Controller {
         }
         Seen {
             slip: (weight > 0.0).then(|| sum / weight),
+            lean: if left[1] > 0.0 && right[1] > 0.0 {
+                left[0] / left[1] - right[0] / right[1]
+            } else {
+                0.0
+            },
+            demanded: input
+                .demanded
+                .filter(|demanded| demanded.mean.is_finite() && demanded.sigma.is_finite()),
             speed,
             rim: if rims.1 > 0.0 { rims.0 / rims.1 } else { 0.0 },
             heading: finite(input.heading),

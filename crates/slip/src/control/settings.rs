@@ -35,6 +35,14 @@ pub struct ControlSettings {
     pub dig_slip: f64,
     /// ... once it has lasted this long, s.
     pub dig_time: f64,
+    /// Slip above what the known soil demands, and above three sigma of it, from which the ground counts as softer ...
+    pub soft_slip: f64,
+    /// ... once it has lasted this long, s.
+    pub soft_time: f64,
+    /// How far to go back from soft ground, m.
+    pub soft_back: f64,
+    /// How far to go across before it is passed, m: further with every try.
+    pub soft_across: f64,
     /// A robot slower than this share of its rims' speed and of the asked speed is stuck.
     pub stuck_share: f64,
     /// Slope from which traversing can help, rad.
@@ -80,7 +88,11 @@ impl Default for ControlSettings {
             high_slip: 0.5,
             high_slip_time: 2.0,
             dig_slip: 0.8,
-            dig_time: 2.0,
+            dig_time: 1.0,
+            soft_slip: 0.12,
+            soft_time: 0.4,
+            soft_back: 1.0,
+            soft_across: 2.2,
             stuck_share: 0.1,
             steep: 0.09,
             level: 0.05,
@@ -129,6 +141,10 @@ impl ControlSettings {
         check_range(of, "high_slip_time", self.high_slip_time, time, "s")?;
         check_range(of, "dig_slip", self.dig_slip, share, "1")?;
         check_range(of, "dig_time", self.dig_time, time, "s")?;
+        check_range(of, "soft_slip", self.soft_slip, share, "1")?;
+        check_range(of, "soft_time", self.soft_time, time, "s")?;
+        check_range(of, "soft_back", self.soft_back, (1e-3, 1e4), "m")?;
+        check_range(of, "soft_across", self.soft_across, (1e-3, 1e4), "m")?;
         check_range(of, "stuck_share", self.stuck_share, share, "1")?;
         check_range(of, "steep", self.steep, angle, "rad")?;
         check_range(of, "level", self.level, (0.0, self.steep), "rad")?;
