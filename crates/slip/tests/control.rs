@@ -51,6 +51,7 @@ fn rolling(rim: f64) -> WheelSeen {
         forward_speed: Some(0.9 * rim),
         rim_speed: Some(rim),
         torque_share: Some(0.3),
+        firmness: None,
         load: 50.0,
     }
 }

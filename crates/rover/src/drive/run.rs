@@ -385,6 +385,7 @@ fn nothing_seen(load: f64) -> WheelSeen {
         forward_speed: None,
         rim_speed: None,
         torque_share: None,
+        firmness: None,
         load,
     }
 }

@@ -8,6 +8,7 @@ use grouser_slip::{Drive, Health, Measurement, Sample};
 use grouser_terra::{Angle, Soil};
 
 use super::attitude_filter::AttitudeFilter;
+use super::firmness::Firmness;
 use super::suspension::Suspension;
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
@@ -29,9 +30,12 @@ pub(super) struct Watch {
     detector: Detector,
     attitude: AttitudeFilter,
     suspension: Suspension,
+    firmness: Firmness,
     demand: Option<SlipDemand>,
     demanded: Option<SlipPrior>,
     prior_due: f64,
+    /// When it last looked, s.
+    looked: f64,
     /// Greatest torque of each wheel's motor, N m, and the torque by its current.
     most_torque: Vec<f64>,
     torques: Vec<Option<f64>>,
@@ -76,6 +80,8 @@ impl Watch {
             detector: Detector::new(&model.robot, detect)?,
             attitude: AttitudeFilter::new(heading),
             suspension: Suspension::new(model),
+            firmness: Firmness::new(model, loads, soil)?,
+            looked: 0.0,
             demand,
             demanded: None,
             prior_due: 0.0,
@@ -159,6 +165,8 @@ impl Watch {
         steers: impl Iterator<Item = f64>,
         seen: &mut [WheelSeen],
     ) {
+        let step = (time - self.looked).clamp(0.0, 0.1);
+        self.looked = time;
         for (wheel, steer) in steers.enumerate() {
             self.filter.steer(wheel, steer);
         }
@@ -178,6 +186,9 @@ impl Watch {
             seen.motion = self.detector.motion(index, wheel.motion);
             seen.forward_speed = wheel.forward_speed.map(|speed| speed.value);
             seen.rim_speed = wheel.rim_speed.map(|speed| speed.value);
+            seen.firmness = self
+                .firmness
+                .take(index, self.torques[index], seen.slip, step);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::helm::Seen;
 use super::settings::ControlSettings;
+use crate::filter::SlipPrior;
 
 /// Slip is smoothed over this before it is held against what is demanded, s.
 const SMOOTHING: f64 = 0.2;
@@ -9,6 +10,16 @@ const SMOOTHING: f64 = 0.2;
 const SURE: f64 = 2.0;
 /// Left and right wheels' slips that differ by more than this tell on which side the ground is softer.
 const LEAN: f64 = 0.015;
+/// A slip above this share of that room tells that it has been entered.
+const ENTERED: f64 = 0.4;
+/// No ground that takes less slip than this share of the optimum is soft.
+const LEAST: f64 = 0.5;
+/// It is no further into soft ground than this, m.
+const MOST_INTO: f64 = 3.0;
+/// Heading of a detour beside the asked one, what each try adds, and its end, rad.
+const ROUND: f64 = 1.2;
+const MORE: f64 = 0.3;
+const MOST_ROUND: f64 = 2.1;
 /// After so many tries on one side the other one is tried.
 const ONE_SIDE: u32 = 2;
 
@@ -19,7 +30,12 @@ pub(super) struct Detour {
     lean: f64,
     /// How long the slip has stood above what is demanded, s, and by how much.
     over_time: f64,
+    /// How long a wheel has taken much less torque than it would on the known soil, s; and how much.
+    soft_time: f64,
+    firmness: f64,
     over: f64,
+    /// How far it has gone since the slip was last what is demanded, m.
+    into: f64,
     /// +1 to the left, −1 to the right, 0 not chosen yet.
     side: f64,
     tries: u32,
@@ -41,9 +57,25 @@ impl Detour {
             self.slip += share * (slip - self.slip);
             self.lean += share * (seen.lean - self.lean);
         }
-        self.over = seen.demanded.map_or(0.0, |demanded| {
-            self.slip - demanded.mean - (SURE * demanded.sigma).max(settings.soft_slip)
-        });
+        let beyond = |demanded: SlipPrior, share: f64| {
+            let room = (SURE * demanded.sigma).max(settings.soft_slip);
+            let least = LEAST * settings.optimum;
+            self.slip - (demanded.mean + share * room).max(least)
+        };
+        self.over = seen.demanded.map_or(0.0, |demanded| beyond(demanded, 1.0));
+        let entered = seen
+            .demanded
+            .is_some_and(|demanded| beyond(demanded, ENTERED) > 0.0);
+        if counts {
+            let moved = step * seen.speed.unwrap_or(0.0).abs();
+            self.into = if entered { self.into + moved } else { 0.0 };
+        }
+        self.soft_time = if counts && seen.firmness < settings.soft_firmness {
+            self.soft_time + step
+        } else {
+            (self.soft_time - step).max(0.0)
+        };
+        self.firmness = seen.firmness;
         self.over_time = if counts && self.over > 0.0 {
             self.over_time + step
         } else {
@@ -53,18 +85,34 @@ impl Detour {
 
     /// Is the ground soft?
     pub(super) fn is_soft(&self, settings: &ControlSettings) -> bool {
-        self.over_time >= settings.soft_time
+        self.over_time >= settings.soft_time || self.soft_time >= settings.soft_time
     }
 
-    /// The slip that told it, and what it stood above.
-    pub(super) const fn values(&self) -> (f64, f64) {
-        (self.slip, self.slip - self.over)
+    /// How far to go back until all wheels stand on the ground that is known, m.
+    pub(super) fn back(&mut self, settings: &ControlSettings) -> f64 {
+        let into = core::mem::take(&mut self.into);
+        settings.soft_back + into.min(MOST_INTO)
+    }
+
+    /// Heading beside the asked one, rad: away more and more with every try.
+    pub(super) fn angle(&self) -> f64 {
+        self.side * (ROUND + MORE * f64::from(self.tries.max(1) - 1)).min(MOST_ROUND)
+    }
+
+    /// The slip that told it and what it stood above, or the firmness and what it fell below.
+    pub(super) fn values(&self, settings: &ControlSettings) -> (f64, f64) {
+        if self.soft_time >= settings.soft_time {
+            (self.firmness, settings.soft_firmness)
+        } else {
+            (self.slip, self.slip - self.over)
+        }
     }
 
     /// One more try: chooses a side; gives how many there were.
     pub(super) fn choose(&mut self) -> u32 {
         self.tries += 1;
         self.over_time = 0.0;
+        self.soft_time = 0.0;
         self.aside = 0.0;
         if self.side == 0.0 {
             // away from the wheels that slip more
@@ -73,10 +121,6 @@ impl Detour {
             self.side = -self.side;
         }
         self.tries
-    }
-
-    pub(super) const fn side(&self) -> f64 {
-        self.side
     }
 
     /// How far it is to go aside, m: further with every try.

@@ -26,8 +26,6 @@ const ON_COURSE: f64 = 0.35;
 const TURN_TIME: f64 = 12.0;
 /// A traverse turns away from the asked heading by at most this, rad.
 const WIDEST: f64 = 0.8;
-/// Heading of a detour beside the asked one, rad.
-const ROUND: f64 = 1.2;
 /// Soft ground is forgotten after this much progress, m.
 const FORGOTTEN: f64 = 4.0;
 /// Backing out for longer than its length over its speed times this has failed.
@@ -38,8 +36,10 @@ const BACK_PATIENCE: f64 = 3.0;
 pub(crate) struct Seen {
     /// Slip of the powered wheels, weighed by load.
     pub(crate) slip: Option<f64>,
-    /// Slip of those on the left less that of those on the right.
+    /// How much softer the ground is on the left than on the right: slip and firmness, 1.
     pub(crate) lean: f64,
+    /// Least firmness under any powered wheel.
+    pub(crate) firmness: f64,
     /// What soil and slope demand.
     pub(crate) demanded: Option<SlipPrior>,
     pub(crate) speed: Option<f64>,
@@ -77,6 +77,8 @@ pub(crate) struct Course {
     pub(crate) stopped: bool,
     /// The slip to run at: the optimum, or what the ground demands.
     pub(crate) target: f64,
+    /// The share of its speed that a rim runs at least.
+    pub(crate) creep: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -113,8 +115,8 @@ pub(crate) struct Helm {
     /// The heading that it holds while it backs out, rad.
     held: f64,
     detour: Detour,
-    /// Does it back out to go round soft ground?
-    rounds: bool,
+    /// How far it backs out to go round soft ground, m; 0: it does not.
+    rounds: f64,
 }
 
 impl Default for Helm {
@@ -140,7 +142,7 @@ impl Default for Helm {
             turning: 0.0,
             held: 0.0,
             detour: Detour::default(),
-            rounds: false,
+            rounds: 0.0,
         }
     }
 }
@@ -162,14 +164,14 @@ impl Helm {
         self.dig = 0.0;
         self.stuck = 0.0;
         self.turning = 0.0;
-        self.rounds = false;
+        self.rounds = 0.0;
     }
 
     fn heading(&self, seen: &Seen) -> f64 {
         match self.mode {
             Mode::Traverse => wrapped(seen.asked_heading + self.side * self.angle),
             Mode::BackOut => self.held,
-            Mode::Detour => wrapped(seen.asked_heading + self.detour.side() * ROUND),
+            Mode::Detour => wrapped(seen.asked_heading + self.detour.angle()),
             Mode::Forward | Mode::Stopped => seen.asked_heading,
         }
     }
@@ -306,7 +308,7 @@ impl Helm {
         if !self.detour.is_soft(settings) {
             return false;
         }
-        let values = self.detour.values();
+        let values = self.detour.values(settings);
         if self.detour.choose() > settings.most_attempts {
             self.end(Ending::NoWay, Reason::SoftGround, values, pending);
             return true;
@@ -314,7 +316,7 @@ impl Helm {
         self.progress = 0.0;
         self.accepted = 0.0;
         self.enter(Mode::BackOut);
-        self.rounds = true;
+        self.rounds = self.detour.back(settings);
         pending.push(Action::BackOut, Reason::SoftGround, None, values);
         true
     }
@@ -359,8 +361,8 @@ impl Helm {
         self.progress = 0.0;
         self.enter(Mode::BackOut);
         // on the level it is the soil that holds it
-        self.rounds = self.tilt < settings.steep;
-        if self.rounds {
+        if self.tilt < settings.steep {
+            self.rounds = self.detour.back(settings);
             self.detour.choose();
         }
         pending.push(Action::BackOut, reason, None, values);
@@ -433,15 +435,16 @@ impl Helm {
 
     fn back_out(&mut self, settings: &ControlSettings, seen: &Seen, pending: &mut Pending) {
         let speed = settings.back_speed * seen.asked_speed.abs();
-        let length = if self.rounds {
-            settings.soft_back
+        let rounds = self.rounds > 0.0;
+        let length = if rounds {
+            self.rounds
         } else {
             settings.back_length
         };
         let patience = BACK_PATIENCE * length / speed.max(1e-3);
-        if self.way >= length && self.rounds {
+        if self.way >= length && rounds {
             self.enter(Mode::Detour);
-            let values = (self.detour.side() * ROUND, self.detour.across(settings));
+            let values = (self.detour.angle(), self.detour.across(settings));
             pending.push(Action::Detour, Reason::BackedOut, None, values);
         } else if self.way >= length {
             // another way: the other side, wider with every try
@@ -469,6 +472,7 @@ impl Helm {
                 slip_matters: false,
                 stopped: true,
                 target: settings.optimum,
+                creep: 0.0,
             };
         }
         if self.mode != Mode::BackOut {
@@ -505,11 +509,14 @@ impl Helm {
             speed,
             turn: if idle { 0.0 } else { turn },
             heading,
-            slip_matters: (on_course || self.sharpest.is_finite())
-                && !idle
-                && self.mode != Mode::BackOut,
+            slip_matters: (on_course || self.sharpest.is_finite()) && !idle,
             stopped: false,
             target: settings.optimum.max(self.accepted),
+            creep: if self.tilt < settings.steep || self.mode == Mode::BackOut {
+                settings.crawl
+            } else {
+                settings.creep
+            },
         }
     }
 }

@@ -21,6 +21,8 @@ pub struct WheelSeen {
     pub rim_speed: Option<f64>,
     /// Torque over the motor's greatest, signed, from its current.
     pub torque_share: Option<f64>,
+    /// Torque that it takes over what the known soil would take at its slip and load: well below 1 on softer ground.
+    pub firmness: Option<f64>,
     /// Load that it carries, N, as known or measured.
     pub load: f64,
 }

@@ -17,6 +17,8 @@ pub struct ControlSettings {
     pub most_acceleration: f64,
     /// Rims run at least at this share of the asked speed while the drive goes on.
     pub creep: f64,
+    /// The same on level ground and backwards, where a wheel that waits for the robot does not dig.
+    pub crawl: f64,
     /// How fast the cruise share follows, 1/s.
     pub cruise_gain: f64,
     /// Greatest cruise share.
@@ -37,6 +39,8 @@ pub struct ControlSettings {
     pub dig_time: f64,
     /// Slip above what the known soil demands, and above three sigma of it, from which the ground counts as softer ...
     pub soft_slip: f64,
+    /// Firmness below which it does as well ...
+    pub soft_firmness: f64,
     /// ... once it has lasted this long, s.
     pub soft_time: f64,
     /// How far to go back from soft ground, m.
@@ -80,6 +84,7 @@ impl Default for ControlSettings {
             sigma_half: 0.1,
             most_acceleration: 0.5,
             creep: 0.6,
+            crawl: 0.15,
             cruise_gain: 2.0,
             most_cruise: 4.0,
             most_traction: 0.8,
@@ -90,7 +95,8 @@ impl Default for ControlSettings {
             dig_slip: 0.8,
             dig_time: 1.0,
             soft_slip: 0.12,
-            soft_time: 0.4,
+            soft_firmness: 0.65,
+            soft_time: 0.3,
             soft_back: 1.0,
             soft_across: 2.2,
             stuck_share: 0.1,
@@ -134,6 +140,7 @@ impl ControlSettings {
             "m/s^2",
         )?;
         check_range(of, "creep", self.creep, share, "1")?;
+        check_range(of, "crawl", self.crawl, share, "1")?;
         check_range(of, "cruise_gain", self.cruise_gain, gain, "1/s")?;
         check_range(of, "most_cruise", self.most_cruise, gain, "1")?;
         check_range(of, "most_traction", self.most_traction, (0.01, 10.0), "1")?;
@@ -142,6 +149,7 @@ impl ControlSettings {
         check_range(of, "dig_slip", self.dig_slip, share, "1")?;
         check_range(of, "dig_time", self.dig_time, time, "s")?;
         check_range(of, "soft_slip", self.soft_slip, share, "1")?;
+        check_range(of, "soft_firmness", self.soft_firmness, share, "1")?;
         check_range(of, "soft_time", self.soft_time, time, "s")?;
         check_range(of, "soft_back", self.soft_back, (1e-3, 1e4), "m")?;
         check_range(of, "soft_across", self.soft_across, (1e-3, 1e4), "m")?;
