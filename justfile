@@ -45,9 +45,9 @@ sanitize:
 search:
     PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate
 
-# every cut of 64 KiB files and every bit of 16 KiB ones; a part of them runs in `cargo test`
+# every cut of 64 KiB files, every bit of 16 KiB ones, a thousand kills of a logger; a part runs in `cargo test`
 dense:
-    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips -- --nocapture
+    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips --test e13_killed -- --nocapture
 
 # ten thousand runs with random faults (about five minutes of one core)
 soak:

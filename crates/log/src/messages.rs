@@ -1,11 +1,11 @@
 //! Decoded messages of MCAP files and bags in the order of their time.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, Value, View};
+use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
 use crate::order::Ordered;
 
 /// How many messages a message may stand from its place in time.
@@ -23,6 +23,8 @@ pub struct Stamped {
     pub log_time_ns: u64,
     /// The index of its channel in [`Messages::channels`].
     pub channel: usize,
+    /// Bytes that it takes in the file, uncompressed.
+    pub size: usize,
     /// Its fields.
     pub value: Value,
 }
@@ -82,8 +84,8 @@ pub struct Messages {
     /// By channel; `None`: not wanted.
     decoders: BTreeMap<usize, Option<Decoding>>,
     shared: Decoders,
+    spare: Spare,
     ordered: Ordered<Stamped>,
-    sizes: VecDeque<usize>,
     held: usize,
     left_out: LeftOut,
     done: bool,
@@ -114,8 +116,8 @@ impl Messages {
             clock,
             decoders: BTreeMap::new(),
             shared: Decoders::default(),
+            spare: Spare::default(),
             ordered: Ordered::new(LOOK_AHEAD),
-            sizes: VecDeque::new(),
             held: 0,
             left_out: LeftOut::default(),
             done: false,
@@ -146,9 +148,20 @@ impl Messages {
         self.container.offset()
     }
 
+    /// Takes back a message that is done with: a later one of its channel is decoded into its place.
+    pub fn give_back(&mut self, message: Stamped) {
+        let Stamped {
+            channel,
+            size,
+            value,
+            ..
+        } = message;
+        self.spare.keep(channel, size, value);
+    }
+
     /// Reads one message of the file into the ordering.
     fn take(&mut self) {
-        let (message, size) = match self.container.next() {
+        let message = match self.container.next() {
             None => {
                 self.done = true;
                 return;
@@ -167,40 +180,37 @@ impl Messages {
                 let Some((decoder, shift_ns)) = decoder else {
                     return;
                 };
+                let mut value = self.spare.take(message.channel);
                 let decoded = match &**decoder {
                     Ok(decoder) => decoder
-                        .decode(message.data)
+                        .decode_into(message.data, &mut value)
                         .map_err(|error| error.to_string()),
                     Err(problem) => Err(problem.clone()),
                 };
-                let value = match decoded {
-                    Ok(value) => value,
-                    Err(problem) => {
-                        self.left_out.undecoded += 1;
-                        self.left_out.problem.get_or_insert(problem);
-                        return;
-                    }
-                };
+                if let Err(problem) = decoded {
+                    self.left_out.undecoded += 1;
+                    self.left_out.problem.get_or_insert(problem);
+                    return;
+                }
                 let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
                 let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
-                let stamped = Stamped {
+                Stamped {
                     time_ns: stamp
                         .flatten()
                         .unwrap_or(recorded)
                         .saturating_add(*shift_ns),
                     log_time_ns: message.log_time_ns,
                     channel: message.channel,
+                    size: message.data.len(),
                     value,
-                };
-                (stamped, message.data.len())
+                }
             }
         };
         if self.ordered.begin_row(message.time_ns).is_err() {
             self.left_out.late += 1;
             return;
         }
-        self.held += size;
-        self.sizes.push_back(size);
+        self.held += message.size;
         self.ordered.push(message.time_ns, message);
     }
 }
@@ -213,7 +223,7 @@ impl Iterator for Messages {
             self.take();
         }
         let (_, message) = self.ordered.pop()?;
-        self.held -= self.sizes.pop_front().unwrap_or(0).min(self.held);
+        self.held -= message.size;
         Some(message)
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, View};
+use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
 use crate::messages::stamp_of;
 
 /// Intervals are counted in bins, this many to a doubling.
@@ -125,7 +125,7 @@ impl Survey {
         let mut container = Container::open(path)?;
         // By the number of their channel.
         let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
-        let mut decoders = Decoders::default();
+        let (mut decoders, mut spare) = (Decoders::default(), Spare::default());
         let mut known = 0;
         let mut survey = Self {
             format: container.format(),
@@ -156,8 +156,10 @@ impl Survey {
                     survey.first_ns = Some(survey.first_ns.map_or(time, |first| first.min(time)));
                     survey.last_ns = Some(survey.last_ns.map_or(time, |last| last.max(time)));
                     // Its channel may have been met on the way to it.
-                    Tally::enter(&mut tallies, &mut decoders, index, message.of)
-                        .take(time, message.data);
+                    let tally = Tally::enter(&mut tallies, &mut decoders, index, message.of);
+                    let mut value = spare.take(index);
+                    tally.take(time, message.data, &mut value);
+                    spare.keep(index, message.data.len(), value);
                 }
             }
         }
@@ -218,7 +220,8 @@ impl Tally {
         }
     }
 
-    fn take(&mut self, time: u64, data: &[u8]) {
+    /// A message; `value` is what it is decoded into.
+    fn take(&mut self, time: u64, data: &[u8], value: &mut Value) {
         let topic = &mut self.topic;
         if topic.messages == 0 {
             (topic.first_ns, topic.last_ns) = (time, time);
@@ -228,10 +231,12 @@ impl Tally {
         topic.first_ns = topic.first_ns.min(time);
         topic.last_ns = topic.last_ns.max(time);
         let decoded = match &*self.decoder {
-            Ok(decoder) => decoder.decode(data).map_err(|error| error.to_string()),
+            Ok(decoder) => decoder
+                .decode_into(data, value)
+                .map_err(|error| error.to_string()),
             Err(problem) => Err(problem.clone()),
         };
-        let stamp = decoded.as_ref().ok().and_then(stamp_of);
+        let stamp = decoded.as_ref().ok().and_then(|()| stamp_of(value));
         let stamp = stamp.map(i64::cast_unsigned);
         if topic.messages == 1 {
             topic.stamped = stamp.is_some();
@@ -263,8 +268,8 @@ impl Tally {
                 topic.undecoded += 1;
                 topic.problem.get_or_insert(problem);
             }
-            Ok(value) if topic.use_for.is_none() => {
-                let view = View::new(&topic.channel.type_name, &value);
+            Ok(()) if topic.use_for.is_none() => {
+                let view = View::new(&topic.channel.type_name, value);
                 let names = match &view {
                     Some(View::JointState(joints)) => joints.names.as_slice(),
                     Some(View::WheelTicks { names, .. }) => names.as_slice(),
@@ -274,7 +279,7 @@ impl Tally {
                 topic.joints = names.take(JOINTS).cloned().collect();
                 topic.use_for = view.as_ref().and_then(use_of);
             }
-            Ok(_) => {}
+            Ok(()) => {}
         }
     }
 

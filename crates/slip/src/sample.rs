@@ -81,6 +81,18 @@ pub enum Measurement {
         /// To the left.
         left: f64,
     },
+    /// How what carries a wheel (a rocker, an arm) moves beside the level robot, its pitching included. A wheel's sensor
+    /// counts against its carrier, and on curved ground no two wheels travel alike.
+    Carrier {
+        /// The wheel's index.
+        wheel: usize,
+        /// Turning about the axle, rad/s, nose down positive.
+        turn: f64,
+        /// Speed of the wheel's centre forwards by it, m/s.
+        forward: f64,
+        /// And upwards, m/s.
+        up: f64,
+    },
     /// Torque on a wheel, N m, positive when it drives forwards.
     WheelTorque {
         /// The wheel's index.

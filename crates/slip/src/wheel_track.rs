@@ -117,6 +117,15 @@ impl WheelTrack {
         }
     }
 
+    /// The clock was set: the next reading begins anew.
+    pub(crate) fn restart_clock(&mut self) {
+        self.clock = Clock::default();
+        self.travel.clear();
+        self.last = None;
+        self.suspect = None;
+        self.edges = None;
+    }
+
     fn start(&mut self, time_ns: i64, reading: Option<Reading>) {
         self.travel.clear();
         self.travel.push(time_ns, self.totals);

@@ -40,7 +40,8 @@ fn a1_a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
             });
             assert_eq!(delay.is_some(), invalid, "{phase} {gap} s");
             if let Some(delay) = delay {
-                assert!(delay <= 0.15, "{phase} {gap} s: {delay}");
+                // the estimate is of the horizon's beginning: it may say so earlier, never later
+                assert!(delay <= 0.1, "{phase} {gap} s: {delay}");
             }
             // the others
             for moment in out.between(from, END) {

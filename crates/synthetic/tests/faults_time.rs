@@ -70,9 +70,9 @@ fn b2_b3_b6_a_clock_that_was_set_is_followed_within_a_second() {
             let trial = Trial::new(2).fault(Fault::Clock(off), from, END);
             let out = trial.run_by_true_time();
             honest(&out, phase);
-            // a tenth of a second of eleven sensors
+            // one sample of each of the eleven sensors
             assert!(
-                out.refused >= 1 && out.refused <= 130,
+                out.refused >= 1 && out.refused <= 11,
                 "{phase} {off} ns: {} refused",
                 out.refused
             );
@@ -162,7 +162,7 @@ fn b5_a_clock_of_32_bits_goes_round_seamlessly_and_one_of_64_ends_in_a_fault() {
         trial.follow_by(&course, &samples, Some(&true_ns))
     };
     honest(&out, "end of time");
-    assert!(out.refused >= 1 && out.refused <= 30);
+    assert!(out.refused >= 1 && out.refused <= 11);
     assert!(is_good(&out, 13.5, 16.0));
 }
 

@@ -73,7 +73,7 @@ fn event(noise: &mut Noise) -> Event {
 }
 
 /// A run of 30 s with one or two faults, and sometimes an event.
-fn random(seed: u64) -> Trial {
+pub(crate) fn random(seed: u64) -> Trial {
     let mut noise = Noise::new(seed ^ 0x0050_a4c0_ffee);
     let mut trial = Trial::new(seed);
     trial.robot.legs.push(Leg {

@@ -398,16 +398,9 @@ impl Direct {
         sinkages: &[f64; M],
         slips: &[f64; M],
     ) -> Result<[BatchForces; M]> {
-        let mut out = [BatchOutcome::default(); M];
-        let [radius, width, rebound] = self.wheel.map(|x| [x; M]);
-        let points = BatchPoints {
-            radius: &radius,
-            width: &width,
-            rebound: &rebound,
-            slip: slips,
-        };
-        self.kernel.forces(&points, sinkages, &mut out)?;
-        done(&out)
+        self.solve(slips, |points, out| {
+            self.kernel.forces(points, sinkages, out)
+        })
     }
 
     fn under_load<const M: usize>(
@@ -415,15 +408,26 @@ impl Direct {
         loads: &[f64; M],
         slips: &[f64; M],
     ) -> Result<[BatchForces; M]> {
+        self.solve(slips, |points, out| {
+            self.kernel.under_load(points, loads, out)
+        })
+    }
+
+    /// The one wheel at all these slips.
+    fn solve<const M: usize>(
+        &self,
+        slip: &[f64; M],
+        kernel: impl FnOnce(&BatchPoints<'_>, &mut [BatchOutcome]) -> Result<()>,
+    ) -> Result<[BatchForces; M]> {
         let mut out = [BatchOutcome::default(); M];
-        let [radius, width, rebound] = self.wheel.map(|x| [x; M]);
+        let [radius, width, rebound] = &self.wheel.map(|x| [x; M]);
         let points = BatchPoints {
-            radius: &radius,
-            width: &width,
-            rebound: &rebound,
-            slip: slips,
+            radius,
+            width,
+            rebound,
+            slip,
         };
-        self.kernel.under_load(&points, loads, &mut out)?;
+        kernel(&points, &mut out)?;
         done(&out)
     }
 }

@@ -23,7 +23,7 @@ const MOST_POINTS: i64 = 100_000;
 #[command(
     about = "Solve a wheel on a soil over a range of slip",
     after_help = "Examples:\n  grouser curve --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip-from 0 --slip-to 0.9 --points 10\n  \
-        grouser curve --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 65 --load-n 90 --slip-from 0 --slip-to 0.9 --points 91 -o curve.svg"
+        grouser curve --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 65 --load-n 90 -o curve.svg"
 )]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -31,13 +31,13 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     asked: LoadsOrSinkages,
     /// First slip
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_finite, allow_negative_numbers = true)]
     slip_from: f64,
     /// Last slip
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "0.9", value_parser = parse_finite, allow_negative_numbers = true)]
     slip_to: f64,
     /// Number of points, evenly spaced
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_POINTS))]
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MOST_POINTS))]
     points: u32,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
     #[arg(short, long, value_name = "FILE")]

@@ -7,12 +7,14 @@ mod definition;
 mod encode;
 pub mod known;
 mod shared;
+mod spare;
 mod value;
 mod view;
 
 pub use covariance::Trust;
 pub use definition::Definition;
 pub(crate) use shared::{Decoders, SharedDecoder};
+pub(crate) use spare::Spare;
 pub use value::Value;
 pub use view::{Imu, JointState, Odometry, Transform, View};
 

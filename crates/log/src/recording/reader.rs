@@ -87,7 +87,10 @@ impl Iterator for RecordingReader {
     fn next(&mut self) -> Option<Self::Item> {
         while self.ready.is_empty() && !self.done {
             match self.messages.next() {
-                Some(message) => self.take(&message),
+                Some(message) => {
+                    self.take(&message);
+                    self.messages.give_back(message);
+                }
                 None => self.finish(),
             }
             let offset = self.messages.offset();

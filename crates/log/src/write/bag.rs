@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 use std::io::{self, Seek, SeekFrom, Write};
 
-use super::{CHUNK, Times, invalid, length_u32, lz4};
+use super::chunk::Age;
+use super::{Times, invalid, length_u32, lz4};
 use crate::container::{Channel, Encoding};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -19,11 +20,15 @@ const CONNECTION: u8 = 7;
 const HEADER_LENGTH: usize = 4096;
 
 /// A bag in the making. Memory holds one chunk, and the index.
+///
+/// A chunk is closed, and given to the system, after 1 MiB or one second of messages, as of
+/// [`McapWriter`](super::McapWriter).
 pub struct BagWriter<W: Write + Seek> {
     out: W,
     at: u64,
     connections: Vec<(Channel, Vec<u8>)>,
     chunk: Vec<u8>,
+    age: Age,
     span: Option<(u64, u64)>,
     /// Of the open chunk: time and place by connection.
     index: BTreeMap<u32, Vec<(u64, u32)>>,
@@ -76,6 +81,7 @@ impl<W: Write + Seek> BagWriter<W> {
             at: 0,
             connections: Vec::new(),
             chunk: Vec::new(),
+            age: Age::default(),
             span: None,
             index: BTreeMap::new(),
             chunks: Vec::new(),
@@ -163,7 +169,7 @@ impl<W: Write + Seek> BagWriter<W> {
         self.index.entry(id).or_default().push((when, place));
         let (first, last) = self.span.unwrap_or((when, when));
         self.span = Some((first.min(when), last.max(when)));
-        if self.chunk.len() >= CHUNK {
+        if self.age.is_full(when, self.chunk.len()) {
             self.close_chunk()?;
         }
         Ok(())
@@ -213,7 +219,7 @@ impl<W: Write + Seek> BagWriter<W> {
         ];
         record(&fields, &counts, &mut self.chunks)?;
         self.chunk_count += 1;
-        Ok(())
+        self.out.flush()
     }
 
     /// Ends the bag with its index.

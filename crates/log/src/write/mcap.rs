@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::{CHUNK, Times, invalid, length_u32, lz4};
+use super::chunk::Age;
+use super::{Times, invalid, length_u32, lz4};
 use crate::container::Channel;
 
 const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -25,6 +26,9 @@ const DATA_END: u8 = 15;
 type SchemaKey = (String, String, Vec<u8>);
 
 /// An MCAP file in the making. Memory holds one chunk, and the index.
+///
+/// A chunk is closed, and given to the system, after 1 MiB or one second of messages: what a program that is
+/// killed may lose.
 pub struct McapWriter<W: Write> {
     out: W,
     at: u64,
@@ -32,6 +36,7 @@ pub struct McapWriter<W: Write> {
     schemas: BTreeMap<SchemaKey, u16>,
     channels: Vec<Entered>,
     chunk: OpenChunk,
+    age: Age,
     chunks: Vec<ChunkIndex>,
     /// Schemas and channels once more, for the summary.
     schema_records: Vec<u8>,
@@ -109,6 +114,7 @@ impl<W: Write> McapWriter<W> {
             schemas: BTreeMap::new(),
             channels: Vec::new(),
             chunk: OpenChunk::default(),
+            age: Age::default(),
             chunks: Vec::new(),
             schema_records: Vec::new(),
             channel_records: Vec::new(),
@@ -206,7 +212,7 @@ impl<W: Write> McapWriter<W> {
             .u64(times.publish_ns)
             .bytes(data)
             .end(MESSAGE, &mut chunk.content);
-        if chunk.content.len() >= CHUNK {
+        if self.age.is_full(time, chunk.content.len()) {
             self.close_chunk()?;
         }
         Ok(())
@@ -261,7 +267,7 @@ impl<W: Write> McapWriter<W> {
             packed: packed.len() as u64,
             unpacked: chunk.content.len() as u64,
         });
-        Ok(())
+        self.out.flush()
     }
 
     /// Ends the file with its summary.

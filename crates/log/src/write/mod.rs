@@ -1,6 +1,7 @@
 //! Writing of MCAP files and ROS 1 bags, message by message.
 
 mod bag;
+mod chunk;
 mod copy;
 mod mcap;
 mod readings;
@@ -41,9 +42,6 @@ impl Times {
         }
     }
 }
-
-/// A chunk is closed when it holds this many bytes: the size of others' writers.
-const CHUNK: usize = 1 << 20;
 
 /// A file of either format.
 pub enum Writer<W: Write + Seek> {

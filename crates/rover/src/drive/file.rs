@@ -340,6 +340,7 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
     for (key, field) in [
         ("gyro_sigma_deg_per_s", &mut out.gyro_sigma),
         ("gyro_bias_deg_per_s", &mut out.gyro_bias),
+        ("joint_sigma_deg", &mut out.joint_sigma),
     ] {
         if let Some(value) = s.optional_number(key, positive)? {
             *field = value.to_radians();

@@ -8,6 +8,7 @@ mod pilot;
 mod referee;
 mod run;
 mod scenario;
+mod suspension;
 mod truth;
 mod watch;
 

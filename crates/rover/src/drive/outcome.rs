@@ -57,6 +57,10 @@ pub struct SlipScore {
     pub rmse: Option<f64>,
     /// Mean of estimate less truth.
     pub bias: Option<f64>,
+    /// Mean of the squared error over the variance that was said with it: 1 is honest, less is cautious.
+    pub nees: Option<f64>,
+    /// The longest time that any wheel's slip with health `Ok` was further off than four sigma, s.
+    pub longest_wrong: f64,
 }
 
 /// What came of a drive.

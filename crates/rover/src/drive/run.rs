@@ -5,7 +5,6 @@ use grouser_slip::control::{
     Action, ControlInput, Controller, Ending, Mode, WheelOrder, WheelSeen,
 };
 
-use super::attitude_filter::AttitudeFilter;
 use super::motor_driver::MotorDriver;
 use super::outcome::{DriveResult, NamedDecision, Outcome};
 use super::pilot::Pilot;
@@ -79,7 +78,6 @@ pub struct Drive {
     vehicle: Vehicle,
     sensors: Sensors,
     watch: Watch,
-    attitude: AttitudeFilter,
     controller: Controller,
     drivers: Vec<MotorDriver>,
     orders: Vec<WheelOrder>,
@@ -119,19 +117,19 @@ impl Drive {
         let model = vehicle.model();
         let loads = wheel_loads(model, 0.0, 0.0).loads;
         let soil = ground.soils()[0];
-        let watch = Watch::new(model, &loads, &soil)?;
+        let watch = Watch::new(model, &loads, &soil, scenario.start.2, &scenario.sensors)?;
         let settings = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
         let ranges: Vec<f64> = model.wheels.iter().map(|wheel| wheel.steer_range).collect();
         let controller = Controller::new(&model.robot, settings)?.steered(&ranges);
         let count = model.wheels.len();
-        let ticks = ticks(watch.window(), CONTROL_PERIOD);
+        let (window, lag) = watch.window_and_lag();
+        let [window, lag] = [window, lag].map(|time| ticks(time, CONTROL_PERIOD));
         let seen = loads.iter().map(|load| nothing_seen(*load)).collect();
         let every = ticks_u64(CONTROL_PERIOD, scenario.step);
         let referee = Referee::new(scenario.legs.clone(), vehicle.state().position);
         let (kinetic, potential) = vehicle.energy();
         Ok(Self {
             sensors: Sensors::new(&vehicle, scenario.sensors, scenario.faults.clone(), seed),
-            attitude: AttitudeFilter::new(scenario.start.2),
             ground,
             watch,
             controller,
@@ -139,8 +137,8 @@ impl Drive {
             orders: vec![WheelOrder::default(); count],
             commands: vec![WheelCommand::default(); count],
             seen,
-            truths: vec![TrueSlip::new(ticks); count],
-            scoring: Scoring::default(),
+            truths: vec![TrueSlip::new(window, lag); count],
+            scoring: Scoring::new(count),
             frames: Vec::with_capacity(count),
             readings: Vec::new(),
             read: Vec::new(),
@@ -198,16 +196,9 @@ impl Drive {
         let step = self.step_size();
         self.sensors.read(&self.vehicle, &mut self.read);
         for reading in &self.read {
-            match reading {
-                Reading::Sample(sample) => self.watch.take(*sample),
-                Reading::Inertial {
-                    time_ns,
-                    force,
-                    turning,
-                } => self.attitude.take(*time_ns, *force, *turning),
-                Reading::Current { wheel, share, .. } => {
-                    self.seen[*wheel].torque_share = Some(*share);
-                }
+            self.watch.take(reading, to_ns(time));
+            if let Reading::Current { wheel, share, .. } = reading {
+                self.seen[*wheel].torque_share = Some(*share);
             }
         }
         self.readings.extend_from_slice(&self.read);
@@ -264,7 +255,7 @@ impl Drive {
             .or_else(|| (!on_map).then_some(Outcome::OffMap))
             .or_else(|| (time >= self.duration).then_some(Outcome::TimeOut));
         let steers = self.vehicle.wheels().iter().map(|wheel| wheel.steer);
-        self.watch.look(steers, &mut self.seen);
+        self.watch.look(time, steers, &mut self.seen);
         for (seen, load) in self.seen.iter_mut().zip(&self.loads) {
             seen.load = *load;
         }
@@ -275,9 +266,9 @@ impl Drive {
             time_ns: to_ns(time),
             wheels: &self.seen,
             speed: self.watch.speed(),
-            heading: self.attitude.heading(),
-            pitch: self.attitude.pitch(),
-            roll: self.attitude.roll(),
+            heading: self.watch.attitude().heading(),
+            pitch: self.watch.attitude().pitch(),
+            roll: self.watch.attitude().roll(),
             asked_speed,
             asked_heading,
         });
@@ -311,9 +302,7 @@ impl Drive {
             let seen = self.seen[index];
             let powered = self.vehicle.model().wheels[index].motor.is_some();
             if powered {
-                if let (Some(truth), Some(slip)) = (truth, seen.slip) {
-                    self.scoring.add(slip, truth);
-                }
+                self.scoring.add(index, &seen, truth, CONTROL_PERIOD);
                 if let Some((slip, _)) = truth {
                     sum += slip * wheel.load.normal;
                     weight += wheel.load.normal;

@@ -34,6 +34,15 @@ pub enum Reading {
         /// rad/s.
         turning: Vector,
     },
+    /// The angle of a rocker or an arm beside its rest.
+    Joint {
+        /// ns.
+        time_ns: i64,
+        /// The freedom of the linkage.
+        freedom: usize,
+        /// rad.
+        angle: f64,
+    },
     /// A motor's current over its greatest, signed by the torque.
     Current {
         /// ns.
@@ -51,7 +60,9 @@ impl Reading {
     pub const fn time_ns(&self) -> i64 {
         match self {
             Self::Sample(sample) => sample.time_ns,
-            Self::Inertial { time_ns, .. } | Self::Current { time_ns, .. } => *time_ns,
+            Self::Inertial { time_ns, .. }
+            | Self::Joint { time_ns, .. }
+            | Self::Current { time_ns, .. } => *time_ns,
         }
     }
 }
@@ -66,6 +77,7 @@ pub struct Sensors {
     gyro_bias: f64,
     camera: Noise,
     current: Noise,
+    joint: Noise,
     clock: Noise,
     camera_at: Option<(Vector, f64)>,
     gnss: Noise,
@@ -100,6 +112,7 @@ impl Sensors {
             gnss: Noise::new(seed, 3),
             current: Noise::new(seed, 4),
             clock: Noise::new(seed, 5),
+            joint: Noise::new(seed, 6),
             camera_at: None,
             last_inertial: None,
             next_camera: 0.0,
@@ -176,10 +189,25 @@ impl Sensors {
                 self.send(time + delay, Reading::Sample(sample));
             }
         }
+        self.joints(vehicle, time, stamp, delay);
         self.inertial(vehicle, time, stamp, delay);
         self.currents(vehicle, time, stamp, delay);
         self.camera(vehicle, time, stamp, delay);
         self.gnss(vehicle, time, stamp, delay);
+    }
+
+    fn joints(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {
+        let freedoms = vehicle.model().linkage.freedoms();
+        let angles = vehicle.state().joints;
+        for (freedom, angle) in angles.into_iter().enumerate().take(freedoms) {
+            let noise = self.settings.joint_sigma * self.joint.normal();
+            let reading = Reading::Joint {
+                time_ns: stamp,
+                freedom,
+                angle: angle + noise,
+            };
+            self.send(time + delay, reading);
+        }
     }
 
     fn inertial(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {

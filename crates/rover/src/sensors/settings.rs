@@ -13,6 +13,8 @@ pub struct SensorSettings {
     pub gyro_bias: f64,
     /// Noise of the acceleration, m/s² a reading.
     pub accelerometer_sigma: f64,
+    /// Noise of the angles of rockers and arms, rad a reading.
+    pub joint_sigma: f64,
     /// Noise of the current over its greatest.
     pub current_sigma: f64,
     /// Pictures for camera odometry, 1/s; 0: no camera.
@@ -36,6 +38,7 @@ impl Default for SensorSettings {
             gyro_sigma: 0.003,
             gyro_bias: 0.0005,
             accelerometer_sigma: 0.05,
+            joint_sigma: 0.0005,
             current_sigma: 0.01,
             camera_rate: 0.0,
             camera_sigma: 0.002,
@@ -64,6 +67,7 @@ impl SensorSettings {
                 100.0,
                 "m/s^2",
             ),
+            ("joint_sigma", self.joint_sigma, 1.0, "rad"),
             ("current_sigma", self.current_sigma, 1.0, "1"),
             ("camera_rate", self.camera_rate, 200.0, "Hz"),
             ("camera_sigma", self.camera_sigma, 10.0, "m"),

@@ -210,7 +210,7 @@ impl Controller {
         self.helm
             .steer(&self.settings, &seen, step, &mut self.pending);
         let course = self.helm.course(&self.settings, &seen);
-        self.order(input, &course, step);
+        self.order(input, &course, seen.slip, step);
         ControlOutput {
             orders: &self.orders,
             mode: self.helm.mode(),
@@ -282,8 +282,8 @@ impl Controller {
     }
 
     /// Rim speeds and torque limits for the course.
-    fn order(&mut self, input: &ControlInput<'_>, course: &Course, step: f64) {
-        self.run_cruise(course, finite(input.speed), step);
+    fn order(&mut self, input: &ControlInput<'_>, course: &Course, slip: Option<f64>, step: f64) {
+        self.run_cruise(course, slip, step);
         let settings = &self.settings;
         for (index, own) in self.wheels.iter_mut().enumerate() {
             let Some(seen) = input.wheels.get(index) else {
@@ -308,17 +308,22 @@ impl Controller {
         }
     }
 
-    /// The cruise control: rims run faster by the share x until the robot travels as asked.
-    fn run_cruise(&mut self, course: &Course, speed: Option<f64>, step: f64) {
-        let most = self.settings.most_cruise;
-        let Some(speed) = speed else { return };
-        if course.stopped || course.speed == 0.0 || !course.slip_matters {
-            self.cruise -= self.cruise * (step / 1.0).min(1.0);
+    /// The cruise control: rims run faster by the share x = s/(1 − s) that the slip takes, so that the robot travels as
+    /// asked. No integral: one that was wound up on a climb would let the robot race down behind it.
+    fn run_cruise(&mut self, course: &Course, slip: Option<f64>, step: f64) {
+        let settings = &self.settings;
+        let wanted = if course.stopped || course.speed == 0.0 || !course.slip_matters {
+            0.0
+        } else if let Some(slip) = slip {
+            let most = settings.most_cruise / (1.0 + settings.most_cruise);
+            let slip = slip.clamp(0.0, most);
+            slip / (1.0 - slip)
+        } else {
             return;
-        }
-        let off = (course.speed - speed) / course.speed;
-        let gain = self.settings.cruise_gain;
-        self.cruise = (self.cruise + step * gain * off.clamp(-1.0, 1.0)).clamp(0.0, most);
+        };
+        let share = (step * settings.cruise_gain).min(1.0);
+        self.cruise =
+            (self.cruise + share * (wanted - self.cruise)).clamp(0.0, settings.most_cruise);
     }
 }
 

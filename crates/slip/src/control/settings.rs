@@ -72,7 +72,7 @@ impl Default for ControlSettings {
             sigma_half: 0.1,
             most_acceleration: 0.5,
             creep: 0.6,
-            cruise_gain: 0.5,
+            cruise_gain: 2.0,
             most_cruise: 4.0,
             most_traction: 0.8,
             limits_slip: true,

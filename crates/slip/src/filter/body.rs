@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 use super::kalman::{Kalman, Scalar};
-use super::settings::FilterSettings;
+use super::settings::{FilterSettings, SlipPrior};
 
 pub(super) const FORWARD: usize = 0;
 pub(super) const LEFT: usize = 1;
@@ -105,6 +105,12 @@ pub(super) fn advance(
 /// How long doubt about a free wheel's skid lasts, s.
 const DOUBT: f64 = 10.0;
 
+/// Is a free wheel's skid less certain than was told?
+pub(super) fn is_doubted(state: &Kalman, settings: &FilterSettings, wheel: usize) -> bool {
+    let SlipPrior { sigma, .. } = settings.free_slip.by_rim();
+    state.covariance(own_slip(wheel), own_slip(wheel)) > 2.0 * sigma * sigma
+}
+
 /// Moves the slips on by `dt` (s): each is drawn towards what is believed of it. Of each wheel: is it free, and how much
 /// more does its slip wander than was told?
 pub(super) fn advance_slips(
@@ -129,9 +135,7 @@ pub(super) fn advance_slips(
         if free {
             let prior = settings.free_slip.by_rim();
             // doubt about its skid does not last
-            let doubted = state.covariance(own_slip(wheel), own_slip(wheel))
-                > 2.0 * prior.sigma * prior.sigma;
-            let memory = if doubted {
+            let memory = if is_doubted(state, settings, wheel) {
                 DOUBT.min(settings.free_slip_memory)
             } else {
                 settings.free_slip_memory

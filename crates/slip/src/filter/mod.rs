@@ -15,10 +15,15 @@
 //! the data; it allocates nothing; the same samples give the same bits; a sample that is refused is counted; samples within
 //! the horizon may come in any order.
 
+mod assume;
 mod body;
+mod carrier;
+mod clocks;
+mod free_wheel;
 mod imu;
 mod kalman;
 mod order;
+mod recover;
 mod reference;
 mod rim;
 mod settings;
@@ -41,6 +46,7 @@ use crate::sample::{Measurement, Sample};
 use crate::settings::Settings;
 use crate::speed::Measured;
 use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, LEFT, PER_WHEEL, YAW, own_slip, radius};
+use clocks::{Clocks, Told};
 use kalman::Kalman;
 use order::{Offered, Order};
 use reference::Reference;
@@ -57,16 +63,10 @@ const QUEUE: usize = 256;
 const AT_ONCE: usize = 4;
 /// A clock that goes further than this at once has been set, s.
 const CLOCK_STEP: f64 = 1.0;
-/// When all samples have come too late for this long, the clock has been set back, s.
-const LATE: f64 = 0.1;
 /// A wheel that stands while the robot moves for this long is stuck, or turns against it: its encoder is wrong, s.
 const WRONG: f64 = 0.25;
-/// All wheels still for this long: the robot stands, s.
-const STANDS: f64 = 0.2;
 /// Pseudo-measurements come this often, s.
 const EVERY: f64 = 0.02;
-/// Independent statements of a pseudo-measurement come this often, s.
-const APART: f64 = 0.5;
 /// Without a reference for this long the speed follows the wheels, s; how much looser it is then.
 const ALONE: f64 = 0.5;
 const LOOSE: f64 = 10.0;
@@ -87,19 +87,12 @@ const MAX_FORCE: f64 = 20.0;
 const SAME: f64 = 0.5;
 /// A free wheel that failed is believed again when it is within this share of the robot's speed.
 const RETURNS: f64 = 0.15;
-/// A free wheel whose skid is less certain than this is no reference.
-const SKID_KNOWN: f64 = 0.1;
 /// How fast the accelerometer's unrest is learnt, a reading of a reference, and its limits.
-const FELT: f64 = 0.01;
+const FELT: f64 = 0.03;
 const FELT_UNREST: (f64, f64) = (1.0, 40.0);
-/// How far the yaw rate is from what the powered wheels would give, as a share and rad/s.
-const BY_WHEELS: (f64, f64) = (0.3, 0.05);
 /// How fast the mean residual of a camera or its like forgets, a reading, and from where on it is a contradiction, in sigma.
 const ONE_SIDE: f64 = 0.3;
 const ONE_SIDED: f64 = 2.0;
-/// A robot this much faster than its fastest wheel (as a share, and m/s) for long is an error of the filter.
-const RUNAWAY: (f64, f64) = (1.5, 0.05);
-
 /// A speed that was seen: slopes, residual, variance.
 type Statement = ([(usize, f64); 3], f64, f64);
 
@@ -191,11 +184,12 @@ pub struct SlipFilter {
     felt_unrest: f64,
     reference: Reference,
     reference_ns: Option<i64>,
-    suspect_ns: Option<i64>,
-    /// Nothing but samples that came too late, since this one.
-    late_from_ns: Option<i64>,
-    /// Mean of the powered wheels' residuals, in sigma.
-    pull: f64,
+    clocks: Clocks,
+    /// The robot or its free wheels are stuck; references contradict each other.
+    blocked: bool,
+    disputed: bool,
+    /// How much of a reading's residual enters its wheel's mean, 1.
+    sharing: f64,
     distances: [f64; 2],
     nis: f64,
     rejected: Rejected,
@@ -217,6 +211,7 @@ impl SlipFilter {
             });
         }
         let wheels: Vec<_> = Tracked::all(robot, &settings).collect();
+        let powered = wheels.iter().filter(|wheel| !wheel.free).count();
         let longest = settings.reference_latency + settings.horizon + CLOCK_STEP;
         let mut filter = Self {
             limits: Settings {
@@ -246,9 +241,10 @@ impl SlipFilter {
             felt_unrest: 1.0,
             reference: Reference::default(),
             reference_ns: None,
-            suspect_ns: None,
-            late_from_ns: None,
-            pull: 0.0,
+            clocks: Clocks::new(count),
+            blocked: false,
+            disputed: false,
+            sharing: 1.0 - Real::powi(1.0 - TOGETHER, i32::try_from(powered).unwrap_or(1)),
             distances: [0.0; 2],
             nis: 0.0,
             rejected: Rejected::default(),
@@ -335,6 +331,16 @@ impl SlipFilter {
         Ok(())
     }
 
+    /// A wheel is steered by `angle` (rad, to the left) beside its heading in the description from now on. An angle that
+    /// is no number, or a wheel that does not exist, changes nothing.
+    pub fn steer(&mut self, wheel: usize, angle: f64) {
+        if let Some(wheel) = self.wheels.get_mut(wheel)
+            && angle.is_finite()
+        {
+            wheel.steer(angle);
+        }
+    }
+
     fn start(&mut self) {
         let Self {
             state, settings, ..
@@ -365,7 +371,10 @@ impl SlipFilter {
     }
 
     fn accept(&mut self, sample: Sample) -> core::result::Result<(), Fault> {
-        self.check_clock(sample.time_ns)?;
+        let (newest, used) = (self.order.newest_ns(), self.order.released_ns());
+        if self.clocks.take(&sample, newest, used)? == Told::Set {
+            self.restart_clock();
+        }
         let mut outcome = Ok(());
         if self.order.is_full()
             && let Some(oldest) = self.order.release(true)
@@ -373,19 +382,14 @@ impl SlipFilter {
             outcome = self.work_off(oldest);
         }
         if self.order.offer(sample) == Offered::TooLate {
-            let last_ns = self.now_ns.unwrap_or(sample.time_ns);
-            let from = *self.late_from_ns.get_or_insert(sample.time_ns);
-            if seconds_between(from, sample.time_ns) < LATE {
-                return Err(Fault::NotLater {
-                    time_ns: sample.time_ns,
-                    last_ns,
-                });
-            }
-            // nothing but late samples: the clock was set back
-            self.restart_clock();
-            self.order.offer(sample);
+            return Err(Fault::NotLater {
+                time_ns: sample.time_ns,
+                last_ns: self.now_ns.unwrap_or(sample.time_ns),
+            });
         }
-        self.late_from_ns = None;
+        if let Some(wheel) = wheel_of(&sample.measurement) {
+            self.wheels[wheel].waiting += 1;
+        }
         for _ in 0..AT_ONCE {
             let Some(next) = self.order.release(false) else {
                 break;
@@ -395,40 +399,21 @@ impl SlipFilter {
         outcome
     }
 
-    /// A time far from the last one is refused once; a second one beside it is a clock that was set.
-    fn check_clock(&mut self, time_ns: i64) -> core::result::Result<(), Fault> {
-        let Some(newest) = self.order.newest_ns() else {
-            return Ok(());
-        };
-        let gap = seconds_between(newest, time_ns);
-        if gap.abs() <= CLOCK_STEP {
-            return Ok(());
-        }
-        let follows = self.suspect_ns.is_some_and(|suspect| {
-            let step = seconds_between(suspect, time_ns);
-            (0.0..=CLOCK_STEP).contains(&step)
-        });
-        if !follows {
-            self.suspect_ns = Some(time_ns);
-            return Err(Fault::ClockStep {
-                time_ns,
-                last_ns: newest,
-            });
-        }
-        self.restart_clock();
-        Ok(())
-    }
-
+    /// Time begins anew. What was learnt of sensors outlasts it, what was known of the motion does not.
     fn restart_clock(&mut self) {
-        self.suspect_ns = None;
-        self.late_from_ns = None;
         self.order.clear();
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
         self.heard = None;
+        self.gyro_ns = None;
+        self.gyro_same = None;
+        self.turned_ns = None;
+        self.reference_ns = None;
         self.reference = Reference::default();
-        // the gyro's bias outlasts a pause, speeds and slips do not
+        for wheel in &mut self.wheels {
+            wheel.restart_clock();
+        }
         let bias = self.state.mean(GYRO_BIAS);
         self.start();
         self.state.set_mean(GYRO_BIAS, bias);
@@ -436,6 +421,10 @@ impl SlipFilter {
 
     fn work_off(&mut self, sample: Sample) -> core::result::Result<(), Fault> {
         let time_ns = sample.time_ns;
+        if let Some(wheel) = wheel_of(&sample.measurement) {
+            let waiting = &mut self.wheels[wheel].waiting;
+            *waiting = waiting.saturating_sub(1);
+        }
         self.advance(time_ns);
         let taken = match sample.measurement {
             Measurement::WheelCount { wheel, .. }
@@ -445,6 +434,21 @@ impl SlipFilter {
                 self.take_wheel(time_ns, wheel, &sample.measurement)
             }
             Measurement::WheelTorque { wheel, torque } => self.take_torque(time_ns, wheel, torque),
+            Measurement::Carrier {
+                wheel,
+                turn,
+                forward,
+                up,
+            } => {
+                let wheels = self.wheels.len();
+                self.wheels
+                    .get_mut(wheel)
+                    .ok_or(Fault::UnknownWheel {
+                        index: wheel,
+                        wheels,
+                    })
+                    .and_then(|wheel| wheel.carrier.take(time_ns, [turn, forward, up]))
+            }
             Measurement::YawRate { rate } => self.take_yaw_rate(time_ns, rate),
             Measurement::Acceleration { forward, left } => {
                 self.take_acceleration(time_ns, [forward, left])
@@ -488,53 +492,6 @@ impl SlipFilter {
         }
     }
 
-    /// What needs no sensor: a robot whose wheels all point one way does not drift far, and one whose wheels all stand,
-    /// stands.
-    fn assume(&mut self, time_ns: i64) {
-        let weight = Real::sqrt(APART / EVERY);
-        if let Some(row) = self.sideways {
-            let sigma = weight * self.settings.lateral_sigma;
-            body::hold(&mut self.state, row, 0.0, sigma);
-        }
-        let heard = self
-            .gyro_ns
-            .is_some_and(|then| seconds_between(then, time_ns) <= self.settings.dropout);
-        let believed = !self.gyro.has_failed() && !self.contradicted.has_failed();
-        if !(heard && believed)
-            && let Some(turn) = self.turn_by_wheels()
-        {
-            // nothing else tells how the robot turns
-            let sigma = BY_WHEELS.0 * turn.abs() + BY_WHEELS.1;
-            body::hold(&mut self.state, [0.0, 0.0, 1.0], turn, weight * sigma);
-        }
-        for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
-            let still = wheel.stillness(time_ns);
-            if still >= STANDS && wheel.watch.is_clean() {
-                // it has gone less than a tick since
-                let sigma = (0.6 * wheel.tick / still).max(0.002);
-                body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
-            }
-        }
-        let stand = self
-            .wheels
-            .iter()
-            .all(|wheel| wheel.stillness(time_ns) >= STANDS && !wheel.watch.has_failed());
-        if stand {
-            for wheel in &mut self.wheels {
-                wheel.has_turned = false;
-            }
-            // without a free wheel it may still slide with its wheels locked
-            let rolls = self.wheels.iter().any(|wheel| wheel.free);
-            let sigma = if rolls { 0.002 } else { 0.02 };
-            let variance = self.state.variance_of(&[(FORWARD, 1.0)]) + sigma * sigma;
-            self.learn_felt(self.state.mean(FORWARD), variance);
-            for row in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-                body::hold(&mut self.state, row, 0.0, weight * sigma);
-            }
-            body::hold(&mut self.state, [0.0, 0.0, 1.0], 0.0, weight * 0.002);
-        }
-    }
-
     fn take_torque(
         &mut self,
         time_ns: i64,
@@ -549,6 +506,17 @@ impl SlipFilter {
         })?;
         tracked.torque = Some((time_ns, torque));
         Ok(())
+    }
+}
+
+/// The wheel whose rotation a measurement tells of.
+const fn wheel_of(measurement: &Measurement) -> Option<usize> {
+    match *measurement {
+        Measurement::WheelCount { wheel, .. }
+        | Measurement::WheelEdge { wheel, .. }
+        | Measurement::WheelAngle { wheel, .. }
+        | Measurement::WheelRate { wheel, .. } => Some(wheel),
+        _ => None,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use alloc::{boxed::Box, vec};
 
+use crate::robot::MAX_WHEELS;
 use crate::sample::{Measurement, Sample};
 
 /// A sorted queue of bounded size.
@@ -47,6 +48,11 @@ impl Order {
 
     pub(crate) const fn newest_ns(&self) -> Option<i64> {
         self.newest_ns
+    }
+
+    /// Up to when samples have been used.
+    pub(crate) const fn released_ns(&self) -> Option<i64> {
+        self.released_ns
     }
 
     pub(crate) fn is_full(&self) -> bool {
@@ -103,6 +109,7 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         Measurement::Acceleration { .. } => (1, 0),
         Measurement::YawRate { .. } => (2, 0),
         Measurement::WheelTorque { wheel, .. } => (3, wheel),
+        Measurement::Carrier { wheel, .. } => (3, wheel.saturating_add(MAX_WHEELS)),
         Measurement::WheelCount { wheel, .. } => (4, wheel),
         Measurement::WheelEdge { wheel, .. } => (5, wheel),
         Measurement::WheelAngle { wheel, .. } => (6, wheel),

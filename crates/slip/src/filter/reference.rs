@@ -29,6 +29,8 @@ pub(super) struct Reference {
     /// Mean of its residuals, in sigma.
     pub(super) pull: f64,
     pub(super) accepted_ns: Option<i64>,
+    /// The speed forwards that it told last, believed or not, m/s, and when.
+    pub(super) speed: Option<(f64, i64)>,
     /// The same to the bit since.
     frozen: Option<([u64; 3], i64)>,
 }

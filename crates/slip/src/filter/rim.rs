@@ -4,30 +4,28 @@ use grouser_real::Real;
 
 use super::body::{COMMON_SLIP, FORWARD, LEFT, YAW, along, own_slip, radius, remainder};
 use super::kalman::Scalar;
+use super::settings::SlipPrior;
 use super::wheel::Tracked;
-use super::{
-    ALONE, BREAKS, CREEP, LEARNING, PULLED, RETURNS, SKID_KNOWN, SlipFilter, TOGETHER, UNREST,
-    WRONG,
-};
+use super::{BREAKS, CREEP, LEARNING, PULLED, SlipFilter, UNREST, WRONG};
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;
 use crate::speed::Measured;
 
 /// What one window of a wheel came to.
-struct Window {
-    index: usize,
-    to_ns: i64,
+pub(super) struct Window {
+    pub(super) index: usize,
+    pub(super) to_ns: i64,
     /// Rim speed and the robot's speed along the wheel, m/s, and the faster of the two.
-    rim: f64,
-    forward: f64,
-    faster: f64,
-    residual: f64,
-    variance: f64,
+    pub(super) rim: f64,
+    pub(super) forward: f64,
+    pub(super) faster: f64,
+    pub(super) residual: f64,
+    pub(super) variance: f64,
     /// Is the residual beyond the gate?
-    is_off: bool,
+    pub(super) is_off: bool,
     /// Is it fast enough for a slip?
-    shows: bool,
+    pub(super) shows: bool,
 }
 
 impl SlipFilter {
@@ -70,7 +68,8 @@ impl SlipFilter {
 
     pub(super) fn take_rim(&mut self, index: usize, rim: Measured, from_ns: i64, to_ns: i64) {
         let Tracked { row, free, .. } = self.wheels[index];
-        let forward = self.mean_along(row, from_ns, to_ns);
+        let level = self.mean_along(row, from_ns, to_ns);
+        let (forward, longer) = self.wheels[index].carrier.over_ground(level, row[0], to_ns);
         let grown = self.state.mean(radius(index));
         let u = rim.value * (1.0 + grown);
         let slip = self.slip_mean(index);
@@ -95,8 +94,11 @@ impl SlipFilter {
             self.wheels[index].usual_rim()
         };
         self.wheels[index].remember(u);
+        if !shows {
+            self.wheels[index].pull = 0.0;
+        }
         let mut slopes = [(FORWARD, 0.0); 8];
-        slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * part)));
+        slopes[..3].copy_from_slice(&along(row.map(|part| by_speed * longer * part)));
         slopes[3] = (COMMON_SLIP, if free { 0.0 } else { usual });
         slopes[4] = (own_slip(index), usual);
         slopes[5] = (radius(index), -rim.value);
@@ -110,16 +112,16 @@ impl SlipFilter {
         let remainders = self.state.mean(remainder(index, !odd)) / window;
         let tick = self.wheels[index].tick;
         let counted = begun * tick * tick / 6.0 / (window * window);
+        // Where the rim starts, that slope is too small and would carry the slip beyond: what it lacks counts as noise.
+        let lacking = (faster * faster - usual * usual).max(0.0)
+            * self.state.variance_of(&self.slip_slopes(index));
         let seen = Scalar {
             slopes: &slopes,
             residual: u - forward - slip * faster - remainders,
-            variance: (rim.variance - counted).max(0.0) + wandered + CREEP * CREEP,
+            variance: (rim.variance - counted).max(0.0) + wandered + lacking + CREEP * CREEP,
         };
         if free {
-            // Nor a free wheel's skid from the robot's speed, unless something else tells that.
-            let told = self.reference.accepted_ns;
-            let alone = told.is_none_or(|then| seconds_between(then, to_ns) > ALONE);
-            self.state.consider(own_slip(index), alone);
+            self.consider_skid(index, to_ns);
         }
         let (residual, variance) = self.state.innovation(&seen);
         self.wheels[index].remainder = Some(odd);
@@ -155,44 +157,26 @@ impl SlipFilter {
             return;
         }
         self.nis = self.state.take(&seen);
-        let held = self.state.mean(own_slip(index)).clamp(-2.0, 2.0);
+        let most = if free {
+            // nothing drives it
+            let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();
+            mean + 3.0 * sigma
+        } else {
+            2.0
+        };
+        let held = self.state.mean(own_slip(index)).clamp(-2.0, most);
         self.state.set_mean(own_slip(index), held);
+        let held = self.state.mean(COMMON_SLIP).clamp(-1.0, 1.0);
+        self.state.set_mean(COMMON_SLIP, held);
     }
 
-    /// A free wheel's window against the rest: is it to be taken? It is watched, and what may be wrong is made less certain.
-    fn free_counts(&mut self, w: &Window) -> bool {
-        let wheel = &mut self.wheels[w.index];
-        // One that failed comes back where it is near what the others say. Where these know the speed only by what is
-        // believed of slip, that is far; then its skid stays in doubt for a while.
-        let gap = (w.rim - w.forward).abs() - self.settings.low_speed;
-        let near = gap <= RETURNS * w.faster.abs();
-        let possible = gap <= (2.5 * self.settings.slip.sigma).max(RETURNS) * w.faster.abs();
-        let had_failed = wheel.watch.has_failed();
-        let agreed = if had_failed { possible } else { !w.is_off };
-        let believed = wheel.watch.judge(w.to_ns, agreed, self.settings.failure);
-        if had_failed && believed && !near {
-            let doubt = 1.5 * SKID_KNOWN * SKID_KNOWN;
-            self.state.widen(own_slip(w.index), doubt, doubt);
-        }
-        let was_off = core::mem::replace(&mut wheel.was_off, w.is_off);
-        if w.is_off && was_off && w.shows && w.rim != 0.0 {
-            // The robot's speed has changed unfelt, or the wheel skids: from now on both are less certain. That the
-            // wheel runs ahead of the robot cannot be: nothing drives it.
-            self.state.widen(FORWARD, w.residual * w.residual, 1e4);
-            if w.residual * w.rim < 0.0 {
-                let step = w.residual / w.faster;
-                self.state
-                    .widen(own_slip(w.index), step * step, step * step);
-            }
-        }
-        self.learn_felt(w.residual, w.variance);
-        if !agreed || !believed {
-            return false;
-        }
-        if self.state.sigma(own_slip(w.index)) < SKID_KNOWN {
-            self.reference_ns = Some(w.to_ns);
-        }
-        true
+    /// Are most powered wheels off to one side, and in the mean by much? One alone, however far, is its own affair.
+    fn break_away_together(&self) -> bool {
+        let powered = || self.wheels.iter().filter(|wheel| !wheel.free);
+        let count = powered().count() as f64;
+        let mean = powered().map(|wheel| wheel.pull).sum::<f64>() / count;
+        let most = powered().filter(|wheel| wheel.pull * mean > 0.5 * PULLED * mean.abs());
+        mean.abs() > PULLED && 2.0 * most.count() as f64 > count
     }
 
     /// A powered wheel's window against the rest: is it to be taken? One that breaks away gets another slip instead.
@@ -203,15 +187,15 @@ impl SlipFilter {
         }
         let expected = Real::sqrt(w.variance);
         let r = (w.residual / expected).clamp(-BREAKS, BREAKS);
-        self.pull += TOGETHER * (r - self.pull);
+        self.wheels[w.index].pull += self.sharing * (r - self.wheels[w.index].pull);
         // sigmas that fit what is seen: residuals larger than they should be are slips that wander more
         let learnt = Real::exp(LEARNING * (r * r - 1.0));
         let unrest = &mut self.wheels[w.index].unrest;
         *unrest = (*unrest * learnt).clamp(UNREST.0, UNREST.1);
         let step = w.residual / w.faster;
-        if self.pull.abs() > PULLED {
-            // they break away together: the ground is another one
-            self.state.widen(COMMON_SLIP, step * step, 4.0);
+        if self.break_away_together() {
+            // the ground is another one
+            self.state.widen(COMMON_SLIP, step * step, 1.0);
         }
         if w.is_off {
             // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.

@@ -21,6 +21,8 @@ impl SlipFilter {
         };
         let moving = seen.speed[0].is_some_and(|v| v != 0.0);
         let frozen = self.reference.is_frozen(&seen, self.settings.failure) && moving;
+        // the same to the bit is no claim
+        self.reference.speed = seen.speed[0].filter(|_| !frozen).map(|v| (v, time_ns));
         let statements = self.statements(&seen, time_ns);
         let mut agreed = !frozen;
         let mut first = None;
@@ -38,18 +40,31 @@ impl SlipFilter {
         let r = first.unwrap_or(0.0).clamp(-BREAKS, BREAKS);
         self.reference.pull += ONE_SIDE * (r - self.reference.pull);
         agreed &= self.reference.pull.abs() <= ONE_SIDED;
-        if self.reference.watch.has_failed()
-            && let Some((_, residual, _)) = statements[0]
-        {
+        let had_failed = self.reference.watch.has_failed();
+        let mut near = true;
+        if had_failed && let Some((_, residual, _)) = statements[0] {
             // Without it the speed is known so badly that anything would agree.
-            let near = RETURNS * self.state.mean(FORWARD).abs() + self.settings.low_speed;
-            agreed &= residual.abs() <= near;
+            let most = RETURNS * self.state.mean(FORWARD).abs() + self.settings.low_speed;
+            near = residual.abs() <= most;
+            let told = seen.speed[0].unwrap_or(0.0);
+            let plausible = self.is_lost(time_ns)
+                && self.is_plausible(told)
+                && self.agrees_with_free_wheel(told, time_ns);
+            agreed = !frozen && (agreed && near || plausible);
         }
         let believed = self
             .reference
             .watch
             .judge(time_ns, agreed, self.settings.failure);
         if !agreed || !believed {
+            return Ok(());
+        }
+        if had_failed
+            && !near
+            && let Some(told) = seen.speed[0]
+        {
+            self.begin_from(told);
+            self.reference.pull = 0.0;
             return Ok(());
         }
         for (slopes, residual, variance) in statements.iter().flatten() {

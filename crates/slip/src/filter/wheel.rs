@@ -1,5 +1,7 @@
 //! One wheel in the filter: its readings, windows and state.
 
+use grouser_real::Real;
+
 use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
 use crate::robot::{Drive, Robot};
@@ -7,13 +9,13 @@ use crate::settings::Settings;
 use crate::speed::Measured;
 use crate::wheel_track::WheelTrack;
 
+use super::carrier::Carrier;
+use super::free_wheel::Rolling;
 use super::settings::FilterSettings;
 use super::watch::Watch;
 
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;
-/// A free wheel faster than this turns for certain, m/s.
-const TURNS: f64 = 0.04;
 /// A window ends after this long however few ticks it has, in windows.
 pub(super) const LONGEST: f64 = 4.0;
 /// Share of a new window in the smoothed rim speed.
@@ -23,6 +25,10 @@ const SMOOTHING: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) row: [f64; 3],
+    /// Where it stands (m), and the direction in which it drives when it does not steer (rad).
+    place: [f64; 2],
+    heading: f64,
+    pub(super) carrier: Carrier,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
     pub(super) tick: f64,
@@ -39,12 +45,17 @@ pub(super) struct Tracked {
     pub(super) still_since_ns: Option<i64>,
     /// It has turned against the robot's way since.
     pub(super) against_since_ns: Option<i64>,
-    /// A free wheel that has turned since the robot stood.
-    pub(super) has_turned: bool,
     /// Its last reading was far from what was expected.
     pub(super) was_off: bool,
     pub(super) torque: Option<(i64, f64)>,
     pub(super) watch: Watch,
+    /// Mean of its residuals, in sigma.
+    pub(super) pull: f64,
+    pub(super) rolling: Rolling,
+    /// How many of its readings wait for earlier samples.
+    pub(super) waiting: u16,
+    /// Silent for longer than this, it says nothing, s.
+    dropout: f64,
     /// How much more its slip wanders than was told, as a share of that variance.
     pub(super) unrest: f64,
     pub(super) estimate: WheelEstimate,
@@ -66,6 +77,9 @@ impl Tracked {
             .enumerate()
             .map(move |(index, wheel)| Self {
                 row: wheel.speed_row(),
+                place: [wheel.x, wheel.y],
+                heading: wheel.heading.rad(),
+                carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.drive == Drive::Free,
                 track: WheelTrack::new(index, wheel, &windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
@@ -76,21 +90,34 @@ impl Tracked {
                 last_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
-                has_turned: false,
                 was_off: false,
                 torque: None,
                 watch: Watch::default(),
+                pull: 0.0,
+                rolling: Rolling::default(),
+                waiting: 0,
+                dropout: settings.dropout,
                 unrest: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
     }
 
+    /// It is steered by `angle` (rad) now.
+    pub(super) fn steer(&mut self, angle: f64) {
+        let (sin, cos) = Real::sin_cos(self.heading + angle);
+        self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
+    }
+
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
+        if self.from_ns.is_none() {
+            self.carrier.mark();
+        }
         let from = *self.from_ns.get_or_insert(now_ns);
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         }
@@ -100,6 +127,7 @@ impl Tracked {
         let Some(rim) = self.track.speed(from, now_ns) else {
             // a sensor that began anew, or fell silent
             self.from_ns = Some(now_ns);
+            self.carrier.mark();
             self.remainder = None;
             return None;
         };
@@ -108,12 +136,23 @@ impl Tracked {
             return None;
         }
         self.from_ns = Some(now_ns);
+        let stands = rim.value == 0.0;
+        let turned = if stands {
+            0.0
+        } else {
+            self.carrier.rolled() / age
+        };
+        self.carrier.mark();
+        let rim = Measured {
+            value: rim.value + turned,
+            ..rim
+        };
         self.rim = Some((rim, now_ns));
-        if rim.value == 0.0 {
+        if stands {
             self.still_since_ns.get_or_insert(from);
         } else {
             self.still_since_ns = None;
-            self.has_turned |= rim.value.abs() > TURNS;
+            self.rolling.runs(rim.value);
         }
         Some((rim, from))
     }
@@ -141,9 +180,31 @@ impl Tracked {
         self.still_since_ns.is_none() && self.rim.is_some()
     }
 
-    /// Seconds since its rim last moved; 0 where it moves.
+    /// Seconds since its rim last moved; 0 where it moves, and where it is silent: that is not standing.
     pub(super) fn stillness(&self, now_ns: i64) -> f64 {
-        self.still_since_ns
-            .map_or(0.0, |since| seconds_between(since, now_ns))
+        let heard = self
+            .silence(now_ns)
+            .is_some_and(|silence| silence <= self.dropout);
+        match self.still_since_ns {
+            Some(since) if heard => seconds_between(since, now_ns).max(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// Time begins anew: what was counted in it is forgotten, what was learnt is not.
+    pub(super) fn restart_clock(&mut self) {
+        self.track.restart_clock();
+        self.carrier.restart_clock();
+        self.from_ns = None;
+        self.remainder = None;
+        self.rim = None;
+        self.still_since_ns = None;
+        self.against_since_ns = None;
+        self.torque = None;
+        self.pull = 0.0;
+        self.waiting = 0;
+        self.rolling = Rolling::default();
+        self.watch = Watch::default();
+        self.estimate = WheelEstimate::NOTHING;
     }
 }

@@ -219,6 +219,7 @@ impl Trial {
                 truth: std::array::from_fn(|i| course.slip(row, i)),
                 speed: step.speed,
                 known_speed: (known.body.forward.value, known.body.forward.sigma()),
+                common: (known.body.common_slip.value, known.body.common_slip.sigma()),
             });
         }
         out
@@ -233,6 +234,7 @@ pub(crate) struct Moment {
     pub(crate) truth: [Option<f64>; WHEELS],
     pub(crate) speed: f64,
     pub(crate) known_speed: (f64, f64),
+    pub(crate) common: (f64, f64),
 }
 
 impl Moment {

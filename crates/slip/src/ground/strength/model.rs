@@ -56,7 +56,7 @@ pub(super) fn predict(
     // length. Any would do but for rounding.
     let area = size.width * size.radius * theta_1.value.max(1e-9);
     let near =
-        (reading.load.value / area) / Real::powf(depth.value, given.exponent.at(motion.slip).value);
+        (reading.load.value / area) / Real::powf(depth.value, given.exponent_at(&motion).value);
     if !(near > 0.0 && near.is_finite()) {
         return None;
     }
