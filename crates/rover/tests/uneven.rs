@@ -5,6 +5,7 @@
     reason = "a test fails by panicking and may say what it measured"
 )]
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use grouser_files::Document;
@@ -33,7 +34,8 @@ fn rockers(cg: [f64; 3]) -> RobotModel {
         cg[0], cg[1], cg[2]
     );
     for (side, y, other) in [("left", 0.25, "right"), ("right", -0.25, "left")] {
-        text += &format!(
+        let _ = write!(
+            text,
             "[[link]]\nname = \"{side}\"\npivot_x_m = 0.0\npivot_y_m = {y:?}\npivot_z_m = 0.15\nmass_kg = 0.001\n\
              opposite = \"{other}\"\nrange_deg = 60.0\n"
         );
@@ -44,7 +46,8 @@ fn rockers(cg: [f64; 3]) -> RobotModel {
         ("rl", -0.3, 0.25, "left"),
         ("rr", -0.3, -0.25, "right"),
     ] {
-        text += &format!(
+        let _ = write!(
+            text,
             "[[wheel]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = {y:?}\nradius_m = 0.15\nwidth_m = 0.1\nload_n = 25.0\n\
              drive = \"powered\"\nencoder_on = \"motor\"\ngear = 60.0\nticks_per_turn = 64\ncounter_bits = 32\n\
              on = \"{side}\"\nmass_kg = 0.001\nspin_inertia_kg_m2 = 0.001\nmotor = \"drive\"\n"

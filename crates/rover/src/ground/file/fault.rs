@@ -142,6 +142,10 @@ pub enum NoCell {
 
 impl TerrainFault {
     /// What a decoder says.
+    #[allow(
+        clippy::needless_pass_by_value,
+        reason = "it stands in `map_err`, which gives values"
+    )]
     pub(super) fn damaged(reason: impl ToString) -> Self {
         let mut reason = reason.to_string();
         if reason.len() > 200 {
