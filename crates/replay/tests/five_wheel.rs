@@ -255,6 +255,7 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
     let truth = FiveWheel::default().generate().truth;
     // All wheels are in the patch from 16.5 to 19 s.
     let options = Options {
+        method: Some(Method::Window),
         from_s: Some(17.0),
         to_s: Some(19.0),
         ..Options::default()
