@@ -182,8 +182,8 @@ struct Replay<'a> {
     /// By the filter's method.
     fusion: Option<Fusion>,
     backward: Option<Backward>,
-    /// The wheels by both directions.
-    smoothed: Vec<WheelEstimate>,
+    /// The wheels as they are shown.
+    shown: Vec<WheelEstimate>,
     window: f64,
     span: (f64, f64),
     start_ns: Option<i64>,
@@ -231,7 +231,7 @@ impl<'a> Replay<'a> {
             sensor,
             estimator: Estimator::new(&file.robot, settings)?,
             backward: None,
-            smoothed: Vec::new(),
+            shown: Vec::new(),
             fusion: match method {
                 Method::Filter => Some(Fusion::new(file, settings.reference)?),
                 Method::Window => None,
@@ -283,16 +283,20 @@ impl<'a> Replay<'a> {
             return Ok(());
         };
         if let Some(fusion) = &self.fusion {
-            estimate.wheels = match self.backward.as_mut().and_then(|all| all.at(now)) {
-                Some(after) => {
-                    self.smoothed.clear();
-                    let wheels = fusion.wheels().iter().zip(&after);
-                    self.smoothed
-                        .extend(wheels.map(|(wheel, after)| smoothed(wheel, *after)));
-                    &self.smoothed
+            let after = self.backward.as_mut().and_then(|all| all.at(now));
+            let by_free_wheel = self.estimator.settings().reference == Reference::FreeWheel;
+            let described = self.file.robot.wheels();
+            self.shown.clear();
+            for (index, wheel) in fusion.wheels().iter().enumerate() {
+                let after = after.as_ref().and_then(|after| after[index]);
+                let mut wheel = smoothed(wheel, after);
+                // What a reference skids itself is not measured.
+                if by_free_wheel && described[index].drive == Drive::Free {
+                    (wheel.slip, wheel.sigma) = (None, None);
                 }
-                None => fusion.wheels(),
-            };
+                self.shown.push(wheel);
+            }
+            estimate.wheels = &self.shown;
             estimate.body.motion = Some(fusion.motion());
         }
         let mut any = false;
@@ -306,17 +310,12 @@ impl<'a> Replay<'a> {
                 continue;
             }
             let wheel = &estimate.wheels[index];
-            let described = &self.file.robot.wheels()[index];
-            // What a reference skids itself is not measured.
-            let is_reference = described.drive == Drive::Free
-                && self.estimator.settings().reference == Reference::FreeWheel;
-            let slip = wheel.slip.filter(|_| !is_reference);
             let row = Row {
                 time_s,
                 wheel: index,
-                name: &described.name,
-                slip: slip.map(grouser_slip::Slip::value),
-                slip_sigma: wheel.sigma.filter(|_| slip.is_some()),
+                name: &self.file.robot.wheels()[index].name,
+                slip: wheel.slip.map(Slip::value),
+                slip_sigma: wheel.sigma,
                 motion: wheel.motion,
                 health: wheel.health,
             };
