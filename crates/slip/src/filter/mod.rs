@@ -126,6 +126,10 @@ pub struct Fused<'a> {
     pub body: FusedBody,
     /// Samples refused so far.
     pub rejected: Rejected,
+    /// Samples missing so far between those that came, by each sensor's usual period.
+    pub dropped: u64,
+    /// How often the clock was set.
+    pub clock_steps: u64,
     /// Seconds since a reference for the robot's speed was last believed; `None` before the first.
     pub reference_age: Option<f64>,
 }
@@ -287,6 +291,8 @@ impl SlipFilter {
                 nis: self.nis,
             },
             rejected: self.rejected,
+            dropped: self.clocks.dropped,
+            clock_steps: self.clocks.steps,
             reference_age: self.reference_ns.map(|then| seconds_between(then, time_ns)),
         }
     }
