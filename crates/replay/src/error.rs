@@ -48,6 +48,9 @@ pub enum Error {
         /// What it needs.
         needs: &'static str,
     },
+    /// Means over windows are not smoothed.
+    #[error("`--smooth` joins two runs of the filter; means over windows have none")]
+    NothingToSmooth,
     /// Counts without a number of ticks per turn.
     #[error("wheel `{wheel}` is measured by counts, but its description has no `ticks_per_turn`")]
     NoTicks {

@@ -29,17 +29,26 @@
 mod align;
 mod calibration;
 mod choice;
+mod consistency;
 mod dead_reckoning;
 mod error;
+mod fusion;
+mod method;
+mod moment;
 mod quantiles;
+mod reversed;
 mod run;
 mod samples;
+mod smooth;
 mod soil_reading;
 mod summary;
 
 pub use calibration::{Calibration, calibrate_radius};
-pub use dead_reckoning::{DeadReckoning, Odometry};
+pub use consistency::Consistency;
+pub use dead_reckoning::Odometry;
 pub use error::{Error, Result};
+pub use fusion::{EventAt, FusedSummary};
+pub use method::Method;
 pub use quantiles::Quantiles;
 pub use run::{Options, Row, Step, Take, run, run_with};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
+use crate::dead_reckoning::Odometry;
+use crate::fusion::FusedSummary;
+use crate::method::Method;
 use crate::quantiles::Quantiles;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
@@ -39,6 +42,8 @@ pub struct WheelSummary {
     pub is_reference: bool,
     /// Its slip.
     pub slip: Spread,
+    /// The angle from its heading to the way of its centre, to the left positive, rad.
+    pub side_slip_angle: Spread,
     /// Share of time in each motion, in [`Motion::ALL`]'s order, and under [`UNKNOWN`] where the motion
     /// was not known; they add up to 1.
     pub states: Vec<(&'static str, f64)>,
@@ -98,7 +103,9 @@ impl Status {
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,
-    /// The window of the estimates, s.
+    /// Which engine found the wheels' slips.
+    pub method: Method,
+    /// The window of means, s: of the wheels' slips by [`Method::Window`], of ways and turns always.
     pub window_s: f64,
     /// What told how fast the robot travels.
     pub reference: Reference,
@@ -115,6 +122,10 @@ pub struct Summary {
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
+    /// Where the robot was at the end, counted from the beginning of the span, and the ways that led there.
+    pub odometry: Option<Odometry>,
+    /// What the filter says of itself, where it found the slips.
+    pub fused: Option<FusedSummary>,
     /// Samples that were refused.
     pub rejected: Rejected,
 }

@@ -8,7 +8,7 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+    Method, Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -54,6 +54,12 @@ pub(crate) struct Arguments {
     /// What tells how fast the robot travels; the robot file's unless told
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
+    /// What finds the slips: `filter`, or means over windows; the filter, up to 8 wheels, unless told
+    #[arg(long, value_name = "filter|window", value_parser = method)]
+    method: Option<Method>,
+    /// Run the filter forward and backward: every slip is then what the whole log says of it
+    #[arg(long)]
+    smooth: bool,
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
@@ -78,6 +84,13 @@ fn reference(name: &str) -> std::result::Result<Reference, String> {
             let names = Reference::ALL.map(Reference::name);
             format!("must be one of {}", names.join(", "))
         })
+}
+
+fn method(name: &str) -> std::result::Result<Method, String> {
+    let mut all = Method::NAMES.into_iter();
+    all.find(|(other, _)| *other == name)
+        .map(|(_, method)| method)
+        .ok_or_else(|| "must be one of filter, window".to_owned())
 }
 
 fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
@@ -184,6 +197,8 @@ fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
         robot,
         map,
         options: Options {
+            method: arguments.method,
+            smooth: arguments.smooth,
             reference: arguments.reference,
             wheel_sensor: arguments.wheel_sensor,
             window_s: arguments.window_s,

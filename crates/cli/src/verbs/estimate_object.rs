@@ -1,7 +1,8 @@
 //! The JSON object of `estimate`.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{SoilReading, Spread, Summary};
+use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary};
+use grouser_slip::detect::Event;
 use serde_json::{Value, json};
 
 use crate::report::Object;
@@ -21,6 +22,15 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
                 .iter()
                 .map(|(name, share)| (name.as_str(), *share));
             one.insert("healths".to_owned(), shares(healths));
+            let angle = |value: Option<f64>| value.map(f64::to_degrees);
+            one.insert(
+                "side_slip_angle_deg".to_owned(),
+                json!({
+                    "median": angle(wheel.side_slip_angle.median),
+                    "p5": angle(wheel.side_slip_angle.p5),
+                    "p95": angle(wheel.side_slip_angle.p95),
+                }),
+            );
             one.insert("is_reference".to_owned(), wheel.is_reference.into());
             let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
             one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
@@ -53,6 +63,7 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
     };
     [
         ("status", Value::from(summary.status.name())),
+        ("method", summary.method.name().into()),
         ("reference", Value::from(summary.reference.name())),
         ("wheel_sensor", Value::from(summary.wheel_sensor)),
         ("duration_s", Value::from(summary.duration_s)),
@@ -60,6 +71,8 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         ("wheels", Value::Object(wheels)),
         ("along", Value::Object(along)),
         ("yaw", yaw.unwrap_or(Value::Null)),
+        ("odometry", summary.odometry.as_ref().map_or(Value::Null, odometry)),
+        ("filter", summary.fused.as_ref().map_or(Value::Null, |f| filter(f, summary))),
         (
             "rejected",
             json!({
@@ -87,6 +100,59 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
 fn topics(log: &Log) -> Value {
     let one = |used: UsedTopic| json!({"topic": used.topic, "type": used.type_name, "used_for": used.used_for});
     log.topics().map(one).collect()
+}
+
+fn odometry(odometry: &Odometry) -> Value {
+    let [x, y, yaw] = odometry.pose;
+    let sigma = |i: usize| odometry.pose_covariance[i][i].max(0.0).sqrt();
+    json!({
+        "x_m": x,
+        "y_m": y,
+        "yaw_rad": yaw,
+        "x_sigma_m": sigma(0),
+        "y_sigma_m": sigma(1),
+        "yaw_sigma_rad": sigma(2),
+        "distance_m": odometry.distance,
+        "distance_without_compensation_m": odometry.distance_of_wheels,
+    })
+}
+
+fn filter(fused: &FusedSummary, summary: &Summary) -> Value {
+    let kinds = fused.consistency.iter().map(|(kind, nis)| {
+        let one = json!({"count": nis.count, "mean": nis.mean, "share_in_95_band": nis.in_band});
+        ((*kind).to_owned(), one)
+    });
+    let events = fused.events.iter().map(|at| event(at, summary));
+    json!({
+        "smoothed": fused.is_smoothed,
+        "nis": Value::Object(kinds.collect()),
+        "dropped": fused.dropped,
+        "clock_steps": fused.clock_steps,
+        "events": events.collect::<Vec<_>>(),
+        "more_events": fused.more_events,
+    })
+}
+
+fn event(at: &EventAt, summary: &Summary) -> Value {
+    let (name, wheel) = event_name(at.change.event);
+    let wheel = wheel.and_then(|wheel| summary.wheels.get(wheel));
+    json!({
+        "time_s": at.time_s,
+        "event": name,
+        "wheel": wheel.map(|wheel| wheel.name.as_str()),
+        "begins": at.change.begins,
+    })
+}
+
+/// An event's name in files, and its wheel.
+pub(super) const fn event_name(event: Event) -> (&'static str, Option<usize>) {
+    match event {
+        Event::HighSlip { wheel } => ("high slip", Some(wheel)),
+        Event::Stall { wheel } => ("stall", Some(wheel)),
+        Event::LiftOff { wheel } => ("lift-off", Some(wheel)),
+        Event::DigIn => ("dig-in", None),
+        Event::Immobilised => ("immobilised", None),
+    }
 }
 
 fn left_out(log: &Log) -> Value {

@@ -1,0 +1,165 @@
+//! A log through the slip filter.
+
+use grouser_slip::detect::{Change, DetectSettings, Detector};
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::{BodyEstimate, Measurement, Reference, Rejected, Robot, Sample, Settings};
+
+use crate::consistency::{Consistency, Kind, Residuals};
+use crate::error::Result;
+use crate::method::{filter_settings, is_heard};
+use crate::moment::Moment;
+use crate::smooth::Smoother;
+
+/// At most so many changes of events are kept: the first of the log.
+const EVENTS: usize = 10_000;
+
+/// What the filter says of itself after a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FusedSummary {
+    /// Were both directions of time used?
+    pub is_smoothed: bool,
+    /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
+    pub consistency: Vec<(&'static str, Consistency)>,
+    /// Samples missing between those that came, by each sensor's usual period.
+    pub dropped: u64,
+    /// How often the clock was set.
+    pub clock_steps: u64,
+    /// What began and ended: the first ten thousand of it.
+    pub events: Vec<EventAt>,
+    /// How many more there were.
+    pub more_events: u64,
+    pub(crate) rejected: Rejected,
+}
+
+/// An event that began or ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventAt {
+    /// When it was called, s from the log's start.
+    pub time_s: f64,
+    /// What happened.
+    pub change: Change,
+}
+
+/// The filter, what is counted of it, and what looks back.
+#[derive(Debug)]
+pub(crate) struct Fusion {
+    robot: Robot,
+    reference: Reference,
+    filter: SlipFilter,
+    residuals: Residuals,
+    detector: Detector,
+    torques: Vec<Option<f64>>,
+    start_ns: Option<i64>,
+    events: Vec<EventAt>,
+    more_events: u64,
+    smoother: Option<Smoother>,
+    is_smoothed: bool,
+}
+
+impl Fusion {
+    pub(crate) fn new(robot: &Robot, settings: &Settings, smooth: bool) -> Result<Self> {
+        let own: FilterSettings = filter_settings(settings);
+        let detect = DetectSettings {
+            standstill_speed: settings.standstill_speed,
+            ..DetectSettings::default()
+        };
+        Ok(Self {
+            filter: SlipFilter::new(robot, own)?,
+            detector: Detector::new(robot, detect)?,
+            residuals: Residuals::default(),
+            torques: vec![None; robot.wheels().len()],
+            reference: settings.reference,
+            robot: robot.clone(),
+            start_ns: None,
+            events: Vec::new(),
+            more_events: 0,
+            smoother: smooth.then(|| Smoother::new(robot, own)),
+            is_smoothed: smooth,
+        })
+    }
+
+    pub(crate) fn update(&mut self, sample: Sample) {
+        if !is_heard(&sample.measurement, self.reference, &self.robot) {
+            return;
+        }
+        if let Measurement::WheelTorque { wheel, torque } = sample.measurement
+            && let Some(slot) = self.torques.get_mut(wheel)
+        {
+            *slot = Some(torque);
+        }
+        let Ok(known) = self.filter.update(sample) else {
+            return;
+        };
+        if let Some(kind) = kind_of(&sample.measurement) {
+            self.residuals.add(kind, known.body.nis);
+        }
+        if let Some(smoother) = &mut self.smoother {
+            smoother.hear(sample);
+        }
+    }
+
+    /// All samples of one time have been taken; gives the moments that are done.
+    pub(crate) fn close(
+        &mut self,
+        now_ns: i64,
+        read: u64,
+        body: &BodyEstimate,
+    ) -> Result<Vec<Moment>> {
+        let known = self.filter.latest();
+        let mut moment = Moment::by_filter(now_ns, read, known.wheels, &known.body, body);
+        let start_ns = *self.start_ns.get_or_insert(now_ns);
+        if read != 0 {
+            let changes = self.detector.update(now_ns, known.wheels, &self.torques);
+            for change in changes {
+                if self.events.len() < EVENTS {
+                    self.events.push(EventAt {
+                        time_s: now_ns.saturating_sub(start_ns) as f64 * 1e-9,
+                        change,
+                    });
+                } else {
+                    self.more_events += 1;
+                }
+            }
+        }
+        for (index, wheel) in moment.wheels.iter_mut().enumerate() {
+            wheel.motion = self.detector.motion(index, wheel.motion);
+        }
+        match &mut self.smoother {
+            Some(smoother) => smoother.push(moment),
+            None => Ok(vec![moment]),
+        }
+    }
+
+    /// The log is over: gives the moments that waited.
+    pub(crate) fn finish(&mut self) -> Result<Vec<Moment>> {
+        let left = self.smoother.take().map(Smoother::finish).transpose()?;
+        Ok(left.unwrap_or_default())
+    }
+
+    pub(crate) fn summary(&self) -> FusedSummary {
+        let known = self.filter.latest();
+        FusedSummary {
+            is_smoothed: self.is_smoothed,
+            consistency: self.residuals.summary(),
+            dropped: known.dropped,
+            clock_steps: known.clock_steps,
+            events: self.events.clone(),
+            more_events: self.more_events,
+            rejected: known.rejected,
+        }
+    }
+}
+
+const fn kind_of(measurement: &Measurement) -> Option<Kind> {
+    match measurement {
+        Measurement::WheelCount { .. }
+        | Measurement::WheelEdge { .. }
+        | Measurement::WheelAngle { .. }
+        | Measurement::WheelRate { .. } => Some(Kind::Wheel),
+        Measurement::YawRate { .. } => Some(Kind::YawRate),
+        Measurement::Displacement { .. }
+        | Measurement::Pose { .. }
+        | Measurement::Speed { .. } => Some(Kind::Reference),
+        _ => None,
+    }
+}
