@@ -46,6 +46,7 @@ mod paper;
 mod paper_figures;
 mod paper_page;
 mod paper_problem;
+mod paper_run;
 mod paper_statements;
 mod slip_model;
 mod slip_model_figure;
