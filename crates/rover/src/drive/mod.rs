@@ -2,6 +2,7 @@
 
 mod attitude_filter;
 mod file;
+mod firmness;
 mod motor_driver;
 mod outcome;
 mod pilot;

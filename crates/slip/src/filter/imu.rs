@@ -55,6 +55,14 @@ impl SlipFilter {
         }
     }
 
+    /// Is the gyro heard, and believed?
+    pub(super) fn gyro_is_believed(&self, now_ns: i64) -> bool {
+        let heard = self
+            .gyro_ns
+            .is_some_and(|then| seconds_between(then, now_ns) <= self.settings.dropout);
+        heard && !self.gyro.has_failed() && !self.contradicted.has_failed()
+    }
+
     /// The yaw rate that the powered wheels would give without slip, where all point one way.
     pub(super) fn turn_by_wheels(&self) -> Option<f64> {
         self.sideways?;

@@ -13,6 +13,9 @@ use crate::measured_slip::MeasuredSlip;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
 
+/// A side slip angle less certain than this is none, rad.
+const BLIND: f64 = 0.5;
+
 impl SlipFilter {
     /// What can be said of each wheel now.
     pub(super) fn judge(&mut self, now_ns: i64) {
@@ -34,7 +37,33 @@ impl SlipFilter {
                 last_good_age: good.map(|then| seconds_between(then, now_ns)),
                 ..estimate
             };
+            self.side_slip_angles[index] = self.side_slip_angle(index);
         }
+    }
+
+    /// β = atan2(across, along) of the wheel's centre over the ground; `None` where the robot is too slow for one, or it is
+    /// not known.
+    fn side_slip_angle(&self, index: usize) -> Option<Measured> {
+        let wheel = &self.wheels[index];
+        let [along, across] = [wheel.row, wheel.across()].map(|row| {
+            let rows = super::body::along(row);
+            rows.iter()
+                .map(|&(i, a)| a * self.state.mean(i))
+                .sum::<f64>()
+        });
+        let square = along * along + across * across;
+        let lowest = self.settings.low_speed;
+        if !(square > lowest * lowest) {
+            return None;
+        }
+        let sideways = wheel.across();
+        let slopes: [f64; 3] =
+            core::array::from_fn(|i| (along * sideways[i] - across * wheel.row[i]) / square);
+        let variance = self.state.variance_of(&super::body::along(slopes));
+        (variance < BLIND * BLIND).then(|| Measured {
+            value: Real::atan2(across, along),
+            variance,
+        })
     }
 
     pub(super) fn judged(&self, index: usize, now_ns: i64) -> WheelEstimate {
@@ -71,7 +100,12 @@ impl SlipFilter {
             sigma: shows.then_some(sigma),
             forward_speed: Some(forward),
             rim_speed: Some(rim),
-            motion: Some(measured.motion),
+            motion: Some(match measured.motion {
+                // one window is noisier than the slip
+                Motion::Driving | Motion::Braking if slip < 0.0 => Motion::Braking,
+                Motion::Driving | Motion::Braking => Motion::Driving,
+                other => other,
+            }),
             health: measured.health,
             until_ns: Some(until_ns),
             last_good_age: None,

@@ -108,6 +108,12 @@ impl Tracked {
         self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
     }
 
+    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p), as the row of its speed along it.
+    pub(super) fn across(&self) -> [f64; 3] {
+        let [cos, sin, _] = self.row;
+        [-sin, cos, cos * self.place[0] + sin * self.place[1]]
+    }
+
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
         if self.from_ns.is_none() {
