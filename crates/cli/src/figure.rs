@@ -51,6 +51,11 @@ pub use scene::{Scene, Shape};
 pub use style::{Colour, Dash, Marker, Style};
 pub use text::plain;
 
+/// Ticks for a scale from `low` to `high` in at most `most` intervals: value and label of each.
+pub(crate) fn even_ticks(low: f64, high: f64, most: u8) -> Vec<(f64, String)> {
+    ticks::ticks([low, high], ticks::Widen::No, most).marks
+}
+
 /// One picture: panels of equal size in rows, lettered (a), (b), … when there are several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {

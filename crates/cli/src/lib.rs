@@ -19,6 +19,7 @@ mod number;
 mod operation;
 mod output;
 mod output_choice;
+mod page_text;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod progress;

@@ -97,7 +97,8 @@ impl Session {
         Ok(outcome)
     }
 
-    fn provenance(&self) -> Object {
+    /// Version, commit, seed, inputs and soil, as the JSON has them.
+    pub(crate) fn provenance(&self) -> Object {
         Object::from_iter([
             ("version".to_owned(), Value::from(env!("CARGO_PKG_VERSION"))),
             (

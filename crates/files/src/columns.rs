@@ -33,8 +33,14 @@ pub enum Meaning {
     WheelAngle,
     /// The rate of a wheel's sensor shaft.
     WheelRate,
+    /// Torque on a wheel, positive when it drives forwards.
+    WheelTorque,
     /// The robot's yaw rate.
     YawRate,
+    /// What an accelerometer feels forwards, gravity's share on a slope included.
+    AccelerationForward,
+    /// What it feels to the left.
+    AccelerationLeft,
     /// Way forwards since the row before, in the robot's frame.
     DisplacementForward,
     /// Way to the left since the row before.
@@ -59,11 +65,22 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 14] = [
+    pub const ALL: [(&'static str, Self, Quantity); 17] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
+        ("wheel_torque", Self::WheelTorque, Quantity::Torque),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
+        (
+            "acceleration_forward",
+            Self::AccelerationForward,
+            Quantity::Acceleration,
+        ),
+        (
+            "acceleration_left",
+            Self::AccelerationLeft,
+            Quantity::Acceleration,
+        ),
         (
             "displacement_forward",
             Self::DisplacementForward,
@@ -87,7 +104,10 @@ impl Meaning {
     /// Does it belong to one wheel?
     #[must_use]
     pub const fn is_of_a_wheel(self) -> bool {
-        matches!(self, Self::WheelCount | Self::WheelAngle | Self::WheelRate)
+        matches!(
+            self,
+            Self::WheelCount | Self::WheelAngle | Self::WheelRate | Self::WheelTorque
+        )
     }
 
     /// The meaning without which this one says nothing.
@@ -98,6 +118,8 @@ impl Meaning {
             Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
             Self::SpeedLeft => Some(Self::SpeedForward),
             Self::CommandLeft => Some(Self::CommandForward),
+            Self::AccelerationForward => Some(Self::AccelerationLeft),
+            Self::AccelerationLeft => Some(Self::AccelerationForward),
             Self::DisplacementForward => Some(Self::DisplacementLeft),
             Self::PoseX => Some(Self::PoseYaw),
             _ => None,

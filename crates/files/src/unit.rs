@@ -13,6 +13,10 @@ pub enum Quantity {
     Speed,
     /// rad/s.
     AngularRate,
+    /// m/s².
+    Acceleration,
+    /// N m.
+    Torque,
     /// Whole ticks of a counter.
     Ticks,
 }
@@ -37,6 +41,10 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
     ("rad/s", Quantity::AngularRate, 1.0),
     ("deg/s", Quantity::AngularRate, std::f64::consts::PI / 180.0),
     ("rpm", Quantity::AngularRate, std::f64::consts::TAU / 60.0),
+    ("m/s2", Quantity::Acceleration, 1.0),
+    ("g", Quantity::Acceleration, 9.806_65),
+    ("N m", Quantity::Torque, 1.0),
+    ("mN m", Quantity::Torque, 1e-3),
     ("tick", Quantity::Ticks, 1.0),
 ];
 

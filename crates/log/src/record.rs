@@ -36,6 +36,20 @@ pub enum Reading {
         /// rad/s.
         rate: f64,
     },
+    /// Torque on a wheel, N m, positive when it drives forwards.
+    WheelTorque {
+        /// The wheel.
+        wheel: usize,
+        /// N m.
+        torque: f64,
+    },
+    /// What an accelerometer feels in the robot's frame, gravity's share on a slope included.
+    Acceleration {
+        /// m/s².
+        forward: f64,
+        /// m/s².
+        left: f64,
+    },
     /// The robot's yaw rate, rad/s.
     YawRate {
         /// rad/s.

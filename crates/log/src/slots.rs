@@ -12,6 +12,7 @@ pub(crate) struct Slots(Vec<Slot>);
 enum Slot {
     Wheel(Meaning, usize, Part),
     YawRate(Part),
+    Acceleration(Part, Part),
     Displacement(Part, Part, Option<Part>),
     Pose(Part, Part, Part),
     Speed(Part, Option<Part>),
@@ -45,6 +46,9 @@ impl Slots {
             };
             let slot = match column.meaning {
                 Meaning::YawRate => Some(Slot::YawRate(own)),
+                Meaning::AccelerationForward => {
+                    part(Meaning::AccelerationLeft).map(|left| Slot::Acceleration(own, left))
+                }
                 Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
                     .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
                 Meaning::PoseX => part(Meaning::PoseY)
@@ -80,10 +84,16 @@ impl Slots {
                 Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
                     number(part)?.map(|angle| Reading::WheelAngle { wheel, angle })
                 }
+                Slot::Wheel(Meaning::WheelTorque, wheel, part) => {
+                    number(part)?.map(|torque| Reading::WheelTorque { wheel, torque })
+                }
                 Slot::Wheel(_, wheel, part) => {
                     number(part)?.map(|rate| Reading::WheelRate { wheel, rate })
                 }
                 Slot::YawRate(part) => number(part)?.map(|rate| Reading::YawRate { rate }),
+                Slot::Acceleration(forward, left) => number(forward)?
+                    .zip(number(left)?)
+                    .map(|(forward, left)| Reading::Acceleration { forward, left }),
                 Slot::Displacement(forward, left, turn) => {
                     let turn = optional(turn)?;
                     number(forward)?.zip(number(left)?).map(|(forward, left)| {

@@ -247,12 +247,12 @@ fn messages(dice: &mut Dice, time_ns: i64) -> Vec<(&'static str, &'static str, V
         (
             "/joints",
             "sensor_msgs/JointState",
-            build::joint_state(head(), &names, &dice.numbers::<2>(), &[]),
+            build::joint_state(head(), &names, [&dice.numbers::<2>(), &[], &[]]),
         ),
         (
             "/imu",
             "sensor_msgs/Imu",
-            build::yaw_gyro(head(), dice.number()),
+            build::planar_imu(head(), Some(dice.number()), None),
         ),
         ("/odom", "nav_msgs/Odometry", odometry),
         (

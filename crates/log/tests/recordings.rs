@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns::Meaning;
 use grouser_files::{Document, robot};
 use grouser_log::message::{Value, build};
-use grouser_log::write::McapWriter;
+use grouser_log::write::{McapWriter, ReadingWriter};
 use grouser_log::{Error, Log, Reading, Record};
 use scratch::Folder;
 
@@ -50,7 +50,11 @@ fn joints(
     velocity: &[f64],
 ) -> (&'static str, &'static str, i64, Value) {
     let names = ["left_wheel_joint", "right_wheel_joint", "arm"];
-    let value = build::joint_state(build::header(time_ns, ""), &names, position, velocity);
+    let value = build::joint_state(
+        build::header(time_ns, ""),
+        &names,
+        [position, velocity, &[]],
+    );
     ("/joint_states", "sensor_msgs/JointState", time_ns, value)
 }
 
@@ -178,6 +182,51 @@ fn static_transforms_tell_the_mounting_too() {
     };
     assert!((rate - 0.4).abs() < 1e-15, "{rate}");
     assert!(log.notes().is_empty(), "{:?}", log.notes());
+
+    // With an accelerometer: its z axis points to the robot's left, and gravity is felt along −y.
+    let felt = imu(2, [0.1, -0.4, 0.2], [0.5, -9.8, -0.2], [0.0; 3]);
+    messages[1] = ("/imu", IMU, 2, felt);
+    let folder = Folder::new("transforms-felt");
+    let log = self::log(&folder, "", &messages).unwrap();
+    let [_, record] = readings(&log)[..] else {
+        panic!("two readings")
+    };
+    let Reading::Acceleration { forward, left } = record.reading else {
+        panic!("{record:?}")
+    };
+    assert!(
+        (forward - 0.5).abs() < 1e-15 && (left + 0.2).abs() < 1e-14,
+        "{forward} {left}"
+    );
+}
+
+#[test]
+fn efforts_are_torques_of_wheels() {
+    let folder = Folder::new("efforts");
+    let names = ["left_wheel_joint", "right_wheel_joint"];
+    let state = build::joint_state(
+        build::header(5, ""),
+        &names,
+        [&[], &[1.0, 2.0], &[0.3, f64::NAN]],
+    );
+    let log = log(
+        &folder,
+        "",
+        &[("/joint_states", "sensor_msgs/JointState", 5, state)],
+    )
+    .unwrap();
+    let torques: Vec<_> = readings(&log)
+        .iter()
+        .map(|record| record.reading)
+        .filter(|reading| matches!(reading, Reading::WheelTorque { .. }))
+        .collect();
+    assert_eq!(
+        torques,
+        [Reading::WheelTorque {
+            wheel: 0,
+            torque: 0.3
+        }]
+    );
 }
 
 #[test]
@@ -231,7 +280,7 @@ fn c2_a_covariance_says_what_may_be_used() {
 #[test]
 fn a_gyro_of_one_axis_needs_no_mounting() {
     let folder = Folder::new("one-axis");
-    let gyro = build::yaw_gyro(build::header(5, "base_link"), 0.25);
+    let gyro = build::planar_imu(build::header(5, "base_link"), Some(0.25), None);
     let log = log(&folder, "", &[("/gyro", IMU, 5, gyro)]).unwrap();
     assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: 0.25 });
     let none = imu(5, [0.0, 0.3, 0.0], [0.0; 3], [f64::MAX, 0.0, f64::MAX]);
@@ -405,4 +454,50 @@ fn stamps_of_two_clocks_give_way_to_the_recorders() {
         .map(|record| record.time_ns / second)
         .collect();
     assert_eq!(times, [1_700_000_000, 1_700_000_000, 1_700_000_001]);
+}
+
+#[test]
+fn typed_readings_written_as_messages_are_the_same_again() {
+    let folder = Folder::new("again");
+    let at = |time_ns, reading| Record {
+        time_ns,
+        source: 0,
+        reading,
+    };
+    let (rates, torques) = ([0.5, -0.25], [0.125, 3.0]);
+    let mut all = Vec::new();
+    for time_ns in [1_000_000, 2_000_000] {
+        for wheel in 0..2 {
+            let rate = rates[wheel];
+            all.push(at(time_ns, Reading::WheelRate { wheel, rate }));
+            let torque = torques[wheel];
+            all.push(at(time_ns, Reading::WheelTorque { wheel, torque }));
+        }
+        all.push(at(time_ns, Reading::YawRate { rate: 0.2 }));
+        let (forward, left) = (0.4, -0.1);
+        all.push(at(time_ns, Reading::Acceleration { forward, left }));
+    }
+    // An angle of one wheel alone: it shares no message with the rates of both.
+    let (wheel, angle) = (1, 7.5);
+    all.push(at(3_000_000, Reading::WheelAngle { wheel, angle }));
+    let path = folder.0.join("again.mcap");
+    let names = ["left", "right"].map(String::from);
+    let mut writer = ReadingWriter::new(File::create(&path).unwrap(), &names).unwrap();
+    for record in &all {
+        writer.record(record).unwrap();
+    }
+    let (_, messages) = writer.finish().unwrap();
+    assert_eq!(messages, 2 * 2 + 1);
+    let text = format!("format = 1\nname = \"cart\"\n{WHEELS}");
+    let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    let log = Log::find_any(&[path], None, &robot.topics).unwrap();
+    let plain = |records: &[Record]| -> Vec<String> {
+        let mut out: Vec<_> = records
+            .iter()
+            .map(|record| format!("{} {:?}", record.time_ns, record.reading))
+            .collect();
+        out.sort();
+        out
+    };
+    assert_eq!(plain(&readings(&log)), plain(&all));
 }

@@ -49,7 +49,7 @@ proptest! {
         let mut to = writer.topic(&topic, "sensor_msgs/JointState").unwrap();
         let given: Vec<&str> = joints.iter().map(String::as_str).collect();
         let angles = vec![0.5; given.len()];
-        let message = build::joint_state(build::header(5, ""), &given, &angles, &[]);
+        let message = build::joint_state(build::header(5, ""), &given, [&angles, &[], &[]]);
         writer.send(&mut to, 5, &message).unwrap();
         writer.finish().unwrap();
         let file = read(suggest_for_survey(&Survey::read(&path, |_| ()).unwrap()))?;

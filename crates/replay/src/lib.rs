@@ -27,10 +27,12 @@
 #![forbid(unsafe_code)]
 
 mod align;
+mod backward;
 mod calibration;
 mod choice;
 mod dead_reckoning;
 mod error;
+mod fusion;
 mod quantiles;
 mod run;
 mod samples;
@@ -40,7 +42,8 @@ mod summary;
 pub use calibration::{Calibration, calibrate_radius};
 pub use dead_reckoning::{DeadReckoning, Odometry};
 pub use error::{Error, Result};
+pub use fusion::FusedSummary;
 pub use quantiles::Quantiles;
-pub use run::{Options, Row, Step, Take, run, run_with};
+pub use run::{Method, Options, Row, Step, Take, run, run_with};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};

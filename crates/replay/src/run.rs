@@ -2,20 +2,51 @@
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{Drive, Estimate, Estimator, Health, Motion, Reference};
+use grouser_slip::{Drive, Estimate, Estimator, Health, Motion, Reference, Slip, WheelEstimate};
 
 use crate::align::gyro_offset;
+use crate::backward::{Backward, joined};
 use crate::choice;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::fusion::Fusion;
 use crate::quantiles::Quantiles;
 use crate::samples::{sample, wheel_of};
 use crate::summary::{
     AlongSummary, Shares, Spread, Status, Summary, WheelSummary, YawSummary, overall,
 };
 
+/// How the slips of wheels are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By the filter of all sensors ([`grouser_slip::filter`]): a slip at each reading.
+    Filter,
+    /// By means over a window, wheels against one reference and nothing else.
+    Window,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 2] = [Self::Filter, Self::Window];
+
+    /// Its name in flags and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Filter => "filter",
+            Self::Window => "window",
+        }
+    }
+}
+
 /// What may be asked for beyond what the files say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
+    /// How the slips of wheels are found; `None`: by the filter, but by means over a window where the reference is
+    /// [`Reference::Grip`]: slips against the wheel that grips best are all that is observable then, and a filter would
+    /// answer with what it believed before.
+    pub method: Option<Method>,
+    /// Forwards and backwards over the log, by the filter: each moment by what came before and after it.
+    pub smooth: bool,
     /// What tells how fast the robot travels; `None`: the robot file's, else the best in the log.
     pub reference: Option<Reference>,
     /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
@@ -112,6 +143,14 @@ pub fn run_with(
 ) -> Result<Summary> {
     let mut replay = Replay::new(log, file, options)?;
     let shifts = replay.align(log, file)?;
+    if options.smooth {
+        let chosen = (
+            &replay.wheels[..],
+            replay.sensor,
+            replay.estimator.settings().reference,
+        );
+        replay.backward = Some(Backward::new(log, file, chosen, &shifts)?);
+    }
     for record in log.records(&shifts)? {
         let record = record?;
         if replay.group_ns.is_some_and(|group| group != record.time_ns) {
@@ -124,6 +163,9 @@ pub fn run_with(
         };
         // A refused sample is counted by the estimator; its wheel still gets its row.
         let _refused = replay.estimator.update(sample);
+        if let Some(fusion) = &mut replay.fusion {
+            fusion.update(sample);
+        }
         if let Some(wheel) = wheel_of(&sample.measurement) {
             replay.tallies[wheel].was_read = true;
         }
@@ -137,6 +179,11 @@ struct Replay<'a> {
     wheels: Vec<usize>,
     sensor: WheelSensor,
     estimator: Estimator,
+    /// By the filter's method.
+    fusion: Option<Fusion>,
+    backward: Option<Backward>,
+    /// The wheels by both directions.
+    smoothed: Vec<WheelEstimate>,
     window: f64,
     span: (f64, f64),
     start_ns: Option<i64>,
@@ -166,6 +213,13 @@ impl<'a> Replay<'a> {
         let mut settings = file.settings;
         settings.reference = choice::reference(log, file, sensor, options.reference)?;
         settings.window = options.window_s.unwrap_or(settings.window);
+        let method = options.method.unwrap_or(match settings.reference {
+            Reference::Grip => Method::Window,
+            _ => Method::Filter,
+        });
+        if options.smooth && method == Method::Window {
+            return Err(Error::NothingToSmooth);
+        }
         let tally = |_| Tally {
             was_read: false,
             slips: Quantiles::new(-1.0, 1.0),
@@ -176,6 +230,12 @@ impl<'a> Replay<'a> {
             wheels,
             sensor,
             estimator: Estimator::new(&file.robot, settings)?,
+            backward: None,
+            smoothed: Vec::new(),
+            fusion: match method {
+                Method::Filter => Some(Fusion::new(file, settings.reference)?),
+                Method::Window => None,
+            },
             window: settings.window,
             span: (
                 options.from_s.unwrap_or(f64::NEG_INFINITY),
@@ -219,9 +279,22 @@ impl<'a> Replay<'a> {
         };
         let time_s = now.saturating_sub(start) as f64 * 1e-9;
         let wanted = time_s >= self.span.0 && time_s <= self.span.1;
-        let Some(estimate) = self.estimator.latest() else {
+        let Some(mut estimate) = self.estimator.latest() else {
             return Ok(());
         };
+        if let Some(fusion) = &self.fusion {
+            estimate.wheels = match self.backward.as_mut().and_then(|all| all.at(now)) {
+                Some(after) => {
+                    self.smoothed.clear();
+                    let wheels = fusion.wheels().iter().zip(&after);
+                    self.smoothed
+                        .extend(wheels.map(|(wheel, after)| smoothed(wheel, *after)));
+                    &self.smoothed
+                }
+                None => fusion.wheels(),
+            };
+            estimate.body.motion = Some(fusion.motion());
+        }
         let mut any = false;
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if !std::mem::take(&mut tally.was_read) {
@@ -233,12 +306,17 @@ impl<'a> Replay<'a> {
                 continue;
             }
             let wheel = &estimate.wheels[index];
+            let described = &self.file.robot.wheels()[index];
+            // What a reference skids itself is not measured.
+            let is_reference = described.drive == Drive::Free
+                && self.estimator.settings().reference == Reference::FreeWheel;
+            let slip = wheel.slip.filter(|_| !is_reference);
             let row = Row {
                 time_s,
                 wheel: index,
-                name: &self.file.robot.wheels()[index].name,
-                slip: wheel.slip.map(grouser_slip::Slip::value),
-                slip_sigma: wheel.sigma,
+                name: &described.name,
+                slip: slip.map(grouser_slip::Slip::value),
+                slip_sigma: wheel.sigma.filter(|_| slip.is_some()),
                 motion: wheel.motion,
                 health: wheel.health,
             };
@@ -295,7 +373,11 @@ impl<'a> Replay<'a> {
             (Some(start), Some(end)) => end.saturating_sub(start) as f64 * 1e-9,
             _ => 0.0,
         };
-        let rejected = self.estimator.rejected();
+        let fused = self.fusion.as_ref().map(Fusion::summary);
+        let rejected = match &self.fusion {
+            Some(fusion) => fusion.rejected(),
+            None => self.estimator.rejected(),
+        };
         let none = self.tallies.iter().all(|tally| tally.slips.count() == 0);
         let wheels = robot.wheels().iter().zip(&self.tallies);
         let before = self.travel_before.unwrap_or_default();
@@ -327,7 +409,21 @@ impl<'a> Replay<'a> {
                 window: self.window,
             }),
             clock_offset_s: self.clock_offset_s,
+            fused,
             rejected,
         }
+    }
+}
+
+/// A wheel by what was known before and after.
+fn smoothed(wheel: &WheelEstimate, after: Option<(f64, f64)>) -> WheelEstimate {
+    let (Some(slip), Some(sigma), Some(after)) = (wheel.slip, wheel.sigma, after) else {
+        return *wheel;
+    };
+    let (slip, sigma) = joined((slip.value(), sigma), after);
+    WheelEstimate {
+        slip: Slip::new(slip).ok(),
+        sigma: Some(sigma),
+        ..*wheel
     }
 }

@@ -25,6 +25,11 @@ pub(crate) fn sample(record: &Record, wheels: &[usize], sensor: WheelSensor) -> 
                 rate,
             }
         }
+        Reading::WheelTorque { wheel, torque } => Measurement::WheelTorque {
+            wheel: wheels[wheel],
+            torque,
+        },
+        Reading::Acceleration { forward, left } => Measurement::Acceleration { forward, left },
         Reading::YawRate { rate } => Measurement::YawRate { rate },
         Reading::Displacement {
             forward,

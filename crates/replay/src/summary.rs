@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
+use crate::fusion::FusedSummary;
 use crate::quantiles::Quantiles;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
@@ -98,7 +99,7 @@ impl Status {
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,
-    /// The window of the estimates, s.
+    /// The window of the means, s.
     pub window_s: f64,
     /// What told how fast the robot travels.
     pub reference: Reference,
@@ -115,6 +116,8 @@ pub struct Summary {
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
+    /// What the filter said, where the slips are its.
+    pub fused: Option<FusedSummary>,
     /// Samples that were refused.
     pub rejected: Rejected,
 }

@@ -6,6 +6,7 @@ use super::geometry::Rect;
 use super::page::{Item, Page};
 use super::path::{Path, Step};
 use super::style::Colour;
+use crate::page_text::escaped;
 
 /// Writes the page.
 pub(super) fn write(page: &Page) -> String {
@@ -19,12 +20,12 @@ pub(super) fn write(page: &Page) -> String {
          viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{description}</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
     );
-    let clips = clips(page);
-    for (i, clip) in clips.iter().enumerate() {
-        let shape = data(&Path::rect(clip));
+    for clip in clips(page) {
+        let shape = data(&Path::rect(&clip));
         let _ = writeln!(
             svg,
-            "<clipPath id=\"clip{i}\"><path d=\"{shape}\"/></clipPath>"
+            "<clipPath id=\"{}\"><path d=\"{shape}\"/></clipPath>",
+            name(&clip)
         );
     }
     for item in &page.items {
@@ -44,7 +45,7 @@ pub(super) fn write(page: &Page) -> String {
                 } else {
                     String::new()
                 },
-                reference(&clips, *clip)
+                reference(*clip)
             ),
             Item::Stroke {
                 path,
@@ -60,7 +61,7 @@ pub(super) fn write(page: &Page) -> String {
                 hex(*colour),
                 number(*width),
                 dashes(dash),
-                reference(&clips, *clip)
+                reference(*clip)
             ),
             Item::Text {
                 path,
@@ -96,9 +97,16 @@ fn clips(page: &Page) -> Vec<Rect> {
     clips
 }
 
-fn reference(clips: &[Rect], clip: Option<Rect>) -> String {
-    let index = clip.and_then(|clip| clips.iter().position(|other| *other == clip));
-    index.map_or_else(String::new, |i| format!(" clip-path=\"url(#clip{i})\""))
+/// The name of a clip says its shape: figures that stand in one page share names only where they share shapes.
+fn name(clip: &Rect) -> String {
+    let sides = [clip.left, clip.top, clip.right, clip.bottom].map(number);
+    format!("clip_{}", sides.join("_"))
+}
+
+fn reference(clip: Option<Rect>) -> String {
+    clip.map_or_else(String::new, |clip| {
+        format!(" clip-path=\"url(#{})\"", name(&clip))
+    })
 }
 
 fn dashes(dash: &[f64]) -> String {
@@ -146,20 +154,4 @@ fn number(value: f64) -> String {
 
 fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
-}
-
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '&' => escaped.push_str("&amp;"),
-            '"' => escaped.push_str("&quot;"),
-            // XML has no place for most control characters, not even escaped.
-            letter if letter.is_control() => escaped.push(' '),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
 }

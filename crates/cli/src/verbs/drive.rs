@@ -1,11 +1,14 @@
 //! `drive`: a scenario simulated with estimator and controller in the loop.
 
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 use grouser_rover::drive::{Drive, Outcome as Ending, Pilot, Scenario, read_scenario};
 use rayon::prelude::*;
 
-use super::{drive_object, drive_optimum, drive_report, drive_tables, drive_text};
+use super::drive_log::Log;
+use super::drive_track::Track;
+use super::{drive_object, drive_optimum, drive_report, drive_text};
 use crate::error::{Error, Result};
 use crate::figure_file::ending;
 use crate::input::Input;
@@ -13,7 +16,6 @@ use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
-use drive_tables::Track;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -25,7 +27,7 @@ use drive_tables::Track;
     after_help = "Examples:\n  grouser drive examples/scenarios/sandbox.toml --report sandbox.html\n  \
         grouser drive examples/scenarios/soft-patch.toml --compare open-loop,fixed-slip,controller\n  \
         grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller --sweep 50 --json\n  \
-        grouser drive examples/scenarios/sandbox.toml -o drive.csv"
+        grouser drive examples/scenarios/sandbox.toml -o drive.mcap"
 )]
 pub(crate) struct Arguments {
     /// The scenario (.toml)
@@ -48,7 +50,7 @@ pub(crate) struct Arguments {
     /// Write a report that stands alone (.html)
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write the log of the sensors (.csv), which `estimate` reads; of the last named driver and the first seed
+    /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -78,7 +80,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         )));
     }
     let report = page(arguments)?;
-    let log = log(arguments)?;
     note_inputs(arguments, session)?;
     let scenario = read_scenario(&arguments.scenario)?;
     session.used_input(Input::open(&scenario.robot_file).and_then(|mut input| {
@@ -92,16 +93,24 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Some(slip) => slip,
         None => drive_optimum::running_slip(&scenario)?,
     };
-    let runs = drive_all(&scenario, &pilots, optimum, first, arguments.sweep)?;
+    let log = match &arguments.output {
+        Some(path) => Some(Log::begin(path, &scenario)?),
+        None => None,
+    };
+    let jobs = Jobs {
+        pilots: &pilots,
+        optimum,
+        first,
+        sweep: arguments.sweep,
+    };
+    let (runs, log) = drive_all(&scenario, &jobs, log)?;
     let mut text = drive_text::text(&scenario, optimum, &runs);
     let object = drive_object::object(&scenario, optimum, first, &runs);
-    if let Some(file) = log
-        && let Some(track) = runs.iter().rev().find_map(|run| run.track.as_ref())
-    {
-        text.push_str(&file.write_whole(drive_tables::log(&scenario, track).as_bytes())?);
+    if let Some(log) = log {
+        text.push_str(&log.finish()?);
     }
     if let Some(file) = report {
-        let page = drive_report::page(&scenario, optimum, &runs);
+        let page = drive_report::page(&scenario, optimum, &runs, &session.provenance());
         text.push_str(&file.write_whole(page.as_bytes())?);
     }
     Ok(Report::done(object, text))
@@ -132,19 +141,6 @@ fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
     OutputFile::create(path).map(Some)
 }
 
-fn log(arguments: &Arguments) -> Result<Option<OutputFile>> {
-    let Some(path) = &arguments.output else {
-        return Ok(None);
-    };
-    if ending(path).as_deref() != Some("csv") {
-        return Err(Error::usage_without_hint(format!(
-            "the log {} does not end in `.csv`",
-            path.display()
-        )));
-    }
-    OutputFile::create(path).map(Some)
-}
-
 fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
     let mut input = Input::open(&arguments.scenario)?;
     std::io::copy(&mut input, &mut std::io::sink())
@@ -153,28 +149,51 @@ fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
     Ok(())
 }
 
-/// Every driver with every seed, on all cores; in the order of drivers, then seeds.
-fn drive_all(
-    scenario: &Scenario,
-    pilots: &[Pilot],
+/// What is to be driven.
+struct Jobs<'a> {
+    pilots: &'a [Pilot],
     optimum: f64,
     first: u64,
     sweep: u64,
-) -> Result<Vec<Run>> {
-    let jobs: Vec<(Pilot, u64)> = pilots
+}
+
+/// Every driver with every seed, on all cores; in the order of drivers, then seeds. The log is of the last driver
+/// and the first seed.
+fn drive_all(
+    scenario: &Scenario,
+    jobs: &Jobs<'_>,
+    log: Option<Log>,
+) -> Result<(Vec<Run>, Option<Log>)> {
+    let first = jobs.first;
+    let list: Vec<(Pilot, u64)> = jobs
+        .pilots
         .iter()
-        .flat_map(|pilot| (0..sweep).map(move |i| (*pilot, first.wrapping_add(i))))
+        .flat_map(|pilot| (0..jobs.sweep).map(move |i| (*pilot, first.wrapping_add(i))))
         .collect();
-    let whole = scenario.duration * jobs.len() as f64;
-    let progress = Progress::of_drives(whole, jobs.len());
-    jobs.into_par_iter()
-        .map(|(pilot, seed)| {
-            let mut drive = Drive::new(scenario, pilot, optimum, seed)?;
-            let mut track = (seed == first).then(|| Track::new(scenario));
+    let seeds = list.len() / jobs.pilots.len().max(1);
+    let logged = list.len() - seeds;
+    let whole = scenario.duration * list.len() as f64;
+    let progress = Progress::of_drives(whole, list.len());
+    let log = Mutex::new(log);
+    let runs = list
+        .into_par_iter()
+        .enumerate()
+        .map(|(index, (pilot, seed))| {
+            let mut drive = Drive::new(scenario, pilot, jobs.optimum, seed)?;
+            let mut track = (seed == first).then(Track::default);
+            // one run alone holds the lock, for as long as it drives
+            let mut log = (index == logged).then(|| log.lock().ok()).flatten();
+            let mut failed = None;
             let mut told = 0.0;
             let result = drive.run(|frame| {
                 if let Some(track) = &mut track {
                     track.add(frame);
+                }
+                if let Some(log) = log.as_deref_mut().and_then(Option::as_mut)
+                    && let Err(error) = log.add(frame)
+                {
+                    failed = Some(log.refused(&error));
+                    return false;
                 }
                 if frame.time - told >= 1.0 {
                     progress.drove(
@@ -187,14 +206,18 @@ fn drive_all(
                 true
             });
             progress.drove(scenario.duration - told, 0.0, None);
-            Ok(Run {
-                pilot,
-                seed,
-                result,
-                track,
-            })
+            match failed {
+                Some(error) => Err(error),
+                None => Ok(Run {
+                    pilot,
+                    seed,
+                    result,
+                    track,
+                }),
+            }
         })
-        .collect()
+        .collect::<Result<Vec<Run>>>()?;
+    Ok((runs, log.into_inner().ok().flatten()))
 }
 
 /// How many of the runs of a driver ended so.

@@ -65,7 +65,7 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
 }
 
 /// How a driver fared over all seeds.
-fn summary(runs: &[Run], pilot: Pilot) -> String {
+pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
     let own: Vec<&Run> = runs.iter().filter(|run| run.pilot == pilot).collect();
     let mut energies: Vec<f64> = own
         .iter()

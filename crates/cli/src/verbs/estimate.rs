@@ -8,7 +8,7 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+    Method, Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -51,6 +51,12 @@ pub(crate) struct Arguments {
     soil: Option<OsString>,
     #[command(flatten)]
     overrides: Overrides,
+    /// How slips of wheels are found: by the filter of all sensors, or by means over a window against one reference; the filter unless told, but `window` where there is no reference
+    #[arg(long, value_name = "filter|window", value_parser = method)]
+    method: Option<Method>,
+    /// Forwards and backwards over the log: each moment by what came before and after it
+    #[arg(long)]
+    smooth: bool,
     /// What tells how fast the robot travels; the robot file's unless told
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
@@ -78,6 +84,12 @@ fn reference(name: &str) -> std::result::Result<Reference, String> {
             let names = Reference::ALL.map(Reference::name);
             format!("must be one of {}", names.join(", "))
         })
+}
+
+fn method(name: &str) -> std::result::Result<Method, String> {
+    let mut all = Method::ALL.into_iter();
+    all.find(|method| method.name() == name)
+        .ok_or_else(|| "must be one of filter, window".to_owned())
 }
 
 fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
@@ -114,12 +126,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let log = asked.log(&arguments.logs)?;
     let wheels = asked.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
-    // Clocks are aligned in a pass of their own.
-    let passes = if log.unaligned_sources().is_empty() {
-        1
-    } else {
-        2
-    };
+    // Clocks are aligned in a pass of their own, as is the way backwards.
+    let passes = 1 + u64::from(!log.unaligned_sources().is_empty()) + u64::from(arguments.smooth);
     let progress = Progress::of_bytes(Some(log.bytes() * passes));
     let mut watched = Watched {
         log: &log,
@@ -184,6 +192,8 @@ fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
         robot,
         map,
         options: Options {
+            method: arguments.method,
+            smooth: arguments.smooth,
             reference: arguments.reference,
             wheel_sensor: arguments.wheel_sensor,
             window_s: arguments.window_s,

@@ -1,7 +1,7 @@
 //! The JSON object of `estimate`.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{SoilReading, Spread, Summary};
+use grouser_replay::{FusedSummary, Method, SoilReading, Spread, Summary};
 use serde_json::{Value, json};
 
 use crate::report::Object;
@@ -61,6 +61,18 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         ("along", Value::Object(along)),
         ("yaw", yaw.unwrap_or(Value::Null)),
         (
+            "method",
+            Value::from(
+                if summary.fused.is_some() {
+                    Method::Filter
+                } else {
+                    Method::Window
+                }
+                .name(),
+            ),
+        ),
+        ("filter", summary.fused.as_ref().map_or(Value::Null, filter)),
+        (
             "rejected",
             json!({
                 "bad_value": rejected.bad_value,
@@ -81,6 +93,17 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
+}
+
+fn filter(fused: &FusedSummary) -> Value {
+    json!({
+        "distance_m": fused.distance,
+        "distance_of_wheels_m": fused.distance_of_wheels,
+        "readings": fused.readings,
+        "nis_mean": fused.nis,
+        "nis_within_95": fused.within_95,
+        "longest_without_reference_s": fused.longest_alone_s,
+    })
 }
 
 /// The topics that were used of bags and MCAP files.

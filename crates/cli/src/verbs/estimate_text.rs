@@ -3,7 +3,7 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{SoilReading, Spread, Summary, UNKNOWN};
+use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, UNKNOWN};
 use grouser_slip::Motion;
 
 use crate::table::Table;
@@ -15,12 +15,15 @@ pub(super) fn text(
     readings: &[SoilReading],
 ) -> String {
     let mut text = format!(
-        "{}: slip of {:.1} s, wheels by {}, reference: {}, windows of {} s\n\n",
+        "{}: slip of {:.1} s, wheels by {}, reference: {}, {}\n\n",
         robot.robot.name(),
         summary.duration_s,
         summary.wheel_sensor,
         summary.reference.name(),
-        summary.window_s,
+        match summary.fused {
+            Some(_) => "by the filter".to_owned(),
+            None => format!("windows of {} s", summary.window_s),
+        },
     );
     text.push_str(&wheels(summary));
     let along = &summary.along;
@@ -32,6 +35,9 @@ pub(super) fn text(
             along.travel_reference,
             slip(Some(overall)),
         );
+    }
+    if let Some(fused) = &summary.fused {
+        text.push_str(&filter(fused));
     }
     if let Some(yaw) = &summary.yaw
         && let Some(median) = yaw.residual.median
@@ -48,6 +54,22 @@ pub(super) fn text(
     if let Some(soil) = soil {
         let _ = writeln!(text, "\non {soil}, at each wheel's median slip and load:");
         text.push_str(&soils(readings));
+    }
+    text
+}
+
+/// How well the filter foresaw its readings.
+fn filter(fused: &FusedSummary) -> String {
+    let (Some(nis), Some(within)) = (fused.nis, fused.within_95) else {
+        return String::new();
+    };
+    let mut text = format!(
+        "filter: {} readings, squared residual over its variance {nis:.2} in the mean, {:.1} % within the expected 95 %\n",
+        fused.readings,
+        100.0 * within,
+    );
+    if let Some(alone) = fused.longest_alone_s {
+        let _ = writeln!(text, "longest without a believed reference: {alone:.2} s");
     }
     text
 }

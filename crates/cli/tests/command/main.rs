@@ -3,6 +3,7 @@
 
 mod batch;
 mod contract;
+mod drive;
 mod figures;
 mod hostile;
 mod interrupted;

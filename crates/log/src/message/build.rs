@@ -83,30 +83,47 @@ pub fn pose(x: f64, y: f64, yaw: f64) -> Value {
 
 /// `sensor_msgs/JointState`; what is not measured is empty.
 #[must_use]
-pub fn joint_state(header: Value, names: &[&str], position: &[f64], velocity: &[f64]) -> Value {
+pub fn joint_state(
+    header: Value,
+    names: &[&str],
+    [position, velocity, effort]: [&[f64]; 3],
+) -> Value {
     message([
         ("header", header),
         ("name", texts(names)),
         ("position", numbers(position)),
         ("velocity", numbers(velocity)),
-        ("effort", numbers(&[])),
+        ("effort", numbers(effort)),
     ])
 }
 
-/// `sensor_msgs/Imu` of a gyro alone: by their covariances, orientation and acceleration are absent, and
-/// the rates about x and y are not to be used.
+/// `sensor_msgs/Imu` of what a robot on the ground measures in its own frame: yaw rate (rad/s), and acceleration
+/// forwards and to the left (m/s²). By their covariances the orientation and what is `None` are absent, and the
+/// parts beside these are not to be used.
 #[must_use]
-pub fn yaw_gyro(header: Value, rate: f64) -> Value {
-    let absent = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let only_z = [f64::MAX, 0.0, 0.0, 0.0, f64::MAX, 0.0, 0.0, 0.0, 0.0];
+pub fn planar_imu(header: Value, yaw_rate: Option<f64>, acceleration: Option<[f64; 2]>) -> Value {
+    let diagonal = |[x, y, z]: [f64; 3]| numbers(&[x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z]);
+    let absent = [-1.0, 0.0, 0.0];
+    let rate = yaw_rate.map(|_| [f64::MAX, f64::MAX, 0.0]);
+    let force = acceleration.map(|_| [0.0, 0.0, f64::MAX]);
+    let [forward, left] = acceleration.unwrap_or_default();
     message([
         ("header", header),
         ("orientation", turn(0.0)),
-        ("orientation_covariance", numbers(&absent)),
-        ("angular_velocity", vector([0.0, 0.0, rate])),
-        ("angular_velocity_covariance", numbers(&only_z)),
-        ("linear_acceleration", vector([0.0; 3])),
-        ("linear_acceleration_covariance", numbers(&absent)),
+        ("orientation_covariance", diagonal(absent)),
+        (
+            "angular_velocity",
+            vector([0.0, 0.0, yaw_rate.unwrap_or(0.0)]),
+        ),
+        (
+            "angular_velocity_covariance",
+            diagonal(rate.unwrap_or(absent)),
+        ),
+        ("linear_acceleration", vector([forward, left, 0.0])),
+        (
+            "linear_acceleration_covariance",
+            diagonal(force.unwrap_or(absent)),
+        ),
     ])
 }
 

@@ -87,6 +87,8 @@ pub struct Imu {
     pub angular_rate_trust: [Trust; 3],
     /// m/s², gravity included; `None` where the covariance begins with -1.
     pub acceleration: Option<[f64; 3]>,
+    /// What the variances say of each acceleration.
+    pub acceleration_trust: [Trust; 3],
 }
 
 /// A pose and a twist; the twist is in the child frame.
@@ -210,6 +212,7 @@ impl View {
                     angular_rate: given("angular_velocity", "angular_velocity_covariance"),
                     angular_rate_trust: trust(value, "angular_velocity_covariance", [0, 4, 8]),
                     acceleration: given("linear_acceleration", "linear_acceleration_covariance"),
+                    acceleration_trust: trust(value, "linear_acceleration_covariance", [0, 4, 8]),
                 }))
             }
             "nav_msgs/Odometry" => Some(Self::Odometry(Odometry {

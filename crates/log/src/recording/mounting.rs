@@ -1,7 +1,7 @@
-//! How an IMU is mounted: which direction of its own frame points up.
+//! How an IMU is mounted: which directions of its own frame point forwards, to the left and up.
 //!
-//! Only that is needed for the yaw rate, Ω = u · ω. Two things tell it: the static transforms from the
-//! robot's base to the IMU's frame, and gravity, which an accelerometer at rest shows upwards.
+//! The yaw rate needs only the last, Ω = u · ω. Two things tell it: the static transforms from the robot's base to
+//! the IMU's frame, and gravity, which an accelerometer at rest shows upwards. Forwards is told by transforms alone.
 
 use std::collections::BTreeMap;
 
@@ -41,9 +41,9 @@ fn is_base(frame: &str) -> bool {
         .any(|base| frame == *base || frame.ends_with(&format!("/{base}")))
 }
 
-/// The direction in `frame` that points up by the transforms; `None` where they do not lead from it to
-/// the robot's base.
-pub(super) fn up_by_transforms(tree: &Tree, frame: &str) -> Option<[f64; 3]> {
+/// The directions in `frame` that point forwards, to the left and up by the transforms; `None` where they do not
+/// lead from it to the robot's base.
+pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 3]> {
     let mut frame = plain(frame);
     let mut rotations = Vec::new();
     while !is_base(frame) {
@@ -54,11 +54,13 @@ pub(super) fn up_by_transforms(tree: &Tree, frame: &str) -> Option<[f64; 3]> {
         }
         frame = parent;
     }
-    let mut up = [0.0, 0.0, 1.0];
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for rotation in rotations.into_iter().rev() {
-        up = turned_back(rotation, up)?;
+        for axis in &mut axes {
+            *axis = turned_back(rotation, *axis)?;
+        }
     }
-    Some(up)
+    Some(axes)
 }
 
 /// The mean of accelerations.
@@ -163,19 +165,22 @@ mod tests {
             &mut tree,
             &transform("/base_link", "mast", [half, 0.0, 0.0, half]),
         );
-        let up = up_by_transforms(&tree, "mast").unwrap();
+        let [forward, _, up] = axes_by_transforms(&tree, "mast").unwrap();
+        assert!((forward[0] - 1.0).abs() < 1e-15, "{forward:?}");
         assert!(
             up[0].abs() < 1e-15 && (up[1] - 1.0).abs() < 1e-15 && up[2].abs() < 1e-15,
             "{up:?}"
         );
         // And then about z by 90 degrees: the child's x axis is the mast's y axis.
         enter(&mut tree, &transform("mast", "imu", [0.0, 0.0, half, half]));
-        let up = up_by_transforms(&tree, "/imu").unwrap();
+        let [forward, left, up] = axes_by_transforms(&tree, "/imu").unwrap();
         assert!((up[0] - 1.0).abs() < 1e-15, "{up:?}");
-        assert_eq!(up_by_transforms(&tree, "camera"), None);
+        assert!((forward[1] + 1.0).abs() < 1e-15, "{forward:?}");
+        assert!((left[2] + 1.0).abs() < 1e-15, "{left:?}");
+        assert_eq!(axes_by_transforms(&tree, "camera"), None);
         enter(&mut tree, &transform("b", "a", [0.0, 0.0, 0.0, 1.0]));
         enter(&mut tree, &transform("a", "b", [0.0, 0.0, 0.0, 1.0]));
-        assert_eq!(up_by_transforms(&tree, "a"), None);
+        assert_eq!(axes_by_transforms(&tree, "a"), None);
     }
 
     #[test]

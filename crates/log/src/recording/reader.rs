@@ -120,6 +120,14 @@ fn readings(job: &Job, view: Option<&View>, value: &Value, mut push: impl FnMut(
                 });
             }
         }
+        (Job::Acceleration([forward, left]), Some(View::Imu(imu))) => {
+            if let Some(felt) = imu.acceleration {
+                push(Reading::Acceleration {
+                    forward: dot(*forward, felt),
+                    left: dot(*left, felt),
+                });
+            }
+        }
         (Job::Pose, Some(View::Odometry(odometry))) => {
             if let Some(yaw) = yaw(odometry.orientation).filter(|_| usable(&odometry.pose_trust)) {
                 let [x, y, _] = odometry.position;
@@ -225,6 +233,10 @@ fn wheel_readings(joints: &[(String, usize)], view: &View, mut push: impl FnMut(
                 }
                 if let Some(&rate) = state.velocity.get(place) {
                     push(Reading::WheelRate { wheel, rate });
+                }
+                // drivers that measure none say NaN
+                if let Some(&torque) = state.effort.get(place).filter(|e| e.is_finite()) {
+                    push(Reading::WheelTorque { wheel, torque });
                 }
             }
             View::WheelTicks { ticks, .. } => {

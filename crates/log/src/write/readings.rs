@@ -17,7 +17,8 @@ const SPEED: (&str, &str) = ("/ground_speed", "geometry_msgs/TwistStamped");
 const COMMAND: (&str, &str) = ("/cmd_vel", "geometry_msgs/TwistStamped");
 
 /// Writes records as messages: counters as `grouser_msgs/WheelTicks`, angles and rates as
-/// `sensor_msgs/JointState` with the wheels' names as joints, the yaw rate as `sensor_msgs/Imu`, a pose as
+/// `sensor_msgs/JointState` with the wheels' names as joints (torques as their efforts), yaw rate and acceleration as
+/// `sensor_msgs/Imu`, a pose as
 /// `geometry_msgs/PoseStamped`, speed over ground and command as `geometry_msgs/TwistStamped`, ways as
 /// `grouser_msgs/Displacement`. Wheels of one time and one source stand in one message.
 ///
@@ -80,15 +81,16 @@ impl<W: Write> ReadingWriter<W> {
             return Ok(());
         };
         let header = || build::header(time_ns, "base_link");
-        let (mut ticks, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut ticks, mut joints) = (Vec::new(), [const { Vec::new() }; 3]);
+        let (mut yaw_rate, mut acceleration) = (None, None);
         for record in &group {
             match record.reading {
                 Reading::WheelCount { wheel, raw } => ticks.push((wheel, raw)),
-                Reading::WheelAngle { wheel, angle } => angles.push((wheel, angle)),
-                Reading::WheelRate { wheel, rate } => rates.push((wheel, rate)),
-                Reading::YawRate { rate } => {
-                    self.send(IMU, time_ns, &build::yaw_gyro(header(), rate))?;
-                }
+                Reading::WheelAngle { wheel, angle } => joints[0].push((wheel, angle)),
+                Reading::WheelRate { wheel, rate } => joints[1].push((wheel, rate)),
+                Reading::WheelTorque { wheel, torque } => joints[2].push((wheel, torque)),
+                Reading::YawRate { rate } => yaw_rate = Some(rate),
+                Reading::Acceleration { forward, left } => acceleration = Some([forward, left]),
                 Reading::Displacement {
                     forward,
                     left,
@@ -114,21 +116,35 @@ impl<W: Write> ReadingWriter<W> {
                 }
             }
         }
+        if yaw_rate.is_some() || acceleration.is_some() {
+            let value = build::planar_imu(header(), yaw_rate, acceleration);
+            self.send(IMU, time_ns, &value)?;
+        }
         if !ticks.is_empty() {
             let (wheels, raw): (Vec<usize>, Vec<u64>) = ticks.into_iter().unzip();
             let value = build::wheel_ticks(header(), &self.names(&wheels), &raw);
             self.send(TICKS, time_ns, &value)?;
         }
-        let (turned, angles): (Vec<usize>, Vec<f64>) = angles.into_iter().unzip();
-        let (turning, rates): (Vec<usize>, Vec<f64>) = rates.into_iter().unzip();
-        // An array of a JointState holds all of its joints, or none.
-        let states: &[(&[usize], &[f64], &[f64])] = if turned == turning {
-            &[(&turned, &angles, &rates)]
-        } else {
-            &[(&turned, &angles, &[]), (&turning, &[], &rates)]
-        };
-        for (wheels, angles, rates) in states.iter().filter(|state| !state.0.is_empty()) {
-            let value = build::joint_state(header(), &self.names(wheels), angles, rates);
+        // An array of a JointState holds all of its joints, or none: what is measured of the same wheels shares one.
+        while let Some(first) = joints.iter().find(|part| !part.is_empty()) {
+            let wheels: Vec<usize> = first.iter().map(|(wheel, _)| *wheel).collect();
+            let states = joints.each_mut().map(|part| {
+                let alike = part.iter().map(|(wheel, _)| wheel).eq(&wheels);
+                let taken = if alike {
+                    std::mem::take(part)
+                } else {
+                    Vec::new()
+                };
+                taken
+                    .into_iter()
+                    .map(|(_, value)| value)
+                    .collect::<Vec<f64>>()
+            });
+            let value = build::joint_state(
+                header(),
+                &self.names(&wheels),
+                states.each_ref().map(Vec::as_slice),
+            );
             self.send(JOINTS, time_ns, &value)?;
         }
         Ok(())

@@ -13,6 +13,8 @@ pub(super) struct AttitudeFilter {
     /// Roll, pitch, yaw, rad.
     angles: Option<[f64; 3]>,
     last_ns: Option<i64>,
+    /// How long it has looked at gravity, s, up to `GRAVITY_TIME`.
+    looked: f64,
 }
 
 impl AttitudeFilter {
@@ -21,6 +23,7 @@ impl AttitudeFilter {
         Self {
             angles: Some([0.0, 0.0, heading]),
             last_ns: None,
+            looked: 0.0,
         }
     }
 
@@ -30,7 +33,6 @@ impl AttitudeFilter {
             return;
         }
         let [mut roll, mut pitch, mut yaw] = self.angles.unwrap_or_default();
-        let first = self.last_ns.is_none();
         let passed = self
             .last_ns
             .map_or(0.0, |last| time_ns.saturating_sub(last) as f64 * 1e-9);
@@ -49,11 +51,13 @@ impl AttitudeFilter {
             // what stands still feels gravity upwards
             let seen_roll = force.y.atan2(force.z);
             let seen_pitch = (-force.x).atan2(force.y.hypot(force.z));
-            let share = if first {
+            // at first a mean of all that was seen
+            let share = if self.looked == 0.0 {
                 1.0
             } else {
-                passed / (GRAVITY_TIME + passed)
+                passed / (self.looked + passed)
             };
+            self.looked = (self.looked + passed).clamp(1e-3, GRAVITY_TIME);
             roll += share * (seen_roll - roll);
             pitch += share * (seen_pitch - pitch);
         }

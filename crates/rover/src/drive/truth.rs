@@ -101,7 +101,7 @@ impl Scoring {
         } else {
             *wrong = 0.0;
         }
-        if speed >= LEAST_SPEED {
+        if speed >= LEAST_SPEED && seen.health == Health::Ok {
             self.count += 1;
             self.sum += off;
             self.square += off * off;

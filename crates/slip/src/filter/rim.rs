@@ -118,10 +118,13 @@ impl SlipFilter {
         let remainders = self.state.mean(remainder(index, !odd)) / window;
         let tick = self.wheels[index].tick;
         let counted = begun * tick * tick / 6.0 / (window * window);
+        // Where the rim starts, that slope is too small and would carry the slip beyond: what it lacks counts as noise.
+        let lacking = (faster * faster - usual * usual).max(0.0)
+            * self.state.variance_of(&self.slip_slopes(index));
         let seen = Scalar {
             slopes: &slopes,
             residual: u - forward - slip * faster - remainders,
-            variance: (rim.variance - counted).max(0.0) + wandered + CREEP * CREEP,
+            variance: (rim.variance - counted).max(0.0) + wandered + lacking + CREEP * CREEP,
         };
         if free {
             self.consider_skid(index, to_ns);

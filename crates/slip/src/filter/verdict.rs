@@ -149,7 +149,12 @@ impl SlipFilter {
             sigma: shows.then_some(sigma),
             forward_speed: Some(forward),
             rim_speed: Some(rim),
-            motion: Some(measured.motion),
+            motion: Some(match measured.motion {
+                // one window is noisier than the slip
+                Motion::Driving | Motion::Braking if slip < 0.0 => Motion::Braking,
+                Motion::Driving | Motion::Braking => Motion::Driving,
+                other => other,
+            }),
             health: measured.health,
             until_ns: Some(until_ns),
             last_good_age: None,

@@ -21,6 +21,8 @@ pub(super) enum Job {
     Joints(Vec<(String, usize)>),
     /// The yaw rate about this direction.
     YawRate([f64; 3]),
+    /// The acceleration along these directions, forwards and to the left.
+    Acceleration([[f64; 3]; 2]),
     /// A pose.
     Pose,
     /// A speed over ground.
@@ -120,6 +122,7 @@ impl<'a> Choosing<'a> {
             let name = &seen.channel.topic;
             seen.view.is_some()
                 && !topics.ignore.contains(name)
+                && !names::is_of_a_simulation(name)
                 && !topics.named().any(|other| other == name)
         })
     }
@@ -158,7 +161,7 @@ impl<'a> Choosing<'a> {
 
     fn measures_wheels(&self) -> bool {
         let mut all = self.choice.topics.iter().flat_map(|c| &c.measures);
-        all.any(|(meaning, _)| meaning.is_of_a_wheel())
+        all.any(|(meaning, _)| meaning.is_of_a_wheel() && *meaning != Meaning::WheelTorque)
     }
 
     /// Stamps count, unless they cannot be of one clock.

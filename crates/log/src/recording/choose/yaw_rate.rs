@@ -1,4 +1,4 @@
-//! Which topic measures the yaw rate, and about which direction.
+//! Which topic is the inertial unit, and how it is mounted: yaw rate and acceleration.
 
 use grouser_files::columns::Meaning;
 
@@ -6,7 +6,7 @@ use super::names::words;
 use super::{Choosing, Job, Seen};
 use crate::error::Result;
 use crate::message::{Imu, Trust, View};
-use crate::recording::mounting::{agree, up_by_transforms};
+use crate::recording::mounting::{agree, axes_by_transforms};
 
 impl Choosing<'_> {
     pub(super) fn yaw_rate(&mut self) -> Result<()> {
@@ -47,7 +47,32 @@ impl Choosing<'_> {
         let align = self.topics.align_clock;
         let chosen = self.take(seen, Job::YawRate(up), word, [(Meaning::YawRate, None)]);
         chosen.align = align;
+        self.acceleration(seen, imu, up);
         Ok(())
+    }
+
+    /// The acceleration, where transforms tell which way is forwards and nothing contradicts them: gravity least of
+    /// all, which drivers without an accelerometer leave out.
+    fn acceleration(&mut self, seen: &Seen, imu: &Imu, up: [f64; 3]) {
+        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let Some([forward, left, _]) = axes.filter(|axes| agree(axes[2], up)) else {
+            return;
+        };
+        let unusable = |axis: usize| imu.acceleration_trust[axis] == Trust::DoNotUse;
+        let along = |direction: [f64; 3]| (0..3).filter(move |axis| direction[*axis].abs() > 0.1);
+        let mut needed = along(forward).chain(along(left));
+        let planar = along(up).any(unusable);
+        let is_felt = planar || seen.accelerations.up().is_some_and(|felt| agree(felt, up));
+        if imu.acceleration.is_none() || needed.any(unusable) || !is_felt {
+            return;
+        }
+        let measures = [Meaning::AccelerationForward, Meaning::AccelerationLeft];
+        self.take(
+            seen,
+            Job::Acceleration([forward, left]),
+            "acceleration",
+            measures.map(|meaning| (meaning, None)),
+        );
     }
 
     /// Which way is up for an IMU, and what tells it.
@@ -56,7 +81,8 @@ impl Choosing<'_> {
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
         }
-        let by_transforms = up_by_transforms(&self.peek.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let by_transforms = axes.map(|[_, _, up]| up);
         match (by_transforms, seen.accelerations.up()) {
             (Some(up), None) => (up, "by its transforms"),
             (Some(up), Some(gravity)) if agree(up, gravity) => (up, "by its transforms"),
