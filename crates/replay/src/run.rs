@@ -24,7 +24,7 @@ use crate::summary::{
 /// What may be asked for beyond what the files say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Which engine finds the slips; `None`: the filter, unless the robot has too many wheels for it.
+    /// Which engine finds the slips; `None`: the filter where something tells how fast the robot travels.
     pub method: Option<Method>,
     /// Runs the filter forward and backward: every slip is then what the whole log says of it.
     pub smooth: bool,
@@ -195,9 +195,11 @@ impl<'a> Replay<'a> {
         let mut settings = file.settings;
         settings.reference = choice::reference(log, file, sensor, options.reference)?;
         settings.window = options.window_s.unwrap_or(settings.window);
-        let method = options.method.unwrap_or_else(|| Method::of(&file.robot));
+        let method = options
+            .method
+            .unwrap_or_else(|| Method::of(&file.robot, settings.reference));
         let fusion = match method {
-            Method::Filter => Some(Fusion::new(&file.robot, &settings, options.smooth)?),
+            Method::Filter => Some(Fusion::new(file, &settings, options.smooth)?),
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => None,
         };
