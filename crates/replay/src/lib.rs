@@ -43,6 +43,7 @@ mod samples;
 mod smooth;
 mod soil_reading;
 mod summary;
+mod turn_watch;
 
 pub use calibration::{Calibration, calibrate_radius};
 pub use consistency::Consistency;
@@ -55,3 +56,4 @@ pub use run::{Options, Row, Step, Take, run, run_with};
 pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
+pub use turn_watch::TurnCheck;
