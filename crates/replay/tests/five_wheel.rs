@@ -10,7 +10,7 @@ mod shipped;
 
 use std::path::PathBuf;
 
-use grouser_replay::{Options, Quantiles, Row, run, soil_readings};
+use grouser_replay::{Method, Options, Quantiles, Row, run, soil_readings};
 use grouser_slip::{Health, Motion, Reference};
 use grouser_synthetic::FiveWheel;
 use grouser_terra::catalogue;
@@ -19,6 +19,17 @@ use shipped::{example, root};
 fn log() -> PathBuf {
     root().join("examples/five-wheel/log.csv")
 }
+
+/// Means over windows.
+const BY_WINDOW: Options = Options {
+    method: Some(Method::Window),
+    smooth: false,
+    reference: None,
+    wheel_sensor: None,
+    window_s: None,
+    from_s: None,
+    to_s: None,
+};
 
 struct Kept {
     time_s: f64,
@@ -43,7 +54,7 @@ fn rows() -> Vec<Kept> {
         }
         Ok(())
     };
-    let summary = run(&five.log(log()), &five.robot, &Options::default(), keep).unwrap();
+    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, keep).unwrap();
     assert_eq!(summary.reference, Reference::FreeWheel);
     assert_eq!(summary.rejected.total(), 0);
     kept
@@ -149,7 +160,7 @@ fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
 fn the_patch_the_brake_and_the_stops_are_told_apart() {
     let five = example("five-wheel");
     let mut motions = Vec::new();
-    let summary = run(&five.log(log()), &five.robot, &Options::default(), |row| {
+    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, |row| {
         motions.push((row.time_s, row.wheel, row.motion, row.slip));
         Ok(())
     })
@@ -198,7 +209,7 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
     let options = Options {
         from_s: Some(17.0),
         to_s: Some(19.0),
-        ..Options::default()
+        ..BY_WINDOW
     };
     let summary = five.summary(log(), &options);
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
