@@ -35,6 +35,8 @@ fn run_object(scenario: &Scenario, run: &Run) -> Value {
         "energy_books_error": result.energy_error,
         "slip_rmse": result.slip.rmse,
         "slip_bias": result.slip.bias,
+        "slip_squared_error_over_variance": result.slip.nees,
+        "slip_wrong_longest_s": result.slip.longest_wrong,
         "worst_slip": result.worst_slip,
         "refused_samples": result.refused,
         "decision_count": result.decision_count,
