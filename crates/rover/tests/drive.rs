@@ -23,12 +23,13 @@ fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
         .unwrap()
         .run(|_| true);
     println!(
-        "{} {} {seed}: {} after {:.2} m, slip rmse {:.4}, squared error over variance {:.2}, longest wrong {:.2} s",
+        "{} {} {seed}: {} after {:.2} m, slip rmse {:.4}, without starts {:.4}, squared error over variance {:.2}, longest wrong {:.2} s",
         scenario.name,
         pilot.name(),
         result.outcome.name(),
         result.distance,
         result.slip.rmse.unwrap_or(0.0),
+        result.slip.settled.unwrap_or(0.0),
         result.slip.nees.unwrap_or(0.0),
         result.slip.longest_wrong,
     );
@@ -38,13 +39,15 @@ fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
 /// What the filter calls Ok is never off by more than four sigma for a second, and its sigmas are not too small.
 #[test]
 fn slips_called_ok_hold() {
-    for (name, most) in [("sandbox", 0.04), ("slope", 0.02), ("dunes", 0.025)] {
+    for (name, most) in [("sandbox", 0.025), ("slope", 0.02), ("dunes", 0.02)] {
         let scenario = scenario(name);
         let result = drive(&scenario, Pilot::Controller, scenario.seed);
         assert_eq!(result.outcome, Outcome::Arrived);
         assert!(result.slip.longest_wrong < 1.0);
         assert!(result.slip.nees.unwrap() < 1.2);
-        assert!(result.slip.rmse.unwrap() < most);
+        // a start from standstill is another matter: the soil is not sheared yet
+        assert!(result.slip.settled.unwrap() < most);
+        assert!(result.slip.rmse.unwrap() < 3.0 * most);
         assert!(result.energy_error.abs() < 0.01);
     }
 }

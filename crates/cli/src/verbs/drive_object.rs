@@ -34,6 +34,7 @@ fn run_object(scenario: &Scenario, run: &Run) -> Value {
         "energy_in_soil_j": ledger.soil,
         "energy_books_error": result.energy_error,
         "slip_rmse": result.slip.rmse,
+        "slip_rmse_without_starts": result.slip.settled,
         "slip_bias": result.slip.bias,
         "slip_squared_error_over_variance": result.slip.nees,
         "slip_wrong_longest_s": result.slip.longest_wrong,
