@@ -1,6 +1,8 @@
 //! Odometry out of the estimates: the robot's speeds, integrated, with the slip in their covariance.
 
-use grouser_slip::{BodyEstimate, BodyMotion};
+use grouser_slip::BodyMotion;
+
+use crate::moment::Moment;
 
 /// A pose from the beginning of the log, with the speeds that led there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +15,10 @@ pub struct Odometry {
     pub velocity: [f64; 3],
     /// Covariance of the three.
     pub velocity_covariance: [[f64; 3]; 3],
+    /// The way that led there, m, forwards and back counted as ways.
+    pub distance: f64,
+    /// The same by the powered wheels alone, without compensation of slip, m.
+    pub distance_of_wheels: f64,
 }
 
 /// Integrates the robot's motion: by the reference, else by the wheels.
@@ -24,29 +30,30 @@ pub struct Odometry {
 ///
 /// Assumes: level ground. Speeds are means over a window, so that the pose lags by half of it.
 #[derive(Clone, Debug)]
-pub struct DeadReckoning {
+pub(crate) struct DeadReckoning {
     window: f64,
     until_ns: Option<i64>,
     pose: [f64; 3],
     covariance: [[f64; 3]; 3],
+    distances: [f64; 2],
 }
 
 impl DeadReckoning {
     /// Begins at the origin; `window` is that of the estimates, s.
-    #[must_use]
-    pub const fn new(window: f64) -> Self {
+    pub(crate) const fn new(window: f64) -> Self {
         Self {
             window,
             until_ns: None,
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
+            distances: [0.0; 2],
         }
     }
 
     /// The odometry after an estimate; `None` where it says nothing new, or no motion is known.
-    pub fn step(&mut self, body: &BodyEstimate) -> Option<Odometry> {
-        let until_ns = body.until_ns?;
-        let motion = body.motion.or(body.wheels_motion)?;
+    pub(crate) fn step(&mut self, moment: &Moment) -> Option<Odometry> {
+        let until_ns = moment.until_ns?;
+        let motion = moment.motion?;
         let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
         if until_ns < last_ns {
             return None;
@@ -54,7 +61,10 @@ impl DeadReckoning {
         // A gap is no motion that was seen.
         let seconds = ((until_ns - last_ns) as f64 * 1e-9).min(self.window);
         let mut covariance = motion.covariance;
-        if let Some(wheels) = body.wheels_motion {
+        if let Some(wheels) = moment.wheels_motion {
+            let (by_wheels, along) = along_the_wheels(&wheels, &motion);
+            self.distances[0] += along.abs() * seconds;
+            self.distances[1] += by_wheels * seconds;
             covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
         }
         self.advance(&motion, &covariance, seconds);
@@ -63,6 +73,8 @@ impl DeadReckoning {
             pose_covariance: self.covariance,
             velocity: motion.velocity,
             velocity_covariance: covariance,
+            distance: self.distances[0],
+            distance_of_wheels: self.distances[1],
         })
     }
 
@@ -89,6 +101,18 @@ impl DeadReckoning {
     }
 }
 
+/// Speed by the wheels, and the robot's along the way of its wheels, m/s.
+fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
+    let [w_x, w_y, _] = wheels.velocity;
+    let [v_x, v_y, _] = motion.velocity;
+    let speed = w_x.hypot(w_y);
+    if speed > 0.0 {
+        (speed, (w_x * v_x + w_y * v_y) / speed)
+    } else {
+        (0.0, 0.0)
+    }
+}
+
 /// A P Aᵀ.
 fn sandwich(a: &[[f64; 3]; 3], p: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut out = [[0.0; 3]; 3];
@@ -108,16 +132,18 @@ fn sandwich(a: &[[f64; 3]; 3], p: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 mod tests {
     use super::*;
 
-    fn body(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> BodyEstimate {
+    fn moment(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> Moment {
         let motion = |velocity| BodyMotion {
             velocity,
             covariance: [[variance, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
         };
-        BodyEstimate {
+        Moment {
+            time_ns: until_s * 1_000_000_000,
+            read: 1,
+            wheels: Vec::new(),
             motion: Some(motion(velocity)),
             wheels_motion: Some(motion(wheels)),
             until_ns: Some(until_s * 1_000_000_000),
-            ..BodyEstimate::default()
         }
     }
 
@@ -127,7 +153,7 @@ mod tests {
         let turn = std::f64::consts::TAU / 100.0;
         let mut last = None;
         for second in 0..=100 {
-            last = reckoning.step(&body(second, [0.2, 0.0, turn], [0.3, 0.0, turn], 1e-4));
+            last = reckoning.step(&moment(second, [0.2, 0.0, turn], [0.3, 0.0, turn], 1e-4));
         }
         let odometry = last.unwrap();
         assert!(
@@ -135,6 +161,8 @@ mod tests {
             "{odometry:?}"
         );
         assert!((odometry.pose[2] - std::f64::consts::TAU).abs() < 1e-12);
+        assert!((odometry.distance - 20.0).abs() < 1e-9);
+        assert!((odometry.distance_of_wheels - 30.0).abs() < 1e-9);
         // 0.1 m/s of slip: 1e-4 + 0.1² m²/s².
         assert!((odometry.velocity_covariance[0][0] - 0.0101).abs() < 1e-15);
         // In a hundred windows, along x and y together: 100 · 0.0101 m².
@@ -145,6 +173,10 @@ mod tests {
     #[test]
     fn nothing_known_is_nothing_said() {
         let mut reckoning = DeadReckoning::new(0.5);
-        assert_eq!(reckoning.step(&BodyEstimate::default()), None);
+        let nothing = Moment {
+            motion: None,
+            ..moment(0, [0.0; 3], [0.0; 3], 1.0)
+        };
+        assert_eq!(reckoning.step(&nothing), None);
     }
 }

@@ -48,20 +48,14 @@ pub enum Error {
         /// What it needs.
         needs: &'static str,
     },
+    /// Means over windows are not smoothed.
+    #[error("`--smooth` joins two runs of the filter; means over windows have none")]
+    NothingToSmooth,
     /// Counts without a number of ticks per turn.
     #[error("wheel `{wheel}` is measured by counts, but its description has no `ticks_per_turn`")]
     NoTicks {
         /// The wheel.
         wheel: String,
-    },
-    /// Means over a window have nothing to run backwards.
-    #[error("smoothing runs the filter forwards and backwards, but the method is `window`")]
-    NothingToSmooth,
-    /// Too many samples to be held for a run backwards.
-    #[error("the log has more than {limit} samples, the most that `smooth` holds in memory")]
-    TooLong {
-        /// The limit.
-        limit: usize,
     },
     /// The soil cannot be asked without the wheel's size and load.
     #[error("wheel `{wheel}` has no `{key}` in the robot file, which the soil model needs")]

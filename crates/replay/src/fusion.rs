@@ -1,140 +1,209 @@
-//! A log through the filter: all sensors together, each wheel's slip with its sigma.
+//! A log through the slip filter.
 
 use grouser_files::robot::RobotFile;
-use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
-use grouser_slip::{BodyMotion, Measurement, Reference, Sample, WheelEstimate};
-
-use crate::error::Result;
-
-/// 95 % of the squares of a normal deviate are below this (χ² of one degree of freedom).
-const CHI_95: f64 = 3.841;
-
-/// Of a robot on any ground: nobody has told what its wheels demand.
-const NOTHING_KNOWN: SlipPrior = SlipPrior {
-    mean: 0.2,
-    sigma: 0.5,
+use grouser_slip::detect::{Change, DetectSettings, Detector};
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::{
+    BodyEstimate, Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, Settings,
 };
 
-/// How far the slips of its wheels are apart, and for how long, s: some may be in the soft patch that others are still before.
-const WHEELS_APART: (f64, f64) = (0.3, 5.0);
+use crate::consistency::{Consistency, Kind, Residuals};
+use crate::error::Result;
+use crate::gather::Gather;
+use crate::method::is_heard;
+use crate::moment::Moment;
+use crate::smooth::Smoother;
 
-/// What the filter said of a whole log.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// At most so many changes of events are kept: the first of the log.
+const EVENTS: usize = 10_000;
+
+/// What the filter says of itself after a log.
+#[derive(Clone, Debug, PartialEq)]
 pub struct FusedSummary {
-    /// Way forwards, m, by all sensors.
-    pub distance: f64,
-    /// The same by the powered wheels without compensation of their slip, m.
-    pub distance_of_wheels: f64,
-    /// Readings that were compared with what was expected.
-    pub readings: u64,
-    /// Mean of their squared residuals over the variance that was expected (NIS): 1 is honest.
-    pub nis: Option<f64>,
-    /// Share of them within the expected 95 %.
-    pub within_95: Option<f64>,
-    /// The longest time without a believed reference, s; `None` if there never was one.
-    pub longest_alone_s: Option<f64>,
+    /// Were both directions of time used?
+    pub is_smoothed: bool,
+    /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
+    pub consistency: Vec<(&'static str, Consistency)>,
+    /// Samples missing between those that came, by each sensor's usual period.
+    pub dropped: u64,
+    /// How often the clock was set.
+    pub clock_steps: u64,
+    /// What began and ended: the first ten thousand of it.
+    pub events: Vec<EventAt>,
+    /// How many more there were.
+    pub more_events: u64,
+    pub(crate) rejected: Rejected,
 }
 
-/// The filter with what it is given of a log.
+/// An event that began or ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventAt {
+    /// When it was called, s from the log's start.
+    pub time_s: f64,
+    /// What happened.
+    pub change: Change,
+}
+
+/// The filter, what is counted of it, and what looks back.
+#[derive(Debug)]
 pub(crate) struct Fusion {
-    filter: SlipFilter,
+    robot: Robot,
     reference: Reference,
-    readings: u64,
-    sum: f64,
-    within: u64,
-    longest_alone: Option<f64>,
-    last: f64,
+    gather: Gather,
+    waiting: Vec<Sample>,
+    filter: SlipFilter,
+    residuals: Residuals,
+    detector: Detector,
+    torques: Vec<Option<f64>>,
+    start_ns: Option<i64>,
+    events: Vec<EventAt>,
+    more_events: u64,
+    smoother: Option<Smoother>,
+    is_smoothed: bool,
 }
 
 impl Fusion {
-    /// For a robot whose speed `reference` tells.
-    pub(crate) fn new(file: &RobotFile, reference: Reference) -> Result<Self> {
-        let own = &file.settings;
-        let standard = FilterSettings::default();
-        let settings = FilterSettings {
-            standstill_speed: own.standstill_speed,
-            low_speed: own.low_speed,
-            max_sigma: own.max_sigma,
-            max_speed: own.max_speed,
-            dropout: own.dropout,
-            position_sigma: own.position_sigma,
-            speed_sigma: own.speed_sigma,
-            yaw_rate_sigma: own.yaw_rate_sigma,
-            lateral_sigma: own.lateral_sigma,
-            slip: NOTHING_KNOWN,
-            wheel_slip_sigma: WHEELS_APART.0,
-            wheel_slip_memory: WHEELS_APART.1,
-            ..standard
+    pub(crate) fn new(file: &RobotFile, settings: &Settings, smooth: bool) -> Result<Self> {
+        let robot = &file.robot;
+        let own = FilterSettings {
+            // a log is in order of time: there is nothing to wait for
+            horizon: 0.0,
+            ..file.filter
+        };
+        let detect = DetectSettings {
+            standstill_speed: settings.standstill_speed,
+            ..DetectSettings::default()
         };
         Ok(Self {
-            filter: SlipFilter::new(&file.robot, settings)?,
-            reference,
-            readings: 0,
-            sum: 0.0,
-            within: 0,
-            longest_alone: None,
-            last: f64::NAN,
+            gather: Gather::over(0.5 * settings.window),
+            waiting: Vec::new(),
+            filter: SlipFilter::new(robot, own)?,
+            detector: Detector::new(robot, detect)?,
+            residuals: Residuals::default(),
+            torques: vec![None; robot.wheels().len()],
+            reference: settings.reference,
+            robot: robot.clone(),
+            start_ns: None,
+            events: Vec::new(),
+            more_events: 0,
+            smoother: smooth.then(|| Smoother::new(robot, own)),
+            is_smoothed: smooth,
         })
     }
 
-    /// Gives the filter a sample; of motion only that of the reference: a log's others may be made of the wheels.
+    /// A sample of the time at hand: which of them stands first in the log must not matter.
     pub(crate) fn update(&mut self, sample: Sample) {
-        let of = match sample.measurement {
-            Measurement::Displacement { .. } => Some(Reference::Displacement),
-            Measurement::Pose { .. } => Some(Reference::Pose),
-            Measurement::Speed { .. } => Some(Reference::Speed),
-            _ => None,
-        };
-        if of.is_some_and(|of| of != self.reference) {
+        if is_heard(&sample.measurement, self.reference, &self.robot) {
+            self.waiting.extend(self.gather.take(sample));
+        }
+    }
+
+    fn take(&mut self, sample: Sample) {
+        if let Measurement::WheelTorque { wheel, torque } = sample.measurement
+            && let Some(slot) = self.torques.get_mut(wheel)
+        {
+            *slot = Some(torque);
+        }
+        let Ok(known) = self.filter.update(sample) else {
             return;
+        };
+        if let Some(kind) = kind_of(&sample.measurement) {
+            self.residuals.add(kind, known.body.nis);
         }
-        // A refused sample is counted by the filter.
-        let _refused = self.filter.update(sample);
-        let latest = self.filter.latest();
-        let nis = latest.body.nis;
-        if nis.to_bits() != self.last.to_bits() {
-            self.last = nis;
-            self.readings += 1;
-            self.sum += nis;
-            self.within += u64::from(nis <= CHI_95);
-        }
-        if let Some(age) = latest.reference_age {
-            self.longest_alone = Some(self.longest_alone.map_or(age, |longest| longest.max(age)));
+        if let Some(smoother) = &mut self.smoother {
+            smoother.hear(sample);
         }
     }
 
-    pub(crate) fn wheels(&self) -> &[WheelEstimate] {
-        self.filter.latest().wheels
+    /// All samples of one time have been taken; gives the moments that are done.
+    pub(crate) fn close(
+        &mut self,
+        now_ns: i64,
+        read: u64,
+        body: &BodyEstimate,
+    ) -> Result<Vec<Moment>> {
+        let mut samples = std::mem::take(&mut self.waiting);
+        samples.sort_by_key(|sample| rank(&sample.measurement));
+        for sample in samples.drain(..) {
+            self.take(sample);
+        }
+        self.waiting = samples;
+        let known = self.filter.latest();
+        let mut moment = Moment::by_filter(now_ns, read, known.wheels, &known.body, body);
+        let start_ns = *self.start_ns.get_or_insert(now_ns);
+        if read != 0 {
+            let changes = self.detector.update(now_ns, known.wheels, &self.torques);
+            for change in changes {
+                if self.events.len() < EVENTS {
+                    self.events.push(EventAt {
+                        time_s: now_ns.saturating_sub(start_ns) as f64 * 1e-9,
+                        change,
+                    });
+                } else {
+                    self.more_events += 1;
+                }
+            }
+        }
+        for (index, wheel) in moment.wheels.iter_mut().enumerate() {
+            if self.reference == Reference::Grip && wheel.health == Health::Ok {
+                // what told the speed was a standstill, and that is over
+                wheel.health = Health::Degraded(Degraded::Relative);
+            }
+            wheel.motion = self.detector.motion(index, wheel.motion);
+        }
+        match &mut self.smoother {
+            Some(smoother) => smoother.push(moment),
+            None => Ok(vec![moment]),
+        }
     }
 
-    /// The robot's motion.
-    pub(crate) fn motion(&self) -> BodyMotion {
-        let body = self.filter.latest().body;
-        let parts = [body.forward, body.left, body.yaw_rate];
-        let mut covariance = [[0.0; 3]; 3];
-        for (i, part) in parts.iter().enumerate() {
-            covariance[i][i] = part.variance;
-        }
-        BodyMotion {
-            velocity: parts.map(|part| part.value),
-            covariance,
-        }
-    }
-
-    pub(crate) fn rejected(&self) -> grouser_slip::Rejected {
-        self.filter.latest().rejected
+    /// The log is over: gives the moments that waited.
+    pub(crate) fn finish(&mut self) -> Result<Vec<Moment>> {
+        let left = self.smoother.take().map(Smoother::finish).transpose()?;
+        Ok(left.unwrap_or_default())
     }
 
     pub(crate) fn summary(&self) -> FusedSummary {
-        let body = self.filter.latest().body;
-        let count = (self.readings > 0).then_some(self.readings as f64);
+        let known = self.filter.latest();
         FusedSummary {
-            distance: body.distance,
-            distance_of_wheels: body.distance_of_wheels,
-            readings: self.readings,
-            nis: count.map(|count| self.sum / count),
-            within_95: count.map(|count| self.within as f64 / count),
-            longest_alone_s: self.longest_alone,
+            is_smoothed: self.is_smoothed,
+            consistency: self.residuals.summary(),
+            dropped: known.dropped,
+            clock_steps: known.clock_steps,
+            events: self.events.clone(),
+            more_events: self.more_events,
+            rejected: known.rejected,
         }
+    }
+}
+
+/// What is taken first of one time: what moves the state on, then the wheels, then what is held against both.
+const fn rank(measurement: &Measurement) -> (u8, usize) {
+    match *measurement {
+        Measurement::Acceleration { .. } => (1, 0),
+        Measurement::YawRate { .. } => (2, 0),
+        Measurement::WheelTorque { wheel, .. } => (3, wheel),
+        Measurement::WheelCount { wheel, .. }
+        | Measurement::WheelEdge { wheel, .. }
+        | Measurement::WheelAngle { wheel, .. }
+        | Measurement::WheelRate { wheel, .. } => (4, wheel),
+        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
+            (5, 0)
+        }
+        _ => (0, 0),
+    }
+}
+
+const fn kind_of(measurement: &Measurement) -> Option<Kind> {
+    match measurement {
+        Measurement::WheelCount { .. }
+        | Measurement::WheelEdge { .. }
+        | Measurement::WheelAngle { .. }
+        | Measurement::WheelRate { .. } => Some(Kind::Wheel),
+        Measurement::YawRate { .. } => Some(Kind::YawRate),
+        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
+            Some(Kind::Reference)
+        }
+        _ => None,
     }
 }

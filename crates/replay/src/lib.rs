@@ -27,23 +27,33 @@
 #![forbid(unsafe_code)]
 
 mod align;
-mod backward;
 mod calibration;
 mod choice;
+mod consistency;
 mod dead_reckoning;
 mod error;
 mod fusion;
+mod gather;
+mod method;
+mod moment;
 mod quantiles;
+mod reversed;
 mod run;
 mod samples;
+mod smooth;
 mod soil_reading;
 mod summary;
+mod turn_watch;
 
 pub use calibration::{Calibration, calibrate_radius};
-pub use dead_reckoning::{DeadReckoning, Odometry};
+pub use consistency::Consistency;
+pub use dead_reckoning::Odometry;
 pub use error::{Error, Result};
-pub use fusion::FusedSummary;
+pub use fusion::{EventAt, FusedSummary};
+pub use method::Method;
 pub use quantiles::Quantiles;
-pub use run::{Method, Options, Row, Step, Take, run, run_with};
+pub use run::{Options, Row, Step, Take, run, run_with};
+pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
+pub use turn_watch::TurnCheck;

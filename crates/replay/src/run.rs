@@ -1,57 +1,39 @@
 //! One log through the estimator.
 
+use std::f64::consts::FRAC_PI_2;
+
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{Drive, Estimate, Estimator, Health, Motion, Reference, Slip, WheelEstimate};
+use grouser_slip::{
+    BodyEstimate, Drive, Estimator, Health, Motion, Reference, Slip, WheelEstimate,
+};
 
 use crate::align::gyro_offset;
-use crate::backward::{Backward, joined};
 use crate::choice;
+use crate::dead_reckoning::{DeadReckoning, Odometry};
 use crate::error::{Error, Result};
 use crate::fusion::Fusion;
+use crate::method::Method;
+use crate::moment::{Moment, side_slip_angle};
 use crate::quantiles::Quantiles;
 use crate::samples::{sample, wheel_of};
 use crate::summary::{
     AlongSummary, Shares, Spread, Status, Summary, WheelSummary, YawSummary, overall,
 };
-
-/// How the slips of wheels are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// By the filter of all sensors ([`grouser_slip::filter`]): a slip at each reading.
-    Filter,
-    /// By means over a window, wheels against one reference and nothing else.
-    Window,
-}
-
-impl Method {
-    /// Every method.
-    pub const ALL: [Self; 2] = [Self::Filter, Self::Window];
-
-    /// Its name in flags and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Filter => "filter",
-            Self::Window => "window",
-        }
-    }
-}
+use crate::turn_watch::TurnWatch;
 
 /// What may be asked for beyond what the files say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// How the slips of wheels are found; `None`: by the filter, but by means over a window where the reference is
-    /// [`Reference::Grip`]: slips against the wheel that grips best are all that is observable then, and a filter would
-    /// answer with what it believed before.
+    /// Which engine finds the slips; `None`: the filter where something tells how fast the robot travels.
     pub method: Option<Method>,
-    /// Forwards and backwards over the log, by the filter: each moment by what came before and after it.
+    /// Runs the filter forward and backward: every slip is then what the whole log says of it.
     pub smooth: bool,
     /// What tells how fast the robot travels; `None`: the robot file's, else the best in the log.
     pub reference: Option<Reference>,
     /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
     pub wheel_sensor: Option<WheelSensor>,
-    /// The window of the estimates, s; `None`: the robot file's.
+    /// The window of means, s; `None`: the robot file's.
     pub window_s: Option<f64>,
     /// What lies before this is left out of rows and summary, s from the log's start.
     pub from_s: Option<f64>,
@@ -76,6 +58,8 @@ pub struct Row<'a> {
     pub motion: Option<Motion>,
     /// How far this can be trusted.
     pub health: Health,
+    /// From its heading to the way of its centre, to the left positive, rad, where it moves.
+    pub side_slip_angle: Option<f64>,
 }
 
 /// The whole robot at one time: when some wheel was read.
@@ -85,10 +69,12 @@ pub struct Step<'a> {
     pub time_ns: i64,
     /// Seconds since the log's start.
     pub time_s: f64,
-    /// The window of the estimate, s.
-    pub window_s: f64,
-    /// What is known.
-    pub estimate: &'a Estimate<'a>,
+    /// Each wheel, in the robot's order.
+    pub wheels: &'a [WheelEstimate],
+    /// The angle of each wheel's way, as in [`Row::side_slip_angle`].
+    pub side_slip_angles: &'a [Option<f64>],
+    /// Where the robot is and how it moves, corrected for slip; `None` where nothing new is known of it.
+    pub odometry: Option<Odometry>,
 }
 
 /// Whoever takes what a run gives.
@@ -143,14 +129,6 @@ pub fn run_with(
 ) -> Result<Summary> {
     let mut replay = Replay::new(log, file, options)?;
     let shifts = replay.align(log, file)?;
-    if options.smooth {
-        let chosen = (
-            &replay.wheels[..],
-            replay.sensor,
-            replay.estimator.settings().reference,
-        );
-        replay.backward = Some(Backward::new(log, file, chosen, &shifts)?);
-    }
     for record in log.records(&shifts)? {
         let record = record?;
         if replay.group_ns.is_some_and(|group| group != record.time_ns) {
@@ -161,16 +139,20 @@ pub fn run_with(
         let Some(sample) = sample(&record, &replay.wheels, replay.sensor) else {
             continue;
         };
-        // A refused sample is counted by the estimator; its wheel still gets its row.
+        // A refused sample is counted by the engines; its wheel still gets its row.
         let _refused = replay.estimator.update(sample);
         if let Some(fusion) = &mut replay.fusion {
             fusion.update(sample);
         }
         if let Some(wheel) = wheel_of(&sample.measurement) {
-            replay.tallies[wheel].was_read = true;
+            replay.read |= 1 << wheel;
         }
     }
     replay.close_group(take)?;
+    let left = replay.fusion.as_mut().map(Fusion::finish).transpose()?;
+    for moment in left.unwrap_or_default() {
+        replay.deliver(&moment, take)?;
+    }
     Ok(replay.summary())
 }
 
@@ -178,16 +160,15 @@ struct Replay<'a> {
     file: &'a RobotFile,
     wheels: Vec<usize>,
     sensor: WheelSensor,
+    /// Ways, turns and means over windows, whatever finds the slips.
     estimator: Estimator,
-    /// By the filter's method.
     fusion: Option<Fusion>,
-    backward: Option<Backward>,
-    /// The wheels as they are shown.
-    shown: Vec<WheelEstimate>,
     window: f64,
     span: (f64, f64),
     start_ns: Option<i64>,
     group_ns: Option<i64>,
+    /// The wheels that were read at the time at hand, bit by bit.
+    read: u64,
     tallies: Vec<Tally>,
     along: Quantiles,
     along_until_ns: Option<i64>,
@@ -196,12 +177,15 @@ struct Replay<'a> {
     travel: (f64, f64),
     yaw: Quantiles,
     clock_offset_s: Option<f64>,
+    turns: Option<TurnWatch>,
+    reckoning: DeadReckoning,
+    odometry: Option<Odometry>,
 }
 
 /// What is counted of one wheel.
 struct Tally {
-    was_read: bool,
     slips: Quantiles,
+    angles: Quantiles,
     shares: Shares,
     last_ns: Option<i64>,
 }
@@ -213,16 +197,17 @@ impl<'a> Replay<'a> {
         let mut settings = file.settings;
         settings.reference = choice::reference(log, file, sensor, options.reference)?;
         settings.window = options.window_s.unwrap_or(settings.window);
-        let method = options.method.unwrap_or(match settings.reference {
-            Reference::Grip => Method::Window,
-            _ => Method::Filter,
-        });
-        if options.smooth && method == Method::Window {
-            return Err(Error::NothingToSmooth);
-        }
+        let method = options
+            .method
+            .unwrap_or_else(|| Method::of(&file.robot, settings.reference));
+        let fusion = match method {
+            Method::Filter => Some(Fusion::new(file, &settings, options.smooth)?),
+            Method::Window if options.smooth => return Err(Error::NothingToSmooth),
+            Method::Window => None,
+        };
         let tally = |_| Tally {
-            was_read: false,
             slips: Quantiles::new(-1.0, 1.0),
+            angles: Quantiles::new(-FRAC_PI_2, FRAC_PI_2),
             shares: Shares::new(),
             last_ns: None,
         };
@@ -230,12 +215,10 @@ impl<'a> Replay<'a> {
             wheels,
             sensor,
             estimator: Estimator::new(&file.robot, settings)?,
-            backward: None,
-            shown: Vec::new(),
-            fusion: match method {
-                Method::Filter => Some(Fusion::new(file, settings.reference)?),
-                Method::Window => None,
-            },
+            fusion,
+            turns: TurnWatch::new(&file.robot, settings.low_speed, settings.window),
+            reckoning: DeadReckoning::new(settings.window),
+            odometry: None,
             window: settings.window,
             span: (
                 options.from_s.unwrap_or(f64::NEG_INFINITY),
@@ -243,6 +226,7 @@ impl<'a> Replay<'a> {
             ),
             start_ns: None,
             group_ns: None,
+            read: 0,
             tallies: file.robot.wheels().iter().map(tally).collect(),
             along: Quantiles::new(-1.0, 1.0),
             along_until_ns: None,
@@ -272,55 +256,76 @@ impl<'a> Replay<'a> {
         Ok(shifts)
     }
 
-    /// All records of one time have been taken: rows for the wheels that were read.
+    /// Seconds from the log's start, and whether they lie in the span that is asked for.
+    fn when(&self, time_ns: i64) -> (f64, bool) {
+        let start_ns = self.start_ns.unwrap_or(time_ns);
+        let time_s = time_ns.saturating_sub(start_ns) as f64 * 1e-9;
+        (time_s, time_s >= self.span.0 && time_s <= self.span.1)
+    }
+
+    /// All records of one time have been taken.
     fn close_group(&mut self, take: &mut impl Take) -> Result<()> {
-        let (Some(start), Some(now)) = (self.start_ns, self.group_ns) else {
+        let Some(now) = self.group_ns else {
             return Ok(());
         };
-        let time_s = now.saturating_sub(start) as f64 * 1e-9;
-        let wanted = time_s >= self.span.0 && time_s <= self.span.1;
-        let Some(mut estimate) = self.estimator.latest() else {
+        let read = std::mem::take(&mut self.read);
+        let Some(estimate) = self.estimator.latest() else {
             return Ok(());
         };
-        if let Some(fusion) = &self.fusion {
-            let after = self.backward.as_mut().and_then(|all| all.at(now));
-            let by_free_wheel = self.estimator.settings().reference == Reference::FreeWheel;
-            let described = self.file.robot.wheels();
-            self.shown.clear();
-            for (index, wheel) in fusion.wheels().iter().enumerate() {
-                let after = after.as_ref().and_then(|after| after[index]);
-                let mut wheel = smoothed(wheel, after);
-                // What a reference skids itself is not measured.
-                if by_free_wheel && described[index].drive == Drive::Free {
-                    (wheel.slip, wheel.sigma) = (None, None);
-                }
-                self.shown.push(wheel);
-            }
-            estimate.wheels = &self.shown;
-            estimate.body.motion = Some(fusion.motion());
+        let body = estimate.body;
+        let rims = rim_speed(estimate.wheels, self.file);
+        let (time_s, wanted) = self.when(now);
+        if let Some(turns) = self.turns.as_mut().filter(|_| wanted) {
+            turns.take(time_s, estimate.wheels, &body);
         }
-        let mut any = false;
+        let moments = match &mut self.fusion {
+            None => vec![Moment::by_window(now, read, estimate.wheels, &body)],
+            Some(fusion) => fusion.close(now, read, &body)?,
+        };
+        self.count_ways(now, &body, rims);
+        for moment in moments {
+            self.deliver(&moment, take)?;
+        }
+        Ok(())
+    }
+
+    /// What a moment says goes to tallies and to whoever takes it.
+    fn deliver(&mut self, moment: &Moment, take: &mut impl Take) -> Result<()> {
+        let now = moment.time_ns;
+        let (time_s, wanted) = self.when(now);
+        let robot = self.file.robot.wheels();
+        let reference = self.estimator.settings().reference;
+        let least = self.estimator.settings().low_speed;
+        let angles: Vec<_> = robot
+            .iter()
+            .map(|wheel| side_slip_angle(wheel, moment.motion.as_ref(), least))
+            .collect();
         for (index, tally) in self.tallies.iter_mut().enumerate() {
-            if !std::mem::take(&mut tally.was_read) {
+            if moment.read >> index & 1 == 0 {
                 continue;
             }
-            any = true;
             let last = tally.last_ns.replace(now);
             if !wanted {
                 continue;
             }
-            let wheel = &estimate.wheels[index];
+            let wheel = &moment.wheels[index];
+            // against itself a reference does not slip
+            let itself = robot[index].drive == Drive::Free && reference == Reference::FreeWheel;
             let row = Row {
                 time_s,
                 wheel: index,
-                name: &self.file.robot.wheels()[index].name,
-                slip: wheel.slip.map(Slip::value),
-                slip_sigma: wheel.sigma,
+                name: &robot[index].name,
+                slip: wheel.slip.map(Slip::value).filter(|_| !itself),
+                slip_sigma: wheel.sigma.filter(|_| !itself),
                 motion: wheel.motion,
                 health: wheel.health,
+                side_slip_angle: angles[index],
             };
             if let Some(slip) = row.slip {
                 tally.slips.add(slip);
+            }
+            if let Some(angle) = row.side_slip_angle {
+                tally.angles.add(angle);
             }
             // A gap in the log is no time in a state.
             let since = last.map_or(0.0, |last| now.saturating_sub(last) as f64 * 1e-9);
@@ -329,40 +334,42 @@ impl<'a> Replay<'a> {
                 .add(row.motion, row.health, since.min(self.window));
             take.row(&row)?;
         }
-        if any && wanted {
+        if moment.read != 0 && wanted {
+            let odometry = self.reckoning.step(moment);
+            self.odometry = odometry.or(self.odometry);
             take.step(&Step {
                 time_ns: now,
                 time_s,
-                window_s: self.window,
-                estimate: &estimate,
+                wheels: &moment.wheels,
+                side_slip_angles: &angles,
+                odometry,
             })?;
         }
-        let body = estimate.body;
+        Ok(())
+    }
+
+    /// Ways, slip along the track and turns, as means over windows.
+    fn count_ways(&mut self, now: i64, body: &BodyEstimate, (sum, count): (f64, f64)) {
+        let (time_s, wanted) = self.when(now);
         if !wanted {
             if time_s < self.span.0 {
                 self.travel_before = Some((body.travel_wheels, body.travel_reference));
             }
-            return Ok(());
+            return;
         }
         self.travel = (body.travel_wheels, body.travel_reference);
         if body.until_ns == self.along_until_ns || body.until_ns.is_none() {
-            return Ok(());
+            return;
         }
         self.along_until_ns = body.until_ns;
         if let Some(slip) = body.along {
             self.along.add(slip.value());
         }
-        let powered = estimate.wheels.iter().zip(self.file.robot.wheels());
-        let rims = powered
-            .filter(|(_, wheel)| wheel.drive == Drive::Powered)
-            .filter_map(|(estimate, _)| Some(estimate.rim_speed?.value.abs()));
-        let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
         let moving = sum > count * self.estimator.settings().low_speed;
         if let (true, Some(wheels), Some(gyro)) = (moving, body.wheels_yaw_rate, body.yaw_rate) {
             self.yaw
                 .add((wheels.value - gyro.value).abs() * self.window);
         }
-        Ok(())
     }
 
     fn summary(self) -> Summary {
@@ -373,10 +380,9 @@ impl<'a> Replay<'a> {
             _ => 0.0,
         };
         let fused = self.fusion.as_ref().map(Fusion::summary);
-        let rejected = match &self.fusion {
-            Some(fusion) => fusion.rejected(),
-            None => self.estimator.rejected(),
-        };
+        let rejected = fused
+            .as_ref()
+            .map_or_else(|| self.estimator.rejected(), |fused| fused.rejected);
         let none = self.tallies.iter().all(|tally| tally.slips.count() == 0);
         let wheels = robot.wheels().iter().zip(&self.tallies);
         let before = self.travel_before.unwrap_or_default();
@@ -384,6 +390,11 @@ impl<'a> Replay<'a> {
             (self.travel.0 - before.0, self.travel.1 - before.1);
         Summary {
             status: if none { Status::NoSlip } else { Status::Done },
+            method: if fused.is_some() {
+                Method::Filter
+            } else {
+                Method::Window
+            },
             window_s: self.window,
             reference,
             wheel_sensor: self.sensor.name(),
@@ -393,6 +404,7 @@ impl<'a> Replay<'a> {
                     name: wheel.name.clone(),
                     is_reference: wheel.drive == Drive::Free && reference == Reference::FreeWheel,
                     slip: Spread::from(&tally.slips),
+                    side_slip_angle: Spread::from(&tally.angles),
                     states: tally.shares.motions(),
                     healths: tally.shares.healths(),
                 })
@@ -407,22 +419,20 @@ impl<'a> Replay<'a> {
                 residual: Spread::from(&self.yaw),
                 window: self.window,
             }),
+            turns: self.turns.as_ref().map(TurnWatch::summary),
             clock_offset_s: self.clock_offset_s,
+            odometry: self.odometry,
             fused,
             rejected,
         }
     }
 }
 
-/// A wheel by what was known before and after.
-fn smoothed(wheel: &WheelEstimate, after: Option<(f64, f64)>) -> WheelEstimate {
-    let (Some(slip), Some(sigma), Some(after)) = (wheel.slip, wheel.sigma, after) else {
-        return *wheel;
-    };
-    let (slip, sigma) = joined((slip.value(), sigma), after);
-    WheelEstimate {
-        slip: Slip::new(slip).ok(),
-        sigma: Some(sigma),
-        ..*wheel
-    }
+/// Sum and number of the powered wheels' rim speeds, m/s.
+fn rim_speed(wheels: &[WheelEstimate], file: &RobotFile) -> (f64, f64) {
+    let powered = wheels.iter().zip(file.robot.wheels());
+    powered
+        .filter(|(_, wheel)| wheel.drive == Drive::Powered)
+        .filter_map(|(estimate, _)| Some(estimate.rim_speed?.value.abs()))
+        .fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0))
 }

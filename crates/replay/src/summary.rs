@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
+use crate::dead_reckoning::Odometry;
 use crate::fusion::FusedSummary;
+use crate::method::Method;
 use crate::quantiles::Quantiles;
+use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +43,8 @@ pub struct WheelSummary {
     pub is_reference: bool,
     /// Its slip.
     pub slip: Spread,
+    /// The angle from its heading to the way of its centre, to the left positive, rad.
+    pub side_slip_angle: Spread,
     /// Share of time in each motion, in [`Motion::ALL`]'s order, and under [`UNKNOWN`] where the motion
     /// was not known; they add up to 1.
     pub states: Vec<(&'static str, f64)>,
@@ -99,7 +104,9 @@ impl Status {
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,
-    /// The window of the means, s.
+    /// Which engine found the wheels' slips.
+    pub method: Method,
+    /// The window of means, s: of the wheels' slips by [`Method::Window`], of ways and turns always.
     pub window_s: f64,
     /// What told how fast the robot travels.
     pub reference: Reference,
@@ -113,10 +120,15 @@ pub struct Summary {
     pub along: AlongSummary,
     /// Wheels against gyro, where there is one.
     pub yaw: Option<YawSummary>,
+    /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
+    /// wheels' sides.
+    pub turns: Option<TurnCheck>,
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
-    /// What the filter said, where the slips are its.
+    /// Where the robot was at the end, counted from the beginning of the span, and the ways that led there.
+    pub odometry: Option<Odometry>,
+    /// What the filter says of itself, where it found the slips.
     pub fused: Option<FusedSummary>,
     /// Samples that were refused.
     pub rejected: Rejected,

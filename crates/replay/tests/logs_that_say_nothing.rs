@@ -121,8 +121,6 @@ fn what_does_not_fit_is_named() {
     let five = || example("five-wheel");
     let default = Options::default();
     let pose = Options {
-        method: None,
-        smooth: false,
         reference: Some(Reference::Pose),
         ..default
     };

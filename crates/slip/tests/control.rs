@@ -240,6 +240,7 @@ proptest! {
                 heading: Some(heading),
                 pitch: Some(pitch),
                 roll: Some(roll),
+                demanded: None,
                 asked_speed: asked,
                 asked_heading: course,
             });

@@ -51,15 +51,15 @@ pub(crate) struct Arguments {
     soil: Option<OsString>,
     #[command(flatten)]
     overrides: Overrides,
-    /// How slips of wheels are found: by the filter of all sensors, or by means over a window against one reference; the filter unless told, but `window` where there is no reference
-    #[arg(long, value_name = "filter|window", value_parser = method)]
-    method: Option<Method>,
-    /// Forwards and backwards over the log: each moment by what came before and after it
-    #[arg(long)]
-    smooth: bool,
     /// What tells how fast the robot travels; the robot file's unless told
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
+    /// What finds the slips: `filter`, or means over windows; the filter, up to 8 wheels, unless told
+    #[arg(long, value_name = "filter|window", value_parser = method)]
+    method: Option<Method>,
+    /// Run the filter forward and backward: every slip is then what the whole log says of it
+    #[arg(long)]
+    smooth: bool,
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
@@ -87,8 +87,9 @@ fn reference(name: &str) -> std::result::Result<Reference, String> {
 }
 
 fn method(name: &str) -> std::result::Result<Method, String> {
-    let mut all = Method::ALL.into_iter();
-    all.find(|method| method.name() == name)
+    let mut all = Method::NAMES.into_iter();
+    all.find(|(other, _)| *other == name)
+        .map(|(_, method)| method)
         .ok_or_else(|| "must be one of filter, window".to_owned())
 }
 
@@ -126,8 +127,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let log = asked.log(&arguments.logs)?;
     let wheels = asked.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
-    // Clocks are aligned in a pass of their own, as is the way backwards.
-    let passes = 1 + u64::from(!log.unaligned_sources().is_empty()) + u64::from(arguments.smooth);
+    // Clocks are aligned in a pass of their own.
+    let passes = if log.unaligned_sources().is_empty() {
+        1
+    } else {
+        2
+    };
     let progress = Progress::of_bytes(Some(log.bytes() * passes));
     let mut watched = Watched {
         log: &log,

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
-use grouser_replay::{DeadReckoning, Odometry, Step};
+use grouser_replay::{Odometry, Step};
 use grouser_slip::{Health, Wheel, WheelEstimate};
 
 use crate::error::{Error, Result, shown};
@@ -29,7 +29,6 @@ pub(super) struct Recording {
     odometry: Topic,
     diagnostics: Topic,
     names: Vec<String>,
-    reckoning: Option<DeadReckoning>,
     told_ns: Option<i64>,
     path: std::path::PathBuf,
 }
@@ -47,7 +46,6 @@ impl Recording {
             diagnostics: topic("/diagnostics", "diagnostic_msgs/DiagnosticArray")?,
             writer,
             names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
-            reckoning: None,
             told_ns: None,
             path: path.to_owned(),
         })
@@ -56,14 +54,11 @@ impl Recording {
     /// What is known after the records of one time.
     pub(super) fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
         let time_ns = step.time_ns;
-        let wheels = step.estimate.wheels;
+        let wheels = step.wheels;
         let header = |frame| build::header(time_ns, frame);
         let slip = wheel_slip(header("base_link"), &self.names, wheels);
         self.writer.send(&mut self.slip, time_ns, &slip)?;
-        let reckoning = self
-            .reckoning
-            .get_or_insert_with(|| DeadReckoning::new(step.window_s));
-        if let Some(odometry) = reckoning.step(&step.estimate.body) {
+        if let Some(odometry) = step.odometry {
             let message = odometry_message(header("odom"), &odometry);
             self.writer.send(&mut self.odometry, time_ns, &message)?;
         }

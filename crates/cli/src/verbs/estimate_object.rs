@@ -1,9 +1,11 @@
 //! The JSON object of `estimate`.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{FusedSummary, Method, SoilReading, Spread, Summary};
+use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary};
+use grouser_slip::detect::Event;
 use serde_json::{Value, json};
 
+use super::estimate_text::culprit;
 use crate::report::Object;
 
 pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
@@ -21,6 +23,15 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
                 .iter()
                 .map(|(name, share)| (name.as_str(), *share));
             one.insert("healths".to_owned(), shares(healths));
+            let angle = |value: Option<f64>| value.map(f64::to_degrees);
+            one.insert(
+                "side_slip_angle_deg".to_owned(),
+                json!({
+                    "median": angle(wheel.side_slip_angle.median),
+                    "p5": angle(wheel.side_slip_angle.p5),
+                    "p95": angle(wheel.side_slip_angle.p95),
+                }),
+            );
             one.insert("is_reference".to_owned(), wheel.is_reference.into());
             let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
             one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
@@ -43,6 +54,14 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
             "residual_p5_rad": yaw.residual.p5,
             "residual_p95_rad": yaw.residual.p95,
             "clock_offset_s": summary.clock_offset_s,
+            "apart": summary.turns.as_ref().map(|turns| json!({
+                "first_motion_s": turns.first_motion_s,
+                "alarm_s": turns.alarm_s,
+                "alarms": turns.alarms,
+                "wheel": turns.wheel.and_then(|wheel| Some(summary.wheels.get(wheel)?.name.as_str())),
+                "says": culprit(turns, summary),
+                "log_likelihood_ratio": turns.likelier,
+            })),
         })
     });
     let rejected = summary.rejected;
@@ -53,6 +72,7 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
     };
     [
         ("status", Value::from(summary.status.name())),
+        ("method", summary.method.name().into()),
         ("reference", Value::from(summary.reference.name())),
         ("wheel_sensor", Value::from(summary.wheel_sensor)),
         ("duration_s", Value::from(summary.duration_s)),
@@ -61,17 +81,16 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         ("along", Value::Object(along)),
         ("yaw", yaw.unwrap_or(Value::Null)),
         (
-            "method",
-            Value::from(
-                if summary.fused.is_some() {
-                    Method::Filter
-                } else {
-                    Method::Window
-                }
-                .name(),
-            ),
+            "odometry",
+            summary.odometry.as_ref().map_or(Value::Null, odometry),
         ),
-        ("filter", summary.fused.as_ref().map_or(Value::Null, filter)),
+        (
+            "filter",
+            summary
+                .fused
+                .as_ref()
+                .map_or(Value::Null, |f| filter(f, summary)),
+        ),
         (
             "rejected",
             json!({
@@ -95,21 +114,63 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
     .collect()
 }
 
-fn filter(fused: &FusedSummary) -> Value {
-    json!({
-        "distance_m": fused.distance,
-        "distance_of_wheels_m": fused.distance_of_wheels,
-        "readings": fused.readings,
-        "nis_mean": fused.nis,
-        "nis_within_95": fused.within_95,
-        "longest_without_reference_s": fused.longest_alone_s,
-    })
-}
-
 /// The topics that were used of bags and MCAP files.
 fn topics(log: &Log) -> Value {
     let one = |used: UsedTopic| json!({"topic": used.topic, "type": used.type_name, "used_for": used.used_for});
     log.topics().map(one).collect()
+}
+
+fn odometry(odometry: &Odometry) -> Value {
+    let [x, y, yaw] = odometry.pose;
+    let sigma = |i: usize| odometry.pose_covariance[i][i].max(0.0).sqrt();
+    json!({
+        "x_m": x,
+        "y_m": y,
+        "yaw_rad": yaw,
+        "x_sigma_m": sigma(0),
+        "y_sigma_m": sigma(1),
+        "yaw_sigma_rad": sigma(2),
+        "distance_m": odometry.distance,
+        "distance_without_compensation_m": odometry.distance_of_wheels,
+    })
+}
+
+fn filter(fused: &FusedSummary, summary: &Summary) -> Value {
+    let kinds = fused.consistency.iter().map(|(kind, nis)| {
+        let one = json!({"count": nis.count, "mean": nis.mean, "share_in_95_band": nis.in_band});
+        ((*kind).to_owned(), one)
+    });
+    let events = fused.events.iter().map(|at| event(at, summary));
+    json!({
+        "smoothed": fused.is_smoothed,
+        "nis": Value::Object(kinds.collect()),
+        "dropped": fused.dropped,
+        "clock_steps": fused.clock_steps,
+        "events": events.collect::<Vec<_>>(),
+        "more_events": fused.more_events,
+    })
+}
+
+fn event(at: &EventAt, summary: &Summary) -> Value {
+    let (name, wheel) = event_name(at.change.event);
+    let wheel = wheel.and_then(|wheel| summary.wheels.get(wheel));
+    json!({
+        "time_s": at.time_s,
+        "event": name,
+        "wheel": wheel.map(|wheel| wheel.name.as_str()),
+        "begins": at.change.begins,
+    })
+}
+
+/// An event's name in files, and its wheel.
+pub(super) const fn event_name(event: Event) -> (&'static str, Option<usize>) {
+    match event {
+        Event::HighSlip { wheel } => ("high slip", Some(wheel)),
+        Event::Stall { wheel } => ("stall", Some(wheel)),
+        Event::LiftOff { wheel } => ("lift-off", Some(wheel)),
+        Event::DigIn => ("dig-in", None),
+        Event::Immobilised => ("immobilised", None),
+    }
 }
 
 fn left_out(log: &Log) -> Value {

@@ -39,8 +39,11 @@ impl Outputs {
         for path in paths {
             if figure_file::ending(path).as_deref() == Some("csv") {
                 let mut table = OutputFile::create(path)?;
-                writeln!(table, "time_s,wheel,slip,slip_sigma,motion,health")
-                    .map_err(|error| Error::file("write", path, &error))?;
+                writeln!(
+                    table,
+                    "time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg"
+                )
+                .map_err(|error| Error::file("write", path, &error))?;
                 outputs.tables.push(table);
             } else if is_figure(path) {
                 outputs.figures.push(Target::of(path)?);
@@ -125,13 +128,14 @@ fn write_row(table: &mut OutputFile, row: &Row<'_>) -> io::Result<()> {
     let or_empty = |value: Option<f64>| value.map_or_else(String::new, exact);
     writeln!(
         table,
-        "{},{},{},{},{},{}",
+        "{},{},{},{},{},{},{}",
         exact(row.time_s),
         field(row.name),
         or_empty(row.slip),
         or_empty(row.slip_sigma),
         row.motion.map_or("", grouser_slip::Motion::name),
         field(&row.health.to_string()),
+        or_empty(row.side_slip_angle.map(f64::to_degrees)),
     )
 }
 

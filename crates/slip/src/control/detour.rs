@@ -20,8 +20,6 @@ const MOST_INTO: f64 = 3.0;
 const ROUND: f64 = 1.2;
 const MORE: f64 = 0.3;
 const MOST_ROUND: f64 = 2.1;
-/// After so many tries on one side the other one is tried.
-const ONE_SIDE: u32 = 2;
 
 /// What is known of soft ground ahead.
 #[derive(Clone, Copy, Debug, Default)]
@@ -117,8 +115,6 @@ impl Detour {
         if self.side == 0.0 {
             // away from the wheels that slip more
             self.side = if self.lean > LEAN { -1.0 } else { 1.0 };
-        } else if self.tries % (ONE_SIDE + 1) == 0 {
-            self.side = -self.side;
         }
         self.tries
     }

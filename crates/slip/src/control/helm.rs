@@ -26,10 +26,16 @@ const ON_COURSE: f64 = 0.35;
 const TURN_TIME: f64 = 12.0;
 /// A traverse turns away from the asked heading by at most this, rad.
 const WIDEST: f64 = 0.8;
+/// A robot that does not come back for this long is stuck, s. While it comes slowly more slip is allowed, 1/s.
+const IDLE: f64 = 10.0;
+const PUSH: f64 = 0.1;
+/// A robot slower than this stands, m/s; the soil is sheared once it has rolled this far, m.
+const STANDS: f64 = 0.02;
+const SHEARED: f64 = 0.25;
 /// Soft ground is forgotten after this much progress, m.
 const FORGOTTEN: f64 = 4.0;
 /// Backing out for longer than its length over its speed times this has failed.
-const BACK_PATIENCE: f64 = 3.0;
+const BACK_PATIENCE: f64 = 8.0;
 
 /// The robot as a whole.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +44,7 @@ pub(crate) struct Seen {
     pub(crate) slip: Option<f64>,
     /// How much softer the ground is on the left than on the right: slip and firmness, 1.
     pub(crate) lean: f64,
-    /// Least firmness under any powered wheel.
+    /// Firmness of the ground: the least under any powered wheel, that the next one does not deny.
     pub(crate) firmness: f64,
     /// What soil and slope demand.
     pub(crate) demanded: Option<SlipPrior>,
@@ -93,8 +99,9 @@ pub(crate) struct Helm {
     accepted: f64,
     /// How long slip has stood steadily above its optimum, or below it (negative), s.
     steady: f64,
-    /// Smoothed tilt, rad.
+    /// Smoothed tilt, rad, and over `SLOW` seconds.
     tilt: f64,
+    slow_tilt: f64,
     /// How long slip has been high, and so high that the wheels dig in, and without progress, s.
     high: f64,
     dig: f64,
@@ -114,6 +121,11 @@ pub(crate) struct Helm {
     turning: f64,
     /// The heading that it holds while it backs out, rad.
     held: f64,
+    /// How long it has not come back while it backs out, s; and how much more slip that is allowed for it.
+    idle: f64,
+    pushed: f64,
+    /// How far it has rolled since it stood or changed its mode, m.
+    rolled: f64,
     detour: Detour,
     /// How far it backs out to go round soft ground, m; 0: it does not.
     rounds: f64,
@@ -129,6 +141,7 @@ impl Default for Helm {
             accepted: 0.0,
             steady: 0.0,
             tilt: 0.0,
+            slow_tilt: 0.0,
             high: 0.0,
             dig: 0.0,
             stuck: 0.0,
@@ -141,6 +154,9 @@ impl Default for Helm {
             angle: 0.0,
             turning: 0.0,
             held: 0.0,
+            idle: 0.0,
+            pushed: 0.0,
+            rolled: 0.0,
             detour: Detour::default(),
             rounds: 0.0,
         }
@@ -165,6 +181,9 @@ impl Helm {
         self.stuck = 0.0;
         self.turning = 0.0;
         self.rounds = 0.0;
+        self.rolled = 0.0;
+        self.idle = 0.0;
+        self.pushed = 0.0;
     }
 
     fn heading(&self, seen: &Seen) -> f64 {
@@ -225,6 +244,7 @@ impl Helm {
         }
         if let Some(tilt) = seen.tilt() {
             self.tilt += share * (tilt - self.tilt);
+            self.slow_tilt += step / (SLOW + step) * (tilt - self.slow_tilt);
             let over = tilt > settings.most_tilt;
             self.tilted = if over { self.tilted + step } else { 0.0 };
         }
@@ -235,14 +255,35 @@ impl Helm {
             Mode::BackOut => step * (-speed * sense(seen.asked_speed)),
             _ => step * speed.abs(),
         };
+        if self.mode == Mode::BackOut {
+            let back = -speed * sense(seen.asked_speed);
+            let wanted = settings.back_speed * seen.asked_speed.abs();
+            self.idle = if back < 0.25 * STANDS {
+                self.idle + step
+            } else {
+                0.0
+            };
+            if back < 0.5 * wanted {
+                self.pushed = (self.pushed + step * PUSH).min(MOST_ACCEPTED - settings.optimum);
+            }
+        }
         let on_course = self.off(seen).abs() < ON_COURSE;
         self.turning = if on_course { 0.0 } else { self.turning + step };
         let asked = seen.asked_speed.abs();
         // What happens while it turns on the spot, or while nothing is asked of it, says nothing.
-        let counts =
-            asked != 0.0 && on_course && self.time >= SMOOTHING && self.mode != Mode::BackOut;
+        // a robot that steers travels while it turns; one that turns on the spot says nothing of the ground ahead
+        let on_course = on_course || self.sharpest.is_finite();
+        let driving = asked != 0.0 && on_course && self.time >= SMOOTHING;
+        let level = self.tilt.max(self.slow_tilt) < settings.steep;
+        // soil under a wheel that starts is not sheared yet
+        self.rolled = if speed.abs() < STANDS {
+            0.0
+        } else {
+            self.rolled + step * speed.abs()
+        };
+        let counts = driving && level && self.rolled > SHEARED && self.mode != Mode::BackOut;
         self.detour.watch(settings, seen, counts, step);
-        if asked == 0.0 || !on_course || self.time < SMOOTHING {
+        if !driving {
             self.high = 0.0;
             self.dig = 0.0;
             self.stuck = 0.0;
@@ -442,6 +483,7 @@ impl Helm {
             settings.back_length
         };
         let patience = BACK_PATIENCE * length / speed.max(1e-3);
+        let idle = self.idle > IDLE;
         if self.way >= length && rounds {
             self.enter(Mode::Detour);
             let values = (self.detour.angle(), self.detour.across(settings));
@@ -455,8 +497,12 @@ impl Helm {
             let values = (self.way, length);
             self.enter(Mode::Traverse);
             pending.push(Action::Traverse, Reason::BackedOut, None, values);
-        } else if self.time > patience {
-            let values = (self.time, patience);
+        } else if idle || self.time > patience {
+            let values = if idle {
+                (self.idle, IDLE)
+            } else {
+                (self.time, patience)
+            };
             self.end(Ending::Immobilised, Reason::NoProgress, values, pending);
         }
     }
@@ -511,7 +557,7 @@ impl Helm {
             heading,
             slip_matters: (on_course || self.sharpest.is_finite()) && !idle,
             stopped: false,
-            target: settings.optimum.max(self.accepted),
+            target: settings.optimum.max(self.accepted) + self.pushed.max(0.0),
             creep: if self.tilt < settings.steep || self.mode == Mode::BackOut {
                 settings.crawl
             } else {

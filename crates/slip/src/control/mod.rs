@@ -40,6 +40,9 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     Real::atan2(sin, cos)
 }
 
+/// Soft ground under one wheel counts where the next softest is no firmer than this beyond it.
+const DENIES: f64 = 0.15;
+
 /// Where a wheel stands, and how far it steers.
 #[derive(Clone, Copy, Debug)]
 struct WheelPlace {
@@ -241,7 +244,8 @@ impl Controller {
     fn look(&mut self, input: &ControlInput<'_>, step: f64) -> Seen {
         let (mut sum, mut weight, mut measured) = (0.0, 0.0, false);
         let (mut left, mut right) = ([0.0; 2], [0.0; 2]);
-        let (mut firm_left, mut firm_right, mut firm) = (1.0_f64, 1.0_f64, 1.0_f64);
+        let (mut firm_left, mut firm_right) = (1.0_f64, 1.0_f64);
+        let mut least = [1.0_f64; 2];
         let mut rims = (0.0, 0.0);
         for ((wheel, own), place) in input.wheels.iter().zip(&self.wheels).zip(&self.places) {
             if !own.powered {
@@ -261,8 +265,9 @@ impl Controller {
             if wheel.motion == Some(Motion::LiftOff) || !alive {
                 continue;
             }
-            if let Some(firmness) = finite(wheel.firmness) {
-                firm = firm.min(firmness);
+            // a wheel that may not pull takes little torque on any ground
+            if let Some(firmness) = finite(wheel.firmness).filter(|_| !own.is_shed()) {
+                least = [least[0].min(firmness), least[0].max(firmness).min(least[1])];
                 if place.y > 0.0 {
                     firm_left = firm_left.min(firmness);
                 } else if place.y < 0.0 {
@@ -293,7 +298,8 @@ impl Controller {
                 } else {
                     0.0
                 },
-            firmness: firm,
+            // one wheel alone may be wrong
+            firmness: least[0].max(least[1] - DENIES),
             demanded: input
                 .demanded
                 .filter(|demanded| demanded.mean.is_finite() && demanded.sigma.is_finite()),

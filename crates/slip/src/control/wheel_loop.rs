@@ -69,6 +69,11 @@ impl WheelLoop {
         }
     }
 
+    /// Is a part of its torque cut off?
+    pub(crate) fn is_shed(&self) -> bool {
+        self.through < 1.0
+    }
+
     pub(crate) fn order(
         &mut self,
         settings: &ControlSettings,

@@ -23,6 +23,8 @@ mod free_wheel;
 mod imu;
 mod kalman;
 mod order;
+mod pulses;
+mod radius;
 mod recover;
 mod reference;
 mod report;
@@ -51,7 +53,7 @@ use clocks::{Clocks, Told};
 use kalman::Kalman;
 use order::{Offered, Order};
 use reference::Reference;
-pub use report::{Fused, FusedBody, Odometry};
+pub use report::{Fused, FusedBody, Odometry, WheelCheck};
 pub use settings::{FilterSettings, SlipPrior};
 use turn::Turn;
 use watch::Watch;
@@ -78,8 +80,8 @@ const PULLED: f64 = 0.7;
 const TOGETHER: f64 = 0.2;
 const BREAKS: f64 = 4.0;
 /// How fast a wheel's unrest is learnt, a reading, and its limits.
-const LEARNING: f64 = 0.005;
-const UNREST: (f64, f64) = (0.1, 100.0);
+const LEARNING: f64 = 0.01;
+const UNREST: (f64, f64) = (0.2, 100.0);
 /// What a rim and the robot may differ by for other reasons than slip, m/s.
 const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;
@@ -132,6 +134,8 @@ pub struct SlipFilter {
     wheels: Box<[Tracked]>,
     estimates: Box<[WheelEstimate]>,
     side_slip_angles: Box<[Option<Measured>]>,
+    checks: Box<[WheelCheck]>,
+    checked_ns: Option<i64>,
     sideways: Option<[f64; 3]>,
     /// How much the accelerometer has changed the speeds (m/s), and how far the gyro has turned (rad): what a measurement
     /// over a past time needs to be one of the present.
@@ -193,6 +197,8 @@ impl SlipFilter {
             order: Order::new(QUEUE, nanoseconds(settings.horizon)),
             estimates: alloc::vec![WheelEstimate::NOTHING; count].into_boxed_slice(),
             side_slip_angles: alloc::vec![None; count].into_boxed_slice(),
+            checks: alloc::vec![WheelCheck::default(); count].into_boxed_slice(),
+            checked_ns: None,
             sideways: sideways(&wheels),
             wheels: wheels.into_boxed_slice(),
             path: History::new(512, nanoseconds(longest)),
@@ -350,6 +356,7 @@ impl SlipFilter {
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
+        self.checked_ns = None;
         self.heard = None;
         self.gyro_ns = None;
         self.gyro_same = None;
@@ -437,6 +444,7 @@ impl SlipFilter {
             self.held_ns = Some(time_ns);
             self.assume(time_ns);
             self.catch_runaway(time_ns);
+            self.check_wheels(time_ns);
             self.state.tidy();
         }
     }
@@ -454,6 +462,7 @@ impl SlipFilter {
             wheels,
         })?;
         tracked.torque = Some((time_ns, torque));
+        tracked.radius.push(torque);
         Ok(())
     }
 }

@@ -47,6 +47,22 @@ pub struct FusedBody {
     pub nis: f64,
 }
 
+/// What a wheel's own readings say of its sensor and its description.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelCheck {
+    /// The share of pulses that its counter misses at random, 1, as its unevenness tells (a little below 0 by chance); `None`
+    /// where the wheel has hardly turned, too slowly or too fast for its ticks, or gives no counts.
+    pub pulses_missed: Option<f64>,
+    /// It misses more than .022 beyond what rough ground makes all wheels seem to miss: its slip is too low by that share,
+    /// and its health `Degraded(Suspect)`.
+    pub misses_pulses: bool,
+    /// It lacks a tick at the same place of each turn: a slot or a magnet is broken.
+    pub broken_slot: bool,
+    /// By what share its radius was told too large, 1, as its slip at no torque tells: so much of its slip is none. `None`
+    /// without torques, and until they have changed enough, driving and braking.
+    pub radius_excess: Option<Measured>,
+}
+
 /// What is known after a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Fused<'a> {
@@ -59,6 +75,8 @@ pub struct Fused<'a> {
     /// Each wheel's side slip angle β = atan2(v_across, v_along) of its centre over the ground, rad, positive to the left of
     /// its heading; `None` below `low_speed`, and where it is not known to half a radian.
     pub side_slip_angles: &'a [Option<Measured>],
+    /// Each wheel's sensor and description, as far as its readings contradict them.
+    pub checks: &'a [WheelCheck],
     /// The robot.
     pub body: FusedBody,
     /// Samples refused so far.
@@ -87,6 +105,7 @@ impl SlipFilter {
             time_slip: seconds_between(time_ns, newest_ns),
             wheels: &self.estimates,
             side_slip_angles: &self.side_slip_angles,
+            checks: &self.checks,
             body: FusedBody {
                 forward: known(FORWARD),
                 left: known(LEFT),

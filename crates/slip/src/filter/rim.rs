@@ -13,7 +13,7 @@ use crate::sample::Measurement;
 use crate::speed::Measured;
 
 /// A robot whose wheels turn it faster than this is in a bend, rad/s.
-const BEND: f64 = 0.03;
+pub(super) const BEND: f64 = 0.03;
 
 /// What one window of a wheel came to.
 pub(super) struct Window {
@@ -44,6 +44,9 @@ impl SlipFilter {
             .get_mut(index)
             .ok_or(Fault::UnknownWheel { index, wheels })?;
         wheel.track.take(time_ns, measurement)?;
+        if wheel.track.counts() {
+            wheel.pulses.take(time_ns, wheel.track.travel());
+        }
         let Some((rim, from_ns)) = wheel.window(time_ns, self.settings.wheel_window) else {
             return Ok(());
         };

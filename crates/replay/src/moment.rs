@@ -1,0 +1,76 @@
+//! What is known of the robot at one time of the log.
+
+use grouser_slip::filter::FusedBody;
+use grouser_slip::{BodyEstimate, BodyMotion, Wheel, WheelEstimate};
+
+/// What is known at one time, on its way to whoever takes it.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    pub(crate) time_ns: i64,
+    /// Which wheels were read, bit by bit.
+    pub(crate) read: u64,
+    pub(crate) wheels: Vec<WheelEstimate>,
+    pub(crate) motion: Option<BodyMotion>,
+    /// The motion that the powered wheels would give without slip, over a window.
+    pub(crate) wheels_motion: Option<BodyMotion>,
+    /// Up to when the motions are known.
+    pub(crate) until_ns: Option<i64>,
+}
+
+impl Moment {
+    pub(crate) fn by_window(
+        time_ns: i64,
+        read: u64,
+        wheels: &[WheelEstimate],
+        body: &BodyEstimate,
+    ) -> Self {
+        Self {
+            time_ns,
+            read,
+            wheels: wheels.to_vec(),
+            motion: body.motion.or(body.wheels_motion),
+            wheels_motion: body.wheels_motion,
+            until_ns: body.until_ns,
+        }
+    }
+
+    pub(crate) fn by_filter(
+        time_ns: i64,
+        read: u64,
+        wheels: &[WheelEstimate],
+        fused: &FusedBody,
+        body: &BodyEstimate,
+    ) -> Self {
+        let mut covariance = [[0.0; 3]; 3];
+        let speeds = [fused.forward, fused.left, fused.yaw_rate];
+        for (i, speed) in speeds.iter().enumerate() {
+            covariance[i][i] = speed.variance;
+        }
+        Self {
+            time_ns,
+            read,
+            wheels: wheels.to_vec(),
+            motion: Some(BodyMotion {
+                velocity: speeds.map(|speed| speed.value),
+                covariance,
+            }),
+            wheels_motion: body.wheels_motion,
+            until_ns: Some(time_ns),
+        }
+    }
+}
+
+/// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π/2, π/2), rad; `None` where
+/// the centre is slower than `least` (m/s).
+pub(crate) fn side_slip_angle(
+    wheel: &Wheel,
+    motion: Option<&BodyMotion>,
+    least: f64,
+) -> Option<f64> {
+    let [v_x, v_y, turn] = motion?.velocity;
+    let (along_x, along_y) = (v_x - turn * wheel.y, v_y + turn * wheel.x);
+    let (cos, sin) = (wheel.heading.cos(), wheel.heading.sin());
+    let along = cos * along_x + sin * along_y;
+    let aside = cos * along_y - sin * along_x;
+    (along.hypot(aside) > least && along != 0.0).then(|| (aside / along).atan())
+}
