@@ -158,6 +158,12 @@ fn a_recording_and_a_table_of_one_drive_give_the_same_slips() {
     // what the simulation knows is in the file and is not believed
     let info = grouser(["log", "info", &logs[1], "--json"]).assert_done();
     assert!(info.out.contains("/simulation/truth/pose"), "{}", info.out);
+    let suggested = grouser(["log", "info", &logs[1], "--suggest-robot"]).assert_done();
+    assert!(
+        suggested.out.contains("/imu") && !suggested.out.contains("truth"),
+        "{}",
+        suggested.out
+    );
     for reference in ["pose", "displacement"] {
         let arguments = [
             "estimate",
