@@ -46,7 +46,9 @@ mod paper;
 mod paper_figures;
 mod paper_page;
 mod paper_problem;
+mod paper_run;
 mod paper_statements;
+mod robot;
 mod slip_model;
 mod slip_model_figure;
 mod slip_model_grid;
@@ -76,6 +78,7 @@ pub(crate) enum Verb {
     Drive(drive::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
+    Robot(robot::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Log(log::Arguments),
@@ -93,6 +96,7 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Drive(arguments) => drive::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
+        Verb::Robot(arguments) => robot::run(&arguments, session),
         Verb::Identify(arguments) => identify::run(&arguments, session),
         Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),

@@ -284,6 +284,28 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
     assert!((slip + 0.3897).abs() < 2e-3 && inside, "{slip}");
     let page = fs::read_to_string(Path::new(&target).join("paper.html")).unwrap();
     assert!(page.contains("not claimed") && page.contains("figure-10.svg"));
+    // The run on sand: it drives and it brakes, and the error that is told is that of the table.
+    let table = fs::read_to_string(Path::new(&target).join("figure-13.csv")).unwrap();
+    let rows = table.lines().skip(1).filter_map(|row| {
+        let cells: Vec<&str> = row.split(',').collect();
+        Some([cells[2].parse::<f64>().ok()?, cells[3].parse().ok()?])
+    });
+    let rows: Vec<[f64; 2]> = rows.collect();
+    let square: f64 = rows
+        .iter()
+        .map(|[truth, seen]| (seen - truth).powi(2))
+        .sum();
+    let rmse = (square / rows.len() as f64).sqrt();
+    let told = found["sand_run"]["slip_rmse"].as_f64().unwrap();
+    assert!((rmse - told).abs() < 1e-9, "{rmse} {told}");
+    assert!(rows.len() > 1000 && rmse < 0.1, "{} {rmse}", rows.len());
+    for (what, is) in [
+        ("drives", (|slip| slip > 0.2) as fn(f64) -> bool),
+        ("brakes", |slip| slip < -0.05),
+    ] {
+        let both = rows.iter().filter(|row| row.iter().all(|slip| is(*slip)));
+        assert!(both.count() > 20, "{what}");
+    }
     // Each reading that is written is a problem that can be solved.
     let reading = Path::new(&target).join("problem-as-printed-in-pa.toml");
     assert_eq!(

@@ -43,6 +43,7 @@ mod soil_text;
 mod suggestion;
 pub mod topics;
 pub mod unit;
+pub mod urdf;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;

@@ -144,7 +144,7 @@ fn nearest(guess: f64, back: impl Fn(f64) -> f64, value: f64) -> f64 {
 }
 
 /// A TOML basic string.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {

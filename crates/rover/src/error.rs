@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::ground::TerrainFault;
+
 /// The result of everything that checks a description.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -54,12 +56,12 @@ pub enum Error {
         limit: usize,
     },
     /// A terrain file that cannot be used.
-    #[error("{}: {message}", .file.display())]
+    #[error("{}: {fault}", .file.display())]
     Terrain {
         /// The file.
         file: PathBuf,
         /// What is wrong.
-        message: String,
+        fault: TerrainFault,
     },
     /// A file that cannot be read.
     #[error("cannot read {}: {source}", .file.display())]

@@ -98,6 +98,11 @@ impl WheelTrack {
         self.edges.is_none() && self.resolution > 0.0
     }
 
+    /// How far its rim has run in all, m.
+    pub(crate) const fn travel(&self) -> f64 {
+        self.totals[0]
+    }
+
     /// Takes a reading of this wheel's sensor.
     pub(crate) fn take(&mut self, time_ns: i64, measurement: &Measurement) -> Result<(), Fault> {
         match *measurement {

@@ -51,6 +51,7 @@ fn rolling(rim: f64) -> WheelSeen {
         forward_speed: Some(0.9 * rim),
         rim_speed: Some(rim),
         torque_share: Some(0.3),
+        firmness: None,
         load: 50.0,
     }
 }
@@ -63,6 +64,7 @@ fn input(time_s: f64, wheels: &[WheelSeen]) -> ControlInput<'_> {
         heading: Some(0.0),
         pitch: Some(0.0),
         roll: Some(0.0),
+        demanded: None,
         asked_speed: 0.2,
         asked_heading: 0.0,
     }
@@ -238,6 +240,7 @@ proptest! {
                 heading: Some(heading),
                 pitch: Some(pitch),
                 roll: Some(roll),
+                demanded: None,
                 asked_speed: asked,
                 asked_heading: course,
             });

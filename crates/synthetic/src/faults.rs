@@ -46,6 +46,8 @@ pub enum Fault {
     AccelerometerSaturated(f64),
     /// The accelerometer has this much more bias forwards, m/s².
     AccelerometerBias(f64),
+    /// The accelerometer's bias forwards grows by this much a second, m/s³.
+    AccelerometerDrifts(f64),
     /// The gyro has this much more bias, rad/s.
     GyroBias(f64),
     /// The gyro's values are multiplied by this: a wrong unit, or a sign.
@@ -239,7 +241,12 @@ impl State {
             }
             Measurement::YawRate { rate } => Some(with(sample, self.gyro(rate, fault)?)),
             Measurement::Acceleration { forward, left } => {
-                Some(with(sample, self.accelerometer((forward, left), fault)?))
+                let begun = *self.first_row.get_or_insert(sample.time_ns);
+                let since = sample.time_ns.wrapping_sub(begun) as f64 * 1e-9;
+                Some(with(
+                    sample,
+                    self.accelerometer((forward, left), since, fault)?,
+                ))
             }
             Measurement::Displacement {
                 forward,
@@ -311,12 +318,18 @@ impl State {
         Some(Measurement::YawRate { rate })
     }
 
-    fn accelerometer(&mut self, (forward, left): (f64, f64), fault: Fault) -> Option<Measurement> {
+    fn accelerometer(
+        &mut self,
+        (forward, left): (f64, f64),
+        since: f64,
+        fault: Fault,
+    ) -> Option<Measurement> {
         let (forward, left) = match fault {
             Fault::ImuSilent => return None,
             Fault::ImuStuck => return self.imu[1],
             Fault::AccelerometerSaturated(most) => (most, left),
             Fault::AccelerometerBias(bias) => (forward + bias, left),
+            Fault::AccelerometerDrifts(by) => (forward + by * since, left),
             Fault::ImuValue(value) => (value, value),
             Fault::ImuGarbage(sigma) => (sigma * self.noise.normal(), sigma * self.noise.normal()),
             _ => (forward, left),

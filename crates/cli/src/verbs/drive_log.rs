@@ -70,11 +70,14 @@ impl Log {
     }
 }
 
-/// A table: `time_ms`, the counter of each wheel with an encoder, the gyro.
+/// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer.
 struct Table {
     out: OutputFile,
     last_ns: i64,
     counts: Vec<Option<u64>>,
+    torques: Vec<Option<f64>>,
+    /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
+    most_torques: Vec<Option<f64>>,
 }
 
 impl Table {
@@ -84,34 +87,51 @@ impl Table {
         for wheel in wheels {
             write!(out, ",{}_ticks", wheel.name)?;
         }
-        out.write_all(b",gyro_z_rad_per_s\n")?;
+        let mounts = &scenario.robot.wheels;
+        for mount in mounts.iter().filter(|mount| mount.motor.is_some()) {
+            write!(out, ",{}_torque_nm", mount.name)?;
+        }
+        out.write_all(
+            b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2\n",
+        )?;
         Ok(Self {
             out,
             last_ns: 0,
             counts: vec![None; wheels.len()],
+            torques: vec![None; wheels.len()],
+            most_torques: mounts
+                .iter()
+                .map(|mount| mount.motor.map(|motor| motor.most_torque()))
+                .collect(),
         })
     }
 
     fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
         self.counts.fill(None);
-        let (mut time_ns, mut yaw_rate) = (0, None);
+        self.torques.fill(None);
+        let mut time_ns = 0;
+        let mut inertial = [None; 3];
         for reading in frame.readings {
-            let Reading::Sample(sample) = reading else {
-                continue;
-            };
-            match sample.measurement {
-                Measurement::WheelCount { wheel, raw } => {
+            match *reading {
+                Reading::Sample(sample) => {
+                    let Measurement::WheelCount { wheel, raw } = sample.measurement else {
+                        continue;
+                    };
                     if let Some(slot) = self.counts.get_mut(wheel) {
                         *slot = Some(raw);
                     }
                 }
-                // a table holds numbers; what a broken sensor shows instead is an empty cell
-                Measurement::YawRate { rate } => {
-                    yaw_rate = Some(rate).filter(|rate| rate.is_finite());
+                Reading::Inertial { force, turning, .. } => {
+                    inertial = [turning.z, force.x, force.y].map(Some);
+                }
+                Reading::Current { wheel, share, .. } => {
+                    if let Some(slot) = self.torques.get_mut(wheel) {
+                        *slot = self.most_torques[wheel].map(|most| share * most);
+                    }
                 }
                 _ => continue,
             }
-            time_ns = time_ns.max(sample.time_ns);
+            time_ns = time_ns.max(reading.time_ns());
         }
         if time_ns <= self.last_ns {
             return Ok(());
@@ -124,6 +144,15 @@ impl Table {
                 None => self.out.write_all(b",")?,
             }
         }
-        writeln!(self.out, ",{}", yaw_rate.map(exact).unwrap_or_default())
+        let torques = self.torques.iter().zip(&self.most_torques);
+        let torques = torques.filter_map(|(torque, most)| most.map(|_| *torque));
+        for value in torques.chain(inertial) {
+            // a table holds numbers; what a broken sensor shows instead is an empty cell
+            match value.filter(|value| value.is_finite()) {
+                Some(value) => write!(self.out, ",{}", exact(value))?,
+                None => self.out.write_all(b",")?,
+            }
+        }
+        self.out.write_all(b"\n")
     }
 }

@@ -4,8 +4,8 @@
 //! | topic | type | holds |
 //! |---|---|---|
 //! | `/wheel_ticks` | `grouser_msgs/WheelTicks` | counters as the hardware shows them |
-//! | `/joint_states` | `sensor_msgs/JointState` | the encoders' shafts: angle since the first reading (rad), torque by the motor's current (N m) |
-//! | `/imu` | `sensor_msgs/Imu` | angular velocity and specific force; no orientation |
+//! | `/joint_states` | `sensor_msgs/JointState` | angle of the encoder's shaft since the first reading (rad), torque on the wheel by its motor's current (N m) |
+//! | `/imu`, `/tf_static` | `sensor_msgs/Imu`, `tf2_msgs/TFMessage` | angular velocity and specific force, no orientation; how it is mounted |
 //! | `/camera/displacement` | `grouser_msgs/Displacement` | way since the last picture |
 //! | `/gnss/pose` | `geometry_msgs/PoseStamped` | fixes |
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | what the estimator in the loop said |
@@ -22,7 +22,7 @@ use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
 use grouser_rover::sensors::Reading;
-use grouser_slip::{Counter, Health, Measurement, Shaft};
+use grouser_slip::{Counter, Health, Measurement};
 
 use crate::output::OutputFile;
 
@@ -32,7 +32,7 @@ struct Joint {
     counter: Counter,
     /// rad.
     per_tick: f64,
-    /// Torque at the shaft for the motor's greatest current, N m; 0 without a motor.
+    /// Torque on the wheel for the motor's greatest current, N m; 0 without a motor.
     most_torque: f64,
 }
 
@@ -71,20 +71,16 @@ impl Recording {
             .zip(&scenario.robot.wheels);
         let joints = joints.map(|(wheel, mount)| {
             let encoder = &wheel.encoder;
-            let torque = mount
-                .motor
-                .map_or(0.0, |motor| motor.constant * motor.current);
             Joint {
                 name: wheel.name.clone(),
                 counter: Counter::new(encoder.counter),
                 per_tick: encoder.ticks_per_turn.map_or(0.0, |ticks| TAU / ticks),
-                most_torque: match encoder.shaft {
-                    Shaft::Motor => torque,
-                    Shaft::Wheel => torque * encoder.gear,
-                },
+                most_torque: mount.motor.map_or(0.0, |motor| motor.most_torque()),
             }
         });
         let sensors = &scenario.sensors;
+        let mut mounting = writer.topic("/tf_static", "tf2_msgs/TFMessage")?;
+        writer.send(&mut mounting, 0, &straight_mounting())?;
         let mut topic = |name, type_name| writer.topic(name, type_name);
         Ok(Self {
             joints: joints.collect(),
@@ -275,7 +271,7 @@ impl Recording {
 fn imu(stamp_ns: i64, turning: [f64; 3], force: [f64; 3]) -> Value {
     let absent = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     build::message([
-        ("header", build::header(stamp_ns, "base_link")),
+        ("header", build::header(stamp_ns, "imu_link")),
         ("orientation", build::turn(0.0)),
         ("orientation_covariance", build::numbers(&absent)),
         ("angular_velocity", build::vector(turning)),
@@ -283,6 +279,20 @@ fn imu(stamp_ns: i64, turning: [f64; 3], force: [f64; 3]) -> Value {
         ("linear_acceleration", build::vector(force)),
         ("linear_acceleration_covariance", build::numbers(&[0.0; 9])),
     ])
+}
+
+/// `tf2_msgs/TFMessage`: the inertial unit's axes are the robot's.
+fn straight_mounting() -> Value {
+    let transform = build::message([
+        ("translation", build::vector([0.0; 3])),
+        ("rotation", build::turn(0.0)),
+    ]);
+    let stamped = build::message([
+        ("header", build::header(0, "base_link")),
+        ("child_frame_id", Value::Text("imu_link".into())),
+        ("transform", transform),
+    ]);
+    build::message([("transforms", Value::Array(vec![stamped]))])
 }
 
 /// `geometry_msgs/Quaternion` of a yaw, then a pitch, then a roll.

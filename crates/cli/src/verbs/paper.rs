@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::paper_figures;
 use super::paper_page::{Block, Page};
 use super::paper_problem::{self, Solved};
+use super::paper_run::SandRun;
 use super::paper_statements::{STATEMENTS, Verdict};
 use crate::error::{Error, Result, shown as shown_path};
 use crate::number::{rounded, shown};
@@ -21,10 +22,10 @@ use crate::table::Table;
 #[derive(clap::Args, Debug)]
 #[command(
     about = "Write what can be reproduced of Ani et al. (2012), and what cannot",
-    long_about = "Write a folder with figures 8, 9 and 10 of Ani et al. (2012) and their numbers, the paper's \
-        optimisation problem under several readings, and a page that says of each equation, table and figure whether \
-        it is reproduced, reproduced in part, or not possible and why. The printed optimum slip of 0.1146 is not \
-        claimed.",
+    long_about = "Write a folder with figures 8, 9 and 10 of Ani et al. (2012) and their numbers, its figure \
+        13 of a simulated run on sand, the paper's optimisation problem under several readings, and a page that says \
+        of each equation, table and figure whether it is reproduced, reproduced in part, or not possible and why. The \
+        printed optimum slip of 0.1146 is not claimed.",
     after_help = "Example:\n  grouser paper -o paper"
 )]
 pub(crate) struct Arguments {
@@ -51,6 +52,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             &format!("the numbers of figure {}", figure.number),
         )?;
     }
+    let run = SandRun::drive()?;
+    files.write(
+        "figure-13.svg",
+        &run.draw().svg(),
+        "figure 13, simulated: slip against time by the fifth wheel beside the truth",
+    )?;
+    files.write("figure-13.csv", &run.csv(), "the numbers of figure 13")?;
     let solved = paper_problem::solve()?;
     for (name, content, about) in [
         (
@@ -80,12 +88,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             &format!("the reading \"{}\"", one.reading.name),
         )?;
     }
-    let page = page(&solved, &files.written);
+    let page = page(&solved, &run, &files.written);
     files.write("paper.md", &page.markdown(), "this page")?;
     files.write("paper.html", &page.html(), "this page")?;
     Ok(Report::done(
-        object(folder, &files.written, &solved),
-        text(folder, &files.written, &solved),
+        object(folder, &files.written, &solved, &run),
+        text(folder, &files.written, &solved, &run),
     ))
 }
 
@@ -140,7 +148,7 @@ fn readings(solved: &[Solved]) -> Vec<Vec<String>> {
         .collect()
 }
 
-fn page(solved: &[Solved], written: &[(String, String)]) -> Page {
+fn page(solved: &[Solved], run: &SandRun, written: &[(String, String)]) -> Page {
     let mut blocks = vec![
         Block::Text(
             "Ani, Xu, Xue, Liu & Zhang, \"Analytical modeling and multi-objective optimization of slippage for \
@@ -176,6 +184,14 @@ fn page(solved: &[Solved], written: &[(String, String)]) -> Page {
         ));
     }
     blocks.extend([
+        Block::Heading(2, "Figure 13, simulated".to_owned()),
+        Block::Text(run.about()),
+        Block::Picture(
+            "figure-13.svg".to_owned(),
+            "Figure 13, simulated: slip of a powered wheel by the fifth wheel beside the truth (a), and where it brakes \
+             (b)"
+                .to_owned(),
+        ),
         Block::Heading(2, "The optimisation problem".to_owned()),
         Block::Text(format!(
             "The paper names nine variables, three objectives (P2, P7, P19), bounds and constraints, and prints an \
@@ -219,7 +235,7 @@ fn count(verdict: Verdict) -> usize {
     STATEMENTS.iter().filter(|s| s.verdict == verdict).count()
 }
 
-fn object(folder: &Path, written: &[(String, String)], solved: &[Solved]) -> Object {
+fn object(folder: &Path, written: &[(String, String)], solved: &[Solved], run: &SandRun) -> Object {
     let statements = STATEMENTS.iter().map(|s| {
         Value::from(Object::from_iter([
             ("item".to_owned(), Value::from(s.item)),
@@ -238,6 +254,7 @@ fn object(folder: &Path, written: &[(String, String)], solved: &[Solved]) -> Obj
             written.iter().map(|(name, _)| name.as_str()).collect(),
         ),
         ("statements".to_owned(), statements.collect()),
+        ("sand_run".to_owned(), Value::Object(run.object())),
         ("printed_slip".to_owned(), Value::from(PRINTED_SLIP)),
         ("printed_slip_claimed".to_owned(), Value::from(false)),
         (
@@ -247,7 +264,7 @@ fn object(folder: &Path, written: &[(String, String)], solved: &[Solved]) -> Obj
     ])
 }
 
-fn text(folder: &Path, written: &[(String, String)], solved: &[Solved]) -> String {
+fn text(folder: &Path, written: &[(String, String)], solved: &[Solved], run: &SandRun) -> String {
     let mut text = format!(
         "{} items of the paper are reproduced, {} in part, {} not possible\n\n",
         count(Verdict::Reproduced),
@@ -272,6 +289,12 @@ fn text(folder: &Path, written: &[(String, String)], solved: &[Solved]) -> Strin
         text,
         "the printed optimum, |S_0| = {}, is not claimed: its bounds, start, scaling and utility are not printed",
         shown(PRINTED_SLIP)
+    );
+    let _ = writeln!(
+        text,
+        "figure 13, simulated: slip by the fifth wheel is within {} (RMS) of the true one",
+        run.error()
+            .map_or_else(|| "—".to_owned(), |error| rounded(error, 3))
     );
     let _ = writeln!(
         text,

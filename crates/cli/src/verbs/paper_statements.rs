@@ -178,7 +178,8 @@ pub(super) const STATEMENTS: &[Statement] = &[
     said(
         "Figures 12, 13",
         "the run on sand",
-        Verdict::NotPossible,
-        "its data are not published; examples/five-wheel is a generated run of such a robot with known truth",
+        Verdict::InPart,
+        "its data are not published; in its place such a robot is simulated on dry sand (examples/scenarios/sandbox.toml), \
+         and figure 13 is drawn of that: slip by the fifth wheel beside the truth",
     ),
 ];

@@ -1,6 +1,6 @@
 //! Scenario files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, Section, nearest};
 use grouser_slip::control::ControlSettings;
@@ -27,12 +27,30 @@ pub fn read_scenario(path: &Path) -> Result<Scenario> {
     let name = path
         .file_stem()
         .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    document.parse(|root| read(root, beside, name))
+    document.parse(|root| {
+        let robot_file = beside.join(root.text("robot")?);
+        let robot = RobotModel::read(&robot_file)?;
+        read(root, beside, name, (robot_file, robot))
+    })
 }
 
-fn read(root: &Section<'_>, beside: &Path, name: String) -> Result<Scenario> {
-    let robot_file = beside.join(root.text("robot")?);
-    let robot = RobotModel::read(&robot_file)?;
+/// A scenario out of a document, for a robot that is at hand: the file that it names is not read.
+///
+/// # Errors
+/// As [`read_scenario`].
+pub fn parse_scenario(document: &Document, name: &str, robot: RobotModel) -> Result<Scenario> {
+    document.parse(|root| {
+        let robot_file = PathBuf::from(root.text("robot")?);
+        read(root, Path::new(""), name.to_owned(), (robot_file, robot))
+    })
+}
+
+fn read(
+    root: &Section<'_>,
+    beside: &Path,
+    name: String,
+    (robot_file, robot): (PathBuf, RobotModel),
+) -> Result<Scenario> {
     let start = root
         .section("start", |s| {
             let or_zero =

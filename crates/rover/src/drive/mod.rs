@@ -2,6 +2,7 @@
 
 mod attitude_filter;
 mod file;
+mod firmness;
 mod motor_driver;
 mod outcome;
 mod pilot;
@@ -12,7 +13,7 @@ mod suspension;
 mod truth;
 mod watch;
 
-pub use file::read_scenario;
+pub use file::{parse_scenario, read_scenario};
 pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};
 pub use pilot::Pilot;
 pub use run::{Drive, Frame, WheelFrame};

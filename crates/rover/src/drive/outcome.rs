@@ -16,6 +16,8 @@ pub enum Outcome {
     Tipped,
     /// The controller stopped it because its sensors fell silent.
     SensorsLost,
+    /// The controller found no way on, and stopped it before it dug in.
+    NoWay,
     /// It drove off the map.
     OffMap,
     /// The time was over.
@@ -31,6 +33,7 @@ impl Outcome {
             Self::Immobilised => "immobilised",
             Self::Tipped => "tipped",
             Self::SensorsLost => "sensors-lost",
+            Self::NoWay => "no-way",
             Self::OffMap => "off-map",
             Self::TimeOut => "time-out",
         }

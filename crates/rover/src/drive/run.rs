@@ -269,6 +269,7 @@ impl Drive {
             heading: self.watch.attitude().heading(),
             pitch: self.watch.attitude().pitch(),
             roll: self.watch.attitude().roll(),
+            demanded: self.watch.demanded(),
             asked_speed,
             asked_heading,
         });
@@ -384,6 +385,7 @@ fn nothing_seen(load: f64) -> WheelSeen {
         forward_speed: None,
         rim_speed: None,
         torque_share: None,
+        firmness: None,
         load,
     }
 }
@@ -392,6 +394,7 @@ const fn outcome_of(ending: Ending) -> Outcome {
     match ending {
         Ending::Tipping => Outcome::Tipped,
         Ending::SensorsLost => Outcome::SensorsLost,
+        Ending::NoWay => Outcome::NoWay,
         _ => Outcome::Immobilised,
     }
 }

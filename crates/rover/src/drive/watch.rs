@@ -8,6 +8,7 @@ use grouser_slip::{Drive, Health, Measurement, Sample};
 use grouser_terra::{Angle, Soil};
 
 use super::attitude_filter::AttitudeFilter;
+use super::firmness::Firmness;
 use super::suspension::Suspension;
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
@@ -29,8 +30,12 @@ pub(super) struct Watch {
     detector: Detector,
     attitude: AttitudeFilter,
     suspension: Suspension,
+    firmness: Firmness,
     demand: Option<SlipDemand>,
+    demanded: Option<SlipPrior>,
     prior_due: f64,
+    /// When it last looked, s.
+    looked: f64,
     /// Greatest torque of each wheel's motor, N m, and the torque by its current.
     most_torque: Vec<f64>,
     torques: Vec<Option<f64>>,
@@ -75,7 +80,10 @@ impl Watch {
             detector: Detector::new(&model.robot, detect)?,
             attitude: AttitudeFilter::new(heading),
             suspension: Suspension::new(model),
+            firmness: Firmness::new(model, loads, soil)?,
+            looked: 0.0,
             demand,
+            demanded: None,
             prior_due: 0.0,
             torques: vec![None; most_torque.len()],
             most_torque,
@@ -157,6 +165,8 @@ impl Watch {
         steers: impl Iterator<Item = f64>,
         seen: &mut [WheelSeen],
     ) {
+        let step = (time - self.looked).clamp(0.0, 0.1);
+        self.looked = time;
         for (wheel, steer) in steers.enumerate() {
             self.filter.steer(wheel, steer);
         }
@@ -176,7 +186,15 @@ impl Watch {
             seen.motion = self.detector.motion(index, wheel.motion);
             seen.forward_speed = wheel.forward_speed.map(|speed| speed.value);
             seen.rim_speed = wheel.rim_speed.map(|speed| speed.value);
+            seen.firmness = self
+                .firmness
+                .take(index, self.torques[index], seen.slip, step);
         }
+    }
+
+    /// The slip that the soil demands where it stands; `None` where no slip holds the slope.
+    pub(super) const fn demanded(&self) -> Option<SlipPrior> {
+        self.demanded
     }
 
     /// What the soil demands on the slope that it stands on.
@@ -185,7 +203,8 @@ impl Watch {
             return;
         };
         // nose down is downhill
-        if let Some(prior) = demand.at(Angle::from_rad(-pitch)) {
+        self.demanded = demand.at(Angle::from_rad(-pitch));
+        if let Some(prior) = self.demanded {
             let sigma = prior.sigma.max(PRIOR_SIGMA);
             // the table holds slips only
             let _ = self.filter.believe(SlipPrior { sigma, ..prior });

@@ -466,7 +466,7 @@ fn pitched(inertia: &Tensor, (cos, sin): (f64, f64)) -> Tensor {
 }
 
 /// Solves a symmetric positive definite system in place by Cholesky's method; the lower triangle is given.
-fn solve(matrix: &mut [[f64; MAX_SPEEDS]; MAX_SPEEDS], right: &mut Speeds, size: usize) {
+pub(crate) fn solve(matrix: &mut [[f64; MAX_SPEEDS]; MAX_SPEEDS], right: &mut Speeds, size: usize) {
     for i in 0..size {
         for j in 0..=i {
             let (left, upper) = (&matrix[i][..j], &matrix[j][..j]);

@@ -5,10 +5,10 @@ mod motor;
 mod vehicle;
 mod wheel_force;
 
-pub(crate) use linkage::MAX_CHAIN;
 pub use linkage::{
     Body, BodyState, GRAVITY, Hold, Link, Linkage, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds,
 };
+pub(crate) use linkage::{MAX_CHAIN, solve};
 pub use motor::{Motor, MotorNow};
 pub use vehicle::{Ledger, Vehicle, WheelCommand, WheelNow};
 pub use wheel_force::{WheelContact, WheelLoad, WheelMotionNow};

@@ -7,8 +7,9 @@
 //!   nothing is forgotten: u is a spring, the wheel holds a slope without creeping, and no speed is ever
 //!   divided by. The same for the drift sideways. The laws are asked at s = (u + τ u̇)/L: the τ damps and
 //!   vanishes in every steady state.
-//! - *Direction*: the resistance of the soil turns round with the direction of rolling d, which needs half a
-//!   contact length to do so.
+//! - *Direction*: the shear turns round with the direction of rolling d, the resistance of the soil in front with the
+//!   direction of travel; either needs half a contact length of way to do so. A wheel that spins in its hole is thus
+//!   held by as much of the resistance as its thrust needs, and never driven by it.
 //! - *Unloading*: soil that was pressed to z_p gives back along a line `unloading` times as steep as the load's
 //!   own; rolling forgets z_p over L.
 
@@ -38,6 +39,8 @@ pub struct WheelContact {
     shear: [f64; 2],
     /// Direction of rolling, −1 to 1.
     direction: f64,
+    /// Direction of travel, −1 to 1.
+    travel: f64,
     /// Sinkage to which the soil under it was pressed, m.
     pressed: f64,
 }
@@ -106,7 +109,9 @@ impl WheelContact {
         } else {
             motion.velocity[0]
         };
-        self.direction = (self.direction + 2.0 * step * dominant / length).clamp(-1.0, 1.0);
+        let turned = |way: f64, speed: f64| (way + 2.0 * step * speed / length).clamp(-1.0, 1.0);
+        self.direction = turned(self.direction, dominant);
+        self.travel = turned(self.travel, motion.velocity[0]);
         let mut load = self.steady(pair, slips);
         // W − k (z_p − z), the line of unloading, with its damping
         let gap = (self.pressed - motion.sinkage.min(limit)) - LOOK_AHEAD_DOWN * motion.sinking;
@@ -143,19 +148,28 @@ impl WheelContact {
 
     /// The steady forces at slip `s` (of forward rolling) and drift `w`, by the direction of rolling.
     fn steady(&self, pair: &WheelOnSoil, [s, w]: [f64; 2]) -> WheelLoad {
+        let travel = self.travel;
         if self.direction >= 1.0 {
-            return one_way(pair, self.pressed, s, w);
+            let (load, resistance) = one_way(pair, self.pressed, s, w);
+            return WheelLoad {
+                along: load.along - travel * resistance,
+                ..load
+            };
         }
-        let back = one_way(pair, self.pressed, -s, w);
+        let (back, resistance) = one_way(pair, self.pressed, -s, w);
         let mirrored = WheelLoad {
-            along: -back.along,
+            along: -back.along - travel * resistance,
             torque: -back.torque,
             ..back
         };
         if self.direction <= -1.0 {
             return mirrored;
         }
-        let forth = one_way(pair, self.pressed, s, w);
+        let (forth, resistance) = one_way(pair, self.pressed, s, w);
+        let forth = WheelLoad {
+            along: forth.along - travel * resistance,
+            ..forth
+        };
         let share = 0.5 * (1.0 + self.direction);
         let mix = |a: f64, b: f64| share * a + (1.0 - share) * b;
         WheelLoad {
@@ -175,8 +189,9 @@ fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
     radius * theta_1.max(0.05)
 }
 
-/// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards.
-fn one_way(pair: &WheelOnSoil, sinkage: f64, s: f64, w: f64) -> WheelLoad {
+/// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards: the load with the thrust
+/// alone along, and the resistance of the soil in front, N.
+fn one_way(pair: &WheelOnSoil, sinkage: f64, s: f64, w: f64) -> (WheelLoad, f64) {
     let (travel, rim) = if s >= 0.0 {
         (1.0 - s, 1.0)
     } else {
@@ -195,14 +210,15 @@ fn one_way(pair: &WheelOnSoil, sinkage: f64, s: f64, w: f64) -> WheelLoad {
     });
     // Soil, wheel and slip have been checked, so that nothing is left to refuse.
     let Ok((forces, across)) = found else {
-        return WheelLoad::default();
+        return (WheelLoad::default(), 0.0);
     };
-    WheelLoad {
+    let load = WheelLoad {
         normal: forces.vertical_force.max(0.0),
-        along: forces.drawbar_pull,
+        along: forces.thrust,
         across,
         torque: forces.torque,
         pressed: sinkage,
         buried: false,
-    }
+    };
+    (load, forces.thrust - forces.drawbar_pull)
 }

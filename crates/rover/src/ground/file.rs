@@ -1,14 +1,21 @@
 //! Height maps from files: PNG of 8 or 16 bits, ESRI ASCII grids, GeoTIFF.
+//!
+//! What a file does not know stays unknown: no-data values, NaN, transparent pixels and missing tiles never become a
+//! height of their own.
 
 mod ascii;
+mod fault;
 mod geotiff;
 mod picture;
 
-use std::fs::File;
-use std::io::{BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::io::{Cursor, Read as _};
+use std::path::PathBuf;
 
-use super::height_map::{HeightMap, MOST_CELLS};
+use grouser_files::regular;
+
+pub use fault::{NoCell, TerrainFault};
+
+use super::height_map::{CELL, HeightMap, MOST_CELLS};
 use crate::error::{Error, Result};
 
 /// Greatest size of a terrain file, bytes.
@@ -17,7 +24,7 @@ const MOST_BYTES: u64 = 1 << 28;
 /// A terrain file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightFile {
-    /// The file; its ending tells its kind: png, asc or txt, tif or tiff.
+    /// The file; its ending tells its kind: png, asc, txt or grd, tif or tiff.
     pub path: PathBuf,
     /// Distance of its cells, m; needed where the file does not say it in metres.
     pub cell: Option<f64>,
@@ -27,27 +34,54 @@ pub struct HeightFile {
 
 /// Reads a height map. Its first column lies at x = 0, its middle row at y = 0, its upper edge to the left.
 ///
+/// The file is read as a whole and never mapped: one that shrinks meanwhile is short, no more.
+///
 /// # Errors
-/// [`Error::Terrain`] for what a file lacks, lies about, or has too much of; [`Error::Unreadable`].
+/// [`Error::Terrain`] for what the file lacks, lies about, or has too much of; [`Error::File`] for a path that is
+/// no regular file or cannot be read.
 pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
+    let opened = regular::open(&file.path)?;
+    let mut bytes = Vec::new();
+    opened
+        .take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|source| Error::Unreadable {
+            file: file.path.clone(),
+            source,
+        })?;
+    parse_heights(&bytes, file)
+}
+
+/// The height map in the bytes of a file.
+///
+/// # Errors
+/// [`Error::Terrain`].
+pub fn parse_heights(bytes: &[u8], file: &HeightFile) -> Result<HeightMap> {
+    raster(bytes, file)
+        .and_then(Raster::into_map)
+        .map_err(|fault| Error::Terrain {
+            file: file.path.clone(),
+            fault,
+        })
+}
+
+fn raster(bytes: &[u8], file: &HeightFile) -> Result<Raster, TerrainFault> {
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(TerrainFault::TooManyBytes { limit: MOST_BYTES });
+    }
     let ending = file
         .path
         .extension()
         .map_or_else(String::new, |e| e.to_string_lossy().to_ascii_lowercase());
-    let reader = open(&file.path)?;
-    let raster = match ending.as_str() {
-        "png" => picture::read(reader, file),
-        "asc" | "txt" | "grd" => ascii::read(reader, file),
-        "tif" | "tiff" => geotiff::read(reader, file),
-        _ => Err(bad(
-            file,
-            "a height map ends in .png, .asc, .txt, .tif or .tiff",
-        )),
-    }?;
-    raster.into_map(file)
+    match ending.as_str() {
+        "png" => picture::read(Cursor::new(bytes), file.cell, file.height_step),
+        "asc" | "txt" | "grd" => ascii::read(bytes, file.cell),
+        "tif" | "tiff" => geotiff::read(bytes, file.cell),
+        _ => Err(TerrainFault::Kind),
+    }
 }
 
-/// Heights as a file has them: rows from the upper edge down.
+/// Heights as a file has them: rows from the upper edge down, NaN where it knows none.
 struct Raster {
     columns: usize,
     heights: Vec<f32>,
@@ -55,66 +89,54 @@ struct Raster {
 }
 
 impl Raster {
-    fn into_map(self, file: &HeightFile) -> Result<HeightMap> {
+    fn into_map(mut self) -> Result<HeightMap, TerrainFault> {
+        let (low, high) = CELL;
+        if !(self.cell >= low && self.cell <= high) {
+            return Err(TerrainFault::OutOfRange {
+                field: "cell",
+                value: self.cell,
+                low,
+                high,
+                unit: "m",
+            });
+        }
         let columns = self.columns;
+        let rows = self.heights.len() / columns;
         // the upper row is the leftmost one: y grows upwards
-        let heights: Vec<f32> = self
-            .heights
-            .chunks_exact(columns)
-            .rev()
-            .flatten()
-            .copied()
-            .collect();
-        let rows = heights.len() / columns;
+        for row in 0..rows / 2 {
+            let (upper, lower) = self.heights.split_at_mut((rows - 1 - row) * columns);
+            upper[row * columns..(row + 1) * columns].swap_with_slice(&mut lower[..columns]);
+        }
         let origin = (0.0, -0.5 * (rows.saturating_sub(1)) as f64 * self.cell);
-        HeightMap::new(origin, self.cell, columns, heights).map_err(|error| match error {
-            Error::OutOfRange { .. } => bad(file, &error.to_string()),
-            error => error,
+        HeightMap::new(origin, self.cell, columns, self.heights).map_err(|error| match error {
+            Error::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+                ..
+            } => TerrainFault::OutOfRange {
+                field,
+                value,
+                low,
+                high,
+                unit,
+            },
+            other => TerrainFault::damaged(other),
         })
     }
 }
 
-fn bad(file: &HeightFile, message: &str) -> Error {
-    Error::Terrain {
-        file: file.path.clone(),
-        message: message.to_owned(),
-    }
-}
-
-fn check_size(file: &HeightFile, columns: u64, rows: u64) -> Result<()> {
+/// Refuses sizes before anything of that size is made.
+fn check_size(columns: u64, rows: u64) -> Result<(), TerrainFault> {
     let cells = u128::from(columns) * u128::from(rows);
-    if cells > MOST_CELLS as u128 {
-        let message = format!("{columns} x {rows} cells, but at most {MOST_CELLS} are read");
-        return Err(bad(file, &message));
-    }
-    if columns < 2 || rows < 2 {
-        let message = format!("{columns} x {rows} cells, but at least 2 x 2 are needed");
-        return Err(bad(file, &message));
+    if cells > MOST_CELLS as u128 || columns < 2 || rows < 2 {
+        return Err(TerrainFault::Cells {
+            columns,
+            rows,
+            limit: MOST_CELLS as u64,
+        });
     }
     Ok(())
-}
-
-fn open(path: &Path) -> Result<BufReader<std::io::Cursor<Vec<u8>>>> {
-    let unreadable = |source| Error::Unreadable {
-        file: path.to_owned(),
-        source,
-    };
-    let meta = std::fs::metadata(path).map_err(unreadable)?;
-    let refused = |message: String| Error::Terrain {
-        file: path.to_owned(),
-        message,
-    };
-    if !meta.is_file() {
-        return Err(refused("it is not a regular file".into()));
-    }
-    if meta.len() > MOST_BYTES {
-        let message = format!("{} bytes, but at most {MOST_BYTES} are read", meta.len());
-        return Err(refused(message));
-    }
-    // Read as a whole and never mapped: a file that shrinks meanwhile is short, no more.
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
-        .map_err(unreadable)?;
-    Ok(BufReader::new(std::io::Cursor::new(bytes)))
 }

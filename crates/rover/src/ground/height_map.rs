@@ -6,6 +6,8 @@ use crate::error::{Error, Result};
 
 /// Greatest number of cells of a map.
 pub(crate) const MOST_CELLS: usize = 1 << 25;
+/// Distance of its nodes, m.
+pub(crate) const CELL: (f64, f64) = (1e-3, 1e3);
 
 /// Heights at the nodes of a square grid, between which they are bilinear. Beyond the edge the edge goes on.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +69,7 @@ impl HeightMap {
         let far = (-1e7, 1e7);
         Error::check(of, "origin x", origin.0, far, "m")?;
         Error::check(of, "origin y", origin.1, far, "m")?;
-        Error::check(of, "cell", cell, (1e-3, 1e3), "m")?;
+        Error::check(of, "cell", cell, CELL, "m")?;
         Error::check(of, "columns", columns as f64, (2.0, 1e5), "1")?;
         let most = MOST_CELLS as f64;
         Error::check(of, "cells", heights.len() as f64, (4.0, most), "1")?;
@@ -133,7 +135,7 @@ impl HeightMap {
         shape: impl Fn(f64, f64) -> f64,
     ) -> Result<Self> {
         let of = "ground";
-        Error::check(of, "cell", cell, (1e-3, 1e3), "m")?;
+        Error::check(of, "cell", cell, CELL, "m")?;
         Error::check(of, "size_x", size.0, (2.0 * cell, 1e5 * cell), "m")?;
         Error::check(of, "size_y", size.1, (2.0 * cell, 1e5 * cell), "m")?;
         #[allow(
@@ -190,6 +192,12 @@ impl HeightMap {
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> f64 {
         self.corner(x, y).mix(&self.heights)
+    }
+
+    /// Is (x, y) on the map, and the height of the node next to it known?
+    #[must_use]
+    pub fn known(&self, x: f64, y: f64) -> bool {
+        self.surface(&self.corner(x, y)).known
     }
 
     pub(crate) fn corner(&self, x: f64, y: f64) -> Corner {

@@ -5,7 +5,7 @@ mod height_map;
 mod noise;
 mod shape;
 
-pub use file::{HeightFile, read_heights};
+pub use file::{HeightFile, NoCell, TerrainFault, parse_heights, read_heights};
 pub use height_map::HeightMap;
 pub use noise::Noise;
 pub use shape::{Rocks, Shape};

@@ -46,16 +46,28 @@ pub fn stability_margins(model: &RobotModel, pitch: f64, roll: f64) -> Stability
         let mount = &model.wheels[index];
         mount.centre - Vector::AXES[2] * mount.wheel.radius()
     };
+    let contacts: Vec<Vector> = (0..model.wheels.len()).map(contact).collect();
     let least = 1e-3 * model.weight();
-    let standing: Vec<usize> = (0..model.wheels.len())
-        .filter(|index| loads.loads[*index] > least)
-        .collect();
-    let hull = hull(&standing, contact);
     let up = Attitude::from_angles(roll, -pitch, 0.0).to_robot(Vector::AXES[2]);
+    margins_about(&contacts, |wheel| loads.loads[wheel] > least, centre, up)
+}
+
+/// The margins of what stands on those of its `contacts` that carry something, with its centre of gravity at
+/// `centre`; seen against `up`.
+pub(super) fn margins_about(
+    contacts: &[Vector],
+    carries: impl Fn(usize) -> bool,
+    centre: Vector,
+    up: Vector,
+) -> StabilityMargins {
+    let standing: Vec<usize> = (0..contacts.len())
+        .filter(|index| carries(*index))
+        .collect();
+    let hull = hull(&standing, |index| contacts[index]);
     let edges: Vec<Edge> = (0..hull.len())
         .map(|i| {
             let wheels = [hull[i], hull[(i + 1) % hull.len()]];
-            edge(wheels, wheels.map(contact), centre, up)
+            edge(wheels, wheels.map(|wheel| contacts[wheel]), centre, up)
         })
         .collect();
     let least = |of: fn(&Edge) -> f64| edges.iter().map(of).fold(f64::INFINITY, f64::min);

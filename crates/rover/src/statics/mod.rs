@@ -4,8 +4,10 @@ mod gradeability;
 mod loads;
 mod margins;
 mod posture;
+mod stance;
 
 pub use gradeability::{Gradeability, gradeability};
 pub use loads::{WheelLoads, wheel_loads};
 pub use margins::{Edge, StabilityMargins, stability_margins};
 pub use posture::{Posture, PostureLimits, adjusted_posture};
+pub use stance::{Footing, Stance, stance};

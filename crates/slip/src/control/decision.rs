@@ -13,6 +13,8 @@ pub enum Mode {
     Traverse,
     /// It goes back the way it came.
     BackOut,
+    /// It goes round soft ground.
+    Detour,
     /// The drive has ended.
     Stopped,
 }
@@ -27,6 +29,8 @@ pub enum Ending {
     Tipping,
     /// Its sensors fell silent.
     SensorsLost,
+    /// It found no way on, and stands on ground that carries it.
+    NoWay,
 }
 
 /// What was decided.
@@ -47,6 +51,8 @@ pub enum Action {
     Tack,
     /// Go back.
     BackOut,
+    /// Go round.
+    Detour,
     /// Go on as asked.
     Resume,
     /// End the drive.
@@ -63,6 +69,10 @@ pub enum Reason {
     SlipRegained,
     /// The slip is steady: slope and soil demand it, and running slower does not lower it.
     Demanded,
+    /// The ground takes much more slip than the known soil would on this slope: it is softer.
+    SoftGround,
+    /// It has gone far enough aside.
+    Aside,
     /// The wheels dig in.
     DiggingIn,
     /// The robot does not come on although its rims run.
@@ -110,6 +120,7 @@ impl Mode {
             Self::Forward => "Forward",
             Self::Traverse => "Traverse",
             Self::BackOut => "BackOut",
+            Self::Detour => "Detour",
             Self::Stopped => "Stopped",
         }
     }
@@ -123,6 +134,7 @@ impl Ending {
             Self::Immobilised => "Immobilised",
             Self::Tipping => "Tipping",
             Self::SensorsLost => "SensorsLost",
+            Self::NoWay => "NoWay",
         }
     }
 }
@@ -139,10 +151,12 @@ impl Action {
             Self::Traverse => "traverse",
             Self::Tack => "tack",
             Self::BackOut => "back out",
+            Self::Detour => "detour",
             Self::Resume => "resume",
             Self::End(Ending::Immobilised) => "end: immobilised",
             Self::End(Ending::Tipping) => "end: tipping",
             Self::End(Ending::SensorsLost) => "end: sensors lost",
+            Self::End(Ending::NoWay) => "end: no way on",
         }
     }
 }
@@ -155,6 +169,8 @@ impl Reason {
             Self::SlipHigh => "slip is high",
             Self::SlipRegained => "slip is back at its optimum",
             Self::Demanded => "slope and soil demand it, steadily",
+            Self::SoftGround => "the ground is softer than the soil that is known",
+            Self::Aside => "far enough aside",
             Self::DiggingIn => "the wheels dig in",
             Self::NoProgress => "no progress",
             Self::SlopeGentle => "the slope is gentle again",

@@ -3,8 +3,10 @@
 use grouser_real::Real;
 
 use super::decision::{Action, Ending, Mode, Pending, Reason};
+use super::detour::Detour;
 use super::settings::ControlSettings;
 use super::wrapped;
+use crate::filter::SlipPrior;
 
 /// The slip that decisions look at is smoothed over this, s.
 const SMOOTHING: f64 = 1.0;
@@ -24,14 +26,28 @@ const ON_COURSE: f64 = 0.35;
 const TURN_TIME: f64 = 12.0;
 /// A traverse turns away from the asked heading by at most this, rad.
 const WIDEST: f64 = 0.8;
+/// A robot that does not come back for this long is stuck, s. While it comes slowly more slip is allowed, 1/s.
+const IDLE: f64 = 10.0;
+const PUSH: f64 = 0.1;
+/// A robot slower than this stands, m/s; the soil is sheared once it has rolled this far, m.
+const STANDS: f64 = 0.02;
+const SHEARED: f64 = 0.25;
+/// Soft ground is forgotten after this much progress, m.
+const FORGOTTEN: f64 = 4.0;
 /// Backing out for longer than its length over its speed times this has failed.
-const BACK_PATIENCE: f64 = 3.0;
+const BACK_PATIENCE: f64 = 8.0;
 
 /// The robot as a whole.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seen {
     /// Slip of the powered wheels, weighed by load.
     pub(crate) slip: Option<f64>,
+    /// How much softer the ground is on the left than on the right: slip and firmness, 1.
+    pub(crate) lean: f64,
+    /// Firmness of the ground: the least under any powered wheel, that the next one does not deny.
+    pub(crate) firmness: f64,
+    /// What soil and slope demand.
+    pub(crate) demanded: Option<SlipPrior>,
     pub(crate) speed: Option<f64>,
     /// Mean speed of the powered rims, m/s.
     pub(crate) rim: f64,
@@ -52,6 +68,11 @@ impl Seen {
     }
 }
 
+/// −1 where the drive asks for backwards.
+const fn sense(asked_speed: f64) -> f64 {
+    if asked_speed < 0.0 { -1.0 } else { 1.0 }
+}
+
 /// What the wheels are to do.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Course {
@@ -62,6 +83,8 @@ pub(crate) struct Course {
     pub(crate) stopped: bool,
     /// The slip to run at: the optimum, or what the ground demands.
     pub(crate) target: f64,
+    /// The share of its speed that a rim runs at least.
+    pub(crate) creep: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -76,8 +99,9 @@ pub(crate) struct Helm {
     accepted: f64,
     /// How long slip has stood steadily above its optimum, or below it (negative), s.
     steady: f64,
-    /// Smoothed tilt, rad.
+    /// Smoothed tilt, rad, and over `SLOW` seconds.
     tilt: f64,
+    slow_tilt: f64,
     /// How long slip has been high, and so high that the wheels dig in, and without progress, s.
     high: f64,
     dig: f64,
@@ -97,6 +121,14 @@ pub(crate) struct Helm {
     turning: f64,
     /// The heading that it holds while it backs out, rad.
     held: f64,
+    /// How long it has not come back while it backs out, s; and how much more slip that is allowed for it.
+    idle: f64,
+    pushed: f64,
+    /// How far it has rolled since it stood or changed its mode, m.
+    rolled: f64,
+    detour: Detour,
+    /// How far it backs out to go round soft ground, m; 0: it does not.
+    rounds: f64,
 }
 
 impl Default for Helm {
@@ -109,6 +141,7 @@ impl Default for Helm {
             accepted: 0.0,
             steady: 0.0,
             tilt: 0.0,
+            slow_tilt: 0.0,
             high: 0.0,
             dig: 0.0,
             stuck: 0.0,
@@ -121,6 +154,11 @@ impl Default for Helm {
             angle: 0.0,
             turning: 0.0,
             held: 0.0,
+            idle: 0.0,
+            pushed: 0.0,
+            rolled: 0.0,
+            detour: Detour::default(),
+            rounds: 0.0,
         }
     }
 }
@@ -142,12 +180,17 @@ impl Helm {
         self.dig = 0.0;
         self.stuck = 0.0;
         self.turning = 0.0;
+        self.rounds = 0.0;
+        self.rolled = 0.0;
+        self.idle = 0.0;
+        self.pushed = 0.0;
     }
 
     fn heading(&self, seen: &Seen) -> f64 {
         match self.mode {
             Mode::Traverse => wrapped(seen.asked_heading + self.side * self.angle),
             Mode::BackOut => self.held,
+            Mode::Detour => wrapped(seen.asked_heading + self.detour.angle()),
             Mode::Forward | Mode::Stopped => seen.asked_heading,
         }
     }
@@ -188,6 +231,7 @@ impl Helm {
             Mode::Forward => self.forward(settings, pending),
             Mode::Traverse => self.traverse(settings, pending),
             Mode::BackOut => self.back_out(settings, seen, pending),
+            Mode::Detour => self.go_round(settings, seen, step, pending),
             Mode::Stopped => {}
         }
     }
@@ -200,17 +244,46 @@ impl Helm {
         }
         if let Some(tilt) = seen.tilt() {
             self.tilt += share * (tilt - self.tilt);
+            self.slow_tilt += step / (SLOW + step) * (tilt - self.slow_tilt);
             let over = tilt > settings.most_tilt;
             self.tilted = if over { self.tilted + step } else { 0.0 };
         }
         let speed = seen.speed.unwrap_or(0.0);
         self.time += step;
-        self.way += step * speed.abs();
+        // where it is to go back, only that counts
+        self.way += match self.mode {
+            Mode::BackOut => step * (-speed * sense(seen.asked_speed)),
+            _ => step * speed.abs(),
+        };
+        if self.mode == Mode::BackOut {
+            let back = -speed * sense(seen.asked_speed);
+            let wanted = settings.back_speed * seen.asked_speed.abs();
+            self.idle = if back < 0.25 * STANDS {
+                self.idle + step
+            } else {
+                0.0
+            };
+            if back < 0.5 * wanted {
+                self.pushed = (self.pushed + step * PUSH).min(MOST_ACCEPTED - settings.optimum);
+            }
+        }
         let on_course = self.off(seen).abs() < ON_COURSE;
         self.turning = if on_course { 0.0 } else { self.turning + step };
         let asked = seen.asked_speed.abs();
         // What happens while it turns on the spot, or while nothing is asked of it, says nothing.
-        if asked == 0.0 || !on_course || self.time < SMOOTHING {
+        // a robot that steers travels while it turns; one that turns on the spot says nothing of the ground ahead
+        let on_course = on_course || self.sharpest.is_finite();
+        let driving = asked != 0.0 && on_course && self.time >= SMOOTHING;
+        let level = self.tilt.max(self.slow_tilt) < settings.steep;
+        // soil under a wheel that starts is not sheared yet
+        self.rolled = if speed.abs() < STANDS {
+            0.0
+        } else {
+            self.rolled + step * speed.abs()
+        };
+        let counts = driving && level && self.rolled > SHEARED && self.mode != Mode::BackOut;
+        self.detour.watch(settings, seen, counts, step);
+        if !driving {
             self.high = 0.0;
             self.dig = 0.0;
             self.stuck = 0.0;
@@ -242,6 +315,9 @@ impl Helm {
             if self.progress > settings.progress {
                 self.attempts = 0;
             }
+            if self.progress > FORGOTTEN {
+                self.detour.forget();
+            }
         }
     }
 
@@ -268,6 +344,46 @@ impl Helm {
         pending.push(Action::End(ending), reason, None, values);
     }
 
+    /// Softer ground than is known: back before the wheels dig, and round it. Tells whether it decided.
+    fn soft(&mut self, settings: &ControlSettings, pending: &mut Pending) -> bool {
+        if !self.detour.is_soft(settings) {
+            return false;
+        }
+        let values = self.detour.values(settings);
+        if self.detour.choose() > settings.most_attempts {
+            self.end(Ending::NoWay, Reason::SoftGround, values, pending);
+            return true;
+        }
+        self.progress = 0.0;
+        self.accepted = 0.0;
+        self.enter(Mode::BackOut);
+        self.rounds = self.detour.back(settings);
+        pending.push(Action::BackOut, Reason::SoftGround, None, values);
+        true
+    }
+
+    /// Across until the soft ground is passed.
+    fn go_round(
+        &mut self,
+        settings: &ControlSettings,
+        seen: &Seen,
+        step: f64,
+        pending: &mut Pending,
+    ) {
+        if self.soft(settings, pending) || self.stuck(settings, pending) {
+            return;
+        }
+        let across = seen.heading.map_or(0.0, |now| {
+            Real::sin(now - seen.asked_heading) * seen.speed.unwrap_or(0.0)
+        });
+        let aside = self.detour.go(across, step);
+        let wanted = self.detour.across(settings);
+        if aside >= wanted {
+            self.enter(Mode::Forward);
+            pending.push(Action::Resume, Reason::Aside, None, (aside, wanted));
+        }
+    }
+
     /// Digging in or standing still: back, if there are tries left. Tells whether it decided.
     fn stuck(&mut self, settings: &ControlSettings, pending: &mut Pending) -> bool {
         let (reason, values) = if self.dig >= settings.dig_time {
@@ -285,11 +401,19 @@ impl Helm {
         self.attempts += 1;
         self.progress = 0.0;
         self.enter(Mode::BackOut);
+        // on the level it is the soil that holds it
+        if self.tilt < settings.steep {
+            self.rounds = self.detour.back(settings);
+            self.detour.choose();
+        }
         pending.push(Action::BackOut, reason, None, values);
         true
     }
 
     fn forward(&mut self, settings: &ControlSettings, pending: &mut Pending) {
+        if self.soft(settings, pending) {
+            return;
+        }
         // On a slope it turns away as long as it still comes on.
         let fails = self.dig >= settings.dig_time || self.stuck >= settings.dig_time;
         let high = self.slip > settings.high_slip;
@@ -307,7 +431,7 @@ impl Helm {
     }
 
     fn traverse(&mut self, settings: &ControlSettings, pending: &mut Pending) {
-        if self.stuck(settings, pending) {
+        if self.soft(settings, pending) || self.stuck(settings, pending) {
             return;
         }
         if self.turning > TURN_TIME {
@@ -352,18 +476,33 @@ impl Helm {
 
     fn back_out(&mut self, settings: &ControlSettings, seen: &Seen, pending: &mut Pending) {
         let speed = settings.back_speed * seen.asked_speed.abs();
-        let patience = BACK_PATIENCE * settings.back_length / speed.max(1e-3);
-        if self.way >= settings.back_length {
+        let rounds = self.rounds > 0.0;
+        let length = if rounds {
+            self.rounds
+        } else {
+            settings.back_length
+        };
+        let patience = BACK_PATIENCE * length / speed.max(1e-3);
+        let idle = self.idle > IDLE;
+        if self.way >= length && rounds {
+            self.enter(Mode::Detour);
+            let values = (self.detour.angle(), self.detour.across(settings));
+            pending.push(Action::Detour, Reason::BackedOut, None, values);
+        } else if self.way >= length {
             // another way: the other side, wider with every try
             self.side = if self.side == 0.0 { 1.0 } else { -self.side };
             let tries = f64::from(self.attempts.max(1) - 1);
             let angle = settings.traverse_angle * (0.75 + 0.25 * tries);
             self.angle = angle.min(WIDEST);
-            let values = (self.way, settings.back_length);
+            let values = (self.way, length);
             self.enter(Mode::Traverse);
             pending.push(Action::Traverse, Reason::BackedOut, None, values);
-        } else if self.time > patience {
-            let values = (self.time, patience);
+        } else if idle || self.time > patience {
+            let values = if idle {
+                (self.idle, IDLE)
+            } else {
+                (self.time, patience)
+            };
             self.end(Ending::Immobilised, Reason::NoProgress, values, pending);
         }
     }
@@ -379,6 +518,7 @@ impl Helm {
                 slip_matters: false,
                 stopped: true,
                 target: settings.optimum,
+                creep: 0.0,
             };
         }
         if self.mode != Mode::BackOut {
@@ -415,11 +555,14 @@ impl Helm {
             speed,
             turn: if idle { 0.0 } else { turn },
             heading,
-            slip_matters: (on_course || self.sharpest.is_finite())
-                && !idle
-                && self.mode != Mode::BackOut,
+            slip_matters: (on_course || self.sharpest.is_finite()) && !idle,
             stopped: false,
-            target: settings.optimum.max(self.accepted),
+            target: settings.optimum.max(self.accepted) + self.pushed.max(0.0),
+            creep: if self.tilt < settings.steep || self.mode == Mode::BackOut {
+                settings.crawl
+            } else {
+                settings.creep
+            },
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What the controller is told and what it orders.
 
 use super::decision::{Decision, Mode};
+use crate::filter::SlipPrior;
 use crate::state::{Health, Motion};
 
 /// What is known of a wheel. Numbers that are NaN or infinite count as absent.
@@ -20,6 +21,8 @@ pub struct WheelSeen {
     pub rim_speed: Option<f64>,
     /// Torque over the motor's greatest, signed, from its current.
     pub torque_share: Option<f64>,
+    /// Torque that it takes over what the known soil would take at its slip and load: well below 1 on softer ground.
+    pub firmness: Option<f64>,
     /// Load that it carries, N, as known or measured.
     pub load: f64,
 }
@@ -39,6 +42,8 @@ pub struct ControlInput<'a> {
     pub pitch: Option<f64>,
     /// Roll, right side down positive, rad.
     pub roll: Option<f64>,
+    /// The slip that soil and slope demand as far as they are known; a ground that takes much more is another one.
+    pub demanded: Option<SlipPrior>,
     /// Speed that the drive asks for, m/s.
     pub asked_speed: f64,
     /// Heading that it asks for, rad.

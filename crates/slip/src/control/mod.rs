@@ -13,6 +13,7 @@
 //! is told to run slower pulls with less torque.
 
 mod decision;
+mod detour;
 mod helm;
 mod input;
 mod settings;
@@ -38,6 +39,9 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     let (sin, cos) = Real::sin_cos(angle);
     Real::atan2(sin, cos)
 }
+
+/// Soft ground under one wheel counts where the next softest is no firmer than this beyond it.
+const DENIES: f64 = 0.15;
 
 /// Where a wheel stands, and how far it steers.
 #[derive(Clone, Copy, Debug)]
@@ -91,11 +95,12 @@ impl WheelPlace {
 ///     // sand in which the wheel travels at half its rim's speed
 ///     let seen = [WheelSeen {
 ///         slip: Some(0.5), sigma: Some(0.02), health: Health::Ok, motion: Some(Motion::Driving),
-///         forward_speed: Some(0.1), rim_speed: Some(rim), torque_share: Some(0.3), load: 50.0,
+///         forward_speed: Some(0.1), rim_speed: Some(rim), torque_share: Some(0.3), firmness: None,
+///         load: 50.0,
 ///     }];
 ///     let output = controller.step(&ControlInput {
 ///         time_ns: step * 10_000_000, wheels: &seen, speed: Some(0.1), heading: Some(0.0),
-///         pitch: Some(0.0), roll: Some(0.0), asked_speed: 0.3, asked_heading: 0.0,
+///         pitch: Some(0.0), roll: Some(0.0), demanded: None, asked_speed: 0.3, asked_heading: 0.0,
 ///     });
 ///     rim = output.orders[0].rim_speed;
 ///     assert_eq!(output.mode, Mode::Forward);
@@ -238,8 +243,11 @@ impl Controller {
     /// What the wheels and the attitude say of the robot as a whole.
     fn look(&mut self, input: &ControlInput<'_>, step: f64) -> Seen {
         let (mut sum, mut weight, mut measured) = (0.0, 0.0, false);
+        let (mut left, mut right) = ([0.0; 2], [0.0; 2]);
+        let (mut firm_left, mut firm_right) = (1.0_f64, 1.0_f64);
+        let mut least = [1.0_f64; 2];
         let mut rims = (0.0, 0.0);
-        for (wheel, own) in input.wheels.iter().zip(&self.wheels) {
+        for ((wheel, own), place) in input.wheels.iter().zip(&self.wheels).zip(&self.places) {
             if !own.powered {
                 continue;
             }
@@ -257,9 +265,23 @@ impl Controller {
             if wheel.motion == Some(Motion::LiftOff) || !alive {
                 continue;
             }
+            // a wheel that may not pull takes little torque on any ground
+            if let Some(firmness) = finite(wheel.firmness).filter(|_| !own.is_shed()) {
+                least = [least[0].min(firmness), least[0].max(firmness).min(least[1])];
+                if place.y > 0.0 {
+                    firm_left = firm_left.min(firmness);
+                } else if place.y < 0.0 {
+                    firm_right = firm_right.min(firmness);
+                }
+            }
             if let Some(slip) = finite(wheel.slip) {
                 sum += load * slip.clamp(-1.0, 1.0);
                 weight += load;
+                let side = if place.y > 0.0 { &mut left } else { &mut right };
+                if place.y != 0.0 {
+                    side[0] += load * slip.clamp(-1.0, 1.0);
+                    side[1] += load;
+                }
             }
         }
         let speed = finite(input.speed);
@@ -270,6 +292,17 @@ impl Controller {
         }
         Seen {
             slip: (weight > 0.0).then(|| sum / weight),
+            lean: firm_right - firm_left
+                + if left[1] > 0.0 && right[1] > 0.0 {
+                    left[0] / left[1] - right[0] / right[1]
+                } else {
+                    0.0
+                },
+            // one wheel alone may be wrong
+            firmness: least[0].max(least[1] - DENIES),
+            demanded: input
+                .demanded
+                .filter(|demanded| demanded.mean.is_finite() && demanded.sigma.is_finite()),
             speed,
             rim: if rims.1 > 0.0 { rims.0 / rims.1 } else { 0.0 },
             heading: finite(input.heading),
@@ -300,6 +333,7 @@ impl Controller {
                     slip_matters: course.slip_matters,
                     stopped: course.stopped,
                     target: course.target,
+                    creep: course.creep,
                 },
                 step,
                 (index, &mut self.pending),

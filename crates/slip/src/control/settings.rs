@@ -17,6 +17,8 @@ pub struct ControlSettings {
     pub most_acceleration: f64,
     /// Rims run at least at this share of the asked speed while the drive goes on.
     pub creep: f64,
+    /// The same on level ground and backwards, where a wheel that waits for the robot does not dig.
+    pub crawl: f64,
     /// How fast the cruise share follows, 1/s.
     pub cruise_gain: f64,
     /// Greatest cruise share.
@@ -35,6 +37,16 @@ pub struct ControlSettings {
     pub dig_slip: f64,
     /// ... once it has lasted this long, s.
     pub dig_time: f64,
+    /// Slip above what the known soil demands, and above three sigma of it, from which the ground counts as softer ...
+    pub soft_slip: f64,
+    /// Firmness below which it does as well ...
+    pub soft_firmness: f64,
+    /// ... once it has lasted this long, s.
+    pub soft_time: f64,
+    /// How far to go back from soft ground, m.
+    pub soft_back: f64,
+    /// How far to go across before it is passed, m: further with every try.
+    pub soft_across: f64,
     /// A robot slower than this share of its rims' speed and of the asked speed is stuck.
     pub stuck_share: f64,
     /// Slope from which traversing can help, rad.
@@ -72,6 +84,7 @@ impl Default for ControlSettings {
             sigma_half: 0.1,
             most_acceleration: 0.5,
             creep: 0.6,
+            crawl: 0.15,
             cruise_gain: 2.0,
             most_cruise: 4.0,
             most_traction: 0.8,
@@ -80,7 +93,12 @@ impl Default for ControlSettings {
             high_slip: 0.5,
             high_slip_time: 2.0,
             dig_slip: 0.8,
-            dig_time: 2.0,
+            dig_time: 1.0,
+            soft_slip: 0.12,
+            soft_firmness: 0.65,
+            soft_time: 0.3,
+            soft_back: 1.0,
+            soft_across: 2.2,
             stuck_share: 0.1,
             steep: 0.09,
             level: 0.05,
@@ -122,6 +140,7 @@ impl ControlSettings {
             "m/s^2",
         )?;
         check_range(of, "creep", self.creep, share, "1")?;
+        check_range(of, "crawl", self.crawl, share, "1")?;
         check_range(of, "cruise_gain", self.cruise_gain, gain, "1/s")?;
         check_range(of, "most_cruise", self.most_cruise, gain, "1")?;
         check_range(of, "most_traction", self.most_traction, (0.01, 10.0), "1")?;
@@ -129,6 +148,11 @@ impl ControlSettings {
         check_range(of, "high_slip_time", self.high_slip_time, time, "s")?;
         check_range(of, "dig_slip", self.dig_slip, share, "1")?;
         check_range(of, "dig_time", self.dig_time, time, "s")?;
+        check_range(of, "soft_slip", self.soft_slip, share, "1")?;
+        check_range(of, "soft_firmness", self.soft_firmness, share, "1")?;
+        check_range(of, "soft_time", self.soft_time, time, "s")?;
+        check_range(of, "soft_back", self.soft_back, (1e-3, 1e4), "m")?;
+        check_range(of, "soft_across", self.soft_across, (1e-3, 1e4), "m")?;
         check_range(of, "stuck_share", self.stuck_share, share, "1")?;
         check_range(of, "steep", self.steep, angle, "rad")?;
         check_range(of, "level", self.level, (0.0, self.steep), "rad")?;

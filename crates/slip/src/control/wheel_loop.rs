@@ -37,6 +37,8 @@ pub(crate) struct Asked {
     pub(crate) stopped: bool,
     /// The slip to run at.
     pub(crate) target: f64,
+    /// The share of its speed that it runs at least.
+    pub(crate) creep: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +67,11 @@ impl WheelLoop {
             limited: 0.0,
             told: false,
         }
+    }
+
+    /// Is a part of its torque cut off?
+    pub(crate) fn is_shed(&self) -> bool {
+        self.through < 1.0
     }
 
     pub(crate) fn order(
@@ -141,7 +148,7 @@ impl WheelLoop {
             }
         }
         let limit = travel / (1.0 - target.clamp(0.02, 0.95));
-        let floor = settings.creep * (sense * asked.speed).max(0.0);
+        let floor = asked.creep * (sense * asked.speed).max(0.0);
         let limit = limit.max(floor);
         (limit < sense * cruising).then_some(sense * limit)
     }

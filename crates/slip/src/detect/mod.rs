@@ -6,7 +6,7 @@
 //! | dig-in | mean of the powered wheels' s − 2σ > 0.6 | 1.0 s and the filter's |
 //! | immobilised | rims turn, way below 0.15 of theirs by 2σ | 0.5 s and the filter's |
 //! | stall | rim stands, torque at its limit | 0.05 s and the ticks' |
-//! | lift-off | rim turns, torque a quarter of its usual | 0.1 s |
+//! | lift-off | rim turns, torque a quarter of its usual, slip as usual or more, other wheels not so | 0.1 s |
 //!
 //! Each ends with hysteresis. False alarms: none in 24 simulated hours of straight drive with quantisation
 //! (RESULTS.md).
@@ -73,6 +73,7 @@ struct Watched {
     stall: Switch,
     lift: Switch,
     usual_torque: f64,
+    usual_slip: f64,
     heard_s: f64,
 }
 
@@ -111,6 +112,8 @@ pub struct Detector {
     immobilised: Switch,
     changes: Box<[Option<Change>]>,
     last_ns: Option<i64>,
+    /// Most torques have fallen away.
+    alike: bool,
 }
 
 impl Detector {
@@ -130,6 +133,7 @@ impl Detector {
             dig_in: Switch::default(),
             immobilised: Switch::default(),
             last_ns: None,
+            alike: false,
             settings,
         })
     }
@@ -148,6 +152,7 @@ impl Detector {
             .last_ns
             .replace(time_ns)
             .map_or(0.0, |last| seconds_between(last, time_ns).clamp(0.0, 1.0));
+        self.alike = self.fall_alike(torques);
         for (index, estimate) in wheels.iter().enumerate().take(self.wheels.len()) {
             let torque = torques.get(index).copied().flatten();
             for found in self.watch(index, time_ns, dt, estimate, torque) {
@@ -160,6 +165,19 @@ impl Detector {
             slot += 1;
         }
         self.changes.iter().flatten().copied()
+    }
+
+    /// Have the torques of most powered wheels fallen away? Then a sensor has, or the motors are off, but no wheel from the ground.
+    fn fall_alike(&self, torques: &[Option<f64>]) -> bool {
+        let (mut powered, mut light) = (0_usize, 0_usize);
+        for (index, watched) in self.wheels.iter().enumerate().filter(|(_, w)| w.powered) {
+            let torque = torques.get(index).copied().flatten();
+            powered += 1;
+            light += usize::from(torque.is_some_and(|torque| {
+                torque.abs() < self.settings.lift_off * watched.usual_torque
+            }));
+        }
+        powered > 1 && 2 * light > powered
     }
 
     /// Is an event going on?
@@ -187,6 +205,18 @@ impl Detector {
         }
     }
 
+    /// Does this wheel tell anything of the soil now? One off the ground, or that stands, does not: leave its readings out of
+    /// soil identification.
+    #[must_use]
+    pub fn feels_the_ground(&self, wheel: usize) -> bool {
+        self.wheels.get(wheel).is_some_and(|watched| {
+            watched.powered
+                && !watched.lift.is_on()
+                && !watched.lift.is_rising()
+                && !watched.stall.is_on()
+        })
+    }
+
     fn watch(
         &mut self,
         index: usize,
@@ -208,7 +238,16 @@ impl Detector {
                 time_ns,
             })
         };
+        let torque = torque.filter(|torque| torque.is_finite()).map(f64::abs);
+        let light = torque.is_some_and(|torque| torque < s.lift_off * watched.usual_torque);
+        let settled = watched.heard_s >= SETTLED;
+        // A wheel that leaves loose ground needs less torque as well, but slips less then; one in the air does not.
         let slip = trusted(estimate);
+        let eased =
+            slip.is_some_and(|(slip, sigma)| slip < watched.usual_slip - s.certainty * sigma);
+        let light = light && !eased;
+        // a wheel without load slips as much as it likes
+        let slip = trusted(estimate).filter(|_| !(watched.lift.is_on() || settled && light));
         let above = slip.is_some_and(|(slip, sigma)| slip - s.certainty * sigma > s.high_slip);
         let below = slip.is_none_or(|(slip, _)| slip < s.release * s.high_slip);
         let high = watched.high.take(
@@ -218,20 +257,17 @@ impl Detector {
         );
         let rim = estimate.rim_speed.map(|rim| rim.value.abs());
         let turns = rim.is_some_and(|rim| rim > s.standstill_speed);
-        let torque = torque.filter(|torque| torque.is_finite()).map(f64::abs);
         let full = torque.is_some_and(|torque| torque >= s.stall_torque);
         let stall = watched.stall.take(
             time_ns,
             (full && rim.is_some() && !turns, !full || turns),
             (s.stall_time, s.stall_time),
         );
-        let settled = watched.heard_s >= SETTLED;
-        let light = torque.is_some_and(|torque| torque < s.lift_off * watched.usual_torque);
         let loaded = torque.is_some_and(|torque| torque > 2.0 * s.lift_off * watched.usual_torque);
         let lift = watched.lift.take(
             time_ns,
             (
-                settled && turns && light,
+                settled && turns && light && !self.alike,
                 !turns || loaded || torque.is_none(),
             ),
             (s.lift_off_time, s.lift_off_time),
@@ -244,6 +280,9 @@ impl Detector {
             watched.heard_s += dt;
             let share = (dt / USUAL).max(dt / (watched.heard_s + dt)).min(1.0);
             watched.usual_torque += share * (torque - watched.usual_torque);
+            if let Some((slip, _)) = trusted(estimate) {
+                watched.usual_slip += share * (slip - watched.usual_slip);
+            }
         }
         [
             change(high, Event::HighSlip { wheel: index }),

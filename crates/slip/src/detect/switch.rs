@@ -14,6 +14,11 @@ impl Switch {
         self.on
     }
 
+    /// Is it off, and its condition holds?
+    pub(super) const fn is_rising(&self) -> bool {
+        !self.on && self.since_ns.is_some()
+    }
+
     /// `on` and `off` are asked for at `time_ns`; neither leaves it as it is. Gives the new state when it changes, and
     /// the time since when its condition has held.
     pub(super) fn take(

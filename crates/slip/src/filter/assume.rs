@@ -4,7 +4,6 @@ use grouser_real::Real;
 
 use super::body::{self, FORWARD};
 use super::{EVERY, SlipFilter};
-use crate::history::seconds_between;
 
 /// All wheels still for this long: the robot stands, s.
 const STANDS: f64 = 0.2;
@@ -21,11 +20,7 @@ impl SlipFilter {
             let sigma = weight * self.settings.lateral_sigma;
             body::hold(&mut self.state, row, 0.0, sigma);
         }
-        let heard = self
-            .gyro_ns
-            .is_some_and(|then| seconds_between(then, time_ns) <= self.settings.dropout);
-        let believed = !self.gyro.has_failed() && !self.contradicted.has_failed();
-        if !(heard && believed)
+        if !self.gyro_is_believed(time_ns)
             && let Some(turn) = self.turn_by_wheels()
         {
             // nothing else tells how the robot turns

@@ -11,15 +11,18 @@ pub(super) const YAW: usize = 2;
 pub(super) const GYRO_BIAS: usize = 3;
 pub(super) const FORWARD_BIAS: usize = 4;
 pub(super) const LEFT_BIAS: usize = 5;
-/// The powered wheels' common slip; after it come each wheel's own slip and radius.
+/// The powered wheels' common slip.
 pub(super) const COMMON_SLIP: usize = 6;
+/// Where the robot is, m, and where it heads, rad, from where it began; after these come each wheel's numbers.
+pub(super) const PLACE: [usize; 2] = [7, 8];
+pub(super) const HEADING: usize = 9;
 
 /// Numbers of one wheel.
 pub(super) const PER_WHEEL: usize = 4;
 
 /// The wheel's own slip, beside the common one.
 pub(super) const fn own_slip(wheel: usize) -> usize {
-    COMMON_SLIP + 1 + PER_WHEEL * wheel
+    HEADING + 1 + PER_WHEEL * wheel
 }
 
 /// How much larger its radius is than told, as a share.
@@ -49,12 +52,57 @@ pub(super) fn start(state: &mut Kalman, settings: &FilterSettings) {
     for i in [FORWARD, LEFT] {
         state.restart(i, 0.0, square(1.0_f64.min(settings.max_speed)));
     }
+    for i in [PLACE[0], PLACE[1], HEADING] {
+        state.consider(i, true);
+    }
     state.restart(YAW, 0.0, 1.0);
     state.restart(GYRO_BIAS, 0.0, square(settings.gyro_bias));
     for i in [FORWARD_BIAS, LEFT_BIAS] {
         state.restart(i, 0.0, square(settings.accelerometer_bias));
     }
 }
+
+/// How many numbers there are for so many wheels.
+pub(super) const fn size(wheels: usize) -> usize {
+    own_slip(wheels)
+}
+
+/// Time has begun anew: where the robot is has nothing to do any more with how fast it is, and it may have moved by `apart`
+/// (m) meanwhile, turned by `turned` (rad).
+pub(super) fn restart_place(state: &mut Kalman, apart: f64, turned: f64) {
+    let square = |x: f64| x * x;
+    for (i, off) in [(PLACE[0], apart), (PLACE[1], apart), (HEADING, turned)] {
+        let (mean, variance) = (state.mean(i), state.covariance(i, i));
+        state.restart(i, mean, variance + square(off));
+    }
+}
+
+/// Moves the robot's place on by `dt` (s). It is the integral of the speeds, with the covariance that follows from theirs; no
+/// reading moves it back, for the wheels' residuals, which last, would push it reading by reading.
+fn travel(state: &mut Kalman, dt: f64) {
+    let [v_x, v_y, yaw] = [FORWARD, LEFT, YAW].map(|i| state.mean(i));
+    let (sin, cos) = Real::sin_cos(state.mean(HEADING) + 0.5 * yaw * dt);
+    let step = [(cos * v_x - sin * v_y) * dt, (sin * v_x + cos * v_y) * dt];
+    state.couple(PLACE[0], HEADING, -step[1]);
+    state.couple(PLACE[1], HEADING, step[0]);
+    state.couple(PLACE[0], FORWARD, cos * dt);
+    state.couple(PLACE[0], LEFT, -sin * dt);
+    state.couple(PLACE[1], FORWARD, sin * dt);
+    state.couple(PLACE[1], LEFT, cos * dt);
+    state.couple(HEADING, YAW, dt);
+    for (i, gone) in [
+        (PLACE[0], step[0]),
+        (PLACE[1], step[1]),
+        (HEADING, yaw * dt),
+    ] {
+        state.set_mean(i, (state.mean(i) + gone).clamp(-FARTHEST, FARTHEST));
+        // a place that is not known at all needs no more doubt
+        state.hold_variance(i, FARTHEST * FARTHEST);
+    }
+}
+
+/// No odometry goes farther than this, m or rad.
+const FARTHEST: f64 = 1e9;
 
 /// Moves the robot on by `dt` (s): with an accelerometer by what it feels, else by chance. Gives how much its
 /// speeds have changed by what was felt, m/s.
@@ -69,6 +117,7 @@ pub(super) fn advance(
     let (v_x, v_y) = (state.mean(FORWARD), state.mean(LEFT));
     let most = settings.max_speed;
     let mut felt = [0.0; 2];
+    travel(state, dt);
     if let Some(Heard {
         force: [a_x, a_y], ..
     }) = heard

@@ -4,9 +4,13 @@ use grouser_real::Real;
 
 use super::body::{GYRO_BIAS, Heard, YAW};
 use super::kalman::Scalar;
+use super::rim::BEND;
 use super::{BREAKS, FELT, FELT_UNREST, MAX_FORCE, MAX_YAW_RATE, SAME, SlipFilter};
 use crate::fault::Fault;
 use crate::history::seconds_between;
+
+/// How much of the gap between gyro and wheels its bias may change by, a share per √s.
+const CHANGED: f64 = 0.3;
 
 impl SlipFilter {
     pub(super) fn take_yaw_rate(
@@ -29,6 +33,15 @@ impl SlipFilter {
         if let Some(wheels) = self.turn_by_wheels() {
             let dt = seconds_between(self.turned_ns.replace(time_ns).unwrap_or(time_ns), time_ns);
             self.turn.take(rate, wheels, dt);
+            let gap = rate - self.state.mean(GYRO_BIAS) - wheels;
+            if wheels.abs() < BEND
+                && let Some(off) = self.turn.straight(gap, dt)
+            {
+                // the bias has changed more than it should
+                let bias = self.settings.gyro_bias;
+                let doubt = (CHANGED * off) * (CHANGED * off) * dt;
+                self.state.widen(GYRO_BIAS, doubt, bias * bias);
+            }
         }
         let same_way = !self.turn.contradicts();
         self.contradicted
@@ -53,6 +66,14 @@ impl SlipFilter {
                 false
             }
         }
+    }
+
+    /// Is the gyro heard, and believed?
+    pub(super) fn gyro_is_believed(&self, now_ns: i64) -> bool {
+        let heard = self
+            .gyro_ns
+            .is_some_and(|then| seconds_between(then, now_ns) <= self.settings.dropout);
+        heard && !self.gyro.has_failed() && !self.contradicted.has_failed()
     }
 
     /// The yaw rate that the powered wheels would give without slip, where all point one way.

@@ -81,6 +81,12 @@ impl Kalman {
         }
     }
 
+    /// Keeps the variance of number `i` from growing past `limit`.
+    pub(crate) fn hold_variance(&mut self, i: usize, limit: f64) {
+        let slot = &mut self.covariance[i * self.n + i];
+        *slot = slot.min(limit);
+    }
+
     /// Number `i` is drawn towards `rest`: x ← rest + a (x − rest).
     pub(crate) fn relax(&mut self, i: usize, rest: f64, a: f64) {
         self.mean[i] = rest + a * (self.mean[i] - rest);
@@ -162,11 +168,11 @@ impl Kalman {
     /// Keeps the covariance symmetric and correlations within ±1, whatever rounding did.
     pub(crate) fn tidy(&mut self) {
         for i in 0..self.n {
+            self.spread[i] = Real::sqrt(0.999_999 * self.covariance(i, i).max(FLOOR));
+        }
+        for i in 0..self.n {
             for j in 0..i {
-                let limit = 0.999_999
-                    * Real::sqrt(
-                        self.covariance(i, i).max(FLOOR) * self.covariance(j, j).max(FLOOR),
-                    );
+                let limit = self.spread[i] * self.spread[j];
                 let (a, b) = (self.covariance(i, j), self.covariance(j, i));
                 let mean = (0.5 * (a + b)).clamp(-limit, limit);
                 self.covariance[i * self.n + j] = mean;

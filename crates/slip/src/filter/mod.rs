@@ -23,8 +23,11 @@ mod free_wheel;
 mod imu;
 mod kalman;
 mod order;
+mod pulses;
+mod radius;
 mod recover;
 mod reference;
+mod report;
 mod rim;
 mod settings;
 mod told;
@@ -45,11 +48,12 @@ use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
 use crate::settings::Settings;
 use crate::speed::Measured;
-use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, LEFT, PER_WHEEL, YAW, own_slip, radius};
+use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, YAW, own_slip, radius};
 use clocks::{Clocks, Told};
 use kalman::Kalman;
 use order::{Offered, Order};
 use reference::Reference;
+pub use report::{Fused, FusedBody, Odometry, WheelCheck};
 pub use settings::{FilterSettings, SlipPrior};
 use turn::Turn;
 use watch::Watch;
@@ -76,8 +80,8 @@ const PULLED: f64 = 0.7;
 const TOGETHER: f64 = 0.2;
 const BREAKS: f64 = 4.0;
 /// How fast a wheel's unrest is learnt, a reading, and its limits.
-const LEARNING: f64 = 0.005;
-const UNREST: (f64, f64) = (0.1, 100.0);
+const LEARNING: f64 = 0.01;
+const UNREST: (f64, f64) = (0.2, 100.0);
 /// What a rim and the robot may differ by for other reasons than slip, m/s.
 const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;
@@ -95,44 +99,6 @@ const ONE_SIDE: f64 = 0.3;
 const ONE_SIDED: f64 = 2.0;
 /// A speed that was seen: slopes, residual, variance.
 type Statement = ([(usize, f64); 3], f64, f64);
-
-/// What the filter knows of the robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FusedBody {
-    /// Speed forwards, m/s.
-    pub forward: Measured,
-    /// Speed to the left, m/s.
-    pub left: Measured,
-    /// Yaw rate, rad/s, positive to the left.
-    pub yaw_rate: Measured,
-    /// The powered wheels' common slip.
-    pub common_slip: Measured,
-    /// Way since the start along the robot's own forward direction, m, and what the powered wheels alone would say.
-    pub distance: f64,
-    /// The same without compensation of slip, m.
-    pub distance_of_wheels: f64,
-    /// Squared residual of the last measurement over its variance.
-    pub nis: f64,
-}
-
-/// What is known after a sample.
-#[derive(Clone, Copy, Debug)]
-pub struct Fused<'a> {
-    /// Up to when the readings have been used, ns: the horizon behind the newest.
-    pub time_ns: i64,
-    /// Each wheel, in the robot's order.
-    pub wheels: &'a [WheelEstimate],
-    /// The robot.
-    pub body: FusedBody,
-    /// Samples refused so far.
-    pub rejected: Rejected,
-    /// Samples missing so far between those that came, by each sensor's usual period.
-    pub dropped: u64,
-    /// How often the clock was set.
-    pub clock_steps: u64,
-    /// Seconds since a reference for the robot's speed was last believed; `None` before the first.
-    pub reference_age: Option<f64>,
-}
 
 /// Slip of every wheel from all sensors together: encoders, free wheels, gyro, accelerometer, and measured motion.
 ///
@@ -167,6 +133,9 @@ pub struct SlipFilter {
     order: Order,
     wheels: Box<[Tracked]>,
     estimates: Box<[WheelEstimate]>,
+    side_slip_angles: Box<[Option<Measured>]>,
+    checks: Box<[WheelCheck]>,
+    checked_ns: Option<i64>,
     sideways: Option<[f64; 3]>,
     /// How much the accelerometer has changed the speeds (m/s), and how far the gyro has turned (rad): what a measurement
     /// over a past time needs to be one of the present.
@@ -224,9 +193,12 @@ impl SlipFilter {
                 max_sigma: settings.max_sigma,
                 ..Settings::default()
             },
-            state: Kalman::new(COMMON_SLIP + 1 + PER_WHEEL * count),
+            state: Kalman::new(body::size(count)),
             order: Order::new(QUEUE, nanoseconds(settings.horizon)),
             estimates: alloc::vec![WheelEstimate::NOTHING; count].into_boxed_slice(),
+            side_slip_angles: alloc::vec![None; count].into_boxed_slice(),
+            checks: alloc::vec![WheelCheck::default(); count].into_boxed_slice(),
+            checked_ns: None,
             sideways: sideways(&wheels),
             wheels: wheels.into_boxed_slice(),
             path: History::new(512, nanoseconds(longest)),
@@ -268,33 +240,6 @@ impl SlipFilter {
             self.rejected.count(fault);
         }
         taken.map(|()| self.latest())
-    }
-
-    /// What is known now.
-    #[must_use]
-    pub fn latest(&self) -> Fused<'_> {
-        let speed = |i: usize| Measured {
-            value: self.state.mean(i),
-            variance: self.state.covariance(i, i),
-        };
-        let time_ns = self.now_ns.unwrap_or(0);
-        Fused {
-            time_ns,
-            wheels: &self.estimates,
-            body: FusedBody {
-                forward: speed(FORWARD),
-                left: speed(LEFT),
-                yaw_rate: speed(YAW),
-                common_slip: speed(COMMON_SLIP),
-                distance: self.distances[0],
-                distance_of_wheels: self.distances[1],
-                nis: self.nis,
-            },
-            rejected: self.rejected,
-            dropped: self.clocks.dropped,
-            clock_steps: self.clocks.steps,
-            reference_age: self.reference_ns.map(|then| seconds_between(then, time_ns)),
-        }
     }
 
     /// What can be said of the wheels if it is `now_ns` and no sample has come since: silence is a fault too.
@@ -411,6 +356,7 @@ impl SlipFilter {
         self.path.clear();
         self.now_ns = None;
         self.held_ns = None;
+        self.checked_ns = None;
         self.heard = None;
         self.gyro_ns = None;
         self.gyro_same = None;
@@ -421,6 +367,9 @@ impl SlipFilter {
             wheel.restart_clock();
         }
         let bias = self.state.mean(GYRO_BIAS);
+        let [apart, turned] =
+            [FORWARD, YAW].map(|i| (self.state.mean(i).abs() + self.state.sigma(i)) * CLOCK_STEP);
+        body::restart_place(&mut self.state, apart, turned);
         self.start();
         self.state.set_mean(GYRO_BIAS, bias);
     }
@@ -485,6 +434,7 @@ impl SlipFilter {
             self.totals[1] += felt[1];
             self.totals[2] += self.turning * dt;
             self.distances[0] += self.state.mean(FORWARD) * dt;
+            self.distances[1] += self.speed_of_wheels(time_ns) * dt;
         }
         self.path.push(time_ns, self.totals);
         let due = self
@@ -494,6 +444,7 @@ impl SlipFilter {
             self.held_ns = Some(time_ns);
             self.assume(time_ns);
             self.catch_runaway(time_ns);
+            self.check_wheels(time_ns);
             self.state.tidy();
         }
     }
@@ -511,6 +462,7 @@ impl SlipFilter {
             wheels,
         })?;
         tracked.torque = Some((time_ns, torque));
+        tracked.radius.push(torque);
         Ok(())
     }
 }

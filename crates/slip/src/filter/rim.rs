@@ -2,7 +2,7 @@
 
 use grouser_real::Real;
 
-use super::body::{COMMON_SLIP, FORWARD, LEFT, YAW, along, own_slip, radius, remainder};
+use super::body::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, radius, remainder};
 use super::kalman::Scalar;
 use super::settings::SlipPrior;
 use super::wheel::Tracked;
@@ -11,6 +11,9 @@ use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;
 use crate::speed::Measured;
+
+/// A robot whose wheels turn it faster than this is in a bend, rad/s.
+pub(super) const BEND: f64 = 0.03;
 
 /// What one window of a wheel came to.
 pub(super) struct Window {
@@ -41,6 +44,9 @@ impl SlipFilter {
             .get_mut(index)
             .ok_or(Fault::UnknownWheel { index, wheels })?;
         wheel.track.take(time_ns, measurement)?;
+        if wheel.track.counts() {
+            wheel.pulses.take(time_ns, wheel.track.travel());
+        }
         let Some((rim, from_ns)) = wheel.window(time_ns, self.settings.wheel_window) else {
             return Ok(());
         };
@@ -156,7 +162,17 @@ impl SlipFilter {
         if !taken {
             return;
         }
+        // In a bend the sides slip differently for long: that is no turning, and no bias of the gyro, where there is one.
+        let bends = !free
+            && self.gyro_is_believed(to_ns)
+            && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, bends);
+        }
         self.nis = self.state.take(&seen);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, false);
+        }
         let most = if free {
             // nothing drives it
             let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();

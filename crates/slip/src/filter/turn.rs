@@ -2,8 +2,12 @@
 
 /// Means over this long, s.
 const MEMORY: f64 = 0.5;
+/// The mean gap between both is over this long, s.
+const LONG: f64 = 2.0;
 /// Slower turns than this say nothing, rad/s.
 const SLOW: f64 = 0.05;
+/// Wheels that slip unlike make a turn of this much of straight driving, rad/s.
+const UNLIKE: f64 = 0.02;
 /// Correlation below this is a contradiction.
 const AGAINST: f64 = -0.3;
 /// A gyro that shows this many times the wheels' turn, and makes the wheels skid sideways of themselves, has another unit.
@@ -15,6 +19,7 @@ pub(super) struct Turn {
     gyro: f64,
     wheels: f64,
     both: f64,
+    gap: f64,
 }
 
 impl Turn {
@@ -25,6 +30,13 @@ impl Turn {
         mix(&mut self.gyro, gyro * gyro);
         mix(&mut self.wheels, wheels * wheels);
         mix(&mut self.both, gyro * wheels);
+    }
+
+    /// Takes how far the gyro is beyond the wheels and its bias (rad/s) after `dt` seconds where the wheels go straight; gives
+    /// the mean, once that is more than wheels that slip unlike explain.
+    pub(super) fn straight(&mut self, gap: f64, dt: f64) -> Option<f64> {
+        self.gap += (dt / LONG).clamp(0.0, 1.0) * (gap - self.gap);
+        (self.gap.abs() > UNLIKE).then_some(self.gap)
     }
 
     /// Does one contradict the other? One side that slips is no contradiction: then only one of them turns.

@@ -13,6 +13,11 @@ use crate::measured_slip::MeasuredSlip;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
 
+/// Pulses and radii are looked at this often, s.
+const CHECKED: f64 = 0.1;
+/// A side slip angle less certain than this is none, rad.
+const BLIND: f64 = 0.5;
+
 impl SlipFilter {
     /// What can be said of each wheel now.
     pub(super) fn judge(&mut self, now_ns: i64) {
@@ -34,7 +39,80 @@ impl SlipFilter {
                 last_good_age: good.map(|then| seconds_between(then, now_ns)),
                 ..estimate
             };
+            self.side_slip_angles[index] = self.side_slip_angle(index);
         }
+    }
+
+    /// Looks at each wheel's pulses and radius, ten times a second.
+    pub(super) fn check_wheels(&mut self, now_ns: i64) {
+        let due = self
+            .checked_ns
+            .is_none_or(|then| seconds_between(then, now_ns) >= CHECKED);
+        if !due {
+            return;
+        }
+        self.checked_ns = Some(now_ns);
+        let unknown = self.settings.free_slip.sigma * self.settings.free_slip.sigma;
+        for index in 0..self.wheels.len() {
+            let others = self.usual_share(index);
+            let wheel = &mut self.wheels[index];
+            let ok = wheel.estimate.health == Health::Ok && !wheel.free;
+            wheel
+                .radius
+                .take(match (wheel.estimate.slip, wheel.estimate.sigma) {
+                    (Some(slip), Some(sigma)) if ok => Some(Measured {
+                        value: slip.value(),
+                        variance: sigma * sigma,
+                    }),
+                    _ => None,
+                });
+            self.checks[index] = super::WheelCheck {
+                pulses_missed: wheel.pulses.share(),
+                misses_pulses: wheel.pulses.misses(others),
+                broken_slot: wheel.pulses.has_broken_slot(),
+                radius_excess: wheel.radius.excess(unknown),
+            };
+        }
+    }
+
+    /// The share that the middle one of the other counters seems to miss: what rough ground or a restless clock makes of it.
+    fn usual_share(&self, index: usize) -> f64 {
+        let mut shares = [0.0; super::MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for (i, wheel) in self.wheels.iter().enumerate() {
+            if let Some(share) = wheel.pulses.share().filter(|_| i != index) {
+                shares[count] = share;
+                count += 1;
+            }
+        }
+        let shares = &mut shares[..count];
+        shares.sort_unstable_by(f64::total_cmp);
+        shares.get(count / 2).copied().unwrap_or(0.0)
+    }
+
+    /// β = atan2(across, along) of the wheel's centre over the ground; `None` where the robot is too slow for one, or it is
+    /// not known.
+    fn side_slip_angle(&self, index: usize) -> Option<Measured> {
+        let wheel = &self.wheels[index];
+        let [along, across] = [wheel.row, wheel.across()].map(|row| {
+            let rows = super::body::along(row);
+            rows.iter()
+                .map(|&(i, a)| a * self.state.mean(i))
+                .sum::<f64>()
+        });
+        let square = along * along + across * across;
+        let lowest = self.settings.low_speed;
+        if !(square > lowest * lowest) {
+            return None;
+        }
+        let sideways = wheel.across();
+        let slopes: [f64; 3] =
+            core::array::from_fn(|i| (along * sideways[i] - across * wheel.row[i]) / square);
+        let variance = self.state.variance_of(&super::body::along(slopes));
+        (variance < BLIND * BLIND).then(|| Measured {
+            value: Real::atan2(across, along),
+            variance,
+        })
     }
 
     pub(super) fn judged(&self, index: usize, now_ns: i64) -> WheelEstimate {
@@ -71,7 +149,12 @@ impl SlipFilter {
             sigma: shows.then_some(sigma),
             forward_speed: Some(forward),
             rim_speed: Some(rim),
-            motion: Some(measured.motion),
+            motion: Some(match measured.motion {
+                // one window is noisier than the slip
+                Motion::Driving | Motion::Braking if slip < 0.0 => Motion::Braking,
+                Motion::Driving | Motion::Braking => Motion::Driving,
+                other => other,
+            }),
             health: measured.health,
             until_ns: Some(until_ns),
             last_good_age: None,
@@ -111,7 +194,11 @@ impl SlipFilter {
         if measured.slip.is_none() && !(blocked && measured.motion == Motion::RollBack) {
             return measured.health;
         }
-        if blocked || self.contradicted.has_failed() || (moves && wheel.stillness(now_ns) > 0.0) {
+        if blocked
+            || self.checks[index].misses_pulses
+            || self.contradicted.has_failed()
+            || (moves && wheel.stillness(now_ns) > 0.0)
+        {
             return Health::Degraded(Degraded::Suspect);
         }
         let age = self.reference_ns.map(|then| seconds_between(then, now_ns));

@@ -11,6 +11,8 @@ use crate::wheel_track::WheelTrack;
 
 use super::carrier::Carrier;
 use super::free_wheel::Rolling;
+use super::pulses::Pulses;
+use super::radius::Radius;
 use super::settings::FilterSettings;
 use super::watch::Watch;
 
@@ -52,6 +54,8 @@ pub(super) struct Tracked {
     /// Mean of its residuals, in sigma.
     pub(super) pull: f64,
     pub(super) rolling: Rolling,
+    pub(super) pulses: Pulses,
+    pub(super) radius: Radius,
     /// How many of its readings wait for earlier samples.
     pub(super) waiting: u16,
     /// Silent for longer than this, it says nothing, s.
@@ -95,6 +99,11 @@ impl Tracked {
                 watch: Watch::default(),
                 pull: 0.0,
                 rolling: Rolling::default(),
+                pulses: Pulses::new(
+                    wheel.travel_per_tick().map_or(1.0, f64::abs),
+                    wheel.encoder.ticks_per_turn.unwrap_or(0.0),
+                ),
+                radius: Radius::default(),
                 waiting: 0,
                 dropout: settings.dropout,
                 unrest: 1.0,
@@ -106,6 +115,12 @@ impl Tracked {
     pub(super) fn steer(&mut self, angle: f64) {
         let (sin, cos) = Real::sin_cos(self.heading + angle);
         self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
+    }
+
+    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p), as the row of its speed along it.
+    pub(super) fn across(&self) -> [f64; 3] {
+        let [cos, sin, _] = self.row;
+        [-sin, cos, cos * self.place[0] + sin * self.place[1]]
     }
 
     /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
@@ -195,6 +210,7 @@ impl Tracked {
     pub(super) fn restart_clock(&mut self) {
         self.track.restart_clock();
         self.carrier.restart_clock();
+        self.pulses.restart();
         self.from_ns = None;
         self.remainder = None;
         self.rim = None;

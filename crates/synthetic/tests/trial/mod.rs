@@ -1,7 +1,7 @@
 //! A run of the slip filter on the five-wheeled robot, with faults, against what is true.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
-use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::filter::{FilterSettings, Fused, SlipFilter};
 use grouser_slip::{
     CounterWidth, Drive, Encoder, Health, Robot, Sample, Shaft, Wheel, WheelEstimate,
 };
@@ -152,6 +152,18 @@ impl Trial {
     pub(crate) fn run(&self) -> Outcome {
         let (course, samples) = self.samples();
         self.follow(&course, &samples)
+    }
+
+    /// Runs it; `each` sees every sample and what is known after it, with the time of the estimate, s.
+    pub(crate) fn watch(&self, mut each: impl FnMut(f64, &Sample, Fused<'_>)) {
+        let (_, samples) = self.samples();
+        let mut filter = self.filter();
+        for sample in &samples {
+            let _ = filter.update(*sample);
+            let known = filter.latest();
+            let time = known.time_ns.wrapping_sub(self.sensors.start_ns) as f64 * 1e-9;
+            each(time, sample, known);
+        }
     }
 
     pub(crate) fn follow(&self, course: &Course, samples: &[Sample]) -> Outcome {

@@ -1,43 +1,112 @@
 //! ESRI ASCII grids.
 
-use std::io::BufRead;
+use super::{NoCell, Raster, TerrainFault, check_size};
 
-use super::{HeightFile, Raster, bad, check_size};
-use crate::error::Result;
+/// What the header says, as numbers.
+struct Header {
+    columns: Option<f64>,
+    rows: Option<f64>,
+    cell: Option<f64>,
+    corner: [f64; 2],
+    /// What stands for no height.
+    nothing: f64,
+}
 
-/// Header lines, then rows of numbers from the upper edge down; NODATA is unknown.
-pub(super) fn read(mut reader: impl BufRead, file: &HeightFile) -> Result<Raster> {
-    let mut text = String::new();
-    reader
-        .read_to_string(&mut text)
-        .map_err(|error| bad(file, &format!("no text: {error}")))?;
-    let (mut columns, mut rows, mut cell, mut nothing) = (None, None, None, -9999.0);
-    let mut words = text.split_ascii_whitespace().peekable();
-    while let Some(word) = words.peek() {
-        if word.parse::<f64>().is_ok() {
-            break;
-        }
-        let key = word.to_ascii_lowercase();
-        words.next();
-        let value = words.next().and_then(|word| word.parse::<f64>().ok());
-        let Some(value) = value else {
-            let message = format!("`{key}` of the header has no number");
-            return Err(bad(file, &message));
+/// Header lines, then rows of numbers from the upper edge down; NODATA and NaN are unknown.
+pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFault> {
+    let text = std::str::from_utf8(bytes)
+        .map_err(|error| TerrainFault::damaged(format!("it is no text: {error}")))?;
+    let mut words = text.split_ascii_whitespace();
+    let header = header(&mut words)?;
+    let columns = whole("ncols", header.columns)?;
+    let rows = whole("nrows", header.rows)?;
+    check_size(columns, rows)?;
+    let cell = match cell {
+        Some(cell) => cell,
+        None => own_cell(&header)?,
+    };
+    let expected = columns * rows;
+    // a height takes two bytes at least: a short file that announces much gets no room for it
+    let room = expected.min(text.len() as u64 / 2 + 1);
+    let mut heights = Vec::with_capacity(usize::try_from(room).unwrap_or(0));
+    for word in words {
+        let found = heights.len() as u64;
+        let Ok(value) = word.parse::<f64>() else {
+            return Err(TerrainFault::NotANumber {
+                word: TerrainFault::shown(word),
+                row: found / columns + 1,
+                column: found % columns + 1,
+            });
         };
-        match key.as_str() {
-            "ncols" => columns = Some(value),
-            "nrows" => rows = Some(value),
-            "cellsize" => cell = Some(value),
-            "nodata_value" => nothing = value,
-            "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" => {}
-            _ => {
-                let message = format!("`{key}` is no header of an ASCII grid");
-                return Err(bad(file, &message));
-            }
+        if found == expected {
+            return Err(TerrainFault::Count {
+                field: "heights",
+                found: found + 1,
+                expected,
+            });
         }
+        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+        heights.push(if value == header.nothing {
+            f32::NAN
+        } else {
+            value as f32
+        });
     }
-    let whole = |name: &str, value: Option<f64>| match value {
-        Some(value) if (0.0..=1e9).contains(&value) && value.fract() == 0.0 => {
+    if heights.len() as u64 != expected {
+        return Err(TerrainFault::Count {
+            field: "heights",
+            found: heights.len() as u64,
+            expected,
+        });
+    }
+    Ok(Raster {
+        columns: usize::try_from(columns).unwrap_or(usize::MAX),
+        heights,
+        cell,
+    })
+}
+
+/// Takes pairs of name and number, up to the first number that has no name.
+fn header<'a>(words: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<Header, TerrainFault> {
+    let mut header = Header {
+        columns: None,
+        rows: None,
+        cell: None,
+        corner: [0.0; 2],
+        nothing: -9999.0,
+    };
+    loop {
+        let mut ahead = words.clone();
+        let Some(key) = ahead.next().filter(|word| word.parse::<f64>().is_err()) else {
+            return Ok(header);
+        };
+        let place = match key.to_ascii_lowercase().as_str() {
+            "ncols" => header.columns.insert(0.0),
+            "nrows" => header.rows.insert(0.0),
+            "cellsize" => header.cell.insert(0.0),
+            "nodata_value" => &mut header.nothing,
+            "xllcorner" | "xllcenter" => &mut header.corner[0],
+            "yllcorner" | "yllcenter" => &mut header.corner[1],
+            _ => {
+                return Err(TerrainFault::Header {
+                    word: TerrainFault::shown(key),
+                });
+            }
+        };
+        let word = ahead.next().unwrap_or_default();
+        *place = word.parse().map_err(|_| TerrainFault::NotANumber {
+            word: TerrainFault::shown(word),
+            row: 0,
+            column: 0,
+        })?;
+        *words = ahead;
+    }
+}
+
+fn whole(field: &'static str, value: Option<f64>) -> Result<u64, TerrainFault> {
+    const MOST: f64 = 1e9;
+    match value {
+        Some(value) if (0.0..=MOST).contains(&value) && value.fract() == 0.0 => {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -46,41 +115,34 @@ pub(super) fn read(mut reader: impl BufRead, file: &HeightFile) -> Result<Raster
             let whole = value as u64;
             Ok(whole)
         }
-        Some(value) => Err(bad(file, &format!("`{name}` is {value}"))),
-        None => Err(bad(file, &format!("`{name}` is missing"))),
-    };
-    let (columns, rows) = (whole("ncols", columns)?, whole("nrows", rows)?);
-    check_size(file, columns, rows)?;
-    let Some(cell) = file.cell.or(cell) else {
-        return Err(bad(file, "`cellsize` is missing"));
-    };
-    let count = usize::try_from(columns * rows).unwrap_or(usize::MAX);
-    let mut heights = Vec::with_capacity(count);
-    for word in words {
-        let Ok(value) = word.parse::<f64>() else {
-            let shown: String = word.chars().take(40).collect();
-            return Err(bad(file, &format!("`{shown}` is no number")));
-        };
-        if heights.len() == count {
-            return Err(bad(file, &format!("more than {count} heights")));
-        }
-        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-        heights.push(if value == nothing {
-            f32::NAN
-        } else {
-            value as f32
+        Some(value) => Err(TerrainFault::OutOfRange {
+            field,
+            value,
+            low: 2.0,
+            high: MOST,
+            unit: "1",
+        }),
+        None => Err(TerrainFault::Missing { field }),
+    }
+}
+
+/// The size of cells in metres, which a grid does not say: whole seconds of arc beside a corner within 180 by 90 are
+/// taken for degrees.
+fn own_cell(header: &Header) -> Result<f64, TerrainFault> {
+    let cell = header
+        .cell
+        .ok_or(TerrainFault::Missing { field: "cellsize" })?;
+    let [x, y] = header.corner;
+    let seconds = 3600.0 * cell;
+    // 1/3 second to 60 seconds, as elevation models have them
+    let is_arc = [1.0, 3.0].into_iter().any(|part| {
+        let count = part * seconds;
+        count > 0.5 && seconds < 60.5 && (count - count.round()).abs() < 1e-3 * count
+    });
+    if is_arc && x.abs() <= 180.0 && y.abs() <= 90.0 && (x != 0.0 || y != 0.0) {
+        return Err(TerrainFault::NoCell {
+            why: NoCell::LooksLikeDegrees { cell },
         });
     }
-    if heights.len() != count {
-        let message = format!(
-            "{} heights, but {columns} x {rows} announced",
-            heights.len()
-        );
-        return Err(bad(file, &message));
-    }
-    Ok(Raster {
-        columns: usize::try_from(columns).unwrap_or(usize::MAX),
-        heights,
-        cell,
-    })
+    Ok(cell)
 }

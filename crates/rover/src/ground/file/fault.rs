@@ -1,0 +1,162 @@
+//! What is wrong with a terrain file.
+
+/// What is wrong with a terrain file, with the value that it has and the limit that it passes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TerrainFault {
+    /// Its ending names no kind of file that is read.
+    #[error("a height map ends in .png, .asc, .txt, .grd, .tif or .tiff")]
+    Kind,
+    /// It has more bytes than are read.
+    #[error("it has more than {limit} bytes, which is the most that is read")]
+    TooManyBytes {
+        /// bytes.
+        limit: u64,
+    },
+    /// It announces more or fewer cells than a map holds.
+    #[error(
+        "it is {columns} x {rows} cells, but at least 2 x 2 and at most {limit} cells are read"
+    )]
+    Cells {
+        /// Across.
+        columns: u64,
+        /// Down.
+        rows: u64,
+        /// Cells in all.
+        limit: u64,
+    },
+    /// A number lies outside its limits (NaN always does).
+    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    OutOfRange {
+        /// The field's name in the file, or in the map that is made of it.
+        field: &'static str,
+        /// What it says.
+        value: f64,
+        /// The least value allowed.
+        low: f64,
+        /// The greatest value allowed.
+        high: f64,
+        /// The unit of all three; `1` for a pure number.
+        unit: &'static str,
+    },
+    /// There are more or fewer of something than the file announces.
+    #[error("it has {found} {field}, but its size asks for {expected}")]
+    Count {
+        /// Of what.
+        field: &'static str,
+        /// How many there are.
+        found: u64,
+        /// How many there should be.
+        expected: u64,
+    },
+    /// It lacks something.
+    #[error("it lacks {field}")]
+    Missing {
+        /// What it lacks.
+        field: &'static str,
+    },
+    /// It does not tell the size of its cells in metres; why, stands in `why`.
+    #[error("{why}: `cell_m` must give the size of its cells")]
+    NoCell {
+        /// Why the file's own size is none.
+        why: NoCell,
+    },
+    /// A word is no number.
+    #[error("`{word}` is no number (row {row}, column {column})")]
+    NotANumber {
+        /// The word, or its beginning.
+        word: String,
+        /// Its row among the heights, from 1; 0 in the header.
+        row: u64,
+        /// Its place in the row, from 1.
+        column: u64,
+    },
+    /// A word of the header is not known.
+    #[error("`{word}` is no header of an ASCII grid")]
+    Header {
+        /// The word, or its beginning.
+        word: String,
+    },
+    /// Its numbers are of a kind that is not heights.
+    #[error("its cells are {found}; {wanted} is read")]
+    Samples {
+        /// What they are.
+        found: String,
+        /// What is read.
+        wanted: &'static str,
+    },
+    /// Its heights are not in metres.
+    #[error("its heights are in the unit {code} of its coordinate system, not in metres (9001)")]
+    HeightUnit {
+        /// The EPSG code of the unit.
+        code: u32,
+    },
+    /// It is cut short, or damaged, or uses what is not read.
+    #[error("it cannot be decoded: {reason}")]
+    Damaged {
+        /// What the decoder says.
+        reason: String,
+    },
+}
+
+/// Why a file's own size of cells is none in metres.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoCell {
+    /// A picture says nothing of sizes.
+    #[error("a picture does not say how large it is")]
+    Picture,
+    /// It names no coordinate system.
+    #[error("it does not say what its coordinates are")]
+    NoSystem,
+    /// Its coordinates are degrees.
+    #[error("its coordinates are degrees")]
+    Degrees,
+    /// An ASCII grid whose cells and corner are those of degrees.
+    #[error("cells of {cell} with a corner within 180 by 90 look like degrees")]
+    LooksLikeDegrees {
+        /// As it stands in the file.
+        cell: f64,
+    },
+    /// Its coordinates are in another unit of length.
+    #[error("its coordinates are in the unit {code}, not in metres (9001)")]
+    Unit {
+        /// The EPSG code of the unit.
+        code: u32,
+    },
+    /// It has no scale.
+    #[error("it has no pixel scale")]
+    NoScale,
+    /// Its cells are no squares.
+    #[error("its cells are {width} m by {height} m, not square")]
+    NotSquare {
+        /// m.
+        width: f64,
+        /// m.
+        height: f64,
+    },
+    /// Its rows do not run west to east.
+    #[error("it is turned against its coordinates")]
+    Turned,
+}
+
+impl TerrainFault {
+    /// What a decoder says.
+    #[allow(
+        clippy::needless_pass_by_value,
+        reason = "it stands in `map_err`, which gives values"
+    )]
+    pub(super) fn damaged(reason: impl ToString) -> Self {
+        let mut reason = reason.to_string();
+        if reason.len() > 200 {
+            let end = (0..=200).rev().find(|end| reason.is_char_boundary(*end));
+            reason.truncate(end.unwrap_or(0));
+        }
+        Self::Damaged { reason }
+    }
+
+    /// The beginning of a word, for a message.
+    pub(super) fn shown(word: &str) -> String {
+        word.chars().take(40).collect()
+    }
+}
