@@ -317,7 +317,10 @@ impl<'a> Replay<'a> {
                 name: &robot[index].name,
                 slip: wheel.slip.map(Slip::value).filter(|_| !itself),
                 slip_sigma: wheel.sigma.filter(|_| !itself),
-                motion: wheel.motion,
+                motion: match wheel.motion {
+                    Some(Motion::Braking) if itself => Some(Motion::Driving),
+                    motion => motion,
+                },
                 health: wheel.health,
                 side_slip_angle: angles[index],
             };

@@ -228,3 +228,57 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
         assert!(corrected.abs() < 0.01, "{corrected}");
     }
 }
+
+/// Against the truth of the tenth of a second around each row, the free wheel's own skid left out as in P23.
+#[test]
+fn the_filter_follows_closer_than_windows_and_looking_back_closer_still() {
+    let truth = FiveWheel::default().generate().truth;
+    let five = example("five-wheel");
+    let rmse = |method, smooth| {
+        let (mut squares, mut count, mut normalised) = (0.0, 0.0, 0.0);
+        let options = Options {
+            method: Some(method),
+            smooth,
+            ..Options::default()
+        };
+        run(&five.log(log()), &five.robot, &options, |row| {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a row of the log"
+            )]
+            let at = (row.time_s * 50.0).round() as usize;
+            if let (Some(slip), Some(sigma), Health::Ok) = (row.slip, row.slip_sigma, row.health)
+                && (3..truth.len() - 3).contains(&at)
+            {
+                let (a, b) = (&truth[at - 3], &truth[at + 2]);
+                let rim = b.rim[row.wheel] - a.rim[row.wheel];
+                let skid = (b.way[4] - a.way[4]) - (b.rim[4] - a.rim[4]);
+                let way = b.way[row.wheel] - a.way[row.wheel] - skid;
+                // 5 cm/s: slower than that a slip says little
+                if way * rim > 0.0 && way.abs().max(rim.abs()) > 0.005 {
+                    let expected = if rim.abs() >= way.abs() {
+                        1.0 - way / rim
+                    } else {
+                        rim / way - 1.0
+                    };
+                    squares += (slip - expected).powi(2);
+                    normalised += ((slip - expected) / sigma).powi(2);
+                    count += 1.0;
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+        (f64::sqrt(squares / count), normalised / count)
+    };
+    let window = rmse(Method::Window, false);
+    let filter = rmse(Method::Filter, false);
+    let both = rmse(Method::Filter, true);
+    println!(
+        "RMSE (squared error over variance): windows {:.4} ({:.2}), filter {:.4} ({:.2}), both ways {:.4} ({:.2})",
+        window.0, window.1, filter.0, filter.1, both.0, both.1
+    );
+    assert!(filter.0 < window.0 && both.0 < filter.0);
+    assert!(filter.1 < 2.0 && both.1 < 2.0);
+}
