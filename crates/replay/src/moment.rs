@@ -60,8 +60,8 @@ impl Moment {
     }
 }
 
-/// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π/2, π/2), rad; `None` where
-/// the centre is slower than `least` (m/s).
+/// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π, π], rad; `None` where the
+/// centre is slower than `least` (m/s). As the filter's own, but of smoothed motions and of windows too.
 pub(crate) fn side_slip_angle(
     wheel: &Wheel,
     motion: Option<&BodyMotion>,
@@ -72,5 +72,5 @@ pub(crate) fn side_slip_angle(
     let (cos, sin) = (wheel.heading.cos(), wheel.heading.sin());
     let along = cos * along_x + sin * along_y;
     let aside = cos * along_y - sin * along_x;
-    (along.hypot(aside) > least && along != 0.0).then(|| (aside / along).atan())
+    (along.hypot(aside) > least).then(|| aside.atan2(along))
 }

@@ -1,6 +1,6 @@
 //! One log through the estimator.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::PI;
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
@@ -207,7 +207,7 @@ impl<'a> Replay<'a> {
         };
         let tally = |_| Tally {
             slips: Quantiles::new(-1.0, 1.0),
-            angles: Quantiles::new(-FRAC_PI_2, FRAC_PI_2),
+            angles: Quantiles::new(-PI, PI),
             shares: Shares::new(),
             last_ns: None,
         };

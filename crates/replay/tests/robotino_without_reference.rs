@@ -48,13 +48,12 @@ struct Run {
 fn log(name: &str) -> Option<Log> {
     let folder = data("robotino")?;
     let text = std::fs::read_to_string(root().join("examples/robotino/columns.toml")).unwrap();
-    let currents: String = (1..=3)
-        .map(|i| {
-            format!(
-                "    {{ column = \"m{i}cur\", meaning = \"wheel_torque\", wheel = \"m{i}\", unit = \"N m\" }},\n"
-            )
-        })
-        .collect();
+    let currents = ["m1", "m2", "m3"].map(|wheel| {
+        format!(
+            "    {{ column = \"{wheel}cur\", meaning = \"wheel_torque\", wheel = \"{wheel}\", unit = \"N m\" }},\n"
+        )
+    });
+    let currents = currents.concat();
     let text = text.replace("columns = [\n", &format!("columns = [\n{currents}"));
     let map = columns::parse(&Document::from_text("columns.toml", text).unwrap()).unwrap();
     Some(Log::find(&[folder.join(format!("{name}.csv.gz"))], map).unwrap())
