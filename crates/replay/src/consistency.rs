@@ -42,10 +42,7 @@ impl Residuals {
             mean: (count > 0).then(|| sum / count as f64),
             in_band: (count > 0).then(|| within as f64 / count as f64),
         };
-        KINDS
-            .into_iter()
-            .zip(self.counts.iter().map(one))
-            .collect()
+        KINDS.into_iter().zip(self.counts.iter().map(one)).collect()
     }
 }
 

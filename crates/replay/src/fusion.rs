@@ -157,9 +157,9 @@ const fn kind_of(measurement: &Measurement) -> Option<Kind> {
         | Measurement::WheelAngle { .. }
         | Measurement::WheelRate { .. } => Some(Kind::Wheel),
         Measurement::YawRate { .. } => Some(Kind::YawRate),
-        Measurement::Displacement { .. }
-        | Measurement::Pose { .. }
-        | Measurement::Speed { .. } => Some(Kind::Reference),
+        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
+            Some(Kind::Reference)
+        }
         _ => None,
     }
 }

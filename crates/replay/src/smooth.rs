@@ -89,9 +89,9 @@ impl Smoother {
         let joint = Joint::new(&self.robot, &self.settings);
         let mut waiting = self.moments.iter_mut().rev().peekable();
         for sample in reversed(&self.samples, end_ns, latency) {
-            while let Some(moment) = waiting.next_if(|moment| {
-                end_ns.saturating_sub(moment.time_ns) <= sample.time_ns
-            }) {
+            while let Some(moment) =
+                waiting.next_if(|moment| end_ns.saturating_sub(moment.time_ns) <= sample.time_ns)
+            {
                 if moment.time_ns < until_ns {
                     joint.join(moment, &filter);
                 }
@@ -159,8 +159,8 @@ impl<'a> Joint<'a> {
             s.slip.mean,
             s.slip.sigma.powi(2) + s.wheel_slip_sigma.powi(2),
         );
-        let shared = (s.radius_sigma.powi(2) + s.free_slip.sigma.powi(2))
-            * (1.0 - forward.0).powi(2);
+        let shared =
+            (s.radius_sigma.powi(2) + s.free_slip.sigma.powi(2)) * (1.0 - forward.0).powi(2);
         let (slip, variance) = joined(forward, backward, Some(prior), shared);
         before.slip = Slip::new(slip.clamp(-1.0, 1.0)).ok();
         before.sigma = Some(variance.sqrt());
@@ -184,12 +184,7 @@ impl<'a> Joint<'a> {
 }
 
 /// Two numbers that share a prior and an error of variance `shared`.
-fn joined(
-    (x_f, p_f): Known,
-    (x_b, p_b): Known,
-    prior: Option<Known>,
-    shared: f64,
-) -> Known {
+fn joined((x_f, p_f): Known, (x_b, p_b): Known, prior: Option<Known>, shared: f64) -> Known {
     const LEAST: f64 = 1e-10;
     let (w_f, w_b) = (
         1.0 / (p_f - shared).max(LEAST),

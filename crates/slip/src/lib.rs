@@ -75,6 +75,7 @@ mod robot;
 mod sample;
 mod settings;
 mod speed;
+pub mod start;
 mod state;
 mod wheel_track;
 

@@ -71,8 +71,17 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         ("wheels", Value::Object(wheels)),
         ("along", Value::Object(along)),
         ("yaw", yaw.unwrap_or(Value::Null)),
-        ("odometry", summary.odometry.as_ref().map_or(Value::Null, odometry)),
-        ("filter", summary.fused.as_ref().map_or(Value::Null, |f| filter(f, summary))),
+        (
+            "odometry",
+            summary.odometry.as_ref().map_or(Value::Null, odometry),
+        ),
+        (
+            "filter",
+            summary
+                .fused
+                .as_ref()
+                .map_or(Value::Null, |f| filter(f, summary)),
+        ),
         (
             "rejected",
             json!({

@@ -39,8 +39,11 @@ impl Outputs {
         for path in paths {
             if figure_file::ending(path).as_deref() == Some("csv") {
                 let mut table = OutputFile::create(path)?;
-                writeln!(table, "time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg")
-                    .map_err(|error| Error::file("write", path, &error))?;
+                writeln!(
+                    table,
+                    "time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg"
+                )
+                .map_err(|error| Error::file("write", path, &error))?;
                 outputs.tables.push(table);
             } else if is_figure(path) {
                 outputs.figures.push(Target::of(path)?);

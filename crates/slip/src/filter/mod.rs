@@ -80,8 +80,8 @@ const PULLED: f64 = 0.7;
 const TOGETHER: f64 = 0.2;
 const BREAKS: f64 = 4.0;
 /// How fast a wheel's unrest is learnt, a reading, and its limits.
-const LEARNING: f64 = 0.01;
-const UNREST: (f64, f64) = (0.2, 100.0);
+const LEARNING: f64 = 0.005;
+const UNREST: (f64, f64) = (0.1, 100.0);
 /// What a rim and the robot may differ by for other reasons than slip, m/s.
 const CREEP: f64 = 5e-4;
 const MAX_YAW_RATE: f64 = 100.0;

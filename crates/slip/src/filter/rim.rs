@@ -162,17 +162,7 @@ impl SlipFilter {
         if !taken {
             return;
         }
-        // In a bend the sides slip differently for long: that is no turning, and no bias of the gyro, where there is one.
-        let bends = !free
-            && self.gyro_is_believed(to_ns)
-            && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
-        for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, bends);
-        }
-        self.nis = self.state.take(&seen);
-        for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, false);
-        }
+        self.enter(free, &seen, to_ns);
         let most = if free {
             // nothing drives it
             let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();
@@ -184,6 +174,21 @@ impl SlipFilter {
         self.state.set_mean(own_slip(index), held);
         let held = self.state.mean(COMMON_SLIP).clamp(-1.0, 1.0);
         self.state.set_mean(COMMON_SLIP, held);
+    }
+
+    /// A wheel's statement enters. In a bend the sides slip differently for long: that is no turning, and no bias of the gyro,
+    /// where there is one.
+    fn enter(&mut self, free: bool, seen: &Scalar<'_>, to_ns: i64) {
+        let bends = !free
+            && self.gyro_is_believed(to_ns)
+            && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, bends);
+        }
+        self.nis = self.state.take(seen);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, false);
+        }
     }
 
     /// Are most powered wheels off to one side, and in the mean by much? One alone, however far, is its own affair.
