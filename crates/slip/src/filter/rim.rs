@@ -6,7 +6,7 @@ use super::body::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, r
 use super::kalman::Scalar;
 use super::settings::SlipPrior;
 use super::wheel::Tracked;
-use super::{BREAKS, CREEP, LEARNING, PULLED, SlipFilter, UNREST, WRONG};
+use super::{BREAKS, CREEP, LEARNING, MAX_FILTER_WHEELS, PULLED, SlipFilter, UNREST, WRONG};
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;
@@ -191,13 +191,25 @@ impl SlipFilter {
         }
     }
 
-    /// Are most powered wheels off to one side, and in the mean by much? One alone, however far, is its own affair.
+    /// Are most powered wheels off to one side, and the middle one by much? One alone, however far, is its own affair.
     fn break_away_together(&self) -> bool {
-        let powered = || self.wheels.iter().filter(|wheel| !wheel.free);
-        let count = powered().count() as f64;
-        let mean = powered().map(|wheel| wheel.pull).sum::<f64>() / count;
-        let most = powered().filter(|wheel| wheel.pull * mean > 0.5 * PULLED * mean.abs());
-        mean.abs() > PULLED && 2.0 * most.count() as f64 > count
+        let mut pulls = [0.0; MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for wheel in self.wheels.iter().filter(|wheel| !wheel.free) {
+            pulls[count] = wheel.pull;
+            count += 1;
+        }
+        let pulls = &mut pulls[..count];
+        pulls.sort_unstable_by(f64::total_cmp);
+        let (Some(low), Some(high)) = (pulls.get((count.max(1) - 1) / 2), pulls.get(count / 2))
+        else {
+            return false;
+        };
+        let middle = 0.5 * (low + high);
+        let most = pulls
+            .iter()
+            .filter(|pull| **pull * middle > 0.5 * PULLED * middle.abs());
+        middle.abs() > PULLED && 2 * most.count() > count
     }
 
     /// A powered wheel's window against the rest: is it to be taken? One that breaks away gets another slip instead.
