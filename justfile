@@ -30,6 +30,10 @@ fuzz target executions="1000000":
 bench-log:
     cargo run --release --manifest-path bench/log/Cargo.toml
 
+# the robot's linkage beside rapier's multibody; rapier takes minutes to build
+bench-rover:
+    cargo run --release --manifest-path bench/rover/Cargo.toml
+
 # the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
 rivals:
     cargo build --release --manifest-path bench/Cargo.toml

@@ -118,12 +118,12 @@ fn the_table_has_the_columns_of_the_contract_and_every_wheel() {
     let mut lines = text.lines();
     assert_eq!(
         lines.next(),
-        Some("time_s,wheel,slip,slip_sigma,motion,health")
+        Some("time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg")
     );
     let mut count = 0;
     for line in lines {
         let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!(fields.len(), 6, "{line}");
+        assert_eq!(fields.len(), 7, "{line}");
         assert!(fields[0].parse::<f64>().unwrap() >= 0.0);
         assert_eq!(fields[2].is_empty(), fields[3].is_empty());
         if !fields[2].is_empty() {

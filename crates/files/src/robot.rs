@@ -8,6 +8,10 @@
 //! reference = "free-wheel"    # or displacement, pose, speed, grip
 //! window_s = 0.5
 //!
+//! [filter]                    # all optional: what the slip filter is told beyond [estimator]
+//! slip_mean = 0.1             # what is believed of the powered wheels' slip before it is measured
+//! slip_sigma = 0.2
+//!
 //! [[wheel]]
 //! name = "left"
 //! x_m = 0.0                   # forwards of the robot's origin
@@ -27,6 +31,7 @@
 
 use std::path::Path;
 
+use grouser_slip::filter::FilterSettings;
 use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
 use grouser_terra::Angle;
 
@@ -74,6 +79,8 @@ pub struct RobotFile {
     /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
     /// not say otherwise.
     pub settings: Settings,
+    /// What the slip filter is told, with what `settings` say of the same.
+    pub filter: FilterSettings,
     /// The reference that the file names, if it names one.
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
@@ -116,6 +123,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         settings
             .check()
             .map_err(|source| Error::Robot { at, source })?;
+        let filter = read_filter(root, &settings)?;
         let (mut topics, track, columns) = read_meanings(root)?;
         let mut joints = Vec::new();
         let wheels = root.sections("wheel", |section| {
@@ -135,6 +143,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         Ok(RobotFile {
             robot,
             settings,
+            filter,
             reference,
             wheel_sensor,
             topics,
@@ -166,6 +175,7 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
             read_estimator(section, &mut Settings::default())?;
             section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
         })?;
+        read_filter(root, &Settings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
@@ -214,6 +224,67 @@ fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Opti
     }
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
     section.optional_choice("reference", &references)
+}
+
+/// What the slip filter is told: the defaults, over them what the estimator is told, over that `[filter]`.
+fn read_filter(root: &Section<'_>, settings: &Settings) -> Result<FilterSettings> {
+    let mut filter = FilterSettings {
+        position_sigma: settings.position_sigma,
+        speed_sigma: settings.speed_sigma,
+        yaw_rate_sigma: settings.yaw_rate_sigma,
+        lateral_sigma: settings.lateral_sigma,
+        standstill_speed: settings.standstill_speed,
+        low_speed: settings.low_speed,
+        max_sigma: settings.max_sigma,
+        max_speed: settings.max_speed,
+        dropout: settings.dropout,
+        ..FilterSettings::default()
+    };
+    root.section("filter", |section| {
+        for (key, field) in [
+            ("wheel_window_s", &mut filter.wheel_window),
+            ("speed_walk_m_per_s_sqrt_s", &mut filter.speed_walk),
+            (
+                "accelerometer_noise_m_per_s_sqrt_s",
+                &mut filter.accelerometer_noise,
+            ),
+            (
+                "accelerometer_bias_m_per_s2",
+                &mut filter.accelerometer_bias,
+            ),
+            (
+                "accelerometer_drift_m_per_s2_sqrt_s",
+                &mut filter.accelerometer_drift,
+            ),
+            ("slip_mean", &mut filter.slip.mean),
+            ("slip_sigma", &mut filter.slip.sigma),
+            ("slip_memory_s", &mut filter.slip_memory),
+            ("wheel_slip_sigma", &mut filter.wheel_slip_sigma),
+            ("wheel_slip_memory_s", &mut filter.wheel_slip_memory),
+            ("free_slip_mean", &mut filter.free_slip.mean),
+            ("free_slip_sigma", &mut filter.free_slip.sigma),
+            ("radius_sigma", &mut filter.radius_sigma),
+            ("reference_latency_s", &mut filter.reference_latency),
+        ] {
+            if let Some(value) = section.optional_number(key, (-1e12, 1e12))? {
+                *field = value;
+            }
+        }
+        for (key, field) in [
+            ("yaw_walk_deg_per_s_sqrt_s", &mut filter.yaw_walk),
+            ("gyro_bias_deg_per_s", &mut filter.gyro_bias),
+        ] {
+            if let Some(value) = section.optional_number(key, (0.0, 1e6))? {
+                *field = value.to_radians();
+            }
+        }
+        Ok(())
+    })?;
+    filter.check().map_err(|source| Error::Robot {
+        at: root.place_of("filter"),
+        source,
+    })?;
+    Ok(filter)
 }
 
 fn read_wheel(section: &Section<'_>) -> Result<Wheel> {

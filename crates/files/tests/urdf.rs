@@ -2,6 +2,7 @@
 //! what is no robot is refused with its reason.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use grouser_files::robot::RobotFile;
@@ -138,7 +139,8 @@ fn cart() -> String {
         } else {
             (std::f64::consts::PI, "0 1 0")
         };
-        wheels += &format!(
+        let _ = write!(
+            wheels,
             r#"<link name="{name}_wheel_link">
               <inertial><mass value="2.5"/><inertia ixx="0.02" iyy="0.04" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
               <visual><geometry><mesh filename="package://cart/wheel.dae"/></geometry></visual>

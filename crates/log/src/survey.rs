@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
+use crate::message::known::TRUTH;
 use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
 use crate::messages::stamp_of;
 
@@ -277,7 +278,8 @@ impl Tally {
                 };
                 let names = names.iter().filter(|name| name.len() <= JOINT_NAME);
                 topic.joints = names.take(JOINTS).cloned().collect();
-                topic.use_for = view.as_ref().and_then(use_of);
+                let robots = !topic.channel.topic.starts_with(TRUTH);
+                topic.use_for = view.as_ref().filter(|_| robots).and_then(use_of);
             }
             Ok(()) => {}
         }

@@ -79,6 +79,14 @@ pub enum Error {
         /// Way by the wheels, m.
         travel_wheels: f64,
     },
+    /// What is known of other grounds does not suffice.
+    #[error(
+        "{known} stretches of known slip: at least 3 are needed, with positive currents, speeds and ripples"
+    )]
+    TooFewGrounds {
+        /// How many there are.
+        known: usize,
+    },
     /// Whoever takes the rows cannot.
     #[error(transparent)]
     Sink(#[from] std::io::Error),

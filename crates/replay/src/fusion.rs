@@ -1,12 +1,16 @@
 //! A log through the slip filter.
 
+use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{BodyEstimate, Measurement, Reference, Rejected, Robot, Sample, Settings};
+use grouser_slip::{
+    BodyEstimate, Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, Settings,
+};
 
 use crate::consistency::{Consistency, Kind, Residuals};
 use crate::error::Result;
-use crate::method::{filter_settings, is_heard};
+use crate::gather::Gather;
+use crate::method::is_heard;
 use crate::moment::Moment;
 use crate::smooth::Smoother;
 
@@ -45,6 +49,8 @@ pub struct EventAt {
 pub(crate) struct Fusion {
     robot: Robot,
     reference: Reference,
+    gather: Gather,
+    waiting: Vec<Sample>,
     filter: SlipFilter,
     residuals: Residuals,
     detector: Detector,
@@ -57,13 +63,20 @@ pub(crate) struct Fusion {
 }
 
 impl Fusion {
-    pub(crate) fn new(robot: &Robot, settings: &Settings, smooth: bool) -> Result<Self> {
-        let own: FilterSettings = filter_settings(settings);
+    pub(crate) fn new(file: &RobotFile, settings: &Settings, smooth: bool) -> Result<Self> {
+        let robot = &file.robot;
+        let own = FilterSettings {
+            // a log is in order of time: there is nothing to wait for
+            horizon: 0.0,
+            ..file.filter
+        };
         let detect = DetectSettings {
             standstill_speed: settings.standstill_speed,
             ..DetectSettings::default()
         };
         Ok(Self {
+            gather: Gather::over(0.5 * settings.window),
+            waiting: Vec::new(),
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,
             residuals: Residuals::default(),
@@ -78,10 +91,14 @@ impl Fusion {
         })
     }
 
+    /// A sample of the time at hand: which of them stands first in the log must not matter.
     pub(crate) fn update(&mut self, sample: Sample) {
-        if !is_heard(&sample.measurement, self.reference, &self.robot) {
-            return;
+        if is_heard(&sample.measurement, self.reference, &self.robot) {
+            self.waiting.extend(self.gather.take(sample));
         }
+    }
+
+    fn take(&mut self, sample: Sample) {
         if let Measurement::WheelTorque { wheel, torque } = sample.measurement
             && let Some(slot) = self.torques.get_mut(wheel)
         {
@@ -105,6 +122,12 @@ impl Fusion {
         read: u64,
         body: &BodyEstimate,
     ) -> Result<Vec<Moment>> {
+        let mut samples = std::mem::take(&mut self.waiting);
+        samples.sort_by_key(|sample| rank(&sample.measurement));
+        for sample in samples.drain(..) {
+            self.take(sample);
+        }
+        self.waiting = samples;
         let known = self.filter.latest();
         let mut moment = Moment::by_filter(now_ns, read, known.wheels, &known.body, body);
         let start_ns = *self.start_ns.get_or_insert(now_ns);
@@ -122,6 +145,10 @@ impl Fusion {
             }
         }
         for (index, wheel) in moment.wheels.iter_mut().enumerate() {
+            if self.reference == Reference::Grip && wheel.health == Health::Ok {
+                // what told the speed was a standstill, and that is over
+                wheel.health = Health::Degraded(Degraded::Relative);
+            }
             wheel.motion = self.detector.motion(index, wheel.motion);
         }
         match &mut self.smoother {
@@ -147,6 +174,23 @@ impl Fusion {
             more_events: self.more_events,
             rejected: known.rejected,
         }
+    }
+}
+
+/// What is taken first of one time: what moves the state on, then the wheels, then what is held against both.
+const fn rank(measurement: &Measurement) -> (u8, usize) {
+    match *measurement {
+        Measurement::Acceleration { .. } => (1, 0),
+        Measurement::YawRate { .. } => (2, 0),
+        Measurement::WheelTorque { wheel, .. } => (3, wheel),
+        Measurement::WheelCount { wheel, .. }
+        | Measurement::WheelEdge { wheel, .. }
+        | Measurement::WheelAngle { wheel, .. }
+        | Measurement::WheelRate { wheel, .. } => (4, wheel),
+        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
+            (5, 0)
+        }
+        _ => (0, 0),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which engine finds the slips, and what of the log it is shown.
 
-use grouser_slip::filter::{FilterSettings, MAX_FILTER_WHEELS};
-use grouser_slip::{Drive, Measurement, Reference, Robot, Settings};
+use grouser_slip::filter::MAX_FILTER_WHEELS;
+use grouser_slip::{Drive, Measurement, Reference, Robot};
 
 /// Which engine finds the slips of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,31 +28,15 @@ impl Method {
         }
     }
 
-    /// The filter, unless the robot has more wheels than that takes.
+    /// The filter where something tells how fast the robot travels, up to the number of wheels that it takes. Where
+    /// nothing does, its slip would be what was believed before, and means over windows at least compare the wheels.
     #[must_use]
-    pub fn of(robot: &Robot) -> Self {
-        if robot.wheels().len() <= MAX_FILTER_WHEELS {
+    pub fn of(robot: &Robot, reference: Reference) -> Self {
+        if reference != Reference::Grip && robot.wheels().len() <= MAX_FILTER_WHEELS {
             Self::Filter
         } else {
             Self::Window
         }
-    }
-}
-
-/// The filter's settings by those of the robot file. A log is in order of time: there is nothing to wait for.
-pub(crate) fn filter_settings(settings: &Settings) -> FilterSettings {
-    FilterSettings {
-        horizon: 0.0,
-        position_sigma: settings.position_sigma,
-        speed_sigma: settings.speed_sigma,
-        yaw_rate_sigma: settings.yaw_rate_sigma,
-        lateral_sigma: settings.lateral_sigma,
-        standstill_speed: settings.standstill_speed,
-        low_speed: settings.low_speed,
-        max_sigma: settings.max_sigma,
-        max_speed: settings.max_speed,
-        dropout: settings.dropout,
-        ..FilterSettings::default()
     }
 }
 

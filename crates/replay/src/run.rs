@@ -20,11 +20,12 @@ use crate::samples::{sample, wheel_of};
 use crate::summary::{
     AlongSummary, Shares, Spread, Status, Summary, WheelSummary, YawSummary, overall,
 };
+use crate::turn_watch::TurnWatch;
 
 /// What may be asked for beyond what the files say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Which engine finds the slips; `None`: the filter, unless the robot has too many wheels for it.
+    /// Which engine finds the slips; `None`: the filter where something tells how fast the robot travels.
     pub method: Option<Method>,
     /// Runs the filter forward and backward: every slip is then what the whole log says of it.
     pub smooth: bool,
@@ -176,6 +177,7 @@ struct Replay<'a> {
     travel: (f64, f64),
     yaw: Quantiles,
     clock_offset_s: Option<f64>,
+    turns: Option<TurnWatch>,
     reckoning: DeadReckoning,
     odometry: Option<Odometry>,
 }
@@ -195,9 +197,11 @@ impl<'a> Replay<'a> {
         let mut settings = file.settings;
         settings.reference = choice::reference(log, file, sensor, options.reference)?;
         settings.window = options.window_s.unwrap_or(settings.window);
-        let method = options.method.unwrap_or_else(|| Method::of(&file.robot));
+        let method = options
+            .method
+            .unwrap_or_else(|| Method::of(&file.robot, settings.reference));
         let fusion = match method {
-            Method::Filter => Some(Fusion::new(&file.robot, &settings, options.smooth)?),
+            Method::Filter => Some(Fusion::new(file, &settings, options.smooth)?),
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => None,
         };
@@ -212,6 +216,7 @@ impl<'a> Replay<'a> {
             sensor,
             estimator: Estimator::new(&file.robot, settings)?,
             fusion,
+            turns: TurnWatch::new(&file.robot, settings.low_speed, settings.window),
             reckoning: DeadReckoning::new(settings.window),
             odometry: None,
             window: settings.window,
@@ -269,6 +274,10 @@ impl<'a> Replay<'a> {
         };
         let body = estimate.body;
         let rims = rim_speed(estimate.wheels, self.file);
+        let (time_s, wanted) = self.when(now);
+        if let Some(turns) = self.turns.as_mut().filter(|_| wanted) {
+            turns.take(time_s, estimate.wheels, &body);
+        }
         let moments = match &mut self.fusion {
             None => vec![Moment::by_window(now, read, estimate.wheels, &body)],
             Some(fusion) => fusion.close(now, read, &body)?,
@@ -308,7 +317,10 @@ impl<'a> Replay<'a> {
                 name: &robot[index].name,
                 slip: wheel.slip.map(Slip::value).filter(|_| !itself),
                 slip_sigma: wheel.sigma.filter(|_| !itself),
-                motion: wheel.motion,
+                motion: match wheel.motion {
+                    Some(Motion::Braking) if itself => Some(Motion::Driving),
+                    motion => motion,
+                },
                 health: wheel.health,
                 side_slip_angle: angles[index],
             };
@@ -410,6 +422,7 @@ impl<'a> Replay<'a> {
                 residual: Spread::from(&self.yaw),
                 window: self.window,
             }),
+            turns: self.turns.as_ref().map(TurnWatch::summary),
             clock_offset_s: self.clock_offset_s,
             odometry: self.odometry,
             fused,

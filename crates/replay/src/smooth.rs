@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{BodyMotion, Drive, Health, Robot, Sample, Slip, WheelEstimate};
+use grouser_slip::{
+    BodyEstimate, BodyMotion, Drive, Health, Measured, Robot, Sample, Slip, WheelEstimate,
+};
 
 use crate::error::Result;
 use crate::moment::Moment;
@@ -25,6 +27,7 @@ const BEYOND: usize = 1 << 17;
 ///
 /// A slip's prior is a stationary Gauss-Markov process, the same from both sides. What both sides share (a wheel's
 /// radius, a free wheel's skid) is no reason to be more certain: its variance P_c is taken out before and put back after.
+/// Where the two sides are further apart over the log than P_f + P_b says, both variances grow by that factor.
 /// Assumes: one number at a time, its covariance with the others aside.
 #[derive(Debug)]
 pub(crate) struct Smoother {
@@ -80,25 +83,46 @@ impl Smoother {
         } else {
             self.samples[BLOCK].time_ns
         };
-        let latency = grouser_latency(&self.settings);
+        let latency = latency_ns(&self.settings);
         let settings = FilterSettings {
             reference_latency: 0.0,
             ..self.settings
         };
         let mut filter = SlipFilter::new(&self.robot, settings)?;
-        let joint = Joint::new(&self.robot, &self.settings);
         let mut waiting = self.moments.iter_mut().rev().peekable();
+        let mut pairs = Vec::with_capacity(waiting.len());
         for sample in reversed(&self.samples, end_ns, latency) {
             while let Some(moment) =
                 waiting.next_if(|moment| end_ns.saturating_sub(moment.time_ns) <= sample.time_ns)
             {
                 if moment.time_ns < until_ns {
-                    joint.join(moment, &filter);
+                    pairs.push((moment, After::of(&filter)));
                 }
             }
             let _refused = filter.update(sample);
         }
+        let joint = Joint::new(&self.robot, &self.settings, &pairs);
+        for (moment, after) in pairs {
+            joint.join(moment, &after);
+        }
         Ok(())
+    }
+}
+
+/// What the backward filter knows at a moment.
+struct After {
+    wheels: Vec<WheelEstimate>,
+    speeds: [Measured; 3],
+}
+
+impl After {
+    fn of(filter: &SlipFilter) -> Self {
+        let known = filter.latest();
+        let body = known.body;
+        Self {
+            wheels: known.wheels.to_vec(),
+            speeds: [body.forward, body.left, body.yaw_rate],
+        }
     }
 }
 
@@ -106,67 +130,146 @@ impl Smoother {
     clippy::cast_possible_truncation,
     reason = "a latency is at most a second"
 )]
-fn grouser_latency(settings: &FilterSettings) -> i64 {
+fn latency_ns(settings: &FilterSettings) -> i64 {
     (settings.reference_latency * 1e9).round() as i64
+}
+
+/// A robot at one time of its samples, by the filter alone and with what came later.
+#[derive(Clone, Debug)]
+pub struct Smoothed {
+    /// ns, on the samples' clock.
+    pub time_ns: i64,
+    /// Each wheel by the samples up to this time.
+    pub forward: Vec<WheelEstimate>,
+    /// Each wheel by all samples.
+    pub wheels: Vec<WheelEstimate>,
+    /// Speed forwards, to the left, and yaw rate by all samples.
+    pub motion: Option<BodyMotion>,
+}
+
+/// Samples in order of time through the filter forward and backward: what `estimate --smooth` does with a log.
+///
+/// # Errors
+/// [`Error::Settings`](crate::Error::Settings) for settings or a robot that the filter refuses.
+pub fn smoothed(
+    robot: &Robot,
+    settings: FilterSettings,
+    samples: &[Sample],
+) -> Result<Vec<Smoothed>> {
+    let settings = FilterSettings {
+        horizon: 0.0,
+        ..settings
+    };
+    let mut filter = SlipFilter::new(robot, settings)?;
+    let mut smoother = Smoother::new(robot, settings);
+    let (mut forward, mut done) = (Vec::new(), Vec::new());
+    for (index, sample) in samples.iter().enumerate() {
+        if filter.update(*sample).is_ok() {
+            smoother.hear(*sample);
+        }
+        if samples
+            .get(index + 1)
+            .is_some_and(|next| next.time_ns == sample.time_ns)
+        {
+            continue;
+        }
+        let known = filter.latest();
+        forward.push(known.wheels.to_vec());
+        let nothing = BodyEstimate::default();
+        let moment = Moment::by_filter(sample.time_ns, 0, known.wheels, &known.body, &nothing);
+        done.extend(smoother.push(moment)?);
+    }
+    done.extend(smoother.finish()?);
+    let one = |(forward, moment): (Vec<WheelEstimate>, Moment)| Smoothed {
+        time_ns: moment.time_ns,
+        forward,
+        wheels: moment.wheels,
+        motion: moment.motion,
+    };
+    Ok(forward.into_iter().zip(done).map(one).collect())
 }
 
 /// What is shared by both sides, and what was believed before either.
 struct Joint<'a> {
     robot: &'a Robot,
     settings: &'a FilterSettings,
+    /// How much further apart the two sides are than they say, as a share of that variance, of each wheel.
+    apart: Vec<f64>,
 }
+
+/// No side's own variance is taken for less.
+const LEAST: f64 = 1e-10;
 
 /// A number with its variance.
 type Known = (f64, f64);
 
+/// The slips of a wheel by both sides, where both are sure of themselves.
+fn both(before: &WheelEstimate, after: &WheelEstimate) -> Option<(Known, Known)> {
+    let of = |wheel: &WheelEstimate| {
+        let sure = wheel.health == Health::Ok;
+        Some((wheel.slip?.value(), wheel.sigma?.powi(2))).filter(|_| sure)
+    };
+    Some((of(before)?, of(after)?))
+}
+
 impl<'a> Joint<'a> {
-    const fn new(robot: &'a Robot, settings: &'a FilterSettings) -> Self {
-        Self { robot, settings }
-    }
-
-    fn join(&self, moment: &mut Moment, backward: &SlipFilter) {
-        let known = backward.latest();
-        let described = self.robot.wheels();
-        for ((wheel, after), description) in
-            moment.wheels.iter_mut().zip(known.wheels).zip(described)
-        {
-            if description.drive == Drive::Powered {
-                self.join_wheel(wheel, after);
-            }
-        }
-        if let Some(motion) = &mut moment.motion {
-            let body = known.body;
-            if known.wheels.iter().any(|wheel| wheel.health == Health::Ok) {
-                self.join_motion(motion, [body.forward, body.left, body.yaw_rate]);
-            }
-        }
-    }
-
-    /// Both sides must be sure of themselves; else what one of them says stands alone.
-    fn join_wheel(&self, before: &mut WheelEstimate, after: &WheelEstimate) {
-        let of = |wheel: &WheelEstimate| Some((wheel.slip?.value(), wheel.sigma?.powi(2)));
-        let (Some(forward), Some(backward)) = (of(before), of(after)) else {
-            return;
+    fn new(robot: &'a Robot, settings: &'a FilterSettings, pairs: &[(&mut Moment, After)]) -> Self {
+        let mut joint = Self {
+            robot,
+            settings,
+            apart: vec![1.0; robot.wheels().len()],
         };
-        if after.health != Health::Ok {
-            return;
+        for index in 0..joint.apart.len() {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (moment, after) in pairs {
+                if let Some((f, b)) = both(&moment.wheels[index], &after.wheels[index]) {
+                    let shared = joint.shared(f.0);
+                    let said = (f.1 - shared).max(LEAST) + (b.1 - shared).max(LEAST);
+                    sum += (f.0 - b.0).powi(2) / said;
+                    count += 1.0;
+                }
+            }
+            if sum > count {
+                joint.apart[index] = sum / count;
+            }
         }
-        if before.health != Health::Ok {
-            return;
-        }
-        let s = self.settings;
-        let prior = (
-            s.slip.mean,
-            s.slip.sigma.powi(2) + s.wheel_slip_sigma.powi(2),
-        );
-        let shared =
-            (s.radius_sigma.powi(2) + s.free_slip.sigma.powi(2)) * (1.0 - forward.0).powi(2);
-        let (slip, variance) = joined(forward, backward, Some(prior), shared);
-        before.slip = Slip::new(slip.clamp(-1.0, 1.0)).ok();
-        before.sigma = Some(variance.sqrt());
+        joint
     }
 
-    fn join_motion(&self, motion: &mut BodyMotion, after: [grouser_slip::Measured; 3]) {
+    /// Variance that both sides have in common at this slip.
+    fn shared(&self, slip: f64) -> f64 {
+        let s = self.settings;
+        (s.radius_sigma.powi(2) + s.free_slip.sigma.powi(2)) * (1.0 - slip).powi(2)
+    }
+
+    fn join(&self, moment: &mut Moment, after: &After) {
+        let described = self.robot.wheels().iter().zip(&self.apart);
+        let wheels = moment.wheels.iter_mut().zip(&after.wheels);
+        for ((before, after), (wheel, apart)) in wheels.zip(described) {
+            if wheel.drive == Drive::Powered
+                && let Some((f, b)) = both(before, after)
+            {
+                let s = self.settings;
+                let prior = s.slip.sigma.powi(2) + s.wheel_slip_sigma.powi(2);
+                let shared = self.shared(f.0);
+                let scaled = |(slip, variance): Known| {
+                    (slip, shared + apart * (variance - shared).max(LEAST))
+                };
+                let prior = (s.slip.mean, apart * prior);
+                let (slip, variance) = joined(scaled(f), scaled(b), Some(prior), shared);
+                before.slip = Slip::new(slip.clamp(-1.0, 1.0)).ok();
+                before.sigma = Some(variance.sqrt());
+            }
+        }
+        let sure = after.wheels.iter().any(|wheel| wheel.health == Health::Ok);
+        if let Some(motion) = &mut moment.motion
+            && sure
+        {
+            self.join_motion(motion, after.speeds);
+        }
+    }
+
+    fn join_motion(&self, motion: &mut BodyMotion, after: [Measured; 3]) {
         for (i, after) in after.into_iter().enumerate() {
             let forward = (motion.velocity[i], motion.covariance[i][i]);
             // the way back has the other sign
@@ -185,7 +288,6 @@ impl<'a> Joint<'a> {
 
 /// Two numbers that share a prior and an error of variance `shared`.
 fn joined((x_f, p_f): Known, (x_b, p_b): Known, prior: Option<Known>, shared: f64) -> Known {
-    const LEAST: f64 = 1e-10;
     let (w_f, w_b) = (
         1.0 / (p_f - shared).max(LEAST),
         1.0 / (p_b - shared).max(LEAST),

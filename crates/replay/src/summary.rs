@@ -8,6 +8,7 @@ use crate::dead_reckoning::Odometry;
 use crate::fusion::FusedSummary;
 use crate::method::Method;
 use crate::quantiles::Quantiles;
+use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,6 +120,9 @@ pub struct Summary {
     pub along: AlongSummary,
     /// Wheels against gyro, where there is one.
     pub yaw: Option<YawSummary>,
+    /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
+    /// wheels' sides.
+    pub turns: Option<TurnCheck>,
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,

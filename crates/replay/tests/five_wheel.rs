@@ -10,7 +10,7 @@ mod shipped;
 
 use std::path::PathBuf;
 
-use grouser_replay::{Options, Quantiles, Row, run, soil_readings};
+use grouser_replay::{Method, Options, Quantiles, Row, run, soil_readings};
 use grouser_slip::{Health, Motion, Reference};
 use grouser_synthetic::FiveWheel;
 use grouser_terra::catalogue;
@@ -19,6 +19,17 @@ use shipped::{example, root};
 fn log() -> PathBuf {
     root().join("examples/five-wheel/log.csv")
 }
+
+/// Means over windows.
+const BY_WINDOW: Options = Options {
+    method: Some(Method::Window),
+    smooth: false,
+    reference: None,
+    wheel_sensor: None,
+    window_s: None,
+    from_s: None,
+    to_s: None,
+};
 
 struct Kept {
     time_s: f64,
@@ -43,7 +54,7 @@ fn rows() -> Vec<Kept> {
         }
         Ok(())
     };
-    let summary = run(&five.log(log()), &five.robot, &Options::default(), keep).unwrap();
+    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, keep).unwrap();
     assert_eq!(summary.reference, Reference::FreeWheel);
     assert_eq!(summary.rejected.total(), 0);
     kept
@@ -149,7 +160,7 @@ fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
 fn the_patch_the_brake_and_the_stops_are_told_apart() {
     let five = example("five-wheel");
     let mut motions = Vec::new();
-    let summary = run(&five.log(log()), &five.robot, &Options::default(), |row| {
+    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, |row| {
         motions.push((row.time_s, row.wheel, row.motion, row.slip));
         Ok(())
     })
@@ -198,7 +209,7 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
     let options = Options {
         from_s: Some(17.0),
         to_s: Some(19.0),
-        ..Options::default()
+        ..BY_WINDOW
     };
     let summary = five.summary(log(), &options);
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
@@ -216,4 +227,58 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
         assert!(corrected.abs() < plain.abs());
         assert!(corrected.abs() < 0.01, "{corrected}");
     }
+}
+
+/// Against the truth of the tenth of a second around each row, the free wheel's own skid left out as in P23.
+#[test]
+fn the_filter_follows_closer_than_windows_and_looking_back_closer_still() {
+    let truth = FiveWheel::default().generate().truth;
+    let five = example("five-wheel");
+    let rmse = |method, smooth| {
+        let (mut squares, mut count, mut normalised) = (0.0, 0.0, 0.0);
+        let options = Options {
+            method: Some(method),
+            smooth,
+            ..Options::default()
+        };
+        run(&five.log(log()), &five.robot, &options, |row| {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a row of the log"
+            )]
+            let at = (row.time_s * 50.0).round() as usize;
+            if let (Some(slip), Some(sigma), Health::Ok) = (row.slip, row.slip_sigma, row.health)
+                && (3..truth.len() - 3).contains(&at)
+            {
+                let (a, b) = (&truth[at - 3], &truth[at + 2]);
+                let rim = b.rim[row.wheel] - a.rim[row.wheel];
+                let skid = (b.way[4] - a.way[4]) - (b.rim[4] - a.rim[4]);
+                let way = b.way[row.wheel] - a.way[row.wheel] - skid;
+                // 5 cm/s: slower than that a slip says little
+                if way * rim > 0.0 && way.abs().max(rim.abs()) > 0.005 {
+                    let expected = if rim.abs() >= way.abs() {
+                        1.0 - way / rim
+                    } else {
+                        rim / way - 1.0
+                    };
+                    squares += (slip - expected).powi(2);
+                    normalised += ((slip - expected) / sigma).powi(2);
+                    count += 1.0;
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+        (f64::sqrt(squares / count), normalised / count)
+    };
+    let window = rmse(Method::Window, false);
+    let filter = rmse(Method::Filter, false);
+    let both = rmse(Method::Filter, true);
+    println!(
+        "RMSE (squared error over variance): windows {:.4} ({:.2}), filter {:.4} ({:.2}), both ways {:.4} ({:.2})",
+        window.0, window.1, filter.0, filter.1, both.0, both.1
+    );
+    assert!(filter.0 < window.0 && both.0 < filter.0);
+    assert!(filter.1 < 2.0 && both.1 < 2.0);
 }

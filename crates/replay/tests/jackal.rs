@@ -9,7 +9,7 @@
 mod shipped;
 
 use grouser_log::series;
-use grouser_replay::Options;
+use grouser_replay::{Method, Options};
 use grouser_slip::Reference;
 use shipped::{data, example};
 
@@ -81,4 +81,46 @@ fn the_odometry_replayed_ends_where_it_says() {
     // Rosbags and the same sum in Python: 0.386 m, over 84.2 m with 36 rad of turning. It is the driver's
     // smoothing of its speeds that the poses do not have.
     assert!((worst - 0.386).abs() < 0.005, "{worst}");
+}
+
+/// The filter has no reference here: its slips are Relative. What is held against its sigmas is the gyro.
+#[test]
+fn the_filters_residuals_have_the_size_that_it_says() {
+    let Some(folder) = data("jackal") else { return };
+    let jackal = example("jackal");
+    let options = Options {
+        method: Some(Method::Filter),
+        ..Options::default()
+    };
+    let summary = jackal.summary(folder.join("jackal_61s.bag"), &options);
+    let fused = summary.fused.unwrap();
+    for (kind, nis) in &fused.consistency {
+        println!("{kind}: {nis:?}");
+    }
+    let share = |kind: &str| {
+        let mut all = fused.consistency.iter();
+        all.find(|(name, _)| *name == kind)
+            .unwrap()
+            .1
+            .in_band
+            .unwrap()
+    };
+    // 2300 residuals that stood for themselves would give 0.95 +- 0.009; these are manoeuvres, and come together.
+    let yaw = share("yaw_rate");
+    assert!((yaw - 0.95).abs() < 0.03, "{yaw}");
+    // With nothing that tells the speed the wheels' sigmas are those of the prior: too large, never too small.
+    assert!(share("wheels") > 0.95);
+    assert!(
+        summary
+            .wheels
+            .iter()
+            .all(|wheel| !wheel.healths.contains_key("Ok"))
+    );
+    // What it rests on is the rims: their way is that of another program, to a part in a thousand.
+    let odometry = summary.odometry.unwrap();
+    println!("{odometry:?}");
+    assert!(
+        (odometry.distance_of_wheels - 84.17).abs() < 0.09,
+        "{odometry:?}"
+    );
 }

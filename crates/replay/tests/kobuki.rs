@@ -95,3 +95,17 @@ fn counts_and_angles_give_the_same_residual() {
     // Stamped by another topic of the same driver.
     assert!((residual(&angle) - residual(&count)).abs() < 0.002);
 }
+
+#[test]
+fn the_slipping_run_is_called_within_five_seconds_and_no_wheel_is_blamed_without_reason() {
+    let (Some(good), Some(faulty)) = (summary("nonfaulty", None), summary("left_faulty", None))
+    else {
+        return;
+    };
+    let (good, faulty) = (good.turns.unwrap(), faulty.turns.unwrap());
+    println!("nonfaulty: {good:?}");
+    println!("left_faulty: {faulty:?}");
+    assert_eq!(good.alarms, 0);
+    let delay = faulty.alarm_s.unwrap() - faulty.first_motion_s.unwrap();
+    assert!(delay < 5.0, "{delay}");
+}

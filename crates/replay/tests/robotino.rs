@@ -24,6 +24,8 @@ const FIGURES: [(&str, f64); 6] = [
 ];
 
 const CUT: Options = Options {
+    method: None,
+    smooth: false,
     reference: None,
     wheel_sensor: None,
     window_s: None,

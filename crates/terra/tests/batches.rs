@@ -300,3 +300,62 @@ fn a_curve_is_as_good_as_its_points() {
         }
     }
 }
+
+/// Found by fuzzing: with the greatest stress close behind the entry, what the short cosine lacks counts by the
+/// narrow front. Such a point is not for lanes.
+#[test]
+fn d13_a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
+    let radius = 0.318_132_698_162_955_36;
+    for (c_2, n) in [
+        (0.0, 2.2),
+        (0.2, 2.2),
+        (0.3, 2.2),
+        (0.4, 1.1),
+        (0.529_4, 2.2),
+        (0.54, 1.1),
+    ] {
+        let soil = Soil::new(SoilParams {
+            n,
+            c_1: 0.529_411_764_705_882_4,
+            c_2,
+            phi: grouser_terra::Angle::from_rad(0.0),
+            cohesion: 0.27,
+            k_shear: 0.071_3,
+            ..*catalogue::find("lunar").unwrap().soil().unwrap().params()
+        })
+        .unwrap();
+        let columns = Columns::new(&[(radius, 0.495, 0.0, 0.866_8, 0.4936)]);
+        let mut out = [BatchOutcome::default()];
+        let kernel = BatchKernel::new(soil);
+        kernel
+            .forces(&columns.points(), &columns.sinkage, &mut out)
+            .unwrap();
+        let BatchOutcome::Done(lanes) = out[0] else {
+            panic!("{:?}", out[0])
+        };
+        let exact = Settings {
+            accuracy: Accuracy::Reference,
+            ..Settings::default()
+        };
+        let wheel = RigidWheel::new(radius, 0.495).unwrap();
+        let pair = WheelOnSoil::new(wheel, soil, exact).unwrap();
+        let straight = Kinematics::straight(Slip::new(0.866_8).unwrap());
+        let reference = pair
+            .at_sinkage(columns.sinkage[0], &straight)
+            .unwrap()
+            .forces;
+        let size = reference
+            .vertical_force
+            .abs()
+            .max(reference.drawbar_pull.abs());
+        for (a, b) in [
+            (lanes.vertical_force, reference.vertical_force),
+            (lanes.drawbar_pull, reference.drawbar_pull),
+        ] {
+            assert!(
+                (a - b).abs() <= 1e-9 * size,
+                "c_2 {c_2}: {a:e} {b:e} of {size:e}"
+            );
+        }
+    }
+}

@@ -100,8 +100,10 @@ pub(super) fn compared(scenario: &Scenario, runs: &[Run]) -> Figure {
         let runs = runs.iter();
         runs.filter_map(|run| Some((run, run.track.as_ref()?)))
     };
+    let all = tracks().flat_map(|(_, track)| &track.points);
+    let [low, high] = spread(all.map(|point| point.distance), 0.1);
     let mut chart = Chart::new(
-        Axis::new("Progress along the way (m)"),
+        Axis::new("Progress along the way (m)").range(low, high),
         Axis::new("Electrical energy *E* (J)"),
     );
     for (index, (run, track)) in tracks().enumerate() {

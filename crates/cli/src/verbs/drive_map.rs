@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_rover::drive::{NamedDecision, Scenario};
+use grouser_rover::drive::Scenario;
 use grouser_rover::ground::Ground;
 
 use super::drive::Run;
@@ -178,8 +178,8 @@ fn marks(view: &View, run: &Run, track: &Track, out: &mut String) {
         disc([end.place[0], end.place[1]], 9.0, word);
     }
     for (number, decision) in notable(run) {
-        let place: &NamedDecision = decision;
-        disc([place.place.0, place.place.1], 9.0, &number.to_string());
+        let (x, y) = decision.place;
+        disc([x, y], 9.0, &number.to_string());
     }
 }
 

@@ -81,7 +81,7 @@ impl Recording {
         let sensors = &scenario.sensors;
         let mut mounting = writer.topic("/tf_static", "tf2_msgs/TFMessage")?;
         writer.send(&mut mounting, 0, &straight_mounting())?;
-        let mut topic = |name, type_name| writer.topic(name, type_name);
+        let mut topic = |name: &str, type_name| writer.topic(name, type_name);
         Ok(Self {
             joints: joints.collect(),
             open: Wheels::default(),
@@ -95,8 +95,11 @@ impl Recording {
                 .then(|| topic("/gnss/pose", "geometry_msgs/PoseStamped"))
                 .transpose()?,
             seen: topic("/grouser/slip", known::WHEEL_SLIP)?,
-            pose: topic("/simulation/truth/pose", "geometry_msgs/PoseStamped")?,
-            slip: topic("/simulation/truth/slip", known::WHEEL_SLIP)?,
+            pose: topic(
+                &format!("{}pose", known::TRUTH),
+                "geometry_msgs/PoseStamped",
+            )?,
+            slip: topic(&format!("{}slip", known::TRUTH), known::WHEEL_SLIP)?,
             writer,
         })
     }

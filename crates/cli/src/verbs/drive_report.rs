@@ -24,7 +24,7 @@ pub(super) fn page(scenario: &Scenario, optimum: f64, runs: &[Run], provenance: 
          <meta http-equiv=\"Content-Security-Policy\" \
          content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
          <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n\
-         <p>{robot}; slip to run at {optimum:.3}; {legs} over {ground} m.</p>\n",
+         <p>{robot}; slip to run at {optimum:.3}; {legs} over {ground}.</p>\n",
         robot = escaped(scenario.robot.robot.name()),
         legs = legs(scenario),
         ground = ground(scenario),
@@ -65,13 +65,13 @@ fn ground(scenario: &Scenario) -> String {
     use grouser_rover::drive::GroundShape;
     match &scenario.ground.shape {
         GroundShape::Generated { size, .. } => {
-            format!("generated ground of {} × {}", size.0, size.1)
+            format!("generated ground of {} × {} m", size.0, size.1)
         }
         GroundShape::File(file) => {
             let name = file.path.file_name().unwrap_or_default().to_string_lossy();
-            format!("the ground of {}, in", escaped(&name))
+            format!("the ground of {}", escaped(&name))
         }
-        _ => "ground, in".to_owned(),
+        _ => "ground".to_owned(),
     }
 }
 

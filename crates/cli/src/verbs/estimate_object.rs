@@ -5,6 +5,7 @@ use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summa
 use grouser_slip::detect::Event;
 use serde_json::{Value, json};
 
+use super::estimate_text::culprit;
 use crate::report::Object;
 
 pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
@@ -53,6 +54,14 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
             "residual_p5_rad": yaw.residual.p5,
             "residual_p95_rad": yaw.residual.p95,
             "clock_offset_s": summary.clock_offset_s,
+            "apart": summary.turns.as_ref().map(|turns| json!({
+                "first_motion_s": turns.first_motion_s,
+                "alarm_s": turns.alarm_s,
+                "alarms": turns.alarms,
+                "wheel": turns.wheel.and_then(|wheel| Some(summary.wheels.get(wheel)?.name.as_str())),
+                "says": culprit(turns, summary),
+                "log_likelihood_ratio": turns.likelier,
+            })),
         })
     });
     let rejected = summary.rejected;

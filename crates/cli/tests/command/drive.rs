@@ -158,6 +158,12 @@ fn a_recording_and_a_table_of_one_drive_give_the_same_slips() {
     // what the simulation knows is in the file and is not believed
     let info = grouser(["log", "info", &logs[1], "--json"]).assert_done();
     assert!(info.out.contains("/simulation/truth/pose"), "{}", info.out);
+    let suggested = grouser(["log", "info", &logs[1], "--suggest-robot"]).assert_done();
+    assert!(
+        suggested.out.contains("/imu") && !suggested.out.contains("truth"),
+        "{}",
+        suggested.out
+    );
     for reference in ["pose", "displacement"] {
         let arguments = [
             "estimate",
@@ -198,7 +204,15 @@ fn a_description_becomes_a_robot_file() {
     let said = grouser(["drive", &without]);
     said.assert_refused("no motor");
     assert!(said.err.contains("motor"), "{said:?}");
-    // the angles of a recording need no more than the wheels
+    // the angles of a recording need no more than the wheels; this one names its joints as the wheels are named
+    let text = std::fs::read_to_string(&robot).unwrap();
+    assert!(
+        text.contains("joint = \"front_left_wheel_joint\""),
+        "{text}"
+    );
+    let own = text.lines().filter(|line| !line.starts_with("joint = "));
+    let robot = folder.file("own-names.toml", own.collect::<Vec<_>>().join("\n"));
+    let robot = robot.display().to_string();
     let mcap = folder.path("short.mcap").display().to_string();
     for log in [&log, &mcap] {
         grouser(["drive", &scenario, "-o", log]).assert_done();

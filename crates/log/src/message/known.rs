@@ -12,6 +12,10 @@ pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
 /// Slip by wheel.
 pub const WHEEL_SLIP: &str = "grouser_msgs/WheelSlip";
 
+/// Under this name a simulation writes what it knows and no robot measures: no topic there is ever chosen by type and
+/// name.
+pub const TRUTH: &str = "/simulation/truth/";
+
 /// Each type's own text, with the types that it holds.
 const TEXTS: &[(&str, &str, &[&str])] = &[
     (

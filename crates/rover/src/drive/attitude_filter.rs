@@ -3,7 +3,7 @@
 use crate::vector::Vector;
 
 /// Time over which gravity outweighs the gyro, s.
-const GRAVITY_TIME: f64 = 2.0;
+const GRAVITY_TIME: f64 = 10.0;
 /// A specific force further than this from gravity says nothing of the vertical, m/s².
 const GRAVITY_BAND: f64 = 2.0;
 

@@ -58,6 +58,8 @@ pub struct SlipScore {
     pub count: u64,
     /// Root of the mean square.
     pub rmse: Option<f64>,
+    /// The same without each wheel's first second of motion.
+    pub settled: Option<f64>,
     /// Mean of estimate less truth.
     pub bias: Option<f64>,
     /// Mean of the squared error over the variance that was said with it: 1 is honest, less is cautious.

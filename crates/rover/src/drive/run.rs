@@ -22,6 +22,8 @@ use crate::statics::wheel_loads;
 const CONTROL_PERIOD: f64 = 0.01;
 /// The robot settles on the ground for this long before it is asked for anything, s.
 const SETTLING: f64 = 1.0;
+/// Its estimator is switched on after this long, s.
+const SWITCHED_ON: f64 = 0.5;
 /// Decisions that are kept.
 const MOST_DECISIONS: usize = 1000;
 
@@ -196,7 +198,7 @@ impl Drive {
         let step = self.step_size();
         self.sensors.read(&self.vehicle, &mut self.read);
         for reading in &self.read {
-            self.watch.take(reading, to_ns(time));
+            self.watch.take(reading, to_ns(time), time >= SWITCHED_ON);
             if let Reading::Current { wheel, share, .. } = reading {
                 self.seen[*wheel].torque_share = Some(*share);
             }

@@ -8,6 +8,8 @@ use super::outcome::SlipScore;
 /// Speed below which no slip is compared, m/s.
 const LEAST_SPEED: f64 = 0.05;
 
+/// A wheel has started for this long, s.
+const START: f64 = 1.0;
 /// What is off by more than this many sigma is wrong.
 const WRONG: f64 = 4.0;
 
@@ -67,6 +69,9 @@ pub(super) struct Scoring {
     sum: f64,
     square: f64,
     scaled: f64,
+    /// How long each wheel has been moving, s; count and squares once that is a second.
+    moving: Vec<f64>,
+    settled: (f64, f64),
     /// How long each wheel has been wrong with health `Ok`, s, and the longest of all.
     wrong: Vec<f64>,
     longest: f64,
@@ -76,6 +81,7 @@ impl Scoring {
     /// For that many wheels.
     pub(super) fn new(wheels: usize) -> Self {
         Self {
+            moving: vec![0.0; wheels],
             wrong: vec![0.0; wheels],
             ..Self::default()
         }
@@ -89,6 +95,12 @@ impl Scoring {
         truth: Option<(f64, f64)>,
         period: f64,
     ) {
+        let moving = &mut self.moving[wheel];
+        *moving = match truth {
+            Some((_, speed)) if speed >= LEAST_SPEED => *moving + period,
+            _ => 0.0,
+        };
+        let settled = *moving >= START;
         let wrong = &mut self.wrong[wheel];
         let (Some(slip), Some(sigma), Some((truth, speed))) = (seen.slip, seen.sigma, truth) else {
             *wrong = 0.0;
@@ -106,6 +118,10 @@ impl Scoring {
             self.sum += off;
             self.square += off * off;
             self.scaled += (off / sigma) * (off / sigma);
+            if settled {
+                self.settled.0 += 1.0;
+                self.settled.1 += off * off;
+            }
         }
     }
 
@@ -115,6 +131,7 @@ impl Scoring {
         SlipScore {
             count: self.count,
             rmse: mean(self.square).map(f64::sqrt),
+            settled: (self.settled.0 > 0.0).then(|| (self.settled.1 / self.settled.0).sqrt()),
             bias: mean(self.sum),
             nees: mean(self.scaled),
             longest_wrong: self.longest,

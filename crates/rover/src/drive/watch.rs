@@ -41,6 +41,7 @@ pub(super) struct Watch {
     torques: Vec<Option<f64>>,
     /// The newest stamp less the computer's own clock when it arrived, ns.
     ahead: Option<i64>,
+    runs: bool,
     /// Are the camera's ways taken, or the fixes?
     camera: bool,
     window: f64,
@@ -88,6 +89,7 @@ impl Watch {
             torques: vec![None; most_torque.len()],
             most_torque,
             ahead: None,
+            runs: false,
             camera,
         })
     }
@@ -97,8 +99,10 @@ impl Watch {
         (self.window, self.lag)
     }
 
-    /// A reading that arrives at `now_ns` by the computer's own clock.
-    pub(super) fn take(&mut self, reading: &Reading, now_ns: i64) {
+    /// A reading that arrives at `now_ns` by the computer's own clock. Until it `runs` the filter waits, and the attitude is
+    /// a mean of what gravity shows.
+    pub(super) fn take(&mut self, reading: &Reading, now_ns: i64, runs: bool) {
+        self.runs = runs;
         self.ahead = Some(reading.time_ns().saturating_sub(now_ns));
         match *reading {
             Reading::Sample(sample) => {
@@ -114,7 +118,9 @@ impl Watch {
             } => {
                 self.attitude.take(time_ns, force, turning);
                 for sample in self.suspension.carriers(time_ns, turning.y) {
-                    let _ = self.filter.update(sample);
+                    if runs {
+                        let _ = self.filter.update(sample);
+                    }
                 }
                 let [forward, left] = self.attitude.without_gravity(force);
                 self.give(Sample {
@@ -135,6 +141,9 @@ impl Watch {
 
     /// What is wrong with a sample the filter counts by itself.
     fn give(&mut self, sample: Sample) {
+        if !self.runs {
+            return;
+        }
         let _ = self.filter.update(sample);
     }
 

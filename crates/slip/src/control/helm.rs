@@ -507,6 +507,16 @@ impl Helm {
         }
     }
 
+    /// The slip that a slope of the known soil needs, with some room: less would only cost time.
+    fn needed(&self, seen: &Seen) -> f64 {
+        match seen.demanded {
+            Some(demanded) if self.mode != Mode::BackOut => {
+                (demanded.mean + ROOM).clamp(0.0, MOST_ACCEPTED)
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Speed and turning rate for the mode.
     pub(crate) fn course(&mut self, settings: &ControlSettings, seen: &Seen) -> Course {
         let heading = self.heading(seen);
@@ -557,7 +567,7 @@ impl Helm {
             heading,
             slip_matters: (on_course || self.sharpest.is_finite()) && !idle,
             stopped: false,
-            target: settings.optimum.max(self.accepted) + self.pushed.max(0.0),
+            target: settings.optimum.max(self.accepted).max(self.needed(seen)) + self.pushed,
             creep: if self.tilt < settings.steep || self.mode == Mode::BackOut {
                 settings.crawl
             } else {

@@ -40,6 +40,8 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     Real::atan2(sin, cos)
 }
 
+/// A wheel slower than this share of the mean rim speed stands.
+const TURNS: f64 = 0.2;
 /// Soft ground under one wheel counts where the next softest is no firmer than this beyond it.
 const DENIES: f64 = 0.15;
 
@@ -284,6 +286,12 @@ impl Controller {
                 }
             }
         }
+        // with a wheel that stands or is not measured the others slip more on any ground
+        let mean = if rims.1 > 0.0 { rims.0 / rims.1 } else { 0.0 };
+        let all_turn = input.wheels.iter().zip(&self.wheels).all(|(wheel, own)| {
+            let turns = finite(wheel.rim_speed).is_some_and(|rim| rim.abs() >= TURNS * mean);
+            !own.powered || turns && !own.is_shed()
+        });
         let speed = finite(input.speed);
         if measured && speed.is_some() {
             self.blind = 0.0;
@@ -299,12 +307,17 @@ impl Controller {
                     0.0
                 },
             // one wheel alone may be wrong
-            firmness: least[0].max(least[1] - DENIES),
+            firmness: if all_turn {
+                least[0].max(least[1] - DENIES)
+            } else {
+                1.0
+            },
             demanded: input
                 .demanded
+                .filter(|_| all_turn)
                 .filter(|demanded| demanded.mean.is_finite() && demanded.sigma.is_finite()),
             speed,
-            rim: if rims.1 > 0.0 { rims.0 / rims.1 } else { 0.0 },
+            rim: mean,
             heading: finite(input.heading),
             pitch: finite(input.pitch),
             roll: finite(input.roll),

@@ -137,11 +137,8 @@ impl SlipFilter {
             && forward.abs() > 3.0 * self.state.sigma(FORWARD) + self.settings.low_speed
             && rim.value.abs() > self.settings.low_speed;
         let wheel = &mut self.wheels[index];
-        if against {
-            wheel.against_since_ns.get_or_insert(to_ns);
-        } else {
-            wheel.against_since_ns = None;
-        }
+        let since = wheel.against_since_ns.unwrap_or(to_ns);
+        wheel.against_since_ns = against.then_some(since);
         let window = Window {
             index,
             to_ns,

@@ -32,6 +32,10 @@ const COSINE: [f64; 4] = [
     -2.710_182_686_706_967_5e-7,
 ];
 
+/// Least share of the front in θ_1, per exponent n: (cos θ − cos θ_1)/front, to the power n, is as exact as the short
+/// cosine's error, 3e-11 at 60°, over the front: n · 6e-11/(0.07 n · 1.05 · sin 60°) = 1e-9.
+pub(crate) const NARROW: f64 = 0.07;
+
 /// Greatest half arc that the rules of the ladder were tried on, rad.
 pub(crate) const HALF_ARC: f64 = 0.85;
 

@@ -1,7 +1,7 @@
 //! Forces of a chunk at given sinkages.
 
 use crate::contact::lean::estrin;
-use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE, LeanContact};
+use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE, LeanContact, NARROW};
 
 use super::batch::{BatchForces, BatchOutcome, BatchPoints};
 use super::plan::{Plan, Prepared, SINGLE, step_of, within};
@@ -129,7 +129,7 @@ impl<V: Vector> Placed<V> {
             & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
             & within(rise, 0.0, GREATEST_SINKAGE)
             & V::ZERO.lt(modulus)
-            & position.lt(V::ONE);
+            & position.lt(c(1.0 - NARROW * prepared.n));
 
         let theta_1 = angle(z_over_r);
         let behind = if V::any(V::ZERO.lt(rise)) {

@@ -11,7 +11,9 @@
 use grouser_real::Real;
 
 use crate::contact::ladder::Step;
-use crate::contact::lean::{GREATEST_SINKAGE, LEAST_SINKAGE, LeanContact, Three, horner, versine};
+use crate::contact::lean::{
+    GREATEST_SINKAGE, LEAST_SINKAGE, LeanContact, NARROW, Three, horner, versine,
+};
 use crate::quadrature::RuleView;
 use crate::sinkage::LoadStatus;
 
@@ -137,7 +139,7 @@ impl<V: Vector> Base<V> {
                 scale: c(prepared.n + 1.0).mul_add(ahead.ln(), self.bare),
                 hold: self.hold,
             },
-            sound: self.sound & within(slip, 0.0, 1.0) & position.lt(V::ONE),
+            sound: self.sound & within(slip, 0.0, 1.0) & position.lt(c(1.0 - NARROW * prepared.n)),
             x: self.x,
         }
     }

@@ -11,6 +11,7 @@ use grouser_files::topics::Topics;
 
 use super::peek::{Peek, Seen};
 use crate::error::{Error, Result};
+use crate::message::known::TRUTH;
 use crate::messages::Clock;
 use crate::slots::Slots;
 
@@ -122,7 +123,7 @@ impl<'a> Choosing<'a> {
             let name = &seen.channel.topic;
             seen.view.is_some()
                 && !topics.ignore.contains(name)
-                && !names::is_of_a_simulation(name)
+                && !name.starts_with(TRUTH)
                 && !topics.named().any(|other| other == name)
         })
     }

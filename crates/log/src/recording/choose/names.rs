@@ -40,11 +40,6 @@ pub(super) fn is_over_ground(topic: &str) -> bool {
     words.any(|word| OVER_GROUND.contains(&word.as_str()))
 }
 
-/// What a simulation knows and no robot measures; `grouser drive` writes it under this name.
-pub(super) fn is_of_a_simulation(topic: &str) -> bool {
-    topic.starts_with("/simulation/truth/")
-}
-
 /// The joint whose name is the wheel's, the words `joint`, `wheel` and `link` aside: `front_left` is
 /// `front_left_wheel_joint`. Two such joints are none.
 pub(super) fn joint_by_name<'a>(

@@ -1,0 +1,254 @@
+//! Robotino by currents and encoders alone, each run judged by what the five others taught; and a change of ground.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+mod shipped;
+
+use grouser_files::{Document, columns};
+use grouser_log::{Log, Reading};
+use grouser_replay::{GroundChange, KnownGround, Stretch, roller_ripple, slip_without_reference};
+use shipped::{data, example, root};
+
+const RUNS: [&str; 6] = [
+    "table_surface_exp01",
+    "table_surface_exp26",
+    "table_surface_exp53",
+    "gray_surface_exp01",
+    "gray_surface_exp26",
+    "green_surface_exp01",
+];
+/// The robot stands and starts before this, s.
+const CUT: f64 = 2.0;
+
+/// One row of a run.
+#[derive(Clone, Copy, Default)]
+struct Row {
+    time: f64,
+    current: [f64; 3],
+    /// Of the motors, rad/s.
+    rate: [f64; 3],
+    /// Along the commanded way since the row before, m: by the camera, and by the wheels.
+    passed: f64,
+    rolled: f64,
+}
+
+struct Run {
+    rows: Vec<Row>,
+    stretch: Stretch,
+    /// Of the whole way and of each second, by the camera.
+    slip: f64,
+    seconds: Vec<f64>,
+}
+
+/// The shipped columns, and what the motors draw (its sign is not in the data; their torque per ampere is not known).
+fn log(name: &str) -> Option<Log> {
+    let folder = data("robotino")?;
+    let text = std::fs::read_to_string(root().join("examples/robotino/columns.toml")).unwrap();
+    let currents: String = (1..=3)
+        .map(|i| {
+            format!(
+                "    {{ column = \"m{i}cur\", meaning = \"wheel_torque\", wheel = \"m{i}\", unit = \"N m\" }},\n"
+            )
+        })
+        .collect();
+    let text = text.replace("columns = [\n", &format!("columns = [\n{currents}"));
+    let map = columns::parse(&Document::from_text("columns.toml", text).unwrap()).unwrap();
+    Some(Log::find(&[folder.join(format!("{name}.csv.gz"))], map).unwrap())
+}
+
+fn run(name: &str) -> Option<Run> {
+    let robot = example("robotino").robot.robot;
+    let log = log(name)?;
+    let mut rows: Vec<Row> = Vec::new();
+    let mut heading: Option<f64> = None;
+    let mut start_ns = None;
+    for record in log.records(&[]).unwrap() {
+        let record = record.unwrap();
+        let start = *start_ns.get_or_insert(record.time_ns);
+        let time = (record.time_ns - start) as f64 * 1e-9;
+        if rows.last().is_none_or(|row| row.time < time) {
+            rows.push(Row {
+                time,
+                ..Row::default()
+            });
+        }
+        let row = rows.last_mut().unwrap();
+        match record.reading {
+            Reading::WheelRate { wheel, rate } => row.rate[wheel] = rate,
+            Reading::WheelTorque { wheel, torque } => row.current[wheel] = torque,
+            Reading::Command { forward, left } => {
+                heading.get_or_insert(left.atan2(forward));
+            }
+            Reading::Displacement { forward, left, .. } => {
+                let (sin, cos) = heading.unwrap_or(0.0).sin_cos();
+                row.passed = cos * forward + sin * left;
+            }
+            _ => {}
+        }
+    }
+    let heading = heading.unwrap();
+    let wheels = robot.wheels();
+    // three wheels 120 degrees apart: v = 2/3 Σ e u for the same slip of all
+    let speed = |row: &Row| {
+        let parts = wheels.iter().zip(row.rate).map(|(wheel, rate)| {
+            wheel.travel_per_radian() * rate * (wheel.heading.rad() - heading).cos()
+        });
+        parts.sum::<f64>() * 2.0 / 3.0
+    };
+    for k in 1..rows.len() {
+        rows[k].rolled = speed(&rows[k]) * (rows[k].time - rows[k - 1].time);
+    }
+    rows.retain(|row| row.time >= CUT);
+    let across = |i: usize| (wheels[i].heading.rad() - heading).sin().abs();
+    let crosswise = (0..3)
+        .max_by(|&a, &b| across(a).total_cmp(&across(b)))
+        .unwrap();
+    let series: Vec<_> = rows
+        .iter()
+        .map(|r| (r.time, r.current[crosswise]))
+        .collect();
+    let count = rows.len() as f64;
+    let slip = |part: &[Row]| {
+        1.0 - part.iter().map(|r| r.passed).sum::<f64>()
+            / part.iter().map(|r| r.rolled).sum::<f64>()
+    };
+    let mut seconds = Vec::new();
+    let mut from = CUT;
+    while from + 1.0 < rows.last().unwrap().time {
+        let place = |time: f64| rows.partition_point(|row| row.time < time);
+        seconds.push(slip(&rows[place(from)..place(from + 1.0)]));
+        from += 1.0;
+    }
+    Some(Run {
+        stretch: Stretch {
+            current: rows
+                .iter()
+                .flat_map(|r| r.current)
+                .map(f64::abs)
+                .sum::<f64>()
+                / count,
+            speed: rows.iter().map(speed).sum::<f64>() / count,
+            across: across(crosswise),
+            ripple: roller_ripple(&series).unwrap(),
+        },
+        slip: slip(&rows),
+        seconds,
+        rows,
+    })
+}
+
+impl Run {
+    fn known(&self) -> KnownGround {
+        let count = self.seconds.len() as f64;
+        let mean = self.seconds.iter().sum::<f64>() / count;
+        let square = self.seconds.iter().map(|s| (s - mean).powi(2)).sum::<f64>();
+        KnownGround {
+            stretch: self.stretch,
+            slip: self.slip,
+            scatter: (square / (count - 1.0)).sqrt(),
+        }
+    }
+}
+
+#[test]
+fn currents_and_encoders_alone_hold_the_cameras_slip() {
+    let Some(runs) = RUNS
+        .iter()
+        .map(|name| run(name))
+        .collect::<Option<Vec<_>>>()
+    else {
+        return;
+    };
+    let (mut held, mut all, mut widths) = (0, 0, Vec::new());
+    for (index, tried) in runs.iter().enumerate() {
+        let others = runs.iter().enumerate().filter(|(other, _)| *other != index);
+        let known: Vec<KnownGround> = others.map(|(_, run)| run.known()).collect();
+        let range = slip_without_reference(&tried.stretch, &known).unwrap();
+        let seconds = &tried.seconds;
+        let inside = |slip: &&f64| (range.low..=range.high).contains(*slip);
+        let here = seconds.iter().filter(inside).count();
+        println!(
+            "{}: camera {:.3}; current {:.2} A, ripple {:.2} Hz at {:.4} m/s by the wheels: slip {:.2} [{:.2}, {:.2}], holds {here} of {} seconds",
+            RUNS[index],
+            tried.slip,
+            tried.stretch.current,
+            tried.stretch.ripple,
+            tried.stretch.speed,
+            range.median,
+            range.low,
+            range.high,
+            seconds.len()
+        );
+        held += here;
+        all += seconds.len();
+        widths.extend(std::iter::repeat_n(
+            0.5 * (range.high - range.low),
+            seconds.len(),
+        ));
+    }
+    widths.sort_by(f64::total_cmp);
+    let median = widths[widths.len() / 2];
+    let share = f64::from(u32::try_from(held).unwrap()) / f64::from(u32::try_from(all).unwrap());
+    println!("held {held} of {all} seconds, {share:.3}; median half-width {median:.3}");
+    assert!(share >= 0.9, "{share}");
+    assert!(median <= 0.25, "{median}");
+}
+
+/// Rows of one run after another, as one drive; gives when a change was called, s from the joint, and the greatest
+/// statistic.
+fn called(parts: &[&Run]) -> (Vec<f64>, f64) {
+    let mut change = GroundChange::new();
+    let mut out = Vec::new();
+    let mut shift = 0.0;
+    let mut joint = 0.0;
+    for (index, part) in parts.iter().enumerate() {
+        shift -= part.rows[0].time;
+        if index == 1 {
+            joint = part.rows[0].time + shift;
+        }
+        for row in &part.rows {
+            let readings = [row.current, row.rate].concat();
+            if change.take(row.time + shift, &readings) {
+                out.push(row.time + shift - joint);
+            }
+        }
+        shift += part.rows.last().unwrap().time + 0.031;
+    }
+    (out, change.greatest())
+}
+
+#[test]
+fn a_change_of_ground_is_called_within_two_seconds() {
+    let Some(runs) = RUNS
+        .iter()
+        .map(|name| run(name))
+        .collect::<Option<Vec<_>>>()
+    else {
+        return;
+    };
+    for (name, run) in RUNS.iter().zip(&runs) {
+        let (called, greatest) = called(&[run]);
+        println!("{name} alone: {called:?}, greatest statistic {greatest:.0}");
+        assert!(called.is_empty(), "{name}");
+    }
+    let (table, gray, green) = (&runs[0], &runs[3], &runs[5]);
+    for (what, parts, is_asked) in [
+        ("gray, then green", [gray, green], true),
+        ("green, then gray", [green, gray], false),
+        ("table, then gray", [table, gray], true),
+        ("green, then table", [green, table], true),
+    ] {
+        let (called, greatest) = called(&parts);
+        println!("{what}: called {called:?} s after the joint, greatest statistic {greatest:.0}");
+        if is_asked {
+            assert!(
+                called.first().is_some_and(|&t| t > 0.0 && t < 2.0),
+                "{what}"
+            );
+        }
+    }
+}

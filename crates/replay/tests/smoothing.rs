@@ -1,0 +1,164 @@
+//! Forward and backward against the filter alone, on synthetic runs whose slips are known.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+use grouser_replay::smoothed;
+use grouser_slip::filter::FilterSettings;
+use grouser_slip::{
+    CounterWidth, Drive, Encoder, Health, Robot, Shaft, Slip, Wheel, WheelEstimate,
+};
+use grouser_synthetic::{Camera, Course, FiveWheel, Leg, NAMES, Noise, Sensors, WHEELS};
+use grouser_terra::Angle;
+
+const RATE: u32 = 100;
+const POWERED: usize = WHEELS - 1;
+
+/// Rest, 0.3 m/s over a soft patch and through a bend, braking, rest.
+fn course(seed: u64, noise: &mut Noise) -> FiveWheel {
+    let leg = |seconds, speed, yaw_rate| Leg {
+        seconds,
+        speed,
+        yaw_rate,
+        brakes: false,
+    };
+    let mut robot = FiveWheel {
+        seed,
+        rate: RATE,
+        legs: vec![
+            leg(2.0, 0.0, 0.0),
+            leg(2.0, 0.30, 0.0),
+            leg(8.0, 0.30, 0.0),
+            leg(1.0, 0.30, 0.15),
+            leg(6.0, 0.30, 0.15),
+            leg(1.0, 0.30, 0.0),
+            Leg {
+                brakes: true,
+                ..leg(3.0, 0.0, 0.0)
+            },
+            leg(3.0, 0.0, 0.0),
+        ],
+        free_slip: (0.01 * noise.normal(), 0.01 * noise.normal()),
+        ..FiveWheel::default()
+    };
+    robot.wheels[POWERED].ticks = 500.0;
+    robot
+}
+
+fn described(robot: &FiveWheel, radius_error: &[f64; WHEELS]) -> Robot {
+    let wheels = robot.wheels.iter().enumerate().map(|(index, wheel)| Wheel {
+        name: NAMES[index].into(),
+        x: wheel.x,
+        y: wheel.y,
+        heading: Angle::from_deg(0.0),
+        radius: wheel.radius * (1.0 + radius_error[index]),
+        drive: if wheel.free {
+            Drive::Free
+        } else {
+            Drive::Powered
+        },
+        encoder: Encoder {
+            shaft: Shaft::Wheel,
+            gear: 1.0,
+            ticks_per_turn: Some(wheel.ticks),
+            counter: CounterWidth::new(16).unwrap(),
+            reversed: false,
+            rate_step: 0.0,
+        },
+        width: None,
+        load: None,
+    });
+    Robot::new("five wheels".into(), wheels.collect()).unwrap()
+}
+
+/// Squared errors, squared errors over variance, and how many.
+#[derive(Default)]
+struct Errors(f64, f64, f64);
+
+impl Errors {
+    fn add(&mut self, wheel: &WheelEstimate, truth: f64) {
+        if let (Some(slip), Some(sigma), Health::Ok) = (wheel.slip, wheel.sigma, wheel.health) {
+            let error = Slip::value(slip) - truth;
+            self.0 += error * error;
+            self.1 += (error / sigma).powi(2);
+            self.2 += 1.0;
+        }
+    }
+
+    fn rms(&self) -> f64 {
+        (self.0 / self.2).sqrt()
+    }
+
+    fn nees(&self) -> f64 {
+        self.1 / self.2
+    }
+}
+
+#[test]
+fn looking_back_makes_errors_smaller_and_sigmas_stay_honest() {
+    for (what, camera, rim_noise) in [
+        ("free wheel of 500 ticks", None, 0.0),
+        (
+            "and a camera",
+            Some(Camera {
+                every: 5,
+                sigma: 0.001,
+                late: 0,
+            }),
+            0.0,
+        ),
+        ("rough as the Pathfinder's slip", None, 0.07),
+    ] {
+        let (mut forward, mut both) = (Errors::default(), Errors::default());
+        for seed in 0..6 {
+            let mut noise = Noise::new(seed + 1000);
+            let robot = course(seed, &mut noise);
+            let radius_error: [f64; WHEELS] = std::array::from_fn(|i| {
+                if i < POWERED {
+                    0.01 * noise.normal()
+                } else {
+                    0.0
+                }
+            });
+            let mut course = Course::new(&robot, &robot.generate());
+            let sensors = Sensors {
+                seed: seed ^ 0x5eed,
+                camera,
+                rim_noise,
+                ..Sensors::default()
+            };
+            let samples = sensors.samples(&robot, &mut course);
+            let known = smoothed(
+                &described(&robot, &radius_error),
+                FilterSettings::default(),
+                &samples,
+            )
+            .unwrap();
+            assert_eq!(known.len(), course.steps.len());
+            for (row, at) in known.iter().enumerate() {
+                let step = &course.steps[row.saturating_sub(1)];
+                if step.speed.abs() < 0.05 {
+                    continue;
+                }
+                for wheel in 0..POWERED {
+                    if let Some(truth) = course.slip(row.saturating_sub(1), wheel) {
+                        forward.add(&at.forward[wheel], truth);
+                        both.add(&at.wheels[wheel], truth);
+                    }
+                }
+            }
+        }
+        println!(
+            "{what}: RMSE {:.4} forward, {:.4} both ways; squared error over variance {:.2} and {:.2}",
+            forward.rms(),
+            both.rms(),
+            forward.nees(),
+            both.nees(),
+        );
+        assert!(both.rms() < forward.rms(), "{what}");
+        // radii and the free wheel's skid are off for a whole run: six runs leave a wide band
+        assert!(both.nees() > 0.3 && both.nees() < 2.5, "{what}");
+    }
+}

@@ -1,0 +1,116 @@
+//! Whole drives: shipped scenarios with the filter and the controller in the loop, held against what is true.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may say what it measured"
+)]
+
+use std::path::Path;
+
+use grouser_rover::drive::{Drive, DriveResult, Outcome, Pilot, Scenario, read_scenario};
+use grouser_slip::control::{Action, Ending, Reason};
+
+/// Near what the running-slip problem gives for the robot on dry sand.
+const OPTIMUM: f64 = 0.39;
+
+fn scenario(name: &str) -> Scenario {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    read_scenario(&folder.join(name).with_extension("toml")).unwrap()
+}
+
+fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
+    let result = Drive::new(scenario, pilot, OPTIMUM, seed)
+        .unwrap()
+        .run(|_| true);
+    println!(
+        "{} {} {seed}: {} after {:.2} m, slip rmse {:.4}, without starts {:.4}, squared error over variance {:.2}, longest wrong {:.2} s",
+        scenario.name,
+        pilot.name(),
+        result.outcome.name(),
+        result.distance,
+        result.slip.rmse.unwrap_or(0.0),
+        result.slip.settled.unwrap_or(0.0),
+        result.slip.nees.unwrap_or(0.0),
+        result.slip.longest_wrong,
+    );
+    result
+}
+
+/// What the filter calls Ok is never off by more than four sigma for a second, and its sigmas are not too small.
+#[test]
+fn slips_called_ok_hold() {
+    for (name, most) in [("sandbox", 0.025), ("slope", 0.02), ("dunes", 0.02)] {
+        let scenario = scenario(name);
+        let result = drive(&scenario, Pilot::Controller, scenario.seed);
+        assert_eq!(result.outcome, Outcome::Arrived);
+        assert!(result.slip.longest_wrong < 1.0);
+        assert!(result.slip.nees.unwrap() < 1.2);
+        // a start from standstill is another matter: the soil is not sheared yet
+        assert!(result.slip.settled.unwrap() < most);
+        assert!(result.slip.rmse.unwrap() < 3.0 * most);
+        assert!(result.energy_error.abs() < 0.01);
+    }
+}
+
+/// The soft patch pulls less than it resists at any slip: who drives into it with all wheels stays there.
+#[test]
+fn the_controller_goes_round_the_soft_patch() {
+    let scenario = scenario("soft-patch");
+    for seed in [scenario.seed, 46] {
+        let open = drive(&scenario, Pilot::OpenLoop, seed);
+        assert_eq!(open.outcome, Outcome::Immobilised);
+        let controlled = drive(&scenario, Pilot::Controller, seed);
+        assert_eq!(controlled.outcome, Outcome::Arrived);
+        assert!(controlled.distance > 2.0 * open.distance);
+        let tells = |reason: Reason| {
+            controlled
+                .decisions
+                .iter()
+                .any(|named| named.decision.reason == reason)
+        };
+        assert!(tells(Reason::SoftGround) && tells(Reason::Aside));
+    }
+}
+
+/// At 50 s everything falls silent: within the time without sight that its settings give it, it ends the drive and says why.
+#[test]
+fn c11_it_stops_when_its_sensors_fall_silent() {
+    let scenario = scenario("faults");
+    let result = drive(&scenario, Pilot::Controller, scenario.seed);
+    assert_eq!(result.outcome, Outcome::SensorsLost);
+    let last = result.decisions.last().unwrap();
+    assert_eq!(last.decision.action, Action::End(Ending::SensorsLost));
+    assert_eq!(last.decision.reason, Reason::Blind);
+    let silent = scenario
+        .faults
+        .windows()
+        .iter()
+        .map(|window| window.from)
+        .fold(0.0, f64::max);
+    let after = last.time - silent;
+    assert!(after > 0.0 && after < scenario.control.blind_time + 0.3);
+}
+
+#[test]
+fn the_same_seed_drives_the_same_drive() {
+    let mut short = scenario("sandbox");
+    short.duration = 6.0;
+    let first = drive(&short, Pilot::Controller, 1);
+    assert_eq!(first, drive(&short, Pilot::Controller, 1));
+    assert_ne!(first, drive(&short, Pilot::Controller, 2));
+}
+
+/// Halving the step changes the drive less than its course: progress and energy within 2 %.
+#[test]
+fn halving_the_step_changes_little() {
+    let mut whole = scenario("sandbox");
+    whole.duration = 12.0;
+    let mut half = whole.clone();
+    half.step = 0.5 * whole.step;
+    let (a, b) = (
+        drive(&whole, Pilot::OpenLoop, 1),
+        drive(&half, Pilot::OpenLoop, 1),
+    );
+    assert!((a.distance - b.distance).abs() < 0.02 * a.distance);
+    assert!((a.energy - b.energy).abs() < 0.02 * a.energy);
+}
