@@ -4,11 +4,14 @@
 //!
 //! `loop`: one wheel in a control loop, call by call.
 //!
+//! `filter`: the slip filter in a control loop, cycle by cycle.
+//!
 //! `paths`: every path that is not the common one.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | paths | points`
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | filter | paths | points`
 
 mod control;
+mod filter;
 mod kernel;
 mod naive;
 mod paths;
@@ -21,10 +24,11 @@ fn main() {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
         ["loop"] => control::run(),
+        ["filter"] => filter::run(),
         ["points"] => points::print(kernel::BATCH),
         ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json] | loop | paths | points");
+            eprintln!("usage: grouser-bench kernel [--json] | loop | filter | paths | points");
             std::process::exit(2);
         }
     }

@@ -44,6 +44,16 @@ pub enum Fault {
         /// The newest time before it, ns.
         last_ns: i64,
     },
+    /// A sensor's readings do not go with the others': another unit, another sign, another axis.
+    #[error("{field} is {times:.3} times what the others say: {looks_like}?")]
+    Implausible {
+        /// The field's name.
+        field: &'static str,
+        /// How many times what it should be it is.
+        times: f64,
+        /// What that looks like.
+        looks_like: &'static str,
+    },
     /// The robot has no such wheel.
     #[error("wheel index {index} of a robot with {wheels} wheels")]
     UnknownWheel {
@@ -123,7 +133,9 @@ pub struct Rejected {
 impl Rejected {
     pub(crate) fn count(&mut self, fault: &Fault) {
         let counter = match fault {
-            Fault::NotFinite { .. } | Fault::OutOfRange { .. } => &mut self.bad_value,
+            Fault::NotFinite { .. } | Fault::OutOfRange { .. } | Fault::Implausible { .. } => {
+                &mut self.bad_value
+            }
             Fault::NotLater { .. } | Fault::ClockStep { .. } => &mut self.not_later,
             Fault::Jump { .. } => &mut self.jump,
             Fault::UnknownWheel { .. } | Fault::NoTicks { .. } => &mut self.unknown,

@@ -50,7 +50,8 @@
 //!
 //! The primary type is [`Estimator`]. It does not read files, know of soil, or filter: each slip is
 //! that of a window of time, from what was measured in it. Beside it [`ground`] learns the soil's strength and
-//! contact angles from slower readings.
+//! contact angles from slower readings, [`filter`] weighs all sensors together, [`detect`] calls what an operator must hear of, and
+//! [`start`] looks whether the robot is what its description says.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
@@ -75,6 +76,7 @@ mod robot;
 mod sample;
 mod settings;
 mod speed;
+pub mod start;
 mod state;
 mod wheel_track;
 

@@ -1,6 +1,8 @@
 //! A free wheel in the filter: a reference that is itself watched, for it may skid, jam or lose the ground.
 
-use super::body::{self, FORWARD, own_slip};
+use grouser_real::Real;
+
+use super::body::{self, FORWARD, FORWARD_BIAS, own_slip};
 use super::rim::Window;
 use super::{ALONE, RETURNS, SlipFilter};
 use crate::history::seconds_between;
@@ -16,6 +18,10 @@ const SETTLES: f64 = 0.3;
 const CALM: f64 = 1.0;
 const RESTLESS: f64 = 2.0;
 const JUMP_KNOWN: f64 = 0.25;
+/// What a free wheel's speed was is remembered from this long before it stands, at least, s; a stop is unforeseen where the robot
+/// should still be faster than so many sigma.
+const REMEMBERED: f64 = 0.3;
+const UNFELT: f64 = 2.0;
 /// A free wheel faster than this turns for certain, m/s.
 const TURNS: f64 = 0.04;
 
@@ -31,6 +37,17 @@ pub(super) struct Rolling {
     /// It has been as expected since, ns; and was so for long before it was not.
     calm_since_ns: Option<i64>,
     was_calm: bool,
+    /// What was known of its speed while it turned, the older first.
+    known: [Option<Known>; 2],
+}
+
+/// A speed along the wheel (m/s) at a time, its variance, and what the accelerometer had felt in all by then.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    time_ns: i64,
+    speed: f64,
+    variance: f64,
+    felt: f64,
 }
 
 impl Default for Rolling {
@@ -41,6 +58,7 @@ impl Default for Rolling {
             jumped_ns: None,
             calm_since_ns: None,
             was_calm: false,
+            known: [None; 2],
         }
     }
 }
@@ -85,6 +103,42 @@ impl SlipFilter {
         }
     }
 
+    /// Notes how fast a free wheel turned; and when it comes to stand, whether that was felt.
+    fn watch_stop(&mut self, w: &Window) {
+        let walk = self.walk();
+        let bias = self.state.covariance(FORWARD_BIAS, FORWARD_BIAS);
+        let felt = self.totals[0];
+        let variance = self
+            .state
+            .variance_of(&body::along(self.wheels[w.index].row));
+        let wheel = &mut self.wheels[w.index];
+        let turns = wheel.turns();
+        let rolling = &mut wheel.rolling;
+        if turns {
+            rolling.stop_known = true;
+            let aged = rolling.known[1]
+                .is_none_or(|known| seconds_between(known.time_ns, w.to_ns) >= REMEMBERED);
+            if aged {
+                let now = Known {
+                    time_ns: w.to_ns,
+                    speed: w.forward,
+                    variance,
+                    felt,
+                };
+                rolling.known = [rolling.known[1], Some(now)];
+            }
+            return;
+        }
+        let [older, newer] = core::mem::take(&mut rolling.known);
+        if let Some(then) = older.or(newer) {
+            let passed = seconds_between(then.time_ns, w.to_ns);
+            let expected = then.speed + felt - then.felt;
+            let doubt = then.variance + (walk * walk + bias * passed) * passed;
+            let most = UNFELT * Real::sqrt(doubt) + self.settings.low_speed;
+            rolling.stop_known &= expected.abs() <= most;
+        }
+    }
+
     /// A free wheel's window against the rest: is it to be taken? It is watched, and what may be wrong is made less certain.
     pub(super) fn free_counts(&mut self, w: &Window) -> bool {
         // One that failed comes back where it is near what the others say. Where these have no reference left either, what
@@ -98,7 +152,11 @@ impl SlipFilter {
             return false;
         }
         let had_failed = self.wheels[w.index].watch.has_failed();
-        let agreed = if had_failed {
+        self.watch_stop(w);
+        let wheel = &self.wheels[w.index];
+        let agreed = if !wheel.turns() && !wheel.rolling.stop_known {
+            false
+        } else if had_failed {
             near || self.is_lost(w.to_ns) && self.is_plausible(w.rim)
         } else {
             !w.is_off
@@ -133,8 +191,9 @@ impl SlipFilter {
         self.learn_felt(w.residual, w.variance);
         let known = self.state.sigma(own_slip(w.index)) < SKID_KNOWN && !self.is_lost(w.to_ns);
         let wheel = &mut self.wheels[w.index];
-        let stop_known = wheel.rolling.stop_known && known && !w.is_off;
-        wheel.rolling.stop_known = wheel.turns() || stop_known;
+        if !wheel.turns() && (!known || w.is_off) {
+            wheel.rolling.stop_known = false;
+        }
         if !agreed || !believed {
             return false;
         }

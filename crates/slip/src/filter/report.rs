@@ -98,11 +98,13 @@ impl SlipFilter {
             variance: self.state.covariance(i, i),
         };
         let time_ns = self.now_ns.unwrap_or(0);
-        let newest_ns = self.order.newest_ns().unwrap_or(time_ns);
         let place = [PLACE[0], PLACE[1], HEADING];
         Fused {
             time_ns,
-            time_slip: seconds_between(time_ns, newest_ns),
+            time_slip: match (self.now_ns, self.order.newest_ns()) {
+                (Some(now_ns), Some(newest_ns)) => seconds_between(now_ns, newest_ns).max(0.0),
+                _ => 0.0,
+            },
             wheels: &self.estimates,
             side_slip_angles: &self.side_slip_angles,
             checks: &self.checks,

@@ -6,7 +6,7 @@ use super::body::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, r
 use super::kalman::Scalar;
 use super::settings::SlipPrior;
 use super::wheel::Tracked;
-use super::{BREAKS, CREEP, LEARNING, PULLED, SlipFilter, UNREST, WRONG};
+use super::{BREAKS, CREEP, LEARNING, MAX_FILTER_WHEELS, PULLED, SlipFilter, UNREST, WRONG};
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;
@@ -159,17 +159,7 @@ impl SlipFilter {
         if !taken {
             return;
         }
-        // In a bend the sides slip differently for long: that is no turning, and no bias of the gyro, where there is one.
-        let bends = !free
-            && self.gyro_is_believed(to_ns)
-            && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
-        for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, bends);
-        }
-        self.nis = self.state.take(&seen);
-        for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, false);
-        }
+        self.enter(free, &seen, to_ns);
         let most = if free {
             // nothing drives it
             let SlipPrior { mean, sigma } = self.settings.free_slip.by_rim();
@@ -183,13 +173,40 @@ impl SlipFilter {
         self.state.set_mean(COMMON_SLIP, held);
     }
 
-    /// Are most powered wheels off to one side, and in the mean by much? One alone, however far, is its own affair.
+    /// A wheel's statement enters. In a bend the sides slip differently for long: that is no turning, and no bias of the gyro,
+    /// where there is one.
+    fn enter(&mut self, free: bool, seen: &Scalar<'_>, to_ns: i64) {
+        let bends = !free
+            && self.gyro_is_believed(to_ns)
+            && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, bends);
+        }
+        self.nis = self.state.take(seen);
+        for i in [YAW, GYRO_BIAS] {
+            self.state.consider(i, false);
+        }
+    }
+
+    /// Are most powered wheels off to one side, and the middle one by much? One alone, however far, is its own affair.
     fn break_away_together(&self) -> bool {
-        let powered = || self.wheels.iter().filter(|wheel| !wheel.free);
-        let count = powered().count() as f64;
-        let mean = powered().map(|wheel| wheel.pull).sum::<f64>() / count;
-        let most = powered().filter(|wheel| wheel.pull * mean > 0.5 * PULLED * mean.abs());
-        mean.abs() > PULLED && 2.0 * most.count() as f64 > count
+        let mut pulls = [0.0; MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for wheel in self.wheels.iter().filter(|wheel| !wheel.free) {
+            pulls[count] = wheel.pull;
+            count += 1;
+        }
+        let pulls = &mut pulls[..count];
+        pulls.sort_unstable_by(f64::total_cmp);
+        let (Some(low), Some(high)) = (pulls.get((count.max(1) - 1) / 2), pulls.get(count / 2))
+        else {
+            return false;
+        };
+        let middle = 0.5 * (low + high);
+        let most = pulls
+            .iter()
+            .filter(|pull| **pull * middle > 0.5 * PULLED * middle.abs());
+        middle.abs() > PULLED && 2 * most.count() > count
     }
 
     /// A powered wheel's window against the rest: is it to be taken? One that breaks away gets another slip instead.

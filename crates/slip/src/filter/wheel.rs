@@ -7,6 +7,7 @@ use crate::history::seconds_between;
 use crate::robot::{Drive, Robot};
 use crate::settings::Settings;
 use crate::speed::Measured;
+use crate::state::Health;
 use crate::wheel_track::WheelTrack;
 
 use super::carrier::Carrier;
@@ -188,6 +189,16 @@ impl Tracked {
         self.track
             .newest_time()
             .map(|last| seconds_between(last, now_ns))
+    }
+
+    /// Has a window just ended, or is nothing said of it so far?
+    pub(super) fn has_news(&self, now_ns: i64) -> bool {
+        let ended = self.rim.is_some_and(|(_, to)| to == now_ns);
+        let said = !matches!(
+            self.estimate.health,
+            Health::Uninitialised | Health::Invalid(_)
+        );
+        ended || !said
     }
 
     /// Did its rim move in the last window?
