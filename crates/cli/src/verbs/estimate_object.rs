@@ -1,7 +1,7 @@
 //! The JSON object of `estimate`.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary};
+use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary, WheelSummary};
 use grouser_slip::detect::Event;
 use serde_json::{Value, json};
 
@@ -9,35 +9,6 @@ use super::estimate_text::culprit;
 use crate::report::Object;
 
 pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
-    let wheels: Object = summary
-        .wheels
-        .iter()
-        .map(|wheel| {
-            let mut one = spread(&wheel.slip);
-            one.insert(
-                "states".to_owned(),
-                shares(wheel.states.iter().map(|(n, s)| (*n, *s))),
-            );
-            let healths = wheel
-                .healths
-                .iter()
-                .map(|(name, share)| (name.as_str(), *share));
-            one.insert("healths".to_owned(), shares(healths));
-            let angle = |value: Option<f64>| value.map(f64::to_degrees);
-            one.insert(
-                "side_slip_angle_deg".to_owned(),
-                json!({
-                    "median": angle(wheel.side_slip_angle.median),
-                    "p5": angle(wheel.side_slip_angle.p5),
-                    "p95": angle(wheel.side_slip_angle.p95),
-                }),
-            );
-            one.insert("is_reference".to_owned(), wheel.is_reference.into());
-            let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
-            one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
-            (wheel.name.clone(), Value::Object(one))
-        })
-        .collect();
     let mut along = spread(&summary.along.slip);
     along.insert("overall".to_owned(), summary.along.overall.into());
     along.insert(
@@ -48,22 +19,6 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         "travel_reference_m".to_owned(),
         summary.along.travel_reference.into(),
     );
-    let yaw = summary.yaw.map(|yaw| {
-        json!({
-            "residual_median_rad": yaw.residual.median,
-            "residual_p5_rad": yaw.residual.p5,
-            "residual_p95_rad": yaw.residual.p95,
-            "clock_offset_s": summary.clock_offset_s,
-            "apart": summary.turns.as_ref().map(|turns| json!({
-                "first_motion_s": turns.first_motion_s,
-                "alarm_s": turns.alarm_s,
-                "alarms": turns.alarms,
-                "wheel": turns.wheel.and_then(|wheel| Some(summary.wheels.get(wheel)?.name.as_str())),
-                "says": culprit(turns, summary),
-                "log_likelihood_ratio": turns.likelier,
-            })),
-        })
-    });
     let rejected = summary.rejected;
     let files = |paths: &mut dyn Iterator<Item = &std::path::Path>| -> Value {
         paths
@@ -77,9 +32,9 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
         ("wheel_sensor", Value::from(summary.wheel_sensor)),
         ("duration_s", Value::from(summary.duration_s)),
         ("window_s", Value::from(summary.window_s)),
-        ("wheels", Value::Object(wheels)),
+        ("wheels", Value::Object(wheels(summary, readings))),
         ("along", Value::Object(along)),
-        ("yaw", yaw.unwrap_or(Value::Null)),
+        ("yaw", yaw(summary).unwrap_or(Value::Null)),
         (
             "odometry",
             summary.odometry.as_ref().map_or(Value::Null, odometry),
@@ -112,6 +67,58 @@ pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> 
     .into_iter()
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
+}
+
+fn wheels(summary: &Summary, readings: &[SoilReading]) -> Object {
+    let one = |wheel: &WheelSummary| {
+        let mut one = spread(&wheel.slip);
+        one.insert(
+            "states".to_owned(),
+            shares(wheel.states.iter().map(|(n, s)| (*n, *s))),
+        );
+        let healths = wheel
+            .healths
+            .iter()
+            .map(|(name, share)| (name.as_str(), *share));
+        one.insert("healths".to_owned(), shares(healths));
+        let angle = |value: Option<f64>| value.map(f64::to_degrees);
+        one.insert(
+            "side_slip_angle_deg".to_owned(),
+            json!({
+                "median": angle(wheel.side_slip_angle.median),
+                "p5": angle(wheel.side_slip_angle.p5),
+                "p95": angle(wheel.side_slip_angle.p95),
+            }),
+        );
+        one.insert("is_reference".to_owned(), wheel.is_reference.into());
+        let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
+        one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
+        (wheel.name.clone(), Value::Object(one))
+    };
+    summary.wheels.iter().map(one).collect()
+}
+
+/// The turn by the wheels beside the turn as measured.
+fn yaw(summary: &Summary) -> Option<Value> {
+    let yaw = summary.yaw?;
+    let apart = summary.turns.as_ref().map(|turns| {
+        let named = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
+        json!({
+            "first_motion_s": turns.first_motion_s,
+            "alarm_s": turns.alarm_s,
+            "alarms": turns.alarms,
+            "wheel": named.map(|wheel| wheel.name.as_str()),
+            "says": culprit(turns, summary),
+            "log_likelihood_ratio": turns.likelier,
+        })
+    });
+    Some(json!({
+        "residual_median_rad": yaw.residual.median,
+        "residual_p5_rad": yaw.residual.p5,
+        "residual_p95_rad": yaw.residual.p95,
+        "clock_offset_s": summary.clock_offset_s,
+        "apart": apart,
+    }))
 }
 
 /// The topics that were used of bags and MCAP files.
