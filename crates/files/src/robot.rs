@@ -238,6 +238,9 @@ fn read_filter(root: &Section<'_>, settings: &Settings) -> Result<FilterSettings
         max_sigma: settings.max_sigma,
         max_speed: settings.max_speed,
         dropout: settings.dropout,
+        // in a log of any ground some wheels may be in the soft patch that others have still before them
+        wheel_slip_sigma: 0.3,
+        wheel_slip_memory: 5.0,
         ..FilterSettings::default()
     };
     root.section("filter", |section| {

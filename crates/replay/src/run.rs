@@ -151,7 +151,7 @@ pub fn run_with(
     replay.close_group(take)?;
     let left = replay.fusion.as_mut().map(Fusion::finish).transpose()?;
     for moment in left.unwrap_or_default() {
-        replay.deliver(&moment, take)?;
+        replay.deliver(moment, take)?;
     }
     Ok(replay.summary())
 }
@@ -284,18 +284,27 @@ impl<'a> Replay<'a> {
         };
         self.count_ways(now, &body, rims);
         for moment in moments {
-            self.deliver(&moment, take)?;
+            self.deliver(moment, take)?;
         }
         Ok(())
     }
 
     /// What a moment says goes to tallies and to whoever takes it.
-    fn deliver(&mut self, moment: &Moment, take: &mut impl Take) -> Result<()> {
+    fn deliver(&mut self, mut moment: Moment, take: &mut impl Take) -> Result<()> {
         let now = moment.time_ns;
         let (time_s, wanted) = self.when(now);
         let robot = self.file.robot.wheels();
         let reference = self.estimator.settings().reference;
         let least = self.estimator.settings().low_speed;
+        for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
+            // against itself a reference does not slip
+            if described.drive == Drive::Free && reference == Reference::FreeWheel {
+                (wheel.slip, wheel.sigma) = (None, None);
+                if wheel.motion == Some(Motion::Braking) {
+                    wheel.motion = Some(Motion::Driving);
+                }
+            }
+        }
         let angles: Vec<_> = robot
             .iter()
             .map(|wheel| side_slip_angle(wheel, moment.motion.as_ref(), least))
@@ -309,18 +318,13 @@ impl<'a> Replay<'a> {
                 continue;
             }
             let wheel = &moment.wheels[index];
-            // against itself a reference does not slip
-            let itself = robot[index].drive == Drive::Free && reference == Reference::FreeWheel;
             let row = Row {
                 time_s,
                 wheel: index,
                 name: &robot[index].name,
-                slip: wheel.slip.map(Slip::value).filter(|_| !itself),
-                slip_sigma: wheel.sigma.filter(|_| !itself),
-                motion: match wheel.motion {
-                    Some(Motion::Braking) if itself => Some(Motion::Driving),
-                    motion => motion,
-                },
+                slip: wheel.slip.map(Slip::value),
+                slip_sigma: wheel.sigma,
+                motion: wheel.motion,
                 health: wheel.health,
                 side_slip_angle: angles[index],
             };
@@ -338,7 +342,7 @@ impl<'a> Replay<'a> {
             take.row(&row)?;
         }
         if moment.read != 0 && wanted {
-            let odometry = self.reckoning.step(moment);
+            let odometry = self.reckoning.step(&moment);
             self.odometry = odometry.or(self.odometry);
             take.step(&Step {
                 time_ns: now,
