@@ -5,6 +5,7 @@ mod bytes;
 mod stream;
 
 use bytes::Bytes;
+use grouser_slip::filter::SlipPrior;
 use grouser_slip::control::{ControlInput, ControlSettings, Controller, WheelSeen};
 use grouser_slip::{Degraded, Health, Invalid, Motion};
 use libfuzzer_sys::fuzz_target;
@@ -58,6 +59,7 @@ fuzz_target!(|bytes: &[u8]| {
                 rim_speed: number(&mut bytes, -2.0, 2.0),
                 torque_share: number(&mut bytes, -1.0, 1.0),
                 load: number(&mut bytes, 0.0, 500.0).unwrap_or(f64::NAN),
+                firmness: number(&mut bytes, 0.0, 2.0),
             });
         }
         let input = ControlInput {
@@ -69,6 +71,9 @@ fuzz_target!(|bytes: &[u8]| {
             roll: number(&mut bytes, -0.7, 0.7),
             asked_speed: number(&mut bytes, -2.0, 2.0).unwrap_or(0.0),
             asked_heading: number(&mut bytes, -4.0, 4.0).unwrap_or(0.0),
+            demanded: number(&mut bytes, -1.0, 1.0)
+                .zip(number(&mut bytes, 0.0, 0.5))
+                .map(|(mean, sigma)| SlipPrior { mean, sigma }),
         };
         let output = controller.step(&input);
         assert_eq!(output.orders.len(), usize::from(wheels));
