@@ -18,16 +18,8 @@ use grouser_files::columns;
 use grouser_files::robot;
 use grouser_log::{Log, Reading};
 use grouser_replay::{Method, Options, Row, Step, Summary, Take, run_with};
-use shipped::{data, example, root};
+use shipped::{ROBOTINO, data, example, root};
 
-const RUNS: [&str; 6] = [
-    "table_surface_exp01",
-    "table_surface_exp26",
-    "table_surface_exp53",
-    "gray_surface_exp01",
-    "gray_surface_exp26",
-    "green_surface_exp01",
-];
 const CUT: Options = Options {
     method: Some(Method::Filter),
     smooth: false,
@@ -156,7 +148,7 @@ fn the_median_slip_of_a_run_is_the_cameras() {
         return;
     };
     let robotino = example("robotino");
-    for name in RUNS {
+    for name in ROBOTINO {
         let camera = robotino.log(folder.join(format!("{name}.csv.gz")));
         let (by_camera, window) = along(&camera, &robotino.robot);
         let windowed = window.along.slip.median.unwrap();

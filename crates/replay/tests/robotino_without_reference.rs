@@ -11,16 +11,8 @@ mod shipped;
 use grouser_files::{Document, columns};
 use grouser_log::{Log, Reading};
 use grouser_replay::{GroundChange, KnownGround, Stretch, roller_ripple, slip_without_reference};
-use shipped::{data, example, root};
+use shipped::{ROBOTINO, data, example, root};
 
-const RUNS: [&str; 6] = [
-    "table_surface_exp01",
-    "table_surface_exp26",
-    "table_surface_exp53",
-    "gray_surface_exp01",
-    "gray_surface_exp26",
-    "green_surface_exp01",
-];
 /// The robot stands and starts before this, s.
 const CUT: f64 = 2.0;
 
@@ -153,15 +145,14 @@ impl Run {
     }
 }
 
+/// All of them; `None` without the data.
+fn runs() -> Option<Vec<Run>> {
+    ROBOTINO.iter().map(|name| run(name)).collect()
+}
+
 #[test]
 fn currents_and_encoders_alone_hold_the_cameras_slip() {
-    let Some(runs) = RUNS
-        .iter()
-        .map(|name| run(name))
-        .collect::<Option<Vec<_>>>()
-    else {
-        return;
-    };
+    let Some(runs) = runs() else { return };
     let (mut held, mut all, mut widths) = (0, 0, Vec::new());
     for (index, tried) in runs.iter().enumerate() {
         let others = runs.iter().enumerate().filter(|(other, _)| *other != index);
@@ -172,7 +163,7 @@ fn currents_and_encoders_alone_hold_the_cameras_slip() {
         let here = seconds.iter().filter(inside).count();
         println!(
             "{}: camera {:.3}; current {:.2} A, ripple {:.2} Hz at {:.4} m/s by the wheels: slip {:.2} [{:.2}, {:.2}], holds {here} of {} seconds",
-            RUNS[index],
+            ROBOTINO[index],
             tried.slip,
             tried.stretch.current,
             tried.stretch.ripple,
@@ -222,14 +213,8 @@ fn called(parts: &[&Run]) -> (Vec<f64>, f64) {
 
 #[test]
 fn a_change_of_ground_is_called_within_two_seconds() {
-    let Some(runs) = RUNS
-        .iter()
-        .map(|name| run(name))
-        .collect::<Option<Vec<_>>>()
-    else {
-        return;
-    };
-    for (name, run) in RUNS.iter().zip(&runs) {
+    let Some(runs) = runs() else { return };
+    for (name, run) in ROBOTINO.iter().zip(&runs) {
         let (called, greatest) = called(&[run]);
         println!("{name} alone: {called:?}, greatest statistic {greatest:.0}");
         assert!(called.is_empty(), "{name}");

@@ -7,71 +7,10 @@
 
 use grouser_replay::smoothed;
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::{
-    CounterWidth, Drive, Encoder, Health, Robot, Shaft, Slip, Wheel, WheelEstimate,
-};
-use grouser_synthetic::{Camera, Course, FiveWheel, Leg, NAMES, Noise, Sensors, WHEELS};
-use grouser_terra::Angle;
+use grouser_slip::{Health, Slip, WheelEstimate};
+use grouser_synthetic::{Camera, Course, FiveWheel, Noise, Sensors, WHEELS};
 
-const RATE: u32 = 100;
 const POWERED: usize = WHEELS - 1;
-
-/// Rest, 0.3 m/s over a soft patch and through a bend, braking, rest.
-fn course(seed: u64, noise: &mut Noise) -> FiveWheel {
-    let leg = |seconds, speed, yaw_rate| Leg {
-        seconds,
-        speed,
-        yaw_rate,
-        brakes: false,
-    };
-    let mut robot = FiveWheel {
-        seed,
-        rate: RATE,
-        legs: vec![
-            leg(2.0, 0.0, 0.0),
-            leg(2.0, 0.30, 0.0),
-            leg(8.0, 0.30, 0.0),
-            leg(1.0, 0.30, 0.15),
-            leg(6.0, 0.30, 0.15),
-            leg(1.0, 0.30, 0.0),
-            Leg {
-                brakes: true,
-                ..leg(3.0, 0.0, 0.0)
-            },
-            leg(3.0, 0.0, 0.0),
-        ],
-        free_slip: (0.01 * noise.normal(), 0.01 * noise.normal()),
-        ..FiveWheel::default()
-    };
-    robot.wheels[POWERED].ticks = 500.0;
-    robot
-}
-
-fn described(robot: &FiveWheel, radius_error: &[f64; WHEELS]) -> Robot {
-    let wheels = robot.wheels.iter().enumerate().map(|(index, wheel)| Wheel {
-        name: NAMES[index].into(),
-        x: wheel.x,
-        y: wheel.y,
-        heading: Angle::from_deg(0.0),
-        radius: wheel.radius * (1.0 + radius_error[index]),
-        drive: if wheel.free {
-            Drive::Free
-        } else {
-            Drive::Powered
-        },
-        encoder: Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(wheel.ticks),
-            counter: CounterWidth::new(16).unwrap(),
-            reversed: false,
-            rate_step: 0.0,
-        },
-        width: None,
-        load: None,
-    });
-    Robot::new("five wheels".into(), wheels.collect()).unwrap()
-}
 
 /// Squared errors, squared errors over variance, and how many.
 #[derive(Default)]
@@ -114,14 +53,14 @@ fn looking_back_makes_errors_smaller_and_sigmas_stay_honest() {
         let (mut forward, mut both) = (Errors::default(), Errors::default());
         for seed in 0..6 {
             let mut noise = Noise::new(seed + 1000);
-            let robot = course(seed, &mut noise);
-            let radius_error: [f64; WHEELS] = std::array::from_fn(|i| {
-                if i < POWERED {
-                    0.01 * noise.normal()
-                } else {
-                    0.0
-                }
-            });
+            let robot = FiveWheel {
+                free_slip: (0.01 * noise.normal(), 0.01 * noise.normal()),
+                ..FiveWheel::test_drive(seed)
+            };
+            let mut told = robot.clone();
+            for wheel in &mut told.wheels[..POWERED] {
+                wheel.radius *= 1.0 + 0.01 * noise.normal();
+            }
             let mut course = Course::new(&robot, &robot.generate());
             let sensors = Sensors {
                 seed: seed ^ 0x5eed,
@@ -131,7 +70,7 @@ fn looking_back_makes_errors_smaller_and_sigmas_stay_honest() {
             };
             let samples = sensors.samples(&robot, &mut course);
             let known = smoothed(
-                &described(&robot, &radius_error),
+                &told.described(16).unwrap(),
                 FilterSettings::default(),
                 &samples,
             )

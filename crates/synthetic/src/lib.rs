@@ -20,6 +20,7 @@ mod faults;
 mod five_wheel;
 mod noise;
 mod sensors;
+mod test_drive;
 
 pub use course::{Course, Event, Step, slip};
 pub use drive::{Command, Leg, command};

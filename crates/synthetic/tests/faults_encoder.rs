@@ -384,7 +384,7 @@ fn said(trial: &Trial) -> Vec<(f64, Said, bool)> {
         stall_torque: 5.0,
         ..DetectSettings::default()
     };
-    let robot = trial::described(&trial.robot, 16);
+    let robot = trial.robot.described(16).unwrap();
     let mut detector = Detector::new(&robot, settings).unwrap();
     let mut torques = [None; FREE + 1];
     let mut seen = Vec::new();

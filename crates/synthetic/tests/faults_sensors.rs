@@ -180,7 +180,7 @@ fn c1_what_is_no_number_is_refused_counted_and_changes_no_bit() {
 #[test]
 fn c2_a_sigma_that_is_none_is_refused_by_name() {
     let trial = Trial::new(2);
-    let robot = trial::described(&trial.robot, 16);
+    let robot = trial.robot.described(16).unwrap();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.797e308] {
         let settings = [
             FilterSettings {

@@ -33,7 +33,7 @@ fn check(
 ) -> (Option<Refusal>, f64, bool) {
     let (_, samples) = trial.samples();
     let mut filter = trial.filter();
-    let mut check = StartCheck::new(&trial::described(&trial.robot, 16)).unwrap();
+    let mut check = StartCheck::new(&trial.robot.described(16).unwrap()).unwrap();
     let (mut found, mut at, mut through) = (None, 0.0, false);
     for sample in &samples {
         let sample = Sample {
@@ -128,7 +128,7 @@ fn c8_wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetre
     let (course, samples) = trial.samples();
     let rate = f64::from(trial::RATE);
     let mut filter = trial.filter();
-    let mut check = StartCheck::new(&trial::described(&trial.robot, 16)).unwrap();
+    let mut check = StartCheck::new(&trial.robot.described(16).unwrap()).unwrap();
     let mut found = None;
     for sample in &samples {
         let row = usize::try_from(sample.time_ns / 10_000_000).unwrap();
@@ -156,7 +156,7 @@ fn c8_wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetre
         "rim speed of a wheel",
         "revolutions a minute",
     );
-    let mut wheels = trial::described(&trial.robot, 16).wheels().to_vec();
+    let mut wheels = trial.robot.described(16).unwrap().wheels().to_vec();
     wheels[1].radius *= 1000.0;
     let refused = Robot::new("in millimetres".into(), wheels).unwrap_err();
     println!("{refused}");

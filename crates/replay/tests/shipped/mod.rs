@@ -32,6 +32,16 @@ pub(crate) fn data(folder: &str) -> Option<PathBuf> {
     None
 }
 
+/// Robotino's, by the names of their files.
+pub(crate) const ROBOTINO: [&str; 6] = [
+    "table_surface_exp01",
+    "table_surface_exp26",
+    "table_surface_exp53",
+    "gray_surface_exp01",
+    "gray_surface_exp26",
+    "green_surface_exp01",
+];
+
 pub(crate) struct Example {
     pub(crate) robot: RobotFile,
     pub(crate) map: Option<columns::ColumnMap>,

@@ -2,11 +2,8 @@
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
 use grouser_slip::filter::{FilterSettings, Fused, SlipFilter};
-use grouser_slip::{
-    CounterWidth, Drive, Encoder, Health, Robot, Sample, Shaft, Wheel, WheelEstimate,
-};
-use grouser_synthetic::{Course, Event, Fault, FiveWheel, Leg, Sensors, WHEELS, inject};
-use grouser_terra::Angle;
+use grouser_slip::{Health, Sample, WheelEstimate};
+use grouser_synthetic::{Course, Event, Fault, FiveWheel, Sensors, WHEELS, inject};
 
 /// Rows per second.
 pub(crate) const RATE: u32 = 100;
@@ -20,63 +17,6 @@ pub(crate) const PHASES: [(&str, f64); 4] = [
     ("steady", 9.0),
     ("stop", 21.0),
 ];
-
-/// The robot: rest until 2 s, at 0.3 m/s from 4 s to 20 s with a soft patch and a curve, at rest from 23 s to 26 s.
-pub(crate) fn five_wheel(seed: u64) -> FiveWheel {
-    let leg = |seconds, speed, yaw_rate| Leg {
-        seconds,
-        speed,
-        yaw_rate,
-        brakes: false,
-    };
-    let mut robot = FiveWheel {
-        seed,
-        rate: RATE,
-        legs: vec![
-            leg(2.0, 0.0, 0.0),
-            leg(2.0, 0.30, 0.0),
-            leg(8.0, 0.30, 0.0),
-            leg(1.0, 0.30, 0.15),
-            leg(6.0, 0.30, 0.15),
-            leg(1.0, 0.30, 0.0),
-            Leg {
-                brakes: true,
-                ..leg(3.0, 0.0, 0.0)
-            },
-            leg(3.0, 0.0, 0.0),
-        ],
-        free_slip: (-0.002, -0.005),
-        ..FiveWheel::default()
-    };
-    robot.wheels[FREE].ticks = 500.0;
-    robot
-}
-
-pub(crate) fn described(robot: &FiveWheel, bits: u32) -> Robot {
-    let wheels = robot.wheels.iter().enumerate().map(|(index, wheel)| Wheel {
-        name: grouser_synthetic::NAMES[index].into(),
-        x: wheel.x,
-        y: wheel.y,
-        heading: Angle::from_deg(0.0),
-        radius: wheel.radius,
-        drive: if wheel.free {
-            Drive::Free
-        } else {
-            Drive::Powered
-        },
-        encoder: Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(wheel.ticks),
-            counter: CounterWidth::new(bits).unwrap(),
-            reversed: false,
-            rate_step: 0.0,
-        },
-        width: None,
-        load: None,
-    });
-    Robot::new("five wheels".into(), wheels.collect()).unwrap()
-}
 
 /// What is tried.
 #[derive(Clone, Debug)]
@@ -93,7 +33,7 @@ pub(crate) struct Trial {
 impl Trial {
     pub(crate) fn new(seed: u64) -> Self {
         Self {
-            robot: five_wheel(seed),
+            robot: FiveWheel::test_drive(seed),
             sensors: Sensors {
                 seed: seed ^ 0x5eed,
                 ..Sensors::default()
@@ -134,7 +74,7 @@ impl Trial {
         for (wheel, error) in told.wheels.iter_mut().zip(self.radius_error) {
             wheel.radius *= 1.0 + error;
         }
-        SlipFilter::new(&described(&told, self.sensors.bits), self.settings).unwrap()
+        SlipFilter::new(&told.described(self.sensors.bits).unwrap(), self.settings).unwrap()
     }
 
     /// Runs it where a fault has changed the clocks of samples, but neither their number nor their order.
