@@ -272,26 +272,6 @@ impl SlipFilter {
         Ok(())
     }
 
-    /// The free wheels skid otherwise than was believed: on another soil, or under another load.
-    ///
-    /// # Errors
-    /// As [`SlipFilter::believe`].
-    pub fn believe_free_wheels(&mut self, free_slip: SlipPrior) -> Result<()> {
-        let settings = FilterSettings {
-            free_slip,
-            ..self.settings
-        };
-        settings.check()?;
-        self.settings = settings;
-        for index in 0..self.wheels.len() {
-            if self.wheels[index].free {
-                let SlipPrior { mean, sigma } = free_slip.by_rim();
-                self.state.restart(own_slip(index), mean, sigma * sigma);
-            }
-        }
-        Ok(())
-    }
-
     /// A wheel is steered by `angle` (rad, to the left) beside its heading in the description from now on. An angle that
     /// is no number, or a wheel that does not exist, changes nothing.
     pub fn steer(&mut self, wheel: usize, angle: f64) {
