@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, robot};
 use grouser_replay::calibrate_radius;
-use grouser_slip::Drive;
+use grouser_slip::WheelRole;
 use serde_json::{Value, json};
 
 use super::estimate::{Asked, file_error, note_input, replay_error};
@@ -42,7 +42,7 @@ pub(super) fn run(
 
     let powered = asked.robot.robot.wheels().iter();
     let radii: Object = powered
-        .filter(|wheel| wheel.drive == Drive::Powered)
+        .filter(|wheel| wheel.role == WheelRole::Powered)
         .map(|wheel| (wheel.name.clone(), Value::from(wheel.radius * found.factor)))
         .collect();
     let each: Vec<String> = found

@@ -2,12 +2,13 @@
 
 use grouser_real::Real;
 
+use super::settings::WindowSettings;
 use crate::body::Observations;
 use crate::clock::{Clock, Step};
 use crate::fault::Fault;
 use crate::history::{History, nanoseconds, seconds_between};
+use crate::reference::Reference;
 use crate::sample::Measurement;
-use crate::settings::{Reference, Settings};
 use crate::speed::Measured;
 
 /// A gyro that saturates or reads nonsense is out of this range, rad/s.
@@ -17,7 +18,7 @@ const MAX_YAW_RATE: f64 = 100.0;
 /// gyro.
 #[derive(Clone, Debug)]
 pub(crate) struct ReferenceTrack {
-    settings: Settings,
+    settings: WindowSettings,
     gap: f64,
     displacement: Track<3>,
     /// Does the displacement carry a turn of its own?
@@ -40,7 +41,7 @@ struct Track<const K: usize> {
 }
 
 impl<const K: usize> Track<K> {
-    fn new(settings: &Settings, gap: f64) -> Self {
+    fn new(settings: &WindowSettings, gap: f64) -> Self {
         Self {
             clock: Clock::default(),
             history: History::new(settings.history, nanoseconds(gap)),
@@ -66,7 +67,7 @@ impl<const K: usize> Track<K> {
 }
 
 impl ReferenceTrack {
-    pub(crate) fn new(settings: &Settings) -> Self {
+    pub(crate) fn new(settings: &WindowSettings) -> Self {
         let gap = 2.0 * settings.window.max(settings.dropout);
         Self {
             settings: *settings,

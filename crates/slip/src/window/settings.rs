@@ -1,50 +1,13 @@
-//! How the estimator works: one value per line, each with its default.
+//! Settings of the window estimator.
 
 use crate::error::{Result, check_range};
+use crate::measured_slip::SlipLimits;
+use crate::reference::Reference;
+use crate::wheel_track::TrackSettings;
 
-/// What tells how fast the robot travels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Reference {
-    /// The robot's free wheels, taken to roll without slip [Ani2012, P23]. They do skid a little on
-    /// soft ground (MODEL.md 7): the slips then come out too high by −s_f (1 − S).
-    FreeWheel,
-    /// Measured displacements, in the robot's frame (a camera, visual odometry).
-    Displacement,
-    /// A measured pose (a camera from above, motion capture, GNSS).
-    Pose,
-    /// A measured speed over ground.
-    Speed,
-    /// None of these: the wheel that runs slowest for the robot's yaw rate is taken to grip.
-    Grip,
-}
-
-impl Reference {
-    /// Every reference, the one to be preferred first.
-    pub const ALL: [Self; 5] = [
-        Self::Displacement,
-        Self::Pose,
-        Self::Speed,
-        Self::FreeWheel,
-        Self::Grip,
-    ];
-
-    /// Its name in files and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::FreeWheel => "free-wheel",
-            Self::Displacement => "displacement",
-            Self::Pose => "pose",
-            Self::Speed => "speed",
-            Self::Grip => "grip",
-        }
-    }
-}
-
-/// How the estimator works.
+/// Settings of the [`WindowEstimator`](super::WindowEstimator).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct WindowSettings {
     /// What tells how fast the robot travels.
     pub reference: Reference,
     /// Speeds are means over this time, s.
@@ -73,7 +36,7 @@ pub struct Settings {
     pub history: usize,
 }
 
-impl Default for Settings {
+impl Default for WindowSettings {
     fn default() -> Self {
         Self {
             reference: Reference::FreeWheel,
@@ -93,7 +56,25 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl WindowSettings {
+    /// The limits below which a slip is not a number, or not to be trusted.
+    pub(super) const fn limits(&self) -> SlipLimits {
+        SlipLimits {
+            standstill_speed: self.standstill_speed,
+            low_speed: self.low_speed,
+            max_sigma: self.max_sigma,
+        }
+    }
+
+    pub(super) const fn track(&self) -> TrackSettings {
+        TrackSettings {
+            window: self.window,
+            max_speed: self.max_speed,
+            dropout: self.dropout,
+            history: self.history,
+        }
+    }
+
     /// Checks every value.
     ///
     /// # Errors

@@ -1,62 +1,29 @@
-//! What the estimator knows after a sample.
+//! The output of the window estimator.
 
 use grouser_terra::Slip;
 
 use crate::body::BodyMotion;
 use crate::fault::Rejected;
 use crate::speed::Measured;
-use crate::state::{Health, Motion};
+use crate::state::Motion;
+use crate::wheel_estimate::WheelEstimate;
 
 /// What is known after a sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Estimate<'a> {
+pub struct WindowOutput<'a> {
     /// The newest time of any sample, ns.
     pub time_ns: i64,
     /// One per wheel, in the robot's order.
     pub wheels: &'a [WheelEstimate],
     /// The robot as a whole.
-    pub body: BodyEstimate,
+    pub body: WindowBody,
     /// Samples refused so far.
     pub rejected: Rejected,
 }
 
-/// What is known of one wheel: means over the window that ends at `until_ns`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelEstimate {
-    /// The slip; `None` where there is none worth a number, and for a free wheel that is the reference.
-    pub slip: Option<Slip>,
-    /// Standard deviation of its error.
-    pub sigma: Option<f64>,
-    /// Speed of the wheel's centre along its heading by the reference, m/s.
-    pub forward_speed: Option<Measured>,
-    /// Circumferential speed, m/s.
-    pub rim_speed: Option<Measured>,
-    /// How it moves, once that is known.
-    pub motion: Option<Motion>,
-    /// How far this can be trusted.
-    pub health: Health,
-    /// The end of the window, ns.
-    pub until_ns: Option<i64>,
-    /// Seconds since its health was last Ok.
-    pub last_good_age: Option<f64>,
-}
-
-impl WheelEstimate {
-    pub(crate) const NOTHING: Self = Self {
-        slip: None,
-        sigma: None,
-        forward_speed: None,
-        rim_speed: None,
-        motion: None,
-        health: Health::Uninitialised,
-        until_ns: None,
-        last_good_age: None,
-    };
-}
-
 /// What is known of the robot as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyEstimate {
+pub struct WindowBody {
     /// Its motion by the reference.
     pub motion: Option<BodyMotion>,
     /// The motion that its powered wheels would give it without slip.

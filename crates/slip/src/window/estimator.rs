@@ -4,18 +4,20 @@ use alloc::{boxed::Box, vec, vec::Vec};
 
 use grouser_real::Real;
 
+use super::output::{WindowBody, WindowOutput};
+use super::reference_track::ReferenceTrack;
+use super::settings::WindowSettings;
 use crate::body::{BodyMotion, Observations, dot};
 use crate::error::Result;
-use crate::estimate::{BodyEstimate, Estimate, WheelEstimate};
 use crate::fault::{Fault, Rejected};
 use crate::history::{nanoseconds, seconds_between};
 use crate::measured_slip::MeasuredSlip;
-use crate::reference_track::ReferenceTrack;
-use crate::robot::{Drive, Robot};
+use crate::reference::Reference;
+use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
-use crate::settings::{Reference, Settings};
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
+use crate::wheel_estimate::WheelEstimate;
 use crate::wheel_track::WheelTrack;
 
 /// Wheels whose headings differ by less than this (sine) drive one way only.
@@ -33,17 +35,17 @@ const STRAIGHT: f64 = 0.05;
 /// Over a window T it compares how far each rim ran with how far the wheel's centre went along its
 /// heading by the [`Reference`]: v_i = e_i · (v_body + Ω × p_i), s_i from v_i and r ω_i.
 ///
-/// [`Estimator::update`] takes one sample of one sensor. It never panics, allocates, blocks or reads a
+/// [`WindowEstimator::update`] takes one sample of one sensor. It never panics, allocates, blocks or reads a
 /// clock; its cost is bounded by the number of wheels; a refused sample is counted and enters no estimate.
 #[derive(Clone, Debug)]
-pub struct Estimator {
-    settings: Settings,
+pub struct WindowEstimator {
+    settings: WindowSettings,
     wheels: Box<[Tracked]>,
     /// Do all powered wheels drive one way, so that the robot cannot move sideways?
     one_way: bool,
     reference: ReferenceTrack,
     estimates: Box<[WheelEstimate]>,
-    body: BodyEstimate,
+    body: WindowBody,
     travel_until_ns: Option<i64>,
     now_ns: Option<i64>,
     rejected: Rejected,
@@ -52,17 +54,17 @@ pub struct Estimator {
 #[derive(Clone, Debug)]
 struct Tracked {
     row: [f64; 3],
-    drive: Drive,
+    role: WheelRole,
     track: WheelTrack,
     last_good_ns: Option<i64>,
 }
 
-impl Estimator {
+impl WindowEstimator {
     /// An estimator for `robot`. This is the only place that allocates.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
-    pub fn new(robot: &Robot, settings: Settings) -> Result<Self> {
+    pub fn new(robot: &Robot, settings: WindowSettings) -> Result<Self> {
         settings.check()?;
         let wheels: Vec<Tracked> = robot
             .wheels()
@@ -70,12 +72,12 @@ impl Estimator {
             .enumerate()
             .map(|(index, wheel)| Tracked {
                 row: wheel.speed_row(),
-                drive: wheel.drive,
-                track: WheelTrack::new(index, wheel, &settings),
+                role: wheel.role,
+                track: WheelTrack::new(index, wheel, settings.track()),
                 last_good_ns: None,
             })
             .collect();
-        let mut powered = wheels.iter().filter(|w| w.drive == Drive::Powered);
+        let mut powered = wheels.iter().filter(|w| w.role == WheelRole::Powered);
         let one_way = powered.next().is_none_or(|first| {
             powered.all(|w| (first.row[0] * w.row[1] - first.row[1] * w.row[0]).abs() < PARALLEL)
         });
@@ -84,7 +86,7 @@ impl Estimator {
             wheels: wheels.into_boxed_slice(),
             one_way,
             reference: ReferenceTrack::new(&settings),
-            body: BodyEstimate::default(),
+            body: WindowBody::default(),
             travel_until_ns: None,
             now_ns: None,
             rejected: Rejected::default(),
@@ -96,7 +98,7 @@ impl Estimator {
     ///
     /// # Errors
     /// A [`Fault`] refuses the sample: it is counted and enters no estimate.
-    pub fn update(&mut self, sample: Sample) -> core::result::Result<Estimate<'_>, Fault> {
+    pub fn update(&mut self, sample: Sample) -> core::result::Result<WindowOutput<'_>, Fault> {
         let taken = match sample.measurement {
             Measurement::WheelCount { wheel, .. }
             | Measurement::WheelEdge { wheel, .. }
@@ -127,13 +129,13 @@ impl Estimator {
 
     /// What is known now; `None` before the first sample.
     #[must_use]
-    pub fn latest(&self) -> Option<Estimate<'_>> {
+    pub fn latest(&self) -> Option<WindowOutput<'_>> {
         self.now_ns.map(|now| self.estimate(now))
     }
 
     /// The settings that it works by.
     #[must_use]
-    pub const fn settings(&self) -> &Settings {
+    pub const fn settings(&self) -> &WindowSettings {
         &self.settings
     }
 
@@ -143,8 +145,8 @@ impl Estimator {
         self.rejected
     }
 
-    fn estimate(&self, now: i64) -> Estimate<'_> {
-        Estimate {
+    fn estimate(&self, now: i64) -> WindowOutput<'_> {
+        WindowOutput {
             time_ns: now,
             wheels: &self.estimates,
             body: self.body,
@@ -163,14 +165,14 @@ impl Estimator {
         match self.settings.reference {
             Reference::FreeWheel => {
                 let mut any = false;
-                for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Free) {
+                for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Free) {
                     until = until.min(wheel.track.known_until(now)?);
                     any = true;
                 }
                 any.then_some(until)
             }
             Reference::Grip => {
-                for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Powered) {
+                for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Powered) {
                     until = until.min(wheel.track.known_until(now)?);
                 }
                 Some(until)
@@ -221,11 +223,11 @@ impl Estimator {
     /// Is the reference one that this robot can never have?
     fn lacks_reference(&self) -> bool {
         let needed = match self.settings.reference {
-            Reference::FreeWheel => Drive::Free,
-            Reference::Grip => Drive::Powered,
+            Reference::FreeWheel => WheelRole::Free,
+            Reference::Grip => WheelRole::Powered,
             _ => return false,
         };
-        self.wheels.iter().all(|w| w.drive != needed)
+        self.wheels.iter().all(|w| w.role != needed)
     }
 
     fn evaluate_wheel(
@@ -237,7 +239,7 @@ impl Estimator {
     ) -> Option<WheelEstimate> {
         let rim = wheel.track.speed(from, until)?;
         let forward = body.along(wheel.row);
-        let measured = MeasuredSlip::from_speeds(forward, rim, &self.settings);
+        let measured = MeasuredSlip::from_speeds(forward, rim, &self.settings.limits());
         let mut estimate = WheelEstimate {
             slip: measured.slip,
             sigma: measured.sigma,
@@ -255,7 +257,7 @@ impl Estimator {
                 estimate.health = Health::Degraded(Degraded::YawAssumed);
             }
         }
-        if wheel.drive == Drive::Free && self.settings.reference == Reference::FreeWheel {
+        if wheel.role == WheelRole::Free && self.settings.reference == Reference::FreeWheel {
             // It is what the others are measured against: by assumption it rolls without slip.
             estimate.slip = None;
             estimate.sigma = None;
@@ -282,7 +284,7 @@ impl Estimator {
         self.reference.observe(from, until, &mut seen)?;
         match self.settings.reference {
             Reference::FreeWheel => {
-                for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Free) {
+                for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Free) {
                     seen.add(wheel.row, wheel.track.speed(from, until)?);
                 }
             }
@@ -300,7 +302,7 @@ impl Estimator {
         let heading = self
             .wheels
             .iter()
-            .find(|w| w.drive == Drive::Powered)
+            .find(|w| w.role == WheelRole::Powered)
             .map_or([1.0, 0.0, 0.0], |w| w.row);
         if self.one_way {
             [-heading[1], heading[0], 0.0]
@@ -313,7 +315,7 @@ impl Estimator {
     /// (Ojeda and Borenstein's assumption for a driving robot).
     fn gripping(&self, from: i64, until: i64, yaw: Measured) -> Option<([f64; 3], Measured)> {
         let mut slowest: Option<([f64; 3], Measured, f64)> = None;
-        for wheel in self.wheels.iter().filter(|w| w.drive == Drive::Powered) {
+        for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Powered) {
             let rim = wheel.track.speed(from, until)?;
             let straight = (rim.value - wheel.row[2] * yaw.value).abs();
             if slowest.is_none_or(|(_, _, least)| straight < least) {
@@ -335,7 +337,7 @@ impl Estimator {
         seen.add(self.sideways(), prior(lateral));
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN));
         // All wheels weigh the same, as the least resolved of them: what differs is their slip.
-        let powered = || self.wheels.iter().filter(|w| w.drive == Drive::Powered);
+        let powered = || self.wheels.iter().filter(|w| w.role == WheelRole::Powered);
         let mut variance = 1e-8_f64;
         for wheel in powered() {
             variance = variance.max(wheel.track.speed(from, until)?.variance);
@@ -348,7 +350,7 @@ impl Estimator {
     }
 
     fn evaluate_body(&mut self, now: i64, reference_until: Option<i64>) {
-        let mut powered = self.wheels.iter().filter(|w| w.drive == Drive::Powered);
+        let mut powered = self.wheels.iter().filter(|w| w.role == WheelRole::Powered);
         let wheels_until = powered.try_fold(i64::MAX, |least, wheel| {
             Some(least.min(wheel.track.known_until(now)?))
         });
@@ -370,10 +372,10 @@ impl Estimator {
         let measured = MeasuredSlip::from_speeds(
             reference.along(direction),
             wheels.along(direction),
-            &self.settings,
+            &self.settings.limits(),
         );
         self.add_travel(until, measured.motion, direction);
-        self.body = BodyEstimate {
+        self.body = WindowBody {
             motion: Some(reference),
             wheels_motion: Some(wheels),
             along: measured.slip,
@@ -388,10 +390,10 @@ impl Estimator {
 
     fn forget_body(&mut self) {
         self.travel_until_ns = None;
-        self.body = BodyEstimate {
+        self.body = WindowBody {
             travel_wheels: self.body.travel_wheels,
             travel_reference: self.body.travel_reference,
-            ..BodyEstimate::default()
+            ..WindowBody::default()
         };
     }
 
