@@ -6,7 +6,9 @@
 //! r ω_i; the two make its slip ([`grouser_terra::Slip`]).
 //!
 //! ```
-//! use grouser_slip::{//!, //!     CounterWidth, //!     Shaft, Encoder, Measurement, Reference, Robot, Sample, Wheel, WheelRole};
+//! use grouser_slip::{
+//!     CounterWidth, Encoder, Measurement, Reference, Robot, Sample, Shaft, Wheel, WheelRole,
+//! };
 //! use grouser_slip::window::{WindowEstimator, WindowSettings};
 //! use grouser_terra::Angle;
 //!
