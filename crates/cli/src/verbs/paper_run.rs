@@ -10,7 +10,7 @@ use grouser_rover::sensors::Reading;
 use grouser_slip::{Estimator, Reference, Settings, Slip};
 use serde_json::Value;
 
-use super::drive_optimum::running_slip;
+use super::drive::optimum::running_slip;
 use crate::error::Result;
 use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
 use crate::number::{exact, rounded};
