@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::csv_line::{content, field, split};
 use crate::error::{Error, Result};
 use crate::lines::Line;
-use crate::number::parse_finite;
 use crate::operation::Asked;
+use grouser_report::number::parse_finite;
 
 /// The columns that are added, in order.
 const ADDED: [&str; 4] = ["vertical_force_n", "drawbar_pull_n", "torque_nm", "status"];

@@ -21,12 +21,12 @@ use crate::error::{Error, Result, shown};
 use crate::input::Input;
 use crate::law_error::Names;
 use crate::lines::{Line, Lines};
-use crate::number::exact;
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
 use crate::report::{Object, Report};
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use grouser_report::number::exact;
 
 /// Soils kept at a time: a table may name any number of files.
 const SOILS: usize = 256;

@@ -3,9 +3,9 @@
 use grouser_terra::OperatingPoint;
 
 use super::Family;
-use crate::figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
-use crate::number::rounded;
 use crate::operation::Asked;
+use grouser_figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
+use grouser_report::number::rounded;
 
 /// A quantity of an operating point.
 type Quantity = fn(&OperatingPoint) -> Option<f64>;

@@ -11,12 +11,12 @@ use rayon::prelude::*;
 use self::output::Frame;
 use crate::error::{Error, Outcome, Result};
 use crate::law_error::Names;
-use crate::number::{parse_finite, shown};
 use crate::operation::{self, Answer, Asked};
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::WheelArguments;
+use grouser_report::number::{parse_finite, shown};
 
 /// More points than this are no curve any more.
 const MOST_POINTS: i64 = 100_000;
@@ -130,15 +130,15 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
         if !(-1.0..=1.0).contains(&value) {
             return Err(Error::usage_without_hint(format!(
                 "`{flag}` is {}, but must lie in [-1, 1]",
-                crate::number::told(value)
+                grouser_report::number::told(value)
             )));
         }
     }
     if !(from < to) {
         return Err(Error::usage_without_hint(format!(
             "`--slip-from` is {}, but must be less than `--slip-to`, {}",
-            crate::number::told(from),
-            crate::number::told(to)
+            grouser_report::number::told(from),
+            grouser_report::number::told(to)
         )));
     }
     let last = arguments.points - 1;

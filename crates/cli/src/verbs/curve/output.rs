@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use super::Family;
 use crate::csv_line::field;
-use crate::number::{exact, short, shown};
 use crate::operation::Asked;
 use crate::report::Object;
-use crate::table::Table;
 use crate::wheel_choice::WheelArguments;
+use grouser_report::Table;
+use grouser_report::number::{exact, short, shown};
 
 /// What is worth knowing of a curve, in a line.
 pub(super) fn summary(family: &Family) -> String {

@@ -4,7 +4,7 @@ use grouser_rover::drive::Scenario;
 
 use super::Run;
 use super::track::Track;
-use crate::figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Style};
+use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Style};
 
 /// How true and estimated values look; the page's key says it in words.
 pub(super) const TRUE: Style = Style {

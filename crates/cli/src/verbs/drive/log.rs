@@ -10,8 +10,8 @@ use grouser_slip::Measurement;
 use super::mcap::Recording;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
-use crate::number::exact;
 use crate::output::OutputFile;
+use grouser_report::number::exact;
 
 /// The file in the making.
 pub(super) struct Log {

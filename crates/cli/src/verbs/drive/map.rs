@@ -9,8 +9,8 @@ use super::Run;
 use super::decisions::notable;
 use super::relief::{Window, contours, relief};
 use super::track::{Point, Track};
-use crate::figure::even_ticks;
-use crate::page_text::{escaped, png_address};
+use grouser_figure::even_ticks;
+use grouser_figure::{escaped, png_address};
 
 /// The frame: its greatest width and height, and what stands around it.
 const MOST: [f64; 2] = [800.0, 560.0];

@@ -4,7 +4,7 @@ use grouser_rover::ground::Ground;
 use tiny_skia::Pixmap;
 
 use super::map::byte;
-use crate::figure::even_ticks;
+use grouser_figure::even_ticks;
 
 /// The part of the ground that is shown, m.
 #[derive(Clone, Copy, Debug)]

@@ -10,9 +10,9 @@ use super::map;
 use super::text::summary;
 use super::track::Track;
 use super::{Run, pilots};
-use crate::figure::{Colour, Figure, Style};
-use crate::page_text::escaped;
 use crate::report::Object;
+use grouser_figure::escaped;
+use grouser_figure::{Colour, Figure, Style};
 
 const STYLE: &str = include_str!("report.css");
 
@@ -161,8 +161,8 @@ fn picture(name: &str, figure: &Figure, out: &mut String) {
 fn swatch(style: Style) -> String {
     let Colour(red, green, blue) = style.colour;
     let dash = match style.dash {
-        crate::figure::Dash::Solid => "",
-        crate::figure::Dash::Dotted => " stroke-dasharray=\"2 2.4\"",
+        grouser_figure::Dash::Solid => "",
+        grouser_figure::Dash::Dotted => " stroke-dasharray=\"2 2.4\"",
         _ => " stroke-dasharray=\"7 3\"",
     };
     format!(

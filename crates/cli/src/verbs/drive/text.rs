@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use grouser_rover::drive::{Outcome, Pilot, Scenario};
 
 use super::{Run, count, pilots};
-use crate::number::rounded;
+use grouser_report::number::rounded;
 
 /// Decisions that are printed; the report and the JSON hold all.
 const SHOWN: usize = 20;

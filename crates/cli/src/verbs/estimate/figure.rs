@@ -3,7 +3,7 @@
 use grouser_files::robot::RobotFile;
 use grouser_replay::Summary;
 
-use crate::figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style, plain};
+use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style, plain};
 
 /// At most so many stretches of time are kept of a wheel: more than a figure has columns.
 const STRETCHES: usize = 4096;

@@ -25,12 +25,12 @@ use self::text::text;
 use crate::error::{Error, Outcome, Result};
 use crate::input::Input;
 use crate::law_error::Names;
-use crate::number::parse_finite;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use crate::verbs::log::printable;
+use grouser_report::number::parse_finite;
 
 #[derive(clap::Args, Debug)]
 #[command(

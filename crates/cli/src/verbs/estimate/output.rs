@@ -13,8 +13,8 @@ use super::mcap::Recording;
 use super::replay_error;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
-use crate::number::exact;
 use crate::output::OutputFile;
+use grouser_report::number::exact;
 
 /// All files that were asked for, fed while the log is read.
 pub(super) struct Outputs {

@@ -7,7 +7,7 @@ use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TurnCheck, UNKN
 use grouser_slip::Motion;
 
 use super::object::event_name;
-use crate::table::Table;
+use grouser_report::Table;
 
 /// So many events are told; a file has them all.
 const EVENTS: usize = 10;

@@ -3,7 +3,9 @@
 use grouser_identify::wheel::Quantity;
 use grouser_identify::{Identification, PlateStage, ShearStage, WheelStage};
 
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style, plain};
+use grouser_figure::{
+    Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style, plain,
+};
 
 /// Panels of every stage.
 pub(super) fn draw(found: &Identification) -> Figure {
@@ -94,7 +96,7 @@ fn shear(stage: &ShearStage) -> Chart {
             .points(Points::new(points).look(Marker::Circle, style.colour))
             .curve(Curve::new(line).style(style).label(format!(
                 "*σ* = {} kPa",
-                crate::number::rounded(1e-3 * normal, 3)
+                grouser_report::number::rounded(1e-3 * normal, 3)
             )));
     }
     chart

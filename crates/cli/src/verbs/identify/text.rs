@@ -8,9 +8,9 @@ use grouser_identify::wheel::Quantity;
 use grouser_identify::{Identification, WheelStage};
 use serde_json::Value;
 
-use crate::number::rounded;
 use crate::report::Object;
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::rounded;
 
 /// One number: name, value, standard error, interval, verdict, in the unit of its name.
 struct Line {

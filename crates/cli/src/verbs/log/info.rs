@@ -12,8 +12,8 @@ use crate::error::Result;
 use crate::progress::Progress;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
 use crate::verbs::estimate::{log_error, note_input};
+use grouser_report::Table;
 
 #[derive(clap::Args, Debug)]
 #[command(

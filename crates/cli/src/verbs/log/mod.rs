@@ -16,7 +16,7 @@ use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
+use grouser_report::Table;
 
 #[derive(clap::Args, Debug)]
 #[command(

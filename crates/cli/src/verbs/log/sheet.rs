@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::{keyed, printable};
 use crate::report::{Object, Report};
-use crate::table::Table;
+use grouser_report::Table;
 
 pub(super) fn report(sheet: &Sheet) -> Report {
     let mut report = Report::done(object(sheet), text(sheet));

@@ -3,7 +3,7 @@
 use grouser_design::{Answer, Design};
 
 use crate::csv_line::quoted;
-use crate::number::exact;
+use grouser_report::number::exact;
 
 /// Columns: the variables, then the objectives (a front) or `max` and `status` (starts).
 pub(super) fn csv(design: &Design, answer: &Answer) -> String {

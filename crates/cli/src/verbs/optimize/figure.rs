@@ -2,7 +2,9 @@
 
 use grouser_design::{Answer, Design, Optimum, Trade};
 
-use crate::figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Points, Rule, Style, plain};
+use grouser_figure::{
+    Axis, Chart, Colour, Curve, Figure, Mark, Marker, Points, Rule, Style, plain,
+};
 
 /// More panels than this are no picture any more.
 const MOST_PANELS: usize = 6;

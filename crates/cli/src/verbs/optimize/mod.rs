@@ -13,10 +13,10 @@ use grouser_files::Document;
 use grouser_opt::{Limit, Status};
 
 use crate::error::{Error, Outcome, Result};
-use crate::number::{shown, told};
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
+use grouser_report::number::{shown, told};
 
 #[derive(clap::Args, Debug)]
 #[command(

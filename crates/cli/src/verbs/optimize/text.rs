@@ -4,8 +4,8 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_design::{Answer, Design, Optimum, Task, Trade};
 
-use crate::number::{rounded, shown};
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
 
 /// A share below this does not count in words.
 const SMALL: f64 = 1e-6;

@@ -3,8 +3,8 @@
 use super::Point;
 use super::grid::{Axes, Quantity};
 use crate::error::{Error, Result};
-use crate::figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
-use crate::number::rounded;
+use grouser_figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
+use grouser_report::number::rounded;
 
 /// Draws the sweep: |S_0|, as the paper apparently shows it, or S where strength is mobilised.
 pub(super) fn draw(axes: &Axes, points: &[Point], share: f64) -> Result<Figure> {

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::number::parse_finite;
+use grouser_report::number::parse_finite;
 
 /// More points than this are a mistake.
 const MOST_POINTS: usize = 1_000_000;

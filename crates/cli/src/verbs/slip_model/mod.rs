@@ -11,11 +11,11 @@ use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip
 use self::grid::{Axes, Values};
 use crate::error::{Error, Outcome, Result};
 use crate::law_error::Names;
-use crate::number::{parse_finite, shown};
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{Overrides, choose};
+use grouser_report::number::{parse_finite, shown};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -119,7 +119,7 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
     if !(0.0..1.0).contains(&share) {
         return Err(Error::usage_without_hint(format!(
             "`--mobilised` is {}, but must lie in [0, 1)",
-            crate::number::told(share)
+            grouser_report::number::told(share)
         )));
     }
     // Only K enters, and that only when something is mobilised: a soil that lacks the rest serves as well.
@@ -165,7 +165,7 @@ fn failure(points: &[Point], share: f64) -> String {
     let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
     format!(
         "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
-        crate::number::told(share),
+        grouser_report::number::told(share),
         shown(most)
     )
 }

@@ -6,9 +6,9 @@ use grouser_terra::{Mobilised, ModelSlip};
 use serde_json::Value;
 
 use super::Point;
-use crate::number::{exact, short, shown};
 use crate::report::Object;
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::{exact, short, shown};
 
 /// One point has its keys at the top; several stand in `points`.
 pub(super) fn object(points: &[Point], mobilised: Option<Mobilised>) -> Object {

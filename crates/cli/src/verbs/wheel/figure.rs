@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use grouser_terra::{OperatingPoint, WheelOnSoil};
 
-use crate::figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Scene, Shape, Style, plain};
-use crate::number::rounded;
+use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Scene, Shape, Style, plain};
+use grouser_report::number::rounded;
 
 /// Points along the contact.
 const SAMPLES: u32 = 240;

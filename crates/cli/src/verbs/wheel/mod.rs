@@ -11,12 +11,12 @@ use serde_json::Value;
 use crate::error::{Outcome, Result};
 use crate::figure_file;
 use crate::law_error::Names;
-use crate::number::{parse_finite, shown};
 use crate::operation::{self, Answer, Asked};
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
 use crate::wheel_choice::WheelArguments;
+use grouser_report::Table;
+use grouser_report::number::{parse_finite, shown};
 
 #[derive(clap::Args, Debug)]
 #[command(

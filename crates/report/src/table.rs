@@ -11,7 +11,7 @@ enum Side {
 
 /// A table under construction.
 #[derive(Debug, Default)]
-pub(crate) struct Table {
+pub struct Table {
     sides: Vec<Side>,
     /// The header first.
     rows: Vec<Vec<String>>,
@@ -19,7 +19,8 @@ pub(crate) struct Table {
 
 impl Table {
     /// A table without columns.
-    pub(crate) fn new() -> Self {
+    #[must_use]
+    pub fn new() -> Self {
         Self {
             sides: Vec::new(),
             rows: vec![Vec::new()],
@@ -27,27 +28,31 @@ impl Table {
     }
 
     /// One more column, of words.
-    pub(crate) fn text(self, header: &str) -> Self {
+    #[must_use]
+    pub fn text(self, header: &str) -> Self {
         self.column(header, Side::Left)
     }
 
     /// One more column, of numbers.
-    pub(crate) fn number(self, header: &str) -> Self {
+    #[must_use]
+    pub fn number(self, header: &str) -> Self {
         self.column(header, Side::Right)
     }
 
     /// One more row: a cell for each column; missing cells stay empty.
-    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
+    pub fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
 
     /// The lines, each with a line end.
-    pub(crate) fn render(&self) -> String {
+    #[must_use]
+    pub fn render(&self) -> String {
         self.lines(0)
     }
 
     /// The lines without the header.
-    pub(crate) fn render_body(&self) -> String {
+    #[must_use]
+    pub fn render_body(&self) -> String {
         self.lines(1)
     }
 

@@ -1,7 +1,7 @@
 //! Numbers in and out as text.
 
 /// A flag's value: any finite number, signed, with or without an exponent.
-pub(crate) fn parse_finite(text: &str) -> Result<f64, String> {
+pub fn parse_finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("must be a finite number".to_owned()),
@@ -10,12 +10,14 @@ pub(crate) fn parse_finite(text: &str) -> Result<f64, String> {
 
 /// Seventeen significant digits, so that reading gives the same bits again; no trailing zeros
 /// (C's `%.17g`).
-pub(crate) fn exact(value: f64) -> String {
+#[must_use]
+pub fn exact(value: f64) -> String {
     general(value, 17)
 }
 
 /// As few digits as give the same bits again when read.
-pub(crate) fn short(value: f64) -> String {
+#[must_use]
+pub fn short(value: f64) -> String {
     let (fixed, scientific) = (format!("{value}"), format!("{value:e}"));
     if fixed.len() <= scientific.len() + 4 {
         fixed
@@ -25,17 +27,20 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A number in a message: as it was given, to twelve digits.
-pub(crate) fn told(value: f64) -> String {
+#[must_use]
+pub fn told(value: f64) -> String {
     general(value, 12)
 }
 
 /// A number for people: five significant digits, a true minus sign.
-pub(crate) fn shown(value: f64) -> String {
+#[must_use]
+pub fn shown(value: f64) -> String {
     rounded(value, 5)
 }
 
 /// The same with another number of significant digits.
-pub(crate) fn rounded(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn rounded(value: f64, digits: usize) -> String {
     general(value, digits).replace('-', "−")
 }
 

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 /// Text that came from a user, safe as content and as an attribute of HTML and of SVG.
 ///
 /// XML has no place for most control characters, not even escaped: they become spaces.
-pub(crate) fn escaped(text: &str) -> String {
+#[must_use]
+pub fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -22,7 +23,8 @@ pub(crate) fn escaped(text: &str) -> String {
 }
 
 /// A PNG as an address that holds the picture itself (RFC 2397, RFC 4648).
-pub(crate) fn png_address(bytes: &[u8]) -> String {
+#[must_use]
+pub fn png_address(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = String::with_capacity(bytes.len() * 4 / 3 + 32);
     out.push_str("data:image/png;base64,");
