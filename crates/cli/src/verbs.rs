@@ -14,7 +14,6 @@ mod paper_figures;
 mod paper_page;
 mod paper_problem;
 mod paper_run;
-mod paper_statements;
 mod robot;
 mod slip_model;
 mod soils;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::ops::ControlFlow;
 
-use grouser_design::paper::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
+use grouser_campaign::paper::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 use serde_json::Value;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use grouser_identify::validate::Validation;
+use grouser_campaign::validate::Validation;
 
 use grouser_report::number::exact;
 

@@ -1,6 +1,6 @@
 //! The figure of `validate`: measured points with their errors, and what the models say between them.
 
-use grouser_identify::validate::{ModelName, Series, Validation};
+use grouser_campaign::validate::{ModelName, Series, Validation};
 use grouser_identify::wheel::Quantity;
 
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};

@@ -1,6 +1,6 @@
 //! `validate` for programs.
 
-use grouser_identify::validate::{FitReport, Row, Validation};
+use grouser_campaign::validate::{FitReport, Row, Validation};
 use serde_json::Value;
 
 use super::identify::text::plate_object;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use grouser_identify::validate::{Row, Validation};
+use grouser_campaign::validate::{Row, Validation};
 
 use super::validate::{plate_numbers, title};
 use grouser_report::Table;

@@ -6,9 +6,9 @@ use super::ding;
 use super::fitting::{Fitted, Job, law_error};
 use super::rows::{MeasuredPoint, ModelName, Row, Series, Split, Validation};
 use super::score::Score;
-use crate::error::{Error, Result};
-use crate::parameter::Parameter;
-use crate::wheel::{Quantity, Scatter, WheelTest};
+use grouser_identify::Parameter;
+use grouser_identify::wheel::{Quantity, Scatter, WheelTest};
+use grouser_identify::{Error, Result};
 
 const DING_ALL: &str = "all six slips";
 const NOTHING: &str = "nothing";

@@ -11,9 +11,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_files::Document;
 use grouser_terra::{entry_angle, slip_ani};
 
-use crate::design::Design;
-use crate::error::Result;
-use crate::file::parse;
+use grouser_design::{Design, Result, parse};
 
 /// The optimum slip that the paper prints.
 pub const PRINTED_SLIP: f64 = 0.1146;
@@ -94,7 +92,7 @@ impl Reading {
     /// The reading as a design, solved from `starts` starts.
     ///
     /// # Errors
-    /// None for the readings that ship; what [`parse`] refuses.
+    /// None for the readings that ship; what [`grouser_design::parse`] refuses.
     pub fn design(&self, starts: usize, seed: u64) -> Result<Design> {
         let name = format!("the paper's problem ({})", self.name);
         parse(&Document::from_text(&name, self.text(starts, seed))?)
@@ -107,7 +105,7 @@ impl Reading {
 /// Source: Ani et al. 2012 (P19), solved by bisection to rounding; |S_0| grows with z.
 ///
 /// ```
-/// use grouser_design::paper::sinkage_ratio_of_slip;
+/// use grouser_campaign::paper::sinkage_ratio_of_slip;
 /// let at = sinkage_ratio_of_slip(0.1146, 20_f64.to_radians()).expect("there is one");
 /// assert!((at - 0.15188).abs() < 5e-6);
 /// ```

@@ -7,10 +7,10 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_campaign::validate::{ModelName, Row, Split, ding, plate_tests, validate};
 use grouser_identify::Parameter;
 use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
-use grouser_identify::validate::{ModelName, Row, Split, ding, plate_tests, validate};
 use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
 use grouser_terra::{RigidWheel, SoilParams, catalogue};
 

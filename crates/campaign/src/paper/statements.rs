@@ -2,14 +2,19 @@
 
 /// How far an item can be reproduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub enum Verdict {
+    /// The whole item.
     Reproduced,
+    /// A part of the item.
     InPart,
+    /// Nothing of the item.
     NotPossible,
 }
 
 impl Verdict {
-    pub(super) fn key(self) -> &'static str {
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
             Self::InPart => "reproduced in part",
@@ -20,11 +25,15 @@ impl Verdict {
 
 /// One equation, table or figure.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Statement {
-    pub(super) item: &'static str,
-    pub(super) about: &'static str,
-    pub(super) verdict: Verdict,
-    pub(super) why: &'static str,
+pub struct Statement {
+    /// The number that the paper gives it.
+    pub item: &'static str,
+    /// What it contains.
+    pub about: &'static str,
+    /// How far it is reproduced.
+    pub verdict: Verdict,
+    /// How it is reproduced, or why it is not.
+    pub why: &'static str,
 }
 
 const fn said(
@@ -42,7 +51,7 @@ const fn said(
 }
 
 /// Every numbered item of the paper.
-pub(super) const STATEMENTS: &[Statement] = &[
+pub const STATEMENTS: &[Statement] = &[
     said(
         "(P1)",
         "shear stress τ = (c + σ tan φ)(1 − e^(−j/K))",

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use grouser_terra::{Angle, Kinematics, RigidWheel};
 
-use crate::error::{Error, Result};
-use crate::table::{Column, Table};
-use crate::wheel::{Support, WheelTest};
+use grouser_identify::table::{Column, Table};
+use grouser_identify::wheel::{Support, WheelTest};
+use grouser_identify::{Error, Result};
 
 /// Where the trials stand below the folder of measured data.
 pub const TRIALS: &str = "cmu-wheel/trials.csv";

@@ -1,10 +1,10 @@
 //! The table and the figures of a validation.
 
 use super::score::Score;
-use crate::least_squares::Verdict;
-use crate::parameter::Parameter;
-use crate::plate::PlateFit;
-use crate::wheel::Quantity;
+use grouser_identify::Parameter;
+use grouser_identify::least_squares::Verdict;
+use grouser_identify::plate::PlateFit;
+use grouser_identify::wheel::Quantity;
 
 /// Whose prediction a row judges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +99,7 @@ pub struct FitReport {
     /// To what it was fitted.
     pub fit: &'static str,
     /// How it ended.
-    pub status: crate::least_squares::Status,
+    pub status: grouser_identify::least_squares::Status,
     /// What it found.
     pub found: Vec<Found>,
     /// Greatest over least singular value of the scaled Jacobian.

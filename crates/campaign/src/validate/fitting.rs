@@ -3,10 +3,12 @@
 use grouser_terra::{RigidWheel, SoilParams};
 
 use super::rows::{FitReport, Found, ModelName};
-use crate::error::{Error, Result};
-use crate::least_squares::{Bounded, Loss, Settings, StartSettings, Uncertainty, multi_start};
-use crate::parameter::Parameter;
-use crate::wheel::{Fixed, Prediction, Scatter, WheelModel, WheelTest, predict};
+use grouser_identify::Parameter;
+use grouser_identify::least_squares::{
+    Bounded, Loss, Settings, StartSettings, Uncertainty, multi_start,
+};
+use grouser_identify::wheel::{Fixed, Prediction, Scatter, WheelModel, WheelTest, predict};
+use grouser_identify::{Error, Result};
 
 /// A wheel, soil or motion of the measured data that the laws refuse.
 pub(super) fn law_error(source: grouser_terra::Error) -> Error {
@@ -98,7 +100,7 @@ impl Job<'_> {
                 data_set: self.data_set,
                 model: self.model,
                 fit: self.fit,
-                status: crate::least_squares::Status::Converged,
+                status: grouser_identify::least_squares::Status::Converged,
                 found: Vec::new(),
                 condition: 1.0,
             },

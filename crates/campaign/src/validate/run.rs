@@ -4,8 +4,10 @@ use std::path::Path;
 
 use super::cmu;
 use super::rows::Validation;
-use crate::error::Result;
-use crate::plate::{BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag};
+use grouser_identify::Result;
+use grouser_identify::plate::{
+    BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,
+};
 
 /// Beyond this stated slip a trial is left out: locked and nearly spinning wheels are no steady state here.
 pub const GREATEST_SLIP: f64 = 0.75;

@@ -10,10 +10,10 @@ use super::cmu::{self, Trial};
 use super::fitting::{Fitted, Job, law_error};
 use super::rows::{MeasuredPoint, ModelName, Row, Series, Split, Validation};
 use super::score::{Score, pooled};
-use crate::error::Result;
-use crate::parameter::Parameter;
-use crate::plate::PlateFit;
-use crate::wheel::{Prediction, Quantity, Scatter, Support, WheelTest};
+use grouser_identify::Parameter;
+use grouser_identify::Result;
+use grouser_identify::plate::PlateFit;
+use grouser_identify::wheel::{Prediction, Quantity, Scatter, Support, WheelTest};
 
 /// What residuals of the trials are divided by: N, N, N m, m. About the scatter of repeated trials.
 const TRIAL_SCATTER: Scatter = Scatter {

@@ -2,8 +2,8 @@
 
 use grouser_terra::{Kinematics, Slip};
 
-use crate::error::{Error, Result};
-use crate::wheel::{Support, WheelTest};
+use grouser_identify::wheel::{Support, WheelTest};
+use grouser_identify::{Error, Result};
 
 /// Radius and width, m; load, N.
 pub const WHEEL: (f64, f64, f64) = (0.15735, 0.165, 80.0);
