@@ -11,11 +11,11 @@ use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Reference, Slip};
 use serde_json::Value;
 
-use super::drive_optimum::running_slip;
+use super::drive::optimum::running_slip;
 use crate::error::Result;
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
-use crate::number::{exact, rounded};
 use crate::report::Object;
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::number::{exact, rounded};
 
 const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
 const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");

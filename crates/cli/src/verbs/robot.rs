@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
-use crate::number::rounded;
 use crate::output::OutputFile;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::rounded;
 
 #[derive(clap::Args, Debug)]
 #[command(
