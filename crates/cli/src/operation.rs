@@ -3,7 +3,7 @@
 use grouser_terra::{Error as LawError, Kinematics, LoadStatus, OperatingPoint, WheelOnSoil};
 use serde_json::Value;
 
-use crate::report::Object;
+use grouser_report::Object;
 
 /// What an operating point is asked for by.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,9 +13,10 @@ use super::paper_problem::{self, Solved};
 use super::paper_run::SandRun;
 use crate::error::{Error, Result, shown as shown_path};
 use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use grouser_campaign::paper::{STATEMENTS, Verdict};
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
 

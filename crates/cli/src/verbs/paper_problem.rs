@@ -8,8 +8,8 @@ use grouser_design::{Answer, Quantity};
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::report::Object;
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
+use grouser_report::Object;
 use grouser_report::number::exact;
 
 /// Starts of each reading.

@@ -13,8 +13,8 @@ use serde_json::Value;
 
 use super::drive::optimum::running_slip;
 use crate::error::Result;
-use crate::report::Object;
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::Object;
 use grouser_report::number::{exact, rounded};
 
 const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");

@@ -7,10 +7,10 @@ use grouser_files::{Document, regular, robot, urdf};
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::input::Input;
 use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::rounded;
 
@@ -34,15 +34,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let path = &arguments.description;
     let text = regular::read_text(path, urdf::SIZE_LIMIT)?;
-    let mut input = Input::open(path)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", path, &error))?;
-    session.used_input(input);
-    let made = urdf::robot_file(&text).map_err(|error| Error::Content {
-        path: path.clone(),
-        message: error.to_string(),
-        hint: error.hint(),
-    })?;
+    session.used_file(path)?;
+    let made =
+        urdf::robot_file(&text).map_err(|error| Error::content(path, &error, error.hint()))?;
     // what was made is read as any robot file is, so that nothing wrong is written
     let name = arguments
         .output

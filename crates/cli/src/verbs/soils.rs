@@ -6,9 +6,10 @@ use grouser_terra::catalogue::{self, Entry};
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::find;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::shown;
 

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use grouser_campaign::validate::{PLATES, Validation, cmu, validate};
 
 use super::{validate_csv, validate_figure, validate_object, validate_text};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::figure_file::Target;
-use crate::input::Input;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
@@ -65,31 +64,9 @@ fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
         }
     }
     for file in files {
-        let mut input = Input::open(&file)?;
-        std::io::copy(&mut input, &mut std::io::sink())
-            .map_err(|error| Error::file("read", &file, &error))?;
-        session.used_input(input);
+        session.used_file(&file)?;
     }
     Ok(())
-}
-
-impl From<grouser_identify::Error> for Error {
-    fn from(error: grouser_identify::Error) -> Self {
-        use grouser_identify::Error as Identify;
-        match error {
-            Identify::File(error) | Identify::Log(grouser_log::Error::File(error)) => error.into(),
-            Identify::Content { path, message } => Self::Content {
-                path,
-                message,
-                hint: None,
-            },
-            Identify::Log(error) => Self::Usage {
-                hint: error.hint(),
-                message: error.to_string(),
-            },
-            error => Self::usage_without_hint(error.to_string()),
-        }
-    }
 }
 
 /// The fit that a model's rows rest on, in a few words.

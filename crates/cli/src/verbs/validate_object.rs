@@ -4,7 +4,7 @@ use grouser_campaign::validate::{FitReport, Row, Validation};
 use serde_json::Value;
 
 use super::identify::text::plate_object;
-use crate::report::Object;
+use grouser_report::Object;
 
 /// The keys that DESIGN.md names, and the fits behind the rows.
 pub(super) fn object(validation: &Validation) -> Object {

@@ -23,9 +23,10 @@ use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use grouser_report::Object;
 use grouser_report::number::exact;
 
 /// Soils kept at a time: a table may name any number of files.
@@ -111,11 +112,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let lines = stream::solve_lines(lines, solve, |line| output.line(line))?;
     if counts.rows == 0 {
-        return Err(Error::Content {
-            path: arguments.input.clone(),
-            message: "line 2: there is a header but no row".to_owned(),
-            hint: None,
-        });
+        return Err(Error::content(
+            &arguments.input,
+            "line 2: there is a header but no row",
+            None,
+        ));
     }
     session.used_input(lines.into_input());
     output.finish()?;

@@ -9,7 +9,8 @@ use grouser_terra::{BestSlip, WheelOnSoil};
 use rayon::prelude::*;
 
 use self::output::Frame;
-use crate::error::{Error, Outcome, Result};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
 use crate::output_choice::Output;

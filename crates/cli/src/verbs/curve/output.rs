@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::Family;
 use crate::csv_line::field;
 use crate::operation::Asked;
-use crate::report::Object;
 use crate::wheel_choice::WheelArguments;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::{exact, short, shown};
 

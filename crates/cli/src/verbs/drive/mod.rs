@@ -22,7 +22,6 @@ use self::log::Log;
 use self::track::Track;
 use crate::error::{Error, Result};
 use crate::figure_file::ending;
-use crate::input::Input;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::Report;
@@ -91,13 +90,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         )));
     }
     let report = page(arguments)?;
-    note_inputs(arguments, session)?;
+    session.used_file(&arguments.scenario)?;
     let scenario = read_scenario(&arguments.scenario)?;
-    session.used_input(Input::open(&scenario.robot_file).and_then(|mut input| {
-        std::io::copy(&mut input, &mut std::io::sink())
-            .map_err(|error| Error::file("read", &scenario.robot_file, &error))?;
-        Ok(input)
-    })?);
+    session.used_file(&scenario.robot_file)?;
     let first = arguments.seed.unwrap_or(scenario.seed);
     session.used_seed(first);
     let optimum = match scenario.optimum {
@@ -150,14 +145,6 @@ fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
         )));
     }
     OutputFile::create(path).map(Some)
-}
-
-fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
-    let mut input = Input::open(&arguments.scenario)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", &arguments.scenario, &error))?;
-    session.used_input(input);
-    Ok(())
 }
 
 /// What is to be driven.
@@ -247,13 +234,4 @@ pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
         }
     }
     pilots
-}
-
-impl From<grouser_rover::Error> for Error {
-    fn from(error: grouser_rover::Error) -> Self {
-        match error {
-            grouser_rover::Error::File(error) => error.into(),
-            error => Self::usage_without_hint(error.to_string()),
-        }
-    }
 }

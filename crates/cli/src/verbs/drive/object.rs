@@ -4,7 +4,7 @@ use grouser_rover::drive::{NamedDecision, Scenario};
 use serde_json::{Value, json};
 
 use super::Run;
-use crate::report::Object;
+use grouser_report::Object;
 
 pub(super) fn object(scenario: &Scenario, optimum: f64, seed: u64, runs: &[Run]) -> Object {
     Object::from_iter([

@@ -10,9 +10,9 @@ use super::map;
 use super::text::summary;
 use super::track::Track;
 use super::{Run, pilots};
-use crate::report::Object;
 use grouser_figure::escaped;
 use grouser_figure::{Colour, Figure, Style};
+use grouser_report::Object;
 
 const STYLE: &str = include_str!("report.css");
 

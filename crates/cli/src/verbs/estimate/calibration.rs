@@ -9,11 +9,12 @@ use grouser_replay::calibrate_radius;
 use grouser_slip::WheelRole;
 use serde_json::{Value, json};
 
-use super::{Asked, file_error, note_input, replay_error};
+use super::Asked;
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
+use grouser_report::Object;
 
 /// Each log is a run of its own here.
 pub(super) fn run(
@@ -28,14 +29,13 @@ pub(super) fn run(
     for path in paths {
         let log = asked.log(std::slice::from_ref(path))?;
         for file in log.files() {
-            note_input(session, file)?;
+            session.used_file(file)?;
         }
         logs.push(log);
     }
-    let found = calibrate_radius(&logs, &asked.robot, &asked.options).map_err(replay_error)?;
-    let document = Document::read(robot_path).map_err(|error| file_error(&error))?;
-    let rewritten =
-        robot::with_radii_scaled(&document, found.factor).map_err(|error| file_error(&error))?;
+    let found = calibrate_radius(&logs, &asked.robot, &asked.options)?;
+    let document = Document::read(robot_path)?;
+    let rewritten = robot::with_radii_scaled(&document, found.factor)?;
     let written = output.write_all(rewritten.as_bytes());
     written.map_err(|error| Error::file("write", target, &error))?;
     output.finish()?;

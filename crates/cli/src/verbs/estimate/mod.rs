@@ -9,7 +9,7 @@ mod text;
 
 use std::ffi::OsString;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
@@ -22,15 +22,14 @@ use grouser_slip::Reference;
 use self::object::object;
 use self::output::Outputs;
 use self::text::text;
-use crate::error::{Error, Outcome, Result};
-use crate::input::Input;
-use crate::law_error::Names;
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
-use crate::verbs::log::printable;
 use grouser_report::number::parse_finite;
+use grouser_report::printable;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -120,7 +119,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
-        session.used_soil(&chosen, &arguments.overrides);
+        chosen.note(&arguments.overrides, session);
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
@@ -143,12 +142,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
-        note_input(session, file)?;
+        session.used_file(file)?;
     }
     let readings = match &soil {
-        Some(chosen) => {
-            soil_readings(&summary, &asked.robot.robot, &chosen.soil).map_err(replay_error)?
-        }
+        Some(chosen) => soil_readings(&summary, &asked.robot.robot, &chosen.soil)?,
         None => Vec::new(),
     };
     let mut text = text(
@@ -190,8 +187,8 @@ impl Take for Watched<'_> {
 }
 
 fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
-    let robot = robot::read(&arguments.robot).map_err(|error| file_error(&error))?;
-    note_input(session, &arguments.robot)?;
+    let robot = robot::read(&arguments.robot)?;
+    session.used_file(&arguments.robot)?;
     let map = column_map(arguments, &robot, session)?;
     Ok(Asked {
         robot,
@@ -219,7 +216,7 @@ fn column_map(
         Some(path) => path,
         None if robot.columns.is_some() => return Ok(robot.columns.clone()),
         None if beside.exists() => &beside,
-        None if !Log::needs_columns(&arguments.logs).map_err(log_error)? => return Ok(None),
+        None if !Log::needs_columns(&arguments.logs)? => return Ok(None),
         None => {
             return Err(Error::usage(
                 "no column map is given, and there is no `columns.toml` beside the robot file",
@@ -228,24 +225,16 @@ fn column_map(
             ));
         }
     };
-    let columns = columns::read(path).map_err(|error| file_error(&error))?;
-    note_input(session, path)?;
+    let columns = columns::read(path)?;
+    session.used_file(path)?;
     Ok(Some(columns))
 }
 
 impl Asked {
     /// The log at these paths.
     pub(super) fn log(&self, paths: &[PathBuf]) -> Result<Log> {
-        Log::find_any(paths, self.map.clone(), &self.robot.topics).map_err(log_error)
+        Ok(Log::find_any(paths, self.map.clone(), &self.robot.topics)?)
     }
-}
-
-/// Reads a file once more for its hash.
-pub(super) fn note_input(session: &mut Session, path: &Path) -> Result<()> {
-    let mut input = Input::open(path)?;
-    io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
-    session.used_input(input);
-    Ok(())
 }
 
 /// The topics that were used of bags and MCAP files; of tables the column map says it.
@@ -321,25 +310,4 @@ fn warnings(
         }
     }
     out
-}
-
-pub(super) fn file_error(error: &grouser_files::Error) -> Error {
-    Error::Usage {
-        message: error.to_string(),
-        hint: error.hint(),
-    }
-}
-
-pub(super) fn log_error(error: grouser_log::Error) -> Error {
-    replay_error(error.into())
-}
-
-pub(super) fn replay_error(error: grouser_replay::Error) -> Error {
-    match error {
-        grouser_replay::Error::Soil(error) => Names::Columns.error(&error),
-        error => Error::Usage {
-            message: error.to_string(),
-            hint: error.hint(),
-        },
-    }
 }

@@ -6,7 +6,7 @@ use grouser_slip::detect::Event;
 use serde_json::{Value, json};
 
 use super::text::culprit;
-use crate::report::Object;
+use grouser_report::Object;
 
 pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
     let mut along = spread(&summary.along.slip);

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use grouser_files::{Document, soil};
 use grouser_identify::{Identification, Job, identify};
 
-use crate::error::{Error, Outcome, Result, shown};
+use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
 use crate::input::Input;
 use crate::law_error::Names;

@@ -8,7 +8,7 @@ use grouser_identify::wheel::Quantity;
 use grouser_identify::{Identification, WheelStage};
 use serde_json::Value;
 
-use crate::report::Object;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::rounded;
 

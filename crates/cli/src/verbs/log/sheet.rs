@@ -4,14 +4,12 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::columns::Meaning;
 use grouser_log::{Sheet, SheetColumn};
-use serde_json::Value;
+use grouser_report::Fields;
 
-use super::{keyed, printable};
-use crate::report::{Object, Report};
-use grouser_report::Table;
+use crate::report::Report;
 
 pub(super) fn report(sheet: &Sheet) -> Report {
-    let mut report = Report::done(object(sheet), text(sheet));
+    let mut report = Report::done(fields().object(sheet), text(sheet));
     if sheet.ragged > 0 {
         report.warnings.push(format!(
             "{} lines have another number of fields than the header",
@@ -57,50 +55,81 @@ fn meaning(sheet: &Sheet, index: usize) -> String {
     format!("{}{wheel} in {}", guess.meaning.name(), guess.unit)
 }
 
-fn object(sheet: &Sheet) -> Object {
-    let bounded = |column: &SheetColumn, bound: f64| (column.numbers > 0).then_some(bound);
-    let columns = sheet.columns.iter().enumerate().map(|(index, column)| {
-        let probably = meaning(sheet, index);
-        Value::Object(keyed([
-            ("column", Value::from(column.name.as_str())),
-            ("first", Value::from(column.first.as_str())),
-            ("numbers", Value::from(column.numbers)),
-            ("empty", Value::from(column.empty)),
-            ("others", Value::from(column.others)),
-            ("least", Value::from(bounded(column, column.least))),
-            ("greatest", Value::from(bounded(column, column.greatest))),
-            (
-                "probably",
-                Value::from((!probably.is_empty()).then_some(probably)),
-            ),
-        ]))
-    });
-    let time = sheet.time.as_ref();
-    keyed([
-        ("format", Value::from("CSV")),
-        (
-            "separator",
-            Value::from(char::from(sheet.separator).to_string()),
-        ),
-        (
-            "decimal",
-            Value::from(char::from(sheet.decimal).to_string()),
-        ),
-        ("header_lines", Value::from(sheet.header_lines)),
-        ("names_line", Value::from(sheet.names_line)),
-        ("rows", Value::from(sheet.rows)),
-        ("ragged_rows", Value::from(sheet.ragged)),
-        ("duration_s", Value::from(time.map(|time| time.duration_s))),
-        ("rate_hz", Value::from(time.and_then(|time| time.rate_hz))),
-        (
-            "longest_interval_s",
-            Value::from(time.map(|time| time.longest_s)),
-        ),
-        ("gaps", Value::from(time.map(|time| time.gaps))),
-        ("clock_jumps", Value::from(time.map(|time| time.jumps))),
-        ("columns", columns.collect()),
-        ("lacks", lacks(sheet).into()),
-    ])
+/// A column and its place in the sheet.
+type Column<'a> = (&'a Sheet, usize);
+
+fn column<'a>() -> Fields<'a, Column<'a>> {
+    fn of<'a>((sheet, index): Column<'a>) -> &'a SheetColumn {
+        &sheet.columns[index]
+    }
+    fn bound(column: &SheetColumn, bound: f64) -> Option<f64> {
+        (column.numbers > 0).then_some(bound)
+    }
+    let probably =
+        |(sheet, index): Column<'a>| Some(meaning(sheet, index)).filter(|words| !words.is_empty());
+    Fields::new()
+        .field("column", "column", |c: Column<'a>| of(c).name.as_str())
+        .shown("")
+        .field("first", "first", |c| of(c).first.as_str())
+        .shown("")
+        .field("numbers", "cells with a number", |c| of(c).numbers)
+        .field("empty", "empty", |c| of(c).empty)
+        .shown("")
+        .field("others", "cells with something else", |c| of(c).others)
+        .field("least", "least", |c| bound(of(c), of(c).least))
+        .shown("")
+        .all_digits()
+        .field("greatest", "greatest", |c| bound(of(c), of(c).greatest))
+        .shown("")
+        .all_digits()
+        .field("probably", "probably", probably)
+        .shown("")
+        .missing("")
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, &'a Sheet> {
+    let letter = |byte: u8| char::from(byte).to_string();
+    Fields::new()
+        .field("format", "format", |_: &Sheet| "CSV")
+        .field("separator", "character between fields", move |sheet| {
+            letter(sheet.separator)
+        })
+        .field("decimal", "decimal mark", move |sheet| {
+            letter(sheet.decimal)
+        })
+        .field("header_lines", "lines before the first row", |sheet| {
+            sheet.header_lines
+        })
+        .field("names_line", "line with the names", |sheet| {
+            sheet.names_line
+        })
+        .field("rows", "rows", |sheet| sheet.rows)
+        .field(
+            "ragged_rows",
+            "rows with another number of fields than the header",
+            |sheet| sheet.ragged,
+        )
+        .field(
+            "duration_s",
+            "time from the first row to the last",
+            |sheet| Some(sheet.time.as_ref()?.duration_s),
+        )
+        .field("rate_hz", "rate", |sheet| sheet.time.as_ref()?.rate_hz)
+        .field("longest_interval_s", "longest interval", |sheet| {
+            Some(sheet.time.as_ref()?.longest_s)
+        })
+        .field("gaps", "gaps", |sheet| Some(sheet.time.as_ref()?.gaps))
+        .field("clock_jumps", "clock jumps", |sheet| {
+            Some(sheet.time.as_ref()?.jumps)
+        })
+        .rows("columns", "columns", column(), |sheet: &'a Sheet| {
+            (0..sheet.columns.len()).map(move |index| (sheet, index))
+        })
+        .field(
+            "lacks",
+            "what an estimate of slip needs and no column seems to hold",
+            lacks,
+        )
 }
 
 fn text(sheet: &Sheet) -> String {
@@ -120,31 +149,8 @@ fn text(sheet: &Sheet) -> String {
         }
     }
     out.push_str("\n\n");
-    let mut table = Table::new()
-        .text("column")
-        .text("first")
-        .number("least")
-        .number("greatest")
-        .number("empty")
-        .text("probably");
-    for (index, column) in sheet.columns.iter().enumerate() {
-        let bound = |bound: f64| {
-            if column.numbers > 0 {
-                format!("{bound}")
-            } else {
-                "–".to_owned()
-            }
-        };
-        table.row([
-            printable(&column.name),
-            printable(&column.first),
-            bound(column.least),
-            bound(column.greatest),
-            column.empty.to_string(),
-            meaning(sheet, index),
-        ]);
-    }
-    out.push_str(&table.render());
+    let seen = column().pick(&["column", "first", "least", "greatest", "empty", "probably"]);
+    out.push_str(&seen.table((0..sheet.columns.len()).map(|index| (sheet, index))));
     let missing = lacks(sheet);
     if missing.is_empty() {
         out.push_str("\nhas time, wheels, yaw rate and motion, by the names of its columns\n");

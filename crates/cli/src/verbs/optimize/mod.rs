@@ -12,7 +12,8 @@ use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
 use grouser_opt::{Limit, Status};
 
-use crate::error::{Error, Outcome, Result};
+use crate::error::Result;
+use crate::exit::Outcome;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
@@ -77,18 +78,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure,
         warnings,
     })
-}
-
-impl From<grouser_design::Error> for Error {
-    fn from(error: grouser_design::Error) -> Self {
-        match error {
-            grouser_design::Error::File(error) => error.into(),
-            error => Self::Usage {
-                hint: error.hint(),
-                message: error.to_string(),
-            },
-        }
-    }
 }
 
 /// Why there is no solution; `None` where there is one.

@@ -4,7 +4,7 @@ use grouser_design::{Answer, Compromise, Design, Optimum, Trade};
 use grouser_opt::{Counts, Kkt, Status};
 use serde_json::Value;
 
-use crate::report::Object;
+use grouser_report::Object;
 
 /// Every key, `null` where it does not apply.
 pub(super) fn object(design: &Design, answer: &Answer) -> Object {

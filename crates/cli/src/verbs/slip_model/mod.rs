@@ -9,7 +9,8 @@ use std::path::PathBuf;
 use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip, slip_model};
 
 use self::grid::{Axes, Values};
-use crate::error::{Error, Outcome, Result};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
 use crate::report::Report;
@@ -140,7 +141,7 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
                 }
             };
             let chosen = choose(name, &overrides)?;
-            session.used_soil(&chosen, &arguments.overrides);
+            chosen.note(&arguments.overrides, session);
             Some(chosen.soil)
         }
         None => None,

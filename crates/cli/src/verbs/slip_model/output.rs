@@ -6,7 +6,7 @@ use grouser_terra::{Mobilised, ModelSlip};
 use serde_json::Value;
 
 use super::Point;
-use crate::report::Object;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::{exact, short, shown};
 

@@ -8,13 +8,15 @@ use std::path::PathBuf;
 use grouser_terra::{Angle, OperatingPoint, SlopeOutcome, WheelOnSoil};
 use serde_json::Value;
 
-use crate::error::{Outcome, Result};
+use crate::error::Result;
+use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::WheelArguments;
+use grouser_report::Object;
 use grouser_report::Table;
 use grouser_report::number::{parse_finite, shown};
 

@@ -1,0 +1,382 @@
+//! The list of a result's quantities and its views.
+
+use serde_json::Value;
+
+use crate::datum::Datum;
+use crate::field::{Digits, Field, Place, Shown};
+use crate::{Object, Table, schema};
+
+/// The quantities of a `T`, each named once; a `T` is a reference or a small copy.
+///
+/// ```
+/// use grouser_report::Fields;
+///
+/// let log = (12.5, vec![("left".to_owned(), 0.2)]);
+/// let wheel = Fields::new().field("slip", "slip", |slip: f64| slip);
+/// let run = Fields::new()
+///     .field("duration_s", "length of the run", |run: &(f64, Vec<(String, f64)>)| run.0)
+///     .named("wheels", "each wheel", wheel, |run| run.1.iter().cloned());
+/// let object = run.object(&log);
+/// assert_eq!(object["wheels"]["left"]["slip"], 0.2);
+/// ```
+pub struct Fields<'a, T> {
+    list: Vec<Field<'a, T>>,
+}
+
+impl<T> Default for Fields<'_, T> {
+    fn default() -> Self {
+        Self { list: Vec::new() }
+    }
+}
+
+impl<'a, T: Copy + 'a> Fields<'a, T> {
+    /// An empty list.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A quantity.
+    #[must_use]
+    pub fn field<D: Datum>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        value: impl Fn(T) -> D + 'a,
+    ) -> Self {
+        self.with(key, words, D::schema(), move |of| value(of).json())
+    }
+
+    /// Quantities that belong together, as an object of their own; `null` where there are none.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let spread = Fields::new().field("median", "median", |spread: [f64; 2]| spread[0]);
+    /// let run = Fields::new().group("slip", "slip", spread, |run: [f64; 2]| Some(run));
+    /// assert_eq!(run.object([0.1, 0.2])["slip"]["median"], 0.1);
+    /// ```
+    #[must_use]
+    pub fn group<U: Copy + 'a, R: Into<Option<U>>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        fields: Fields<'a, U>,
+        value: impl Fn(T) -> R + 'a,
+    ) -> Self {
+        let schema = schema::or_null(fields.schema());
+        self.with(key, words, schema, move |of| {
+            let value: Option<U> = value(of).into();
+            value.map_or(Value::Null, |value| Value::Object(fields.object(value)))
+        })
+    }
+
+    /// A list of objects.
+    #[must_use]
+    pub fn rows<U: Copy + 'a, I: IntoIterator<Item = U>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        fields: Fields<'a, U>,
+        rows: impl Fn(T) -> I + 'a,
+    ) -> Self {
+        let schema = schema::list(&fields.schema());
+        self.with(key, words, schema, move |of| {
+            let rows = rows(of).into_iter();
+            rows.map(|row| Value::Object(fields.object(row))).collect()
+        })
+    }
+
+    /// Objects by name.
+    #[must_use]
+    pub fn named<U: Copy + 'a, N: Into<String>, I: IntoIterator<Item = (N, U)>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        fields: Fields<'a, U>,
+        items: impl Fn(T) -> I + 'a,
+    ) -> Self {
+        let schema = schema::named(&fields.schema());
+        self.with(key, words, schema, move |of| {
+            let items = items(of).into_iter();
+            let object = items.map(|(name, item)| (name.into(), fields.object(item).into()));
+            Value::Object(object.collect())
+        })
+    }
+
+    /// Values by name; `null` where there are none.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let point = Fields::new().values("x", "variables", |x: f64| Some([("radius_m", x)]));
+    /// assert_eq!(point.object(0.1)["x"]["radius_m"], 0.1);
+    /// ```
+    #[must_use]
+    pub fn values<D: Datum, N: Into<String>, I: IntoIterator<Item = (N, D)>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        values: impl Fn(T) -> Option<I> + 'a,
+    ) -> Self {
+        let schema = schema::or_null(schema::named(&D::schema()));
+        self.with(key, words, schema, move |of| match values(of) {
+            Some(values) => {
+                let values = values.into_iter();
+                Value::Object(values.map(|(name, v)| (name.into(), v.json())).collect())
+            }
+            None => Value::Null,
+        })
+    }
+
+    /// The quantities of a part, at the same level.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let force = Fields::new().field("load_n", "load", |load: f64| load);
+    /// let wheel = Fields::new().join(force, |wheel: [f64; 2]| wheel[0]);
+    /// assert_eq!(wheel.object([80.0, 0.1])["load_n"], 80.0);
+    /// ```
+    #[must_use]
+    pub fn join<U: Copy + 'a>(
+        mut self,
+        part: Fields<'a, U>,
+        of: impl Fn(T) -> U + Clone + 'a,
+    ) -> Self {
+        self.list.extend(part.list.into_iter().map(|field| {
+            let of = of.clone();
+            let value = field.value;
+            Field {
+                key: field.key,
+                words: field.words,
+                schema: field.schema,
+                value: Box::new(move |whole| value(of(whole))),
+                shown: field.shown,
+                is_given: field.is_given,
+                place: field.place,
+            }
+        }));
+        self
+    }
+
+    /// People see the last quantity too, in this unit (its key's, `mm` for m, `%` for a share, `deg` for rad).
+    #[must_use]
+    pub fn shown(mut self, unit: &'static str) -> Self {
+        if let Some(field) = self.list.last_mut() {
+            field.shown = Some(Shown {
+                label: field.words,
+                unit,
+                digits: Digits::Significant(5),
+                missing: "–",
+            });
+        }
+        self
+    }
+
+    /// People see the last quantity under another name.
+    #[must_use]
+    pub fn label(self, label: &'static str) -> Self {
+        self.seen(|shown| shown.label = label)
+    }
+
+    /// People see the last quantity with this many significant digits; 5 by default.
+    #[must_use]
+    pub fn digits(self, digits: usize) -> Self {
+        self.seen(|shown| shown.digits = Digits::Significant(digits))
+    }
+
+    /// People see the last quantity with this many decimal places.
+    #[must_use]
+    pub fn decimals(self, places: usize) -> Self {
+        self.seen(|shown| shown.digits = Digits::Decimals(places))
+    }
+
+    /// People see the last quantity with as many digits as it needs.
+    #[must_use]
+    pub fn all_digits(self) -> Self {
+        self.seen(|shown| shown.digits = Digits::All)
+    }
+
+    /// What people see where the last quantity has no value; a dash by default.
+    #[must_use]
+    pub fn missing(self, words: &'static str) -> Self {
+        self.seen(|shown| shown.missing = words)
+    }
+
+    /// The last quantity was given, not computed: a CSV table repeats it with as few digits as it needs.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("radius_m", "radius", |r: f64| r).given();
+    /// assert_eq!(fields.csv([0.1]), "radius_m\n0.1\n");
+    /// ```
+    #[must_use]
+    pub fn given(mut self) -> Self {
+        if let Some(field) = self.list.last_mut() {
+            field.is_given = true;
+        }
+        self
+    }
+
+    /// The last quantity stands in the JSON object only where it has a value.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("file", "file", |file: Option<u8>| file).optional();
+    /// assert!(fields.object(None).is_empty());
+    /// ```
+    #[must_use]
+    pub fn optional(mut self) -> Self {
+        if let Some(field) = self.list.last_mut() {
+            field.place = Place::WhereKnown;
+        }
+        self
+    }
+
+    /// Words that only people see: a line or a column that programs find in other quantities.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().remark("state", |slip: f64| if slip < 1.0 { "drives" } else { "spins" });
+    /// assert_eq!(fields.table([0.5]), "state\ndrives\n");
+    /// assert!(fields.object(0.5).is_empty());
+    /// ```
+    #[must_use]
+    pub fn remark<S: Into<String>>(self, label: &'static str, text: impl Fn(T) -> S + 'a) -> Self {
+        let mut fields = self
+            .with(label, label, String::schema(), move |of| {
+                Value::String(text(of).into())
+            })
+            .shown("");
+        if let Some(field) = fields.list.last_mut() {
+            field.place = Place::Text;
+        }
+        fields
+    }
+
+    /// The quantities with these keys, in this order.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("a", "a", |x: f64| x).field("b", "b", |x: f64| x);
+    /// assert_eq!(fields.pick(&["b"]).csv([0.5]), "b\n0.5\n");
+    /// ```
+    #[must_use]
+    pub fn pick(mut self, keys: &[&str]) -> Self {
+        let place = |field: &Field<'_, T>| keys.iter().position(|key| *key == field.key);
+        self.list.retain(|field| place(field).is_some());
+        self.list.sort_by_key(place);
+        self
+    }
+
+    /// All quantities as a JSON object.
+    #[must_use]
+    pub fn object(&self, of: T) -> Object {
+        let mut object = Object::new();
+        for field in self.list.iter().filter(|field| field.place != Place::Text) {
+            let value = (field.value)(of);
+            if field.place == Place::Everywhere || !value.is_null() {
+                object.insert(field.key.to_owned(), value);
+            }
+        }
+        object
+    }
+
+    /// The JSON schema of [`Fields::object`].
+    #[must_use]
+    pub fn schema(&self) -> Value {
+        schema::object(&self.list)
+    }
+
+    /// What people see: a line for each quantity, with its value and unit.
+    #[must_use]
+    pub fn lines(&self, of: T) -> String {
+        let mut table = Table::new().text("").number("").text("");
+        self.add_lines(&mut table, of);
+        table.render_body()
+    }
+
+    /// The same, as rows of a table with the columns name, value and unit.
+    pub fn add_lines(&self, table: &mut Table, of: T) {
+        for field in &self.list {
+            if let Some(shown) = field.shown {
+                let value = field.cell(&(field.value)(of));
+                table.row([shown.label, &value, shown.unit]);
+            }
+        }
+    }
+
+    /// What people see of many: a column for each quantity, its unit in the header.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("sinkage_m", "sinkage", |z: f64| z).shown("mm");
+    /// assert_eq!(fields.table([0.01, 0.02]), "sinkage mm\n        10\n        20\n");
+    /// ```
+    #[must_use]
+    pub fn table(&self, rows: impl IntoIterator<Item = T>) -> String {
+        let seen = || self.list.iter().filter(|field| field.shown.is_some());
+        let mut table = Table::new();
+        for (field, shown) in seen().filter_map(|field| Some((field, field.shown?))) {
+            let header = format!("{} {}", shown.label, shown.unit);
+            table = if field.is_number() {
+                table.number(header.trim_end())
+            } else {
+                table.text(header.trim_end())
+            };
+        }
+        for row in rows {
+            table.row(seen().map(|field| field.cell(&(field.value)(row))));
+        }
+        table.render()
+    }
+
+    /// A CSV table: the keys, then the values with all their digits.
+    #[must_use]
+    pub fn csv(&self, rows: impl IntoIterator<Item = T>) -> String {
+        let columns = || self.list.iter().filter(|field| field.place != Place::Text);
+        let mut text = columns()
+            .map(|field| field.key)
+            .collect::<Vec<_>>()
+            .join(",")
+            + "\n";
+        for row in rows {
+            let cells = columns().map(|field| field.csv_cell(&(field.value)(row)));
+            text.push_str(&cells.collect::<Vec<_>>().join(","));
+            text.push('\n');
+        }
+        text
+    }
+
+    fn with(
+        mut self,
+        key: &'static str,
+        words: &'static str,
+        schema: Value,
+        value: impl Fn(T) -> Value + 'a,
+    ) -> Self {
+        self.list.push(Field {
+            key,
+            words,
+            schema,
+            value: Box::new(value),
+            shown: None,
+            is_given: false,
+            place: Place::Everywhere,
+        });
+        self
+    }
+
+    fn seen(mut self, change: impl Fn(&mut Shown)) -> Self {
+        if let Some(shown) = self.list.last_mut().and_then(|field| field.shown.as_mut()) {
+            change(shown);
+        }
+        self
+    }
+}
