@@ -81,7 +81,7 @@ pub fn run() {
         timed(|s, load| {
             let motion = grouser_terra::Kinematics::straight(slip(s));
             let found = pair.sinkage_under(load, &motion).expect("a search");
-            let sinkage = found.sinkage.expect("carried");
+            let sinkage = found.sinkage().expect("carried");
             pair.forces_at(sinkage, &motion)
                 .expect("forces")
                 .drawbar_pull

@@ -129,7 +129,7 @@ fn worst_angle(set: &Points, out: &[BatchOutcome], load: &[f64]) -> f64 {
             let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
             let found = pair.sinkage_under(load[i], &motion).expect("a search");
             let angle = |z: f64| entry_angle(z, set.radius[i]);
-            let exact = angle(found.sinkage.expect("carried"));
+            let exact = angle(found.sinkage().expect("carried"));
             (angle(done(&out[i]).sinkage) / exact - 1.0).abs()
         })
         .fold(0.0, f64::max)
