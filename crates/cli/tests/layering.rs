@@ -60,9 +60,13 @@ const FLOORS: &[(&str, &[&str])] = &[
         "grouser-synthetic",
         &["grouser-terra", "grouser-slip", "grouser-log"],
     ),
+    ("grouser-figure", &[]),
+    ("grouser-report", &[]),
     (
         "grouser",
         &[
+            "grouser-figure",
+            "grouser-report",
             "grouser-real",
             "grouser-terra",
             "grouser-opt",

@@ -12,12 +12,12 @@ use super::paper_page::{Block, Page};
 use super::paper_problem::{self, Solved};
 use super::paper_run::SandRun;
 use crate::error::{Error, Result, shown as shown_path};
-use crate::number::{rounded, shown};
 use crate::output::OutputFile;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
 use grouser_campaign::paper::{STATEMENTS, Verdict};
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
 
 #[derive(clap::Args, Debug)]
 #[command(

@@ -8,9 +8,9 @@ use grouser_design::{Answer, Quantity};
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
-use crate::number::exact;
 use crate::report::Object;
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
+use grouser_report::number::exact;
 
 /// Starts of each reading.
 const STARTS: usize = 16;

@@ -3,7 +3,7 @@
 use grouser_campaign::validate::{ModelName, Series, Validation};
 use grouser_identify::wheel::Quantity;
 
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};
 
 /// Pull, side force and sinkage of the smooth wheel at three slip angles; the first column was fitted, the others
 /// are predicted.
