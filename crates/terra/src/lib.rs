@@ -75,9 +75,7 @@ pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
-pub use lanes::{
-    BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes,
-};
+pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};

@@ -6,9 +6,9 @@ use crate::caution::Caution;
 use crate::contact::sinkage_from_entry_angle;
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
-use crate::status::SolveStatus;
 use crate::operating_point::OperatingPoint;
 use crate::pressure::Pressure;
+use crate::status::SolveStatus;
 use crate::wheel_on_soil::WheelOnSoil;
 
 /// Largest |ln(W/load)| from which one more Newton step lands within rounding: the error of a step is of
@@ -268,12 +268,7 @@ impl WheelOnSoil {
 
     /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
     /// rising. Source of the start: Bekker's closed form for a wheel without shear \[Bekker69\].
-    fn newton(
-        &self,
-        load: f64,
-        kinematics: &Kinematics,
-        search: &mut Search,
-    ) -> LoadOutcome<f64> {
+    fn newton(&self, load: f64, kinematics: &Kinematics, search: &mut Search) -> LoadOutcome<f64> {
         let mut theta_1 = self.bekker_start(load);
         for _ in 0..STEPS {
             if theta_1 >= search.high && !search.proven {

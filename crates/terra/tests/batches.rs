@@ -49,8 +49,12 @@ struct Solved {
 
 /// The points of a batch of `n` that `solve` writes.
 fn batch(n: usize, solve: impl FnOnce(&mut BatchColumns<'_>) -> Result<(), Error>) -> Vec<Solved> {
-    let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] =
-        [(); 4].map(|()| vec![f64::NAN; n]);
+    let [
+        mut sinkage,
+        mut vertical_force,
+        mut drawbar_pull,
+        mut torque,
+    ] = [(); 4].map(|()| vec![f64::NAN; n]);
     let mut status = vec![SolveStatus::default(); n];
     solve(&mut BatchColumns {
         sinkage: &mut sinkage,

@@ -200,11 +200,10 @@ impl BatchKernel {
         let mut plan = Plan::new();
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
-            let [radius, width, rebound, slip, given] =
-                core::array::from_fn(|k| match inputs[k] {
-                    BatchInput::Constant(_) => &constants[k][..range.len()],
-                    BatchInput::Column(column) => &column[range.clone()],
-                });
+            let [radius, width, rebound, slip, given] = core::array::from_fn(|k| match inputs[k] {
+                BatchInput::Constant(_) => &constants[k][..range.len()],
+                BatchInput::Column(column) => &column[range.clone()],
+            });
             let inputs = Inputs {
                 radius,
                 width,
@@ -255,7 +254,12 @@ impl BatchKernel {
     }
 
     /// One point through the general kernel: its status, sinkage, vertical force, drawbar pull and torque.
-    fn single(&self, inputs: &Inputs<'_>, i: usize, solve: bool) -> Result<(SolveStatus, [f64; 4])> {
+    fn single(
+        &self,
+        inputs: &Inputs<'_>,
+        i: usize,
+        solve: bool,
+    ) -> Result<(SolveStatus, [f64; 4])> {
         let soil = self.soil.with_rebound(inputs.rebound[i])?;
         let wheel = RigidWheel::new(inputs.radius[i], inputs.width[i])?;
         let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;

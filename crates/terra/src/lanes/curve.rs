@@ -85,7 +85,10 @@ impl Smooth {
     /// node has no solution.
     pub(super) fn of(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, level: Level) -> Option<Self> {
         let inputs = chunk.inputs;
-        let good = inputs.slip.iter().filter(|slip| (0.0..=1.0).contains(*slip));
+        let good = inputs
+            .slip
+            .iter()
+            .filter(|slip| (0.0..=1.0).contains(*slip));
         let (low, high) = good.fold((1.0, 0.0), |(low, high): (f64, f64), &slip| {
             (low.min(slip), high.max(slip))
         });
@@ -94,7 +97,12 @@ impl Smooth {
         }
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let slip: [f64; NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
-        let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] = [[0.0; NODES]; 4];
+        let [
+            mut sinkage,
+            mut vertical_force,
+            mut drawbar_pull,
+            mut torque,
+        ] = [[0.0; NODES]; 4];
         let mut status = [SolveStatus::NotConverged; NODES];
         let mut nodes = Chunk {
             prepared: chunk.prepared,

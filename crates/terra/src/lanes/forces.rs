@@ -117,10 +117,7 @@ struct Placed<V> {
 impl<V: Vector> Placed<V> {
     /// Points by radius, width, rebound ratio, slip and sinkage over radius.
     #[inline(always)]
-    fn new(
-        prepared: &Prepared,
-        [radius, width, rebound, slip, z_over_r]: [V; 5],
-    ) -> Self {
+    fn new(prepared: &Prepared, [radius, width, rebound, slip, z_over_r]: [V; 5]) -> Self {
         let c = V::from_f64;
         let modulus = prepared.modulus(width);
         let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
