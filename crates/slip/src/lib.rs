@@ -72,6 +72,7 @@ pub mod prior;
 mod reference;
 mod robot;
 mod sample;
+pub mod settings;
 mod speed;
 pub mod start;
 mod state;
