@@ -11,9 +11,7 @@
 mod noise;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
-use grouser_slip::{
-    CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelRole,
-};
+use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelRole};
 use grouser_terra::Angle;
 use noise::Noise;
 
