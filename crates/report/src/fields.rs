@@ -6,7 +6,7 @@ use crate::datum::Datum;
 use crate::field::{Digits, Field, Place, Shown};
 use crate::{Object, Table, schema};
 
-/// The quantities of a `T`, each named once; a `T` is a reference or a small copy.
+/// The quantities of a `T`, each named once; a `T` is a reference or small: each quantity takes a clone of it.
 ///
 /// ```
 /// use grouser_report::Fields;
@@ -29,7 +29,7 @@ impl<T> Default for Fields<'_, T> {
     }
 }
 
-impl<'a, T: Copy + 'a> Fields<'a, T> {
+impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// An empty list.
     #[must_use]
     pub fn new() -> Self {
@@ -57,7 +57,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
     /// assert_eq!(run.object([0.1, 0.2])["slip"]["median"], 0.1);
     /// ```
     #[must_use]
-    pub fn group<U: Copy + 'a, R: Into<Option<U>>>(
+    pub fn group<U: Clone + 'a, R: Into<Option<U>>>(
         self,
         key: &'static str,
         words: &'static str,
@@ -73,7 +73,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
 
     /// A list of objects.
     #[must_use]
-    pub fn rows<U: Copy + 'a, I: IntoIterator<Item = U>>(
+    pub fn rows<U: Clone + 'a, I: IntoIterator<Item = U>>(
         self,
         key: &'static str,
         words: &'static str,
@@ -89,7 +89,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
 
     /// Objects by name.
     #[must_use]
-    pub fn named<U: Copy + 'a, N: Into<String>, I: IntoIterator<Item = (N, U)>>(
+    pub fn named<U: Clone + 'a, N: Into<String>, I: IntoIterator<Item = (N, U)>>(
         self,
         key: &'static str,
         words: &'static str,
@@ -139,7 +139,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
     /// assert_eq!(wheel.object([80.0, 0.1])["load_n"], 80.0);
     /// ```
     #[must_use]
-    pub fn join<U: Copy + 'a>(
+    pub fn join<U: Clone + 'a>(
         mut self,
         part: Fields<'a, U>,
         of: impl Fn(T) -> U + Clone + 'a,
@@ -279,7 +279,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
     pub fn object(&self, of: T) -> Object {
         let mut object = Object::new();
         for field in self.list.iter().filter(|field| field.place != Place::Text) {
-            let value = (field.value)(of);
+            let value = (field.value)(of.clone());
             if field.place == Place::Everywhere || !value.is_null() {
                 object.insert(field.key.to_owned(), value);
             }
@@ -305,7 +305,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
     pub fn add_lines(&self, table: &mut Table, of: T) {
         for field in &self.list {
             if let Some(shown) = field.shown {
-                let value = field.cell(&(field.value)(of));
+                let value = field.cell(&(field.value)(of.clone()));
                 table.row([shown.label, &value, shown.unit]);
             }
         }
@@ -332,7 +332,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
             };
         }
         for row in rows {
-            table.row(seen().map(|field| field.cell(&(field.value)(row))));
+            table.row(seen().map(|field| field.cell(&(field.value)(row.clone()))));
         }
         table.render()
     }
@@ -347,7 +347,7 @@ impl<'a, T: Copy + 'a> Fields<'a, T> {
             .join(",")
             + "\n";
         for row in rows {
-            let cells = columns().map(|field| field.csv_cell(&(field.value)(row)));
+            let cells = columns().map(|field| field.csv_cell(&(field.value)(row.clone())));
             text.push_str(&cells.collect::<Vec<_>>().join(","));
             text.push('\n');
         }

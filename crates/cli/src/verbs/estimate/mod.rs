@@ -5,6 +5,7 @@ mod figure;
 mod mcap;
 mod object;
 mod output;
+mod request;
 mod text;
 
 use std::ffi::OsString;
@@ -19,8 +20,9 @@ use grouser_replay::{
 };
 use grouser_slip::Reference;
 
-use self::object::object;
+use self::object::{Found, fields};
 use self::output::Outputs;
+use self::request::Request;
 use self::text::text;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
@@ -33,7 +35,7 @@ use grouser_report::printable;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Tell the slip of every wheel from a recorded log",
+    about = "Estimate the slip of every wheel from a recorded log",
     after_help = "A LOG is a file (MCAP, a ROS 1 bag, or CSV, plain or gzip), a folder, or the beginning that the names of one \
         run's files share.\n\nExample:\n  grouser estimate examples/five-wheel/log.csv --robot \
         examples/five-wheel/robot.toml --soil dry-sand -o slip.svg"
@@ -105,17 +107,10 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
         .ok_or_else(|| "must be one of count, angle, rate".to_owned())
 }
 
-/// What a log is read with.
-pub(super) struct Asked {
-    pub(super) robot: RobotFile,
-    pub(super) map: Option<ColumnMap>,
-    pub(super) options: Options,
-}
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let asked = asked(arguments, session)?;
+    let request = request(arguments, session)?;
     if let Some(target) = &arguments.calibrate_radius {
-        return calibration::run(&arguments.logs, &arguments.robot, &asked, target, session);
+        return calibration::run(&arguments.logs, &arguments.robot, &request, target, session);
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
@@ -123,8 +118,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
-    let log = asked.log(&arguments.logs)?;
-    let wheels = asked.robot.robot.wheels();
+    let log = request.log(&arguments.logs)?;
+    let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
     // Clocks are aligned in a pass of their own.
     let passes = if log.unaligned_sources().is_empty() {
@@ -138,30 +133,34 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         progress: &progress,
         outputs: &mut outputs,
     };
-    let summary = run_with(&log, &asked.robot, &asked.options, &mut watched);
+    let summary = run_with(&log, &request.robot, &request.options, &mut watched);
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
         session.used_file(file)?;
     }
     let readings = match &soil {
-        Some(chosen) => soil_readings(&summary, &asked.robot.robot, &chosen.soil)?,
+        Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
     };
     let mut text = text(
-        &asked.robot,
+        &request.robot,
         &summary,
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
     text.push_str(&topics(&log));
-    text.push_str(&outputs.finish(&asked.robot, &summary)?);
+    text.push_str(&outputs.finish(&request.robot, &summary)?);
     Ok(Report {
         outcome: match summary.status {
             Status::Done => Outcome::Done,
             _ => Outcome::NoResult,
         },
-        object: object(&summary, &log, &readings),
+        object: fields().object(Found {
+            summary: &summary,
+            log: &log,
+            readings: &readings,
+        }),
         text,
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &arguments.logs, &readings),
@@ -186,11 +185,11 @@ impl Take for Watched<'_> {
     }
 }
 
-fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
+fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
     let robot = robot::read(&arguments.robot)?;
     session.used_file(&arguments.robot)?;
     let map = column_map(arguments, &robot, session)?;
-    Ok(Asked {
+    Ok(Request {
         robot,
         map,
         options: Options {
@@ -228,13 +227,6 @@ fn column_map(
     let columns = columns::read(path)?;
     session.used_file(path)?;
     Ok(Some(columns))
-}
-
-impl Asked {
-    /// The log at these paths.
-    pub(super) fn log(&self, paths: &[PathBuf]) -> Result<Log> {
-        Ok(Log::find_any(paths, self.map.clone(), &self.robot.topics)?)
-    }
 }
 
 /// The topics that were used of bags and MCAP files; of tables the column map says it.

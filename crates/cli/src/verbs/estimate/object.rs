@@ -1,172 +1,330 @@
-//! The JSON object of `estimate`.
+//! What `estimate` found, as a list of fields.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary, WheelSummary};
+use grouser_replay::{
+    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
+    TurnCheck, WheelSummary, YawSummary,
+};
+use grouser_report::Fields;
 use grouser_slip::detect::Event;
-use serde_json::{Value, json};
 
-use super::text::culprit;
-use grouser_report::Object;
-
-pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
-    let mut along = spread(&summary.along.slip);
-    along.insert("overall".to_owned(), summary.along.overall.into());
-    along.insert(
-        "travel_wheels_m".to_owned(),
-        summary.along.travel_wheels.into(),
-    );
-    along.insert(
-        "travel_reference_m".to_owned(),
-        summary.along.travel_reference.into(),
-    );
-    let rejected = summary.rejected;
-    let files = |paths: &mut dyn Iterator<Item = &std::path::Path>| -> Value {
-        paths
-            .map(|path| Value::from(path.display().to_string()))
-            .collect()
-    };
-    [
-        ("status", Value::from(summary.status.name())),
-        ("method", summary.method.name().into()),
-        ("reference", Value::from(summary.reference.name())),
-        ("wheel_sensor", Value::from(summary.wheel_sensor)),
-        ("duration_s", Value::from(summary.duration_s)),
-        ("window_s", Value::from(summary.window_s)),
-        ("wheels", Value::Object(wheels(summary, readings))),
-        ("along", Value::Object(along)),
-        ("yaw", yaw(summary).unwrap_or(Value::Null)),
-        (
-            "odometry",
-            summary.odometry.as_ref().map_or(Value::Null, odometry),
-        ),
-        (
-            "filter",
-            summary
-                .fused
-                .as_ref()
-                .map_or(Value::Null, |f| filter(f, summary)),
-        ),
-        (
-            "rejected",
-            json!({
-                "bad_value": rejected.bad_value,
-                "not_later": rejected.not_later,
-                "jump": rejected.jump,
-                "unknown": rejected.unknown,
-            }),
-        ),
-        ("files", files(&mut log.files())),
-        (
-            "unused_files",
-            files(&mut log.unused().iter().map(std::path::PathBuf::as_path)),
-        ),
-        ("topics", topics(log)),
-        ("notes", log.notes().into()),
-        ("left_out", left_out(log)),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_owned(), value))
-    .collect()
+/// All that was found.
+#[derive(Clone, Copy)]
+pub(super) struct Found<'a> {
+    pub(super) summary: &'a Summary,
+    pub(super) log: &'a Log,
+    pub(super) readings: &'a [SoilReading],
 }
 
-fn wheels(summary: &Summary, readings: &[SoilReading]) -> Object {
-    let one = |wheel: &WheelSummary| {
-        let mut one = spread(&wheel.slip);
-        one.insert(
-            "states".to_owned(),
-            shares(wheel.states.iter().map(|(n, s)| (*n, *s))),
-        );
-        let healths = wheel
-            .healths
-            .iter()
-            .map(|(name, share)| (name.as_str(), *share));
-        one.insert("healths".to_owned(), shares(healths));
-        let angle = |value: Option<f64>| value.map(f64::to_degrees);
-        one.insert(
-            "side_slip_angle_deg".to_owned(),
-            json!({
-                "median": angle(wheel.side_slip_angle.median),
-                "p5": angle(wheel.side_slip_angle.p5),
-                "p95": angle(wheel.side_slip_angle.p95),
-            }),
-        );
-        one.insert("is_reference".to_owned(), wheel.is_reference.into());
-        let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
-        one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
-        (wheel.name.clone(), Value::Object(one))
-    };
-    summary.wheels.iter().map(one).collect()
-}
+/// A part of the summary beside the whole, which has the names of the wheels.
+type Part<'a, P> = (&'a P, &'a Summary);
 
-/// The turn by the wheels beside the turn as measured.
-fn yaw(summary: &Summary) -> Option<Value> {
-    let yaw = summary.yaw?;
-    let apart = summary.turns.as_ref().map(|turns| {
-        let named = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
-        json!({
-            "first_motion_s": turns.first_motion_s,
-            "alarm_s": turns.alarm_s,
-            "alarms": turns.alarms,
-            "wheel": named.map(|wheel| wheel.name.as_str()),
-            "says": culprit(turns, summary),
-            "log_likelihood_ratio": turns.likelier,
+pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
+    let rejected = Fields::new()
+        .field(
+            "bad_value",
+            "samples with an impossible value",
+            |s: &Summary| s.rejected.bad_value,
+        )
+        .field(
+            "not_later",
+            "samples that are not later than the one before",
+            |s| s.rejected.not_later,
+        )
+        .field("jump", "samples that jump", |s| s.rejected.jump)
+        .field("unknown", "samples of an unknown sensor", |s| {
+            s.rejected.unknown
+        });
+    let topic = Fields::new()
+        .field("topic", "topic", |used: UsedTopic| used.topic)
+        .field("type", "type", |used| used.type_name)
+        .field("used_for", "what it is used for", |used| used.used_for);
+    let left_out = Fields::new()
+        .field("damages", "damaged places", |log: &'a Log| {
+            log.left_out().damages
         })
-    });
-    Some(json!({
-        "residual_median_rad": yaw.residual.median,
-        "residual_p5_rad": yaw.residual.p5,
-        "residual_p95_rad": yaw.residual.p95,
-        "clock_offset_s": summary.clock_offset_s,
-        "apart": apart,
-    }))
+        .field("bytes_lost", "bytes that are lost", |log| {
+            log.left_out().bytes_lost
+        })
+        .field("undecoded", "messages that could not be decoded", |log| {
+            log.left_out().undecoded
+        })
+        .field(
+            "late",
+            "messages that came too late for the order of time",
+            |log| log.left_out().late,
+        );
+    let shown = |path: &std::path::Path| path.display().to_string();
+    Fields::new()
+        .field("status", "how the job ended", |f: Found<'a>| {
+            f.summary.status.name()
+        })
+        .field("method", "what found the slips", |f| {
+            f.summary.method.name()
+        })
+        .field("reference", "what measures the speed over ground", |f| {
+            f.summary.reference.name()
+        })
+        .field("wheel_sensor", "what measures the wheels", |f| {
+            f.summary.wheel_sensor
+        })
+        .field("duration_s", "length of the log", |f| f.summary.duration_s)
+        .field("window_s", "time over which means are taken", |f| {
+            f.summary.window_s
+        })
+        .named("wheels", "each wheel", wheel(), |f| {
+            f.summary
+                .wheels
+                .iter()
+                .map(move |wheel| (wheel.name.as_str(), (wheel, f.readings)))
+        })
+        .group("along", "slip along the track", along(), |f| {
+            &f.summary.along
+        })
+        .group(
+            "yaw",
+            "turn by the wheels beside the turn as measured",
+            yaw(),
+            |f| Some((f.summary.yaw.as_ref()?, f.summary)),
+        )
+        .group("odometry", "odometry", odometry(), |f| {
+            f.summary.odometry.as_ref()
+        })
+        .group("filter", "the filter's checks and events", filter(), |f| {
+            Some((f.summary.fused.as_ref()?, f.summary))
+        })
+        .group("rejected", "samples that were rejected", rejected, |f| {
+            f.summary
+        })
+        .field("files", "files that were read", move |f| {
+            f.log.files().map(shown).collect::<Vec<_>>()
+        })
+        .field(
+            "unused_files",
+            "files that fit no table of the column map",
+            move |f| {
+                f.log
+                    .unused()
+                    .iter()
+                    .map(|path| shown(path))
+                    .collect::<Vec<_>>()
+            },
+        )
+        .rows(
+            "topics",
+            "topics that were used of bags and MCAP files",
+            topic,
+            |f| f.log.topics(),
+        )
+        .field("notes", "remarks about the log", |f| f.log.notes().to_vec())
+        .group("left_out", "what was left out", left_out, |f| f.log)
 }
 
-/// The topics that were used of bags and MCAP files.
-fn topics(log: &Log) -> Value {
-    let one = |used: UsedTopic| json!({"topic": used.topic, "type": used.type_name, "used_for": used.used_for});
-    log.topics().map(one).collect()
+fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a [SoilReading])> {
+    let angle = Fields::new()
+        .field("median", "median", |angle: &Spread| {
+            angle.median.map(f64::to_degrees)
+        })
+        .field("p5", "5th percentile", |angle| {
+            angle.p5.map(f64::to_degrees)
+        })
+        .field("p95", "95th percentile", |angle| {
+            angle.p95.map(f64::to_degrees)
+        });
+    Fields::new()
+        .join(
+            spread(),
+            |(wheel, _): (&'a WheelSummary, &'a [SoilReading])| &wheel.slip,
+        )
+        .values(
+            "states",
+            "share of the time in each motion",
+            |(wheel, _)| Some(wheel.states.iter().copied()),
+        )
+        .values(
+            "healths",
+            "share of the time in each health",
+            |(wheel, _)| {
+                Some(
+                    wheel
+                        .healths
+                        .iter()
+                        .map(|(name, share)| (name.as_str(), *share)),
+                )
+            },
+        )
+        .group(
+            "side_slip_angle_deg",
+            "side slip angle",
+            angle,
+            |(wheel, _)| &wheel.side_slip_angle,
+        )
+        .field(
+            "is_reference",
+            "whether the others are measured by it",
+            |(wheel, _)| wheel.is_reference,
+        )
+        .group(
+            "soil",
+            "the wheel at its median slip and load on the soil",
+            soil(),
+            |(wheel, readings)| readings.iter().find(|reading| reading.wheel == wheel.name),
+        )
 }
 
-fn odometry(odometry: &Odometry) -> Value {
-    let [x, y, yaw] = odometry.pose;
-    let sigma = |i: usize| odometry.pose_covariance[i][i].max(0.0).sqrt();
-    json!({
-        "x_m": x,
-        "y_m": y,
-        "yaw_rad": yaw,
-        "x_sigma_m": sigma(0),
-        "y_sigma_m": sigma(1),
-        "yaw_sigma_rad": sigma(2),
-        "distance_m": odometry.distance,
-        "distance_without_compensation_m": odometry.distance_of_wheels,
-    })
+/// The median and the 5th and 95th percentile of a slip.
+pub(super) fn spread<'a>() -> Fields<'a, &'a Spread> {
+    Fields::new()
+        .field("median", "median", |slip: &Spread| slip.median)
+        .field("p5", "5th percentile", |slip| slip.p5)
+        .field("p95", "95th percentile", |slip| slip.p95)
 }
 
-fn filter(fused: &FusedSummary, summary: &Summary) -> Value {
-    let kinds = fused.consistency.iter().map(|(kind, nis)| {
-        let one = json!({"count": nis.count, "mean": nis.mean, "share_in_95_band": nis.in_band});
-        ((*kind).to_owned(), one)
-    });
-    let events = fused.events.iter().map(|at| event(at, summary));
-    json!({
-        "smoothed": fused.is_smoothed,
-        "nis": Value::Object(kinds.collect()),
-        "dropped": fused.dropped,
-        "clock_steps": fused.clock_steps,
-        "events": events.collect::<Vec<_>>(),
-        "more_events": fused.more_events,
-    })
+fn along<'a>() -> Fields<'a, &'a AlongSummary> {
+    Fields::new()
+        .join(spread(), |along: &'a AlongSummary| &along.slip)
+        .field("overall", "slip of the whole way", |along| along.overall)
+        .field("travel_wheels_m", "way by the wheels", |along| {
+            along.travel_wheels
+        })
+        .field("travel_reference_m", "way by the reference", |along| {
+            along.travel_reference
+        })
 }
 
-fn event(at: &EventAt, summary: &Summary) -> Value {
-    let (name, wheel) = event_name(at.change.event);
-    let wheel = wheel.and_then(|wheel| summary.wheels.get(wheel));
-    json!({
-        "time_s": at.time_s,
-        "event": name,
-        "wheel": wheel.map(|wheel| wheel.name.as_str()),
-        "begins": at.change.begins,
-    })
+fn yaw<'a>() -> Fields<'a, Part<'a, YawSummary>> {
+    let apart = Fields::new()
+        .field(
+            "first_motion_s",
+            "when the robot first drove",
+            |(turns, _): Part<'a, TurnCheck>| turns.first_motion_s,
+        )
+        .field(
+            "alarm_s",
+            "when wheels and gyro first disagreed",
+            |(turns, _)| turns.alarm_s,
+        )
+        .field("alarms", "alarms", |(turns, _)| turns.alarms)
+        .field("wheel", "the wheel that slips", |(turns, summary)| {
+            turns
+                .wheel
+                .and_then(|wheel| summary.wheels.get(wheel))
+                .map(|wheel| wheel.name.as_str())
+        })
+        .field("says", "the cause", |(turns, summary)| {
+            cause(turns, summary)
+        })
+        .field(
+            "log_likelihood_ratio",
+            "how much likelier that cause is than the next",
+            |(turns, _)| turns.likelier,
+        );
+    Fields::new()
+        .field(
+            "residual_median_rad",
+            "median difference",
+            |(yaw, _): Part<'a, YawSummary>| yaw.residual.median,
+        )
+        .field("residual_p5_rad", "its 5th percentile", |(yaw, _)| {
+            yaw.residual.p5
+        })
+        .field("residual_p95_rad", "its 95th percentile", |(yaw, _)| {
+            yaw.residual.p95
+        })
+        .field(
+            "clock_offset_s",
+            "how far the gyro's clock runs ahead",
+            |(_, summary)| summary.clock_offset_s,
+        )
+        .group(
+            "apart",
+            "whether wheels and gyro disagree",
+            apart,
+            |(_, summary)| Some((summary.turns.as_ref()?, summary)),
+        )
+}
+
+/// The wheel that slips, or that none can be named.
+pub(super) fn cause(turns: &TurnCheck, summary: &Summary) -> String {
+    let name = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
+    name.map_or_else(
+        || "left or right: not observable".to_owned(),
+        |wheel| wheel.name.clone(),
+    )
+}
+
+fn odometry<'a>() -> Fields<'a, &'a Odometry> {
+    fn sigma(odometry: &Odometry, axis: usize) -> f64 {
+        odometry.pose_covariance[axis][axis].max(0.0).sqrt()
+    }
+    Fields::new()
+        .field(
+            "x_m",
+            "place at the end, along the first heading",
+            |o: &Odometry| o.pose[0],
+        )
+        .field("y_m", "place at the end, to the left of it", |o| o.pose[1])
+        .field("yaw_rad", "heading at the end", |o| o.pose[2])
+        .field("x_sigma_m", "standard deviation of x_m", |o| sigma(o, 0))
+        .field("y_sigma_m", "standard deviation of y_m", |o| sigma(o, 1))
+        .field("yaw_sigma_rad", "standard deviation of yaw_rad", |o| {
+            sigma(o, 2)
+        })
+        .field("distance_m", "way", |o| o.distance)
+        .field(
+            "distance_without_compensation_m",
+            "way by the wheels alone",
+            |o| o.distance_of_wheels,
+        )
+}
+
+fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
+    let nis = Fields::new()
+        .field("count", "measurements", |nis: &Consistency| nis.count)
+        .field("mean", "mean normalised innovation squared", |nis| nis.mean)
+        .field(
+            "share_in_95_band",
+            "share within the filter's 95 %",
+            |nis| nis.in_band,
+        );
+    let event = Fields::new()
+        .field("time_s", "time", |(at, _): Part<'a, EventAt>| at.time_s)
+        .field("event", "event", |(at, _)| event_name(at.change.event).0)
+        .field(
+            "wheel",
+            "wheel; null for the whole robot",
+            |(at, summary)| {
+                let wheel = event_name(at.change.event).1;
+                wheel
+                    .and_then(|wheel| summary.wheels.get(wheel))
+                    .map(|wheel| wheel.name.as_str())
+            },
+        )
+        .field("begins", "whether it begins or ends", |(at, _)| {
+            at.change.begins
+        });
+    Fields::new()
+        .field(
+            "smoothed",
+            "whether the log was filtered both ways",
+            |(f, _): Part<'a, FusedSummary>| f.is_smoothed,
+        )
+        .named(
+            "nis",
+            "consistency of each kind of measurement",
+            nis,
+            |(f, _)| f.consistency.iter().map(|(kind, nis)| (*kind, nis)),
+        )
+        .field("dropped", "samples that are missing", |(f, _)| f.dropped)
+        .field("clock_steps", "clocks that were set", |(f, _)| {
+            f.clock_steps
+        })
+        .rows("events", "events", event, |(f, summary)| {
+            f.events.iter().map(move |at| (at, summary))
+        })
+        .field("more_events", "events that are not listed", |(f, _)| {
+            f.more_events
+        })
 }
 
 /// An event's name in files, and its wheel.
@@ -180,44 +338,42 @@ pub(super) const fn event_name(event: Event) -> (&'static str, Option<usize>) {
     }
 }
 
-fn left_out(log: &Log) -> Value {
-    let left_out = log.left_out();
-    json!({
-        "damages": left_out.damages,
-        "bytes_lost": left_out.bytes_lost,
-        "undecoded": left_out.undecoded,
-        "late": left_out.late,
-    })
-}
-
-fn spread(spread: &Spread) -> Object {
-    [
-        ("median", spread.median),
-        ("p5", spread.p5),
-        ("p95", spread.p95),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_owned(), value.into()))
-    .collect()
-}
-
-fn shares<'a>(shares: impl Iterator<Item = (&'a str, f64)>) -> Value {
-    let named = shares.map(|(name, share)| (name.to_owned(), Value::from(share)));
-    Value::Object(named.collect())
-}
-
-fn soil(reading: &SoilReading) -> Value {
-    json!({
-        "slip": reading.slip,
-        "load_n": reading.load,
-        "sinkage_m": reading.sinkage,
-        "drawbar_pull_n": reading.drawbar_pull,
-        "torque_nm": reading.torque,
-        "tractive_efficiency": reading.efficiency,
-        "slip_of_best_efficiency": reading.best_slip,
-        "best_efficiency": reading.best_efficiency,
-        "slip_above_best": reading.above_best,
-        "slip_with_reference_skid": reading.slip_with_skid,
-        "cautions": reading.cautions,
-    })
+/// A wheel at its median slip and load on the soil.
+pub(super) fn soil<'a>() -> Fields<'a, &'a SoilReading> {
+    Fields::new()
+        .field("slip", "slip", |r: &SoilReading| r.slip)
+        .shown("")
+        .decimals(3)
+        .field("load_n", "load", |r| r.load)
+        .shown("N")
+        .all_digits()
+        .field("sinkage_m", "sinkage", |r| r.sinkage)
+        .shown("mm")
+        .decimals(1)
+        .field("drawbar_pull_n", "pull", |r| r.drawbar_pull)
+        .shown("N")
+        .decimals(2)
+        .field("torque_nm", "torque", |r| r.torque)
+        .shown("N m")
+        .decimals(3)
+        .field("tractive_efficiency", "efficiency", |r| r.efficiency)
+        .shown("")
+        .decimals(3)
+        .field("slip_of_best_efficiency", "best slip", |r| r.best_slip)
+        .shown("")
+        .decimals(3)
+        .field("best_efficiency", "efficiency at the best slip", |r| {
+            r.best_efficiency
+        })
+        .field("slip_above_best", "above best", |r| r.above_best)
+        .shown("")
+        .decimals(3)
+        .field(
+            "slip_with_reference_skid",
+            "slip if the reference skids",
+            |r| r.slip_with_skid,
+        )
+        .shown("")
+        .decimals(3)
+        .field("cautions", "cautions", |r| r.cautions.clone())
 }
