@@ -11,7 +11,8 @@ pub struct Field<'a, T> {
     pub(crate) key: &'static str,
     pub(crate) words: &'static str,
     pub(crate) schema: Value,
-    pub(crate) value: Box<dyn Fn(T) -> Value + 'a>,
+    /// `None` where the JSON object has no such key.
+    pub(crate) value: Box<dyn Fn(T) -> Option<Value> + 'a>,
     pub(crate) shown: Option<Shown>,
     pub(crate) is_given: bool,
     pub(crate) place: Place,
@@ -22,8 +23,8 @@ pub struct Field<'a, T> {
 pub(crate) enum Place {
     /// All.
     Everywhere,
-    /// All, but the JSON object only where there is a value.
-    WhereKnown,
+    /// All, but not in every JSON object.
+    Sometimes,
     /// Only those for people.
     Text,
 }
@@ -35,6 +36,7 @@ pub(crate) struct Shown {
     pub(crate) unit: &'static str,
     pub(crate) digits: Digits,
     pub(crate) missing: &'static str,
+    pub(crate) at_right: bool,
 }
 
 /// How many digits people see.

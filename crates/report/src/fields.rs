@@ -144,19 +144,32 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         part: Fields<'a, U>,
         of: impl Fn(T) -> U + Clone + 'a,
     ) -> Self {
-        self.list.extend(part.list.into_iter().map(|field| {
+        for field in part.list {
+            let place = field.place;
             let of = of.clone();
-            let value = field.value;
-            Field {
-                key: field.key,
-                words: field.words,
-                schema: field.schema,
-                value: Box::new(move |whole| value(of(whole))),
-                shown: field.shown,
-                is_given: field.is_given,
-                place: field.place,
-            }
-        }));
+            self.take(field, place, move |whole| Some(of(whole)));
+        }
+        self
+    }
+
+    /// The quantities of a part, at the same level, in results that have that part.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let slope = Fields::new().field("slope_deg", "slope", |slope: f64| slope);
+    /// let wheel = Fields::new().also(slope, |slope: Option<f64>| slope);
+    /// assert!(wheel.object(None).is_empty());
+    /// ```
+    #[must_use]
+    pub fn also<U: Clone + 'a>(
+        mut self,
+        part: Fields<'a, U>,
+        of: impl Fn(T) -> Option<U> + Clone + 'a,
+    ) -> Self {
+        for field in part.list {
+            self.take(field, Place::Sometimes, of.clone());
+        }
         self
     }
 
@@ -169,6 +182,7 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
                 unit,
                 digits: Digits::Significant(5),
                 missing: "–",
+                at_right: field.is_number(),
             });
         }
         self
@@ -204,6 +218,12 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         self.seen(|shown| shown.missing = words)
     }
 
+    /// People see the text of the last quantity as a number: at the right of its column.
+    #[must_use]
+    pub fn as_number(self) -> Self {
+        self.seen(|shown| shown.at_right = true)
+    }
+
     /// The last quantity was given, not computed: a CSV table repeats it with as few digits as it needs.
     ///
     /// ```
@@ -230,8 +250,11 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// ```
     #[must_use]
     pub fn optional(mut self) -> Self {
-        if let Some(field) = self.list.last_mut() {
-            field.place = Place::WhereKnown;
+        if let Some(mut field) = self.list.pop() {
+            let value = field.value;
+            field.value = Box::new(move |of| value(of).filter(|value| !value.is_null()));
+            field.place = Place::Sometimes;
+            self.list.push(field);
         }
         self
     }
@@ -258,6 +281,23 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         fields
     }
 
+    /// Makes the quantity with this key the last one, for another view of it.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("a", "a", |x: f64| x).shown("").field("b", "b", |x: f64| x);
+    /// assert_eq!(fields.at("a").label("first").lines(0.5), "first  0.5\n");
+    /// ```
+    #[must_use]
+    pub fn at(mut self, key: &str) -> Self {
+        if let Some(place) = self.list.iter().position(|field| field.key == key) {
+            let field = self.list.remove(place);
+            self.list.push(field);
+        }
+        self
+    }
+
     /// The quantities with these keys, in this order.
     ///
     /// ```
@@ -279,8 +319,7 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     pub fn object(&self, of: T) -> Object {
         let mut object = Object::new();
         for field in self.list.iter().filter(|field| field.place != Place::Text) {
-            let value = (field.value)(of.clone());
-            if field.place == Place::Everywhere || !value.is_null() {
+            if let Some(value) = (field.value)(of.clone()) {
                 object.insert(field.key.to_owned(), value);
             }
         }
@@ -304,9 +343,8 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// The same, as rows of a table with the columns name, value and unit.
     pub fn add_lines(&self, table: &mut Table, of: T) {
         for field in &self.list {
-            if let Some(shown) = field.shown {
-                let value = field.cell(&(field.value)(of.clone()));
-                table.row([shown.label, &value, shown.unit]);
+            if let (Some(shown), Some(value)) = (field.shown, (field.value)(of.clone())) {
+                table.row([shown.label, &field.cell(&value), shown.unit]);
             }
         }
     }
@@ -323,16 +361,18 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     pub fn table(&self, rows: impl IntoIterator<Item = T>) -> String {
         let seen = || self.list.iter().filter(|field| field.shown.is_some());
         let mut table = Table::new();
-        for (field, shown) in seen().filter_map(|field| Some((field, field.shown?))) {
+        for shown in seen().filter_map(|field| field.shown) {
             let header = format!("{} {}", shown.label, shown.unit);
-            table = if field.is_number() {
+            table = if shown.at_right {
                 table.number(header.trim_end())
             } else {
                 table.text(header.trim_end())
             };
         }
         for row in rows {
-            table.row(seen().map(|field| field.cell(&(field.value)(row.clone()))));
+            table.row(
+                seen().map(|field| field.cell(&(field.value)(row.clone()).unwrap_or_default())),
+            );
         }
         table.render()
     }
@@ -347,11 +387,25 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
             .join(",")
             + "\n";
         for row in rows {
-            let cells = columns().map(|field| field.csv_cell(&(field.value)(row.clone())));
+            let cells = columns()
+                .map(|field| field.csv_cell(&(field.value)(row.clone()).unwrap_or_default()));
             text.push_str(&cells.collect::<Vec<_>>().join(","));
             text.push('\n');
         }
         text
+    }
+
+    fn take<U: 'a>(&mut self, part: Field<'a, U>, place: Place, of: impl Fn(T) -> Option<U> + 'a) {
+        let value = part.value;
+        self.list.push(Field {
+            key: part.key,
+            words: part.words,
+            schema: part.schema,
+            value: Box::new(move |whole| value(of(whole)?)),
+            shown: part.shown,
+            is_given: part.is_given,
+            place,
+        });
     }
 
     fn with(
@@ -365,7 +419,7 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
             key,
             words,
             schema,
-            value: Box::new(value),
+            value: Box::new(move |of| Some(value(of))),
             shown: None,
             is_given: false,
             place: Place::Everywhere,

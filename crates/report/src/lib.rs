@@ -5,14 +5,15 @@
 //! they cannot contradict each other.
 //!
 //! ```
-//! use grouser_report::Fields;
+//! use grouser_report::fields;
 //!
 //! #[derive(Clone, Copy)]
 //! struct Wheel { load: f64, sinkage: Option<f64> }
 //!
-//! let fields = Fields::new()
-//!     .field("load_n", "load", |wheel: Wheel| wheel.load).shown("N")
-//!     .field("sinkage_m", "sinkage", |wheel: Wheel| wheel.sinkage).shown("mm");
+//! let fields = fields! { |wheel: Wheel|
+//!     "load_n" "load" .shown("N") = wheel.load;
+//!     "sinkage_m" "sinkage" .shown("mm") = wheel.sinkage;
+//! };
 //! let wheel = Wheel { load: 80.0, sinkage: Some(0.0125) };
 //! assert_eq!(fields.lines(wheel), "load       80  N\nsinkage  12.5  mm\n");
 //! assert_eq!(fields.csv([wheel]), "load_n,sinkage_m\n80,0.012500000000000001\n");
@@ -20,13 +21,14 @@
 //! assert_eq!(fields.schema()["properties"]["load_n"]["unit"], "N");
 //! ```
 //!
-//! The primary type is [`Fields`]. [`Table`] aligns columns, [`number`] writes numbers. The crate reads and prints
+//! The primary type is [`Fields`], which [`fields!`] writes. [`Table`] aligns columns, [`number`] writes numbers. The crate reads and prints
 //! nothing: text goes to the caller.
 #![forbid(unsafe_code)]
 
 mod datum;
 mod field;
 mod fields;
+mod list;
 pub mod number;
 mod schema;
 mod table;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, robot};
 use grouser_replay::{Calibration, calibrate_radius};
-use grouser_report::Fields;
+use grouser_report::{Fields, fields};
 use grouser_slip::WheelRole;
 
 use super::request::Request;
@@ -40,9 +40,9 @@ pub(super) fn run(
     output.finish()?;
 
     let powered = request.robot.robot.wheels().iter();
-    let radii: Object = powered
+    let radii: Vec<(String, f64)> = powered
         .filter(|wheel| wheel.role == WheelRole::Powered)
-        .map(|wheel| (wheel.name.clone(), Value::from(wheel.radius * found.factor)))
+        .map(|wheel| (wheel.name.clone(), wheel.radius * found.factor))
         .collect();
     let each: Vec<String> = found
         .factors
@@ -62,24 +62,11 @@ type Calibrated<'a> = (&'a Calibration, &'a Vec<(String, f64)>, &'a Path);
 
 /// The JSON object of a calibration.
 pub(super) fn fields<'a>() -> Fields<'a, Calibrated<'a>> {
-    Fields::new()
-        .field(
-            "radius_factor",
-            "effective radius over that of the robot file",
-            |(found, ..): Calibrated<'a>| found.factor,
-        )
-        .field("radius_factors", "the same of each run", |(found, ..)| {
-            found.factors.clone()
-        })
-        .field("half_spread", "half of their spread", |(found, ..)| {
-            found.half_spread()
-        })
-        .values(
-            "radii_m",
-            "effective radius of each powered wheel",
-            |(_, radii, _)| Some(radii.iter().cloned()),
-        )
-        .field("output", "the file that was written", |(.., path)| {
-            path.display().to_string()
-        })
+    fields! { |found: Calibrated<'a>|
+        "radius_factor" "effective radius over that of the robot file" = found.0.factor;
+        "radius_factors" "the same of each run" = found.0.factors.clone();
+        "half_spread" "half of their spread" = found.0.half_spread();
+        "radii_m" "effective radius of each powered wheel" values = Some(found.1.iter().cloned());
+        "output" "the file that was written" = found.2.display().to_string();
+    }
 }

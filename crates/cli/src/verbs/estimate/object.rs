@@ -5,7 +5,7 @@ use grouser_replay::{
     AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
     TurnCheck, WheelSummary, YawSummary,
 };
-use grouser_report::Fields;
+use grouser_report::{Fields, fields};
 use grouser_slip::detect::Event;
 
 /// All that was found.
@@ -17,231 +17,108 @@ pub(super) struct Found<'a> {
 }
 
 /// A part of the summary beside the whole, which has the names of the wheels.
-type Part<'a, P> = (&'a P, &'a Summary);
+#[derive(Clone, Copy)]
+struct Part<'a, P> {
+    of: &'a Summary,
+    part: &'a P,
+}
+
+impl<'a> Part<'a, Summary> {
+    fn with<P>(summary: &'a Summary, part: &'a Option<P>) -> Option<Part<'a, P>> {
+        let part = part.as_ref()?;
+        Some(Part { of: summary, part })
+    }
+}
+
+impl<P> Part<'_, P> {
+    fn wheel(&self, index: Option<usize>) -> Option<String> {
+        Some(self.of.wheels.get(index?)?.name.clone())
+    }
+}
 
 pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
-    let rejected = Fields::new()
-        .field(
-            "bad_value",
-            "samples with an impossible value",
-            |s: &Summary| s.rejected.bad_value,
-        )
-        .field(
-            "not_later",
-            "samples that are not later than the one before",
-            |s| s.rejected.not_later,
-        )
-        .field("jump", "samples that jump", |s| s.rejected.jump)
-        .field("unknown", "samples of an unknown sensor", |s| {
-            s.rejected.unknown
-        });
-    let topic = Fields::new()
-        .field("topic", "topic", |used: UsedTopic| used.topic)
-        .field("type", "type", |used| used.type_name)
-        .field("used_for", "what it is used for", |used| used.used_for);
-    let left_out = Fields::new()
-        .field("damages", "damaged places", |log: &'a Log| {
-            log.left_out().damages
-        })
-        .field("bytes_lost", "bytes that are lost", |log| {
-            log.left_out().bytes_lost
-        })
-        .field("undecoded", "messages that could not be decoded", |log| {
-            log.left_out().undecoded
-        })
-        .field(
-            "late",
-            "messages that came too late for the order of time",
-            |log| log.left_out().late,
-        );
     let shown = |path: &std::path::Path| path.display().to_string();
-    Fields::new()
-        .field("status", "how the job ended", |f: Found<'a>| {
-            f.summary.status.name()
-        })
-        .field("method", "what found the slips", |f| {
-            f.summary.method.name()
-        })
-        .field("reference", "what measures the speed over ground", |f| {
-            f.summary.reference.name()
-        })
-        .field("wheel_sensor", "what measures the wheels", |f| {
-            f.summary.wheel_sensor
-        })
-        .field("duration_s", "length of the log", |f| f.summary.duration_s)
-        .field("window_s", "time over which means are taken", |f| {
-            f.summary.window_s
-        })
-        .named("wheels", "each wheel", wheel(), |f| {
-            f.summary
-                .wheels
-                .iter()
-                .map(move |wheel| (wheel.name.as_str(), (wheel, f.readings)))
-        })
-        .group("along", "slip along the track", along(), |f| {
-            &f.summary.along
-        })
-        .group(
-            "yaw",
-            "turn by the wheels beside the turn as measured",
-            yaw(),
-            |f| Some((f.summary.yaw.as_ref()?, f.summary)),
-        )
-        .group("odometry", "odometry", odometry(), |f| {
-            f.summary.odometry.as_ref()
-        })
-        .group("filter", "the filter's checks and events", filter(), |f| {
-            Some((f.summary.fused.as_ref()?, f.summary))
-        })
-        .group("rejected", "samples that were rejected", rejected, |f| {
-            f.summary
-        })
-        .field("files", "files that were read", move |f| {
-            f.log.files().map(shown).collect::<Vec<_>>()
-        })
-        .field(
-            "unused_files",
-            "files that fit no table of the column map",
-            move |f| {
-                f.log
-                    .unused()
-                    .iter()
-                    .map(|path| shown(path))
-                    .collect::<Vec<_>>()
-            },
-        )
-        .rows(
-            "topics",
-            "topics that were used of bags and MCAP files",
-            topic,
-            |f| f.log.topics(),
-        )
-        .field("notes", "remarks about the log", |f| f.log.notes().to_vec())
-        .group("left_out", "what was left out", left_out, |f| f.log)
+    fields! { |found: Found<'a>|
+        "status" "how the job ended" = found.summary.status.name();
+        "method" "what found the slips" = found.summary.method.name();
+        "reference" "what measures the speed over ground" = found.summary.reference.name();
+        "wheel_sensor" "what measures the wheels" = found.summary.wheel_sensor;
+        "duration_s" "length of the log" = found.summary.duration_s;
+        "window_s" "time over which means are taken" = found.summary.window_s;
+        "wheels" "each wheel" named(wheel()) =
+            found.summary.wheels.iter().map(move |wheel| (wheel.name.as_str(), (wheel, found.readings)));
+        "along" "slip along the track" group(along()) = &found.summary.along;
+        "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
+            Part::with(found.summary, &found.summary.yaw);
+        "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
+        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, &found.summary.fused);
+        "rejected" "samples that were rejected" group(rejected()) = found.summary;
+        "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
+        "unused_files" "files that fit no table of the column map" =
+            found.log.unused().iter().map(|path| shown(path)).collect::<Vec<_>>();
+        "topics" "topics that were used of bags and MCAP files" rows(topic()) = found.log.topics();
+        "notes" "remarks about the log" = found.log.notes().to_vec();
+        "left_out" "what was left out" group(left_out()) = found.log;
+    }
 }
 
 fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a [SoilReading])> {
-    let angle = Fields::new()
-        .field("median", "median", |angle: &Spread| {
-            angle.median.map(f64::to_degrees)
-        })
-        .field("p5", "5th percentile", |angle| {
-            angle.p5.map(f64::to_degrees)
-        })
-        .field("p95", "95th percentile", |angle| {
-            angle.p95.map(f64::to_degrees)
-        });
-    Fields::new()
-        .join(
-            spread(),
-            |(wheel, _): (&'a WheelSummary, &'a [SoilReading])| &wheel.slip,
-        )
-        .values(
-            "states",
-            "share of the time in each motion",
-            |(wheel, _)| Some(wheel.states.iter().copied()),
-        )
-        .values(
-            "healths",
-            "share of the time in each health",
-            |(wheel, _)| {
-                Some(
-                    wheel
-                        .healths
-                        .iter()
-                        .map(|(name, share)| (name.as_str(), *share)),
-                )
-            },
-        )
-        .group(
-            "side_slip_angle_deg",
-            "side slip angle",
-            angle,
-            |(wheel, _)| &wheel.side_slip_angle,
-        )
-        .field(
-            "is_reference",
-            "whether the others are measured by it",
-            |(wheel, _)| wheel.is_reference,
-        )
-        .group(
-            "soil",
-            "the wheel at its median slip and load on the soil",
-            soil(),
-            |(wheel, readings)| readings.iter().find(|reading| reading.wheel == wheel.name),
-        )
+    fields! { |of: (&'a WheelSummary, &'a [SoilReading])|
+        join(spread()) = &of.0.slip;
+        "states" "share of the time in each motion" values = Some(of.0.states.iter().copied());
+        "healths" "share of the time in each health" values =
+            Some(of.0.healths.iter().map(|(name, share)| (name.as_str(), *share)));
+        "side_slip_angle_deg" "side slip angle" group(angle()) = &of.0.side_slip_angle;
+        "is_reference" "whether the others are measured by it" = of.0.is_reference;
+        "soil" "the wheel at its median slip and load on the soil" group(soil()) =
+            of.1.iter().find(|reading| reading.wheel == of.0.name);
+    }
 }
 
-/// The median and the 5th and 95th percentile of a slip.
-pub(super) fn spread<'a>() -> Fields<'a, &'a Spread> {
-    Fields::new()
-        .field("median", "median", |slip: &Spread| slip.median)
-        .field("p5", "5th percentile", |slip| slip.p5)
-        .field("p95", "95th percentile", |slip| slip.p95)
+fn spread<'a>() -> Fields<'a, &'a Spread> {
+    fields! { |slip: &'a Spread|
+        "median" "median" = slip.median;
+        "p5" "5th percentile" = slip.p5;
+        "p95" "95th percentile" = slip.p95;
+    }
+}
+
+fn angle<'a>() -> Fields<'a, &'a Spread> {
+    fields! { |angle: &'a Spread|
+        "median" "median" = angle.median.map(f64::to_degrees);
+        "p5" "5th percentile" = angle.p5.map(f64::to_degrees);
+        "p95" "95th percentile" = angle.p95.map(f64::to_degrees);
+    }
 }
 
 fn along<'a>() -> Fields<'a, &'a AlongSummary> {
-    Fields::new()
-        .join(spread(), |along: &'a AlongSummary| &along.slip)
-        .field("overall", "slip of the whole way", |along| along.overall)
-        .field("travel_wheels_m", "way by the wheels", |along| {
-            along.travel_wheels
-        })
-        .field("travel_reference_m", "way by the reference", |along| {
-            along.travel_reference
-        })
+    fields! { |along: &'a AlongSummary|
+        join(spread()) = &along.slip;
+        "overall" "slip of the whole way" = along.overall;
+        "travel_wheels_m" "way by the wheels" = along.travel_wheels;
+        "travel_reference_m" "way by the reference" = along.travel_reference;
+    }
 }
 
 fn yaw<'a>() -> Fields<'a, Part<'a, YawSummary>> {
-    let apart = Fields::new()
-        .field(
-            "first_motion_s",
-            "when the robot first drove",
-            |(turns, _): Part<'a, TurnCheck>| turns.first_motion_s,
-        )
-        .field(
-            "alarm_s",
-            "when wheels and gyro first disagreed",
-            |(turns, _)| turns.alarm_s,
-        )
-        .field("alarms", "alarms", |(turns, _)| turns.alarms)
-        .field("wheel", "the wheel that slips", |(turns, summary)| {
-            turns
-                .wheel
-                .and_then(|wheel| summary.wheels.get(wheel))
-                .map(|wheel| wheel.name.as_str())
-        })
-        .field("says", "the cause", |(turns, summary)| {
-            cause(turns, summary)
-        })
-        .field(
-            "log_likelihood_ratio",
-            "how much likelier that cause is than the next",
-            |(turns, _)| turns.likelier,
-        );
-    Fields::new()
-        .field(
-            "residual_median_rad",
-            "median difference",
-            |(yaw, _): Part<'a, YawSummary>| yaw.residual.median,
-        )
-        .field("residual_p5_rad", "its 5th percentile", |(yaw, _)| {
-            yaw.residual.p5
-        })
-        .field("residual_p95_rad", "its 95th percentile", |(yaw, _)| {
-            yaw.residual.p95
-        })
-        .field(
-            "clock_offset_s",
-            "how far the gyro's clock runs ahead",
-            |(_, summary)| summary.clock_offset_s,
-        )
-        .group(
-            "apart",
-            "whether wheels and gyro disagree",
-            apart,
-            |(_, summary)| Some((summary.turns.as_ref()?, summary)),
-        )
+    fields! { |yaw: Part<'a, YawSummary>|
+        "residual_median_rad" "median difference" = yaw.part.residual.median;
+        "residual_p5_rad" "its 5th percentile" = yaw.part.residual.p5;
+        "residual_p95_rad" "its 95th percentile" = yaw.part.residual.p95;
+        "clock_offset_s" "how far the gyro's clock runs ahead" = yaw.of.clock_offset_s;
+        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, &yaw.of.turns);
+    }
+}
+
+fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
+    fields! { |turns: Part<'a, TurnCheck>|
+        "first_motion_s" "when the robot first drove" = turns.part.first_motion_s;
+        "alarm_s" "when wheels and gyro first disagreed" = turns.part.alarm_s;
+        "alarms" "alarms" = turns.part.alarms;
+        "wheel" "the wheel that slips" = turns.wheel(turns.part.wheel);
+        "says" "the cause" = cause(turns.part, turns.of);
+        "log_likelihood_ratio" "how much likelier that cause is than the next" = turns.part.likelier;
+    }
 }
 
 /// The wheel that slips, or that none can be named.
@@ -257,74 +134,43 @@ fn odometry<'a>() -> Fields<'a, &'a Odometry> {
     fn sigma(odometry: &Odometry, axis: usize) -> f64 {
         odometry.pose_covariance[axis][axis].max(0.0).sqrt()
     }
-    Fields::new()
-        .field(
-            "x_m",
-            "place at the end, along the first heading",
-            |o: &Odometry| o.pose[0],
-        )
-        .field("y_m", "place at the end, to the left of it", |o| o.pose[1])
-        .field("yaw_rad", "heading at the end", |o| o.pose[2])
-        .field("x_sigma_m", "standard deviation of x_m", |o| sigma(o, 0))
-        .field("y_sigma_m", "standard deviation of y_m", |o| sigma(o, 1))
-        .field("yaw_sigma_rad", "standard deviation of yaw_rad", |o| {
-            sigma(o, 2)
-        })
-        .field("distance_m", "way", |o| o.distance)
-        .field(
-            "distance_without_compensation_m",
-            "way by the wheels alone",
-            |o| o.distance_of_wheels,
-        )
+    fields! { |odometry: &'a Odometry|
+        "x_m" "place at the end, along the first heading" = odometry.pose[0];
+        "y_m" "place at the end, to the left of it" = odometry.pose[1];
+        "yaw_rad" "heading at the end" = odometry.pose[2];
+        "x_sigma_m" "standard deviation of x_m" = sigma(odometry, 0);
+        "y_sigma_m" "standard deviation of y_m" = sigma(odometry, 1);
+        "yaw_sigma_rad" "standard deviation of yaw_rad" = sigma(odometry, 2);
+        "distance_m" "way" = odometry.distance;
+        "distance_without_compensation_m" "way by the wheels alone" = odometry.distance_of_wheels;
+    }
 }
 
 fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
-    let nis = Fields::new()
-        .field("count", "measurements", |nis: &Consistency| nis.count)
-        .field("mean", "mean normalised innovation squared", |nis| nis.mean)
-        .field(
-            "share_in_95_band",
-            "share within the filter's 95 %",
-            |nis| nis.in_band,
-        );
-    let event = Fields::new()
-        .field("time_s", "time", |(at, _): Part<'a, EventAt>| at.time_s)
-        .field("event", "event", |(at, _)| event_name(at.change.event).0)
-        .field(
-            "wheel",
-            "wheel; null for the whole robot",
-            |(at, summary)| {
-                let wheel = event_name(at.change.event).1;
-                wheel
-                    .and_then(|wheel| summary.wheels.get(wheel))
-                    .map(|wheel| wheel.name.as_str())
-            },
-        )
-        .field("begins", "whether it begins or ends", |(at, _)| {
-            at.change.begins
-        });
-    Fields::new()
-        .field(
-            "smoothed",
-            "whether the log was filtered both ways",
-            |(f, _): Part<'a, FusedSummary>| f.is_smoothed,
-        )
-        .named(
-            "nis",
-            "consistency of each kind of measurement",
-            nis,
-            |(f, _)| f.consistency.iter().map(|(kind, nis)| (*kind, nis)),
-        )
-        .field("dropped", "samples that are missing", |(f, _)| f.dropped)
-        .field("clock_steps", "clocks that were set", |(f, _)| {
-            f.clock_steps
-        })
-        .rows("events", "events", event, |(f, summary)| {
-            f.events.iter().map(move |at| (at, summary))
-        })
-        .field("more_events", "events that are not listed", |(f, _)| {
-            f.more_events
-        })
+    let nis = fields! { |nis: &'a Consistency|
+        "count" "measurements" = nis.count;
+        "mean" "mean normalised innovation squared" = nis.mean;
+        "share_in_95_band" "share within the filter's 95 %" = nis.in_band;
+    };
+    fields! { |filter: Part<'a, FusedSummary>|
+        "smoothed" "whether the log was filtered both ways" = filter.part.is_smoothed;
+        "nis" "consistency of each kind of measurement" named(nis) =
+            filter.part.consistency.iter().map(|(kind, nis)| (*kind, nis));
+        "dropped" "samples that are missing" = filter.part.dropped;
+        "clock_steps" "clocks that were set" = filter.part.clock_steps;
+        "events" "events" rows(event()) =
+            filter.part.events.iter().map(move |part| Part { of: filter.of, part });
+        "more_events" "events that are not listed" = filter.part.more_events;
+    }
+}
+
+fn event<'a>() -> Fields<'a, Part<'a, EventAt>> {
+    fields! { |at: Part<'a, EventAt>|
+        "time_s" "time" = at.part.time_s;
+        "event" "event" = event_name(at.part.change.event).0;
+        "wheel" "wheel; null for the whole robot" = at.wheel(event_name(at.part.change.event).1);
+        "begins" "whether it begins or ends" = at.part.change.begins;
+    }
 }
 
 /// An event's name in files, and its wheel.
@@ -338,42 +184,45 @@ pub(super) const fn event_name(event: Event) -> (&'static str, Option<usize>) {
     }
 }
 
+fn rejected<'a>() -> Fields<'a, &'a Summary> {
+    fields! { |summary: &'a Summary|
+        "bad_value" "samples with an impossible value" = summary.rejected.bad_value;
+        "not_later" "samples that are not later than the one before" = summary.rejected.not_later;
+        "jump" "samples that jump" = summary.rejected.jump;
+        "unknown" "samples of an unknown sensor" = summary.rejected.unknown;
+    }
+}
+
+fn topic<'a>() -> Fields<'a, UsedTopic> {
+    fields! { |used: UsedTopic|
+        "topic" "topic" = used.topic;
+        "type" "type" = used.type_name;
+        "used_for" "what it is used for" = used.used_for;
+    }
+}
+
+fn left_out<'a>() -> Fields<'a, &'a Log> {
+    fields! { |log: &'a Log|
+        "damages" "damaged places" = log.left_out().damages;
+        "bytes_lost" "bytes that are lost" = log.left_out().bytes_lost;
+        "undecoded" "messages that could not be decoded" = log.left_out().undecoded;
+        "late" "messages that came too late for the order of time" = log.left_out().late;
+    }
+}
+
 /// A wheel at its median slip and load on the soil.
 pub(super) fn soil<'a>() -> Fields<'a, &'a SoilReading> {
-    Fields::new()
-        .field("slip", "slip", |r: &SoilReading| r.slip)
-        .shown("")
-        .decimals(3)
-        .field("load_n", "load", |r| r.load)
-        .shown("N")
-        .all_digits()
-        .field("sinkage_m", "sinkage", |r| r.sinkage)
-        .shown("mm")
-        .decimals(1)
-        .field("drawbar_pull_n", "pull", |r| r.drawbar_pull)
-        .shown("N")
-        .decimals(2)
-        .field("torque_nm", "torque", |r| r.torque)
-        .shown("N m")
-        .decimals(3)
-        .field("tractive_efficiency", "efficiency", |r| r.efficiency)
-        .shown("")
-        .decimals(3)
-        .field("slip_of_best_efficiency", "best slip", |r| r.best_slip)
-        .shown("")
-        .decimals(3)
-        .field("best_efficiency", "efficiency at the best slip", |r| {
-            r.best_efficiency
-        })
-        .field("slip_above_best", "above best", |r| r.above_best)
-        .shown("")
-        .decimals(3)
-        .field(
-            "slip_with_reference_skid",
-            "slip if the reference skids",
-            |r| r.slip_with_skid,
-        )
-        .shown("")
-        .decimals(3)
-        .field("cautions", "cautions", |r| r.cautions.clone())
+    fields! { |reading: &'a SoilReading|
+        "slip" "slip" .shown("").decimals(3) = reading.slip;
+        "load_n" "load" .shown("N").all_digits() = reading.load;
+        "sinkage_m" "sinkage" .shown("mm").decimals(1) = reading.sinkage;
+        "drawbar_pull_n" "pull" .shown("N").decimals(2) = reading.drawbar_pull;
+        "torque_nm" "torque" .shown("N m").decimals(3) = reading.torque;
+        "tractive_efficiency" "efficiency" .shown("").decimals(3) = reading.efficiency;
+        "slip_of_best_efficiency" "best slip" .shown("").decimals(3) = reading.best_slip;
+        "best_efficiency" "efficiency at the best slip" = reading.best_efficiency;
+        "slip_above_best" "above best" .shown("").decimals(3) = reading.above_best;
+        "slip_with_reference_skid" "slip if the reference skids" .shown("").decimals(3) = reading.slip_with_skid;
+        "cautions" "cautions" = reading.cautions.clone();
+    }
 }

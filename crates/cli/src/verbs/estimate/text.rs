@@ -6,7 +6,7 @@ use grouser_files::robot::RobotFile;
 use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TurnCheck, UNKNOWN};
 use grouser_slip::Motion;
 
-use super::object::{cause, event_name, soil};
+use super::object::{self, cause, event_name};
 use grouser_report::{Fields, Table};
 
 /// So many events are told; a file has them all.
@@ -75,7 +75,7 @@ pub(super) fn text(
         let _ = writeln!(text, "\non {soil}, at each wheel's median slip and load:");
         let table = Fields::new()
             .remark("wheel", |reading: &SoilReading| reading.wheel.as_str())
-            .join(soil(), |reading| reading);
+            .join(object::soil(), |reading| reading);
         text.push_str(&table.table(readings));
     }
     text

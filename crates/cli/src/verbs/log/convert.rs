@@ -6,7 +6,7 @@ use grouser_files::columns;
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{ReadingWriter, Table, copy, verify, write_table};
-use grouser_report::Fields;
+use grouser_report::{Fields, fields};
 use serde_json::{Value, json};
 
 use super::copied::{self, Copy, copy_error, refuse_same, target};
@@ -139,56 +139,29 @@ fn table(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     Ok(report)
 }
 
-fn table_fields<'a>() -> Fields<'a, (&'a Path, &'a str, &'a Table)> {
-    Fields::new()
-        .field(
-            "output",
-            "the file that was written",
-            |(path, ..): (&'a Path, &'a str, &'a Table)| path.display().to_string(),
-        )
-        .field("topic", "the topic", |(_, topic, _)| topic)
-        .field("rows", "rows of the table", |(.., written)| written.rows)
-        .field("columns", "columns of the table", |(.., written)| {
-            written.columns
-        })
-        .field(
-            "values_without_column",
-            "values that the first message did not have",
-            |(.., written)| written.without_column,
-        )
-        .field(
-            "undecoded",
-            "messages that could not be decoded",
-            |(.., written)| written.left_out.undecoded,
-        )
-        .field(
-            "late",
-            "messages that came too late for the order of time",
-            |(.., written)| written.left_out.late,
-        )
-        .field(
-            "damage_count",
-            "damaged places of the input",
-            |(.., written)| written.left_out.damages,
-        )
-        .field("bytes_lost", "bytes that are lost", |(.., written)| {
-            written.left_out.bytes_lost
-        })
+/// A topic as a table: the file, the topic, what was written.
+type Written<'a> = (&'a Path, &'a str, &'a Table);
+
+fn table_fields<'a>() -> Fields<'a, Written<'a>> {
+    fields! { |table: Written<'a>|
+        "output" "the file that was written" = table.0.display().to_string();
+        "topic" "the topic" = table.1;
+        "rows" "rows of the table" = table.2.rows;
+        "columns" "columns of the table" = table.2.columns;
+        "values_without_column" "values that the first message did not have" = table.2.without_column;
+        "undecoded" "messages that could not be decoded" = table.2.left_out.undecoded;
+        "late" "messages that came too late for the order of time" = table.2.left_out.late;
+        "damage_count" "damaged places of the input" = table.2.left_out.damages;
+        "bytes_lost" "bytes that are lost" = table.2.left_out.bytes_lost;
+    }
 }
 
 fn readings_fields<'a>() -> Fields<'a, (&'a Path, u64, u64)> {
-    Fields::new()
-        .field(
-            "output",
-            "the file that was written",
-            |(path, ..): (&'a Path, u64, u64)| path.display().to_string(),
-        )
-        .field("records", "rows that were read", |(_, records, _)| records)
-        .field(
-            "messages",
-            "messages that were written",
-            |(.., messages)| messages,
-        )
+    fields! { |written: (&'a Path, u64, u64)|
+        "output" "the file that was written" = written.0.display().to_string();
+        "records" "rows that were read" = written.1;
+        "messages" "messages that were written" = written.2;
+    }
 }
 
 /// Of a copy, of a table, or of messages out of a table.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use grouser_log::container::{Damage, Format};
 use grouser_log::write::Copied;
-use grouser_report::{Fields, printable};
+use grouser_report::{Fields, fields, printable};
 
 use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
@@ -15,17 +15,12 @@ const MAX_DAMAGES_SHOWN: usize = 20;
 
 /// A place that could not be read.
 pub(super) fn damage<'a>() -> Fields<'a, &'a Damage> {
-    Fields::new()
-        .field("offset", "byte at which it begins", |damage: &Damage| {
-            damage.offset
-        })
-        .field("bytes", "bytes that are lost", |damage| damage.bytes)
-        .field("messages", "messages that are lost", |damage| {
-            damage.messages
-        })
-        .field("what", "what is wrong", |damage: &'a Damage| {
-            damage.what.as_str()
-        })
+    fields! { |damage: &'a Damage|
+        "offset" "byte at which it begins" = damage.offset;
+        "bytes" "bytes that are lost" = damage.bytes;
+        "messages" "messages that are lost" = damage.messages;
+        "what" "what is wrong" = damage.what.as_str();
+    }
 }
 
 /// The damage as lines.
@@ -89,17 +84,11 @@ pub(super) struct Copy<'a> {
 }
 
 fn topics<'a>() -> Fields<'a, &'a (String, String, u64)> {
-    Fields::new()
-        .field(
-            "topic",
-            "topic",
-            |(topic, ..): &'a (String, String, u64)| topic.as_str(),
-        )
-        .shown("")
-        .field("type", "type", |(_, type_name, _)| type_name.as_str())
-        .shown("")
-        .field("messages", "messages", |(.., messages)| *messages)
-        .shown("")
+    fields! { |topic: &'a (String, String, u64)|
+        "topic" "topic" .shown("") = topic.0.as_str();
+        "type" "type" .shown("") = topic.1.as_str();
+        "messages" "messages" .shown("") = topic.2;
+    }
 }
 
 pub(super) fn fields<'a>() -> Fields<'a, Copy<'a>> {
@@ -110,42 +99,19 @@ pub(super) fn fields<'a>() -> Fields<'a, Copy<'a>> {
             "whole"
         }
     };
-    Fields::new()
-        .field(
-            "status",
-            "`whole`, or `partial` where data were lost",
-            move |c: Copy<'a>| status(c.copied),
-        )
-        .field("from", "format of the input", |c| c.copied.from.name())
-        .field("output", "the file that was written", |c| {
-            c.output.map(|path| path.display().to_string())
-        })
-        .field("messages", "messages that were copied", |c| {
-            c.copied.messages
-        })
-        .rows("topics", "topics that were copied", topics(), |c| {
-            &c.copied.channels
-        })
-        .field("damage_count", "damaged places of the input", |c| {
-            c.copied.damage_count
-        })
-        .field("bytes_lost", "bytes that are lost", |c| c.copied.bytes_lost)
-        .field("messages_lost", "messages that are lost", |c| {
-            c.copied.messages_lost
-        })
-        .rows("damages", "the damaged places", damage(), |c| {
-            &c.copied.damages
-        })
-        .field(
-            "attachments_left_out",
-            "attachments and metadata records that are left out",
-            |c| c.copied.attached,
-        )
-        .field(
-            "verified",
-            "whether the copy was read again and found the same",
-            |c| c.output.is_some(),
-        )
+    fields! { |copy: Copy<'a>|
+        "status" "`whole`, or `partial` where data were lost" = status(copy.copied);
+        "from" "format of the input" = copy.copied.from.name();
+        "output" "the file that was written" = copy.output.map(|path| path.display().to_string());
+        "messages" "messages that were copied" = copy.copied.messages;
+        "topics" "topics that were copied" rows(topics()) = &copy.copied.channels;
+        "damage_count" "damaged places of the input" = copy.copied.damage_count;
+        "bytes_lost" "bytes that are lost" = copy.copied.bytes_lost;
+        "messages_lost" "messages that are lost" = copy.copied.messages_lost;
+        "damages" "the damaged places" rows(damage()) = &copy.copied.damages;
+        "attachments_left_out" "attachments and metadata records that are left out" = copy.copied.attached;
+        "verified" "whether the copy was read again and found the same" = copy.output.is_some();
+    }
 }
 
 /// What was copied, as text.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use grouser_log::container::Container;
 use grouser_log::{Sheet, Survey, Topic, Use, suggest_for_sheet, suggest_for_survey};
-use grouser_report::Fields;
+use grouser_report::{Fields, fields};
 use serde_json::{Value, json};
 
 use super::copied::{damage, damages_text};
@@ -74,97 +74,44 @@ fn lacks(survey: &Survey) -> Vec<&'static str> {
 }
 
 fn topic<'a>() -> Fields<'a, &'a Topic> {
-    let use_for = |topic: &Topic| match (&topic.problem, topic.use_for) {
-        (Some(problem), _) => format!("{} not decoded: {problem}", topic.undecoded),
-        (None, Some(use_for)) => use_for.words().to_owned(),
-        (None, None) => "–".to_owned(),
-    };
-    Fields::new()
-        .field("type", "type", |topic: &'a Topic| {
-            topic.channel.type_name.as_str()
-        })
-        .shown("")
-        .field("encoding", "encoding of its messages", |topic| {
-            topic.channel.encoding_name.as_str()
-        })
-        .field("messages", "messages", |topic| topic.messages)
-        .shown("")
-        .field("bytes", "bytes", |topic| topic.bytes)
-        .field("rate_hz", "rate", |topic| topic.rate_hz)
-        .shown("")
-        .label("Hz")
-        .decimals(2)
-        .field(
-            "intervals_of",
-            "what intervals are measured by: `header.stamp` or `log_time`",
-            |topic| {
-                if topic.stamped {
-                    "header.stamp"
-                } else {
-                    "log_time"
-                }
-            },
-        )
-        .field("longest_interval_s", "longest interval", |topic| {
-            topic.longest_s
-        })
-        .shown("s")
-        .label("longest")
-        .decimals(3)
-        .field("gaps", "gaps", |topic| topic.gaps)
-        .shown("")
-        .field("clock_jumps", "clock jumps", |topic| topic.jumps)
-        .shown("")
-        .label("jumps")
-        .field("undecoded", "messages that could not be decoded", |topic| {
-            topic.undecoded
-        })
-        .field("problem", "why they could not", |topic| {
-            topic.problem.as_deref()
-        })
-        .field("use", "what Grouser uses it for", |topic| {
-            topic.use_for.map(Use::words)
-        })
-        .remark("use", use_for)
-        .field("joints", "joints that it names", |topic| {
-            topic.joints.clone()
-        })
+    fn use_for(topic: &Topic) -> String {
+        match (&topic.problem, topic.use_for) {
+            (Some(problem), _) => format!("{} not decoded: {problem}", topic.undecoded),
+            (None, Some(use_for)) => use_for.words().to_owned(),
+            (None, None) => "–".to_owned(),
+        }
+    }
+    fields! { |topic: &'a Topic|
+        "type" "type" .shown("") = topic.channel.type_name.as_str();
+        "encoding" "encoding of its messages" = topic.channel.encoding_name.as_str();
+        "messages" "messages" .shown("") = topic.messages;
+        "bytes" "bytes" = topic.bytes;
+        "rate_hz" "rate" .shown("").label("Hz").decimals(2) = topic.rate_hz;
+        "intervals_of" "what intervals are measured by" = if topic.stamped { "header.stamp" } else { "log_time" };
+        "longest_interval_s" "longest interval" .shown("s").label("longest").decimals(3) = topic.longest_s;
+        "gaps" "gaps" .shown("") = topic.gaps;
+        "clock_jumps" "clock jumps" .shown("").label("jumps") = topic.jumps;
+        "undecoded" "messages that could not be decoded" = topic.undecoded;
+        "problem" "why they could not" = topic.problem.as_deref();
+        "use" "what Grouser uses it for" = topic.use_for.map(Use::words);
+        remark "use" = use_for(topic);
+        "joints" "joints that it names" = topic.joints.clone();
+        "topic" "topic" .shown("") = topic.channel.topic.as_str();
+    }
 }
 
 fn fields<'a>() -> Fields<'a, &'a Survey> {
-    Fields::new()
-        .field("format", "format", |survey: &Survey| survey.format.name())
-        .field(
-            "duration_s",
-            "time from the first message to the last",
-            Survey::duration_s,
-        )
-        .field("first_ns", "time of the first message", |survey| {
-            survey.first_ns
-        })
-        .field("last_ns", "time of the last message", |survey| {
-            survey.last_ns
-        })
-        .rows("topics", "topics", topic(), |survey: &'a Survey| {
-            &survey.topics
-        })
-        .field(
-            "lacks",
-            "what an estimate of slip needs and the log does not have",
-            lacks,
-        )
-        .field("damage_count", "damaged places", |survey| {
-            survey.damage_count
-        })
-        .field("bytes_lost", "bytes that are lost", |survey| {
-            survey.bytes_lost
-        })
-        .rows(
-            "damages",
-            "the damaged places",
-            damage(),
-            |survey: &'a Survey| &survey.damages,
-        )
+    fields! { |survey: &'a Survey|
+        "format" "format" = survey.format.name();
+        "duration_s" "time from the first message to the last" = survey.duration_s();
+        "first_ns" "time of the first message" = survey.first_ns;
+        "last_ns" "time of the last message" = survey.last_ns;
+        "topics" "topics" rows(topic()) = &survey.topics;
+        "lacks" "what an estimate of slip needs and the log does not have" = lacks(survey);
+        "damage_count" "damaged places" = survey.damage_count;
+        "bytes_lost" "bytes that are lost" = survey.bytes_lost;
+        "damages" "the damaged places" rows(damage()) = &survey.damages;
+    }
 }
 
 /// Of an MCAP file or a bag, or of a table; with `--suggest-robot` the proposed file too.

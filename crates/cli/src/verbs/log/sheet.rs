@@ -4,7 +4,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::columns::Meaning;
 use grouser_log::{Sheet, SheetColumn};
-use grouser_report::Fields;
+use grouser_report::{Fields, fields};
 
 use crate::report::Report;
 
@@ -56,80 +56,61 @@ fn meaning(sheet: &Sheet, index: usize) -> String {
 }
 
 /// A column and its place in the sheet.
-type Column<'a> = (&'a Sheet, usize);
+#[derive(Clone, Copy)]
+struct Column<'a> {
+    sheet: &'a Sheet,
+    index: usize,
+}
+
+impl<'a> Column<'a> {
+    fn all(sheet: &'a Sheet) -> impl Iterator<Item = Self> {
+        (0..sheet.columns.len()).map(move |index| Self { sheet, index })
+    }
+
+    fn of(self) -> &'a SheetColumn {
+        &self.sheet.columns[self.index]
+    }
+
+    fn bound(self, bound: f64) -> Option<f64> {
+        (self.of().numbers > 0).then_some(bound)
+    }
+
+    fn meaning(self) -> Option<String> {
+        Some(meaning(self.sheet, self.index)).filter(|words| !words.is_empty())
+    }
+}
 
 fn column<'a>() -> Fields<'a, Column<'a>> {
-    fn of<'a>((sheet, index): Column<'a>) -> &'a SheetColumn {
-        &sheet.columns[index]
+    fields! { |column: Column<'a>|
+        "column" "column" .shown("") = column.of().name.as_str();
+        "first" "first" .shown("") = column.of().first.as_str();
+        "numbers" "cells with a number" = column.of().numbers;
+        "empty" "empty" .shown("") = column.of().empty;
+        "others" "cells with something else" = column.of().others;
+        "least" "least" .shown("").all_digits() = column.bound(column.of().least);
+        "greatest" "greatest" .shown("").all_digits() = column.bound(column.of().greatest);
+        "probably" "probably" .shown("").missing("") = column.meaning();
     }
-    fn bound(column: &SheetColumn, bound: f64) -> Option<f64> {
-        (column.numbers > 0).then_some(bound)
-    }
-    let probably =
-        |(sheet, index): Column<'a>| Some(meaning(sheet, index)).filter(|words| !words.is_empty());
-    Fields::new()
-        .field("column", "column", |c: Column<'a>| of(c).name.as_str())
-        .shown("")
-        .field("first", "first", |c| of(c).first.as_str())
-        .shown("")
-        .field("numbers", "cells with a number", |c| of(c).numbers)
-        .field("empty", "empty", |c| of(c).empty)
-        .shown("")
-        .field("others", "cells with something else", |c| of(c).others)
-        .field("least", "least", |c| bound(of(c), of(c).least))
-        .shown("")
-        .all_digits()
-        .field("greatest", "greatest", |c| bound(of(c), of(c).greatest))
-        .shown("")
-        .all_digits()
-        .field("probably", "probably", probably)
-        .shown("")
-        .missing("")
 }
 
 pub(super) fn fields<'a>() -> Fields<'a, &'a Sheet> {
     let letter = |byte: u8| char::from(byte).to_string();
-    Fields::new()
-        .field("format", "format", |_: &Sheet| "CSV")
-        .field("separator", "character between fields", move |sheet| {
-            letter(sheet.separator)
-        })
-        .field("decimal", "decimal mark", move |sheet| {
-            letter(sheet.decimal)
-        })
-        .field("header_lines", "lines before the first row", |sheet| {
-            sheet.header_lines
-        })
-        .field("names_line", "line with the names", |sheet| {
-            sheet.names_line
-        })
-        .field("rows", "rows", |sheet| sheet.rows)
-        .field(
-            "ragged_rows",
-            "rows with another number of fields than the header",
-            |sheet| sheet.ragged,
-        )
-        .field(
-            "duration_s",
-            "time from the first row to the last",
-            |sheet| Some(sheet.time.as_ref()?.duration_s),
-        )
-        .field("rate_hz", "rate", |sheet| sheet.time.as_ref()?.rate_hz)
-        .field("longest_interval_s", "longest interval", |sheet| {
-            Some(sheet.time.as_ref()?.longest_s)
-        })
-        .field("gaps", "gaps", |sheet| Some(sheet.time.as_ref()?.gaps))
-        .field("clock_jumps", "clock jumps", |sheet| {
-            Some(sheet.time.as_ref()?.jumps)
-        })
-        .rows("columns", "columns", column(), |sheet: &'a Sheet| {
-            (0..sheet.columns.len()).map(move |index| (sheet, index))
-        })
-        .field(
-            "lacks",
-            "what an estimate of slip needs and no column seems to hold",
-            lacks,
-        )
+    fields! { |sheet: &'a Sheet|
+        "format" "format" = "CSV";
+        "separator" "character between fields" = letter(sheet.separator);
+        "decimal" "decimal mark" = letter(sheet.decimal);
+        "header_lines" "lines before the first row" = sheet.header_lines;
+        "names_line" "line with the names" = sheet.names_line;
+        "rows" "rows" = sheet.rows;
+        "ragged_rows" "rows with another number of fields than the header" = sheet.ragged;
+        "duration_s" "time from the first row to the last" = sheet.time.as_ref().map(|time| time.duration_s);
+        "rate_hz" "rate" = sheet.time.as_ref().and_then(|time| time.rate_hz);
+        "longest_interval_s" "longest interval" = sheet.time.as_ref().map(|time| time.longest_s);
+        "gaps" "gaps" = sheet.time.as_ref().map(|time| time.gaps);
+        "clock_jumps" "clock jumps" = sheet.time.as_ref().map(|time| time.jumps);
+        "columns" "columns" rows(column()) = Column::all(sheet);
+        "lacks" "what an estimate of slip needs and no column seems to hold" = lacks(sheet);
+    }
 }
 
 fn text(sheet: &Sheet) -> String {
@@ -150,7 +131,7 @@ fn text(sheet: &Sheet) -> String {
     }
     out.push_str("\n\n");
     let seen = column().pick(&["column", "first", "least", "greatest", "empty", "probably"]);
-    out.push_str(&seen.table((0..sheet.columns.len()).map(|index| (sheet, index))));
+    out.push_str(&seen.table(Column::all(sheet)));
     let missing = lacks(sheet);
     if missing.is_empty() {
         out.push_str("\nhas time, wheels, yaw rate and motion, by the names of its columns\n");
