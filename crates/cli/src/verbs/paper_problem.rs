@@ -1,11 +1,9 @@
 //! The paper's optimisation problem: how its answer depends on what the paper does not say.
 
-use std::fmt::Write as _; // writing to a string cannot fail
-use std::ops::ControlFlow;
-
 use grouser_campaign::paper::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 use serde_json::Value;
+use std::fmt::Write as _; // writing to a string cannot fail
 
 use crate::error::Result;
 use crate::report::Object;
@@ -40,7 +38,7 @@ pub(super) fn solve() -> Result<Vec<Solved>> {
         .iter()
         .map(|reading| {
             let design = reading.design(STARTS, SEED)?;
-            let Answer::Optimum(optimum) = design.solve(&mut |_| ControlFlow::Continue(()))? else {
+            let Answer::Optimum(optimum) = design.solve()? else {
                 return Ok(Solved {
                     reading,
                     ends: Vec::new(),
