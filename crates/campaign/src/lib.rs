@@ -4,5 +4,9 @@
 //! The verbs `paper` and `validate` of the command call this crate; it has no other consumer.
 #![forbid(unsafe_code)]
 
+mod error;
 pub mod paper;
 pub mod validate;
+
+pub use error::{Error, Result};
+pub use grouser_report::Object;

@@ -119,3 +119,15 @@ impl From<grouser_identify::Error> for Error {
         }
     }
 }
+
+impl From<grouser_campaign::Error> for Error {
+    fn from(error: grouser_campaign::Error) -> Self {
+        use grouser_campaign::Error as Campaign;
+        match error {
+            Campaign::File(error) => error.into(),
+            Campaign::Design(error) => error.into(),
+            Campaign::Rover(error) => error.into(),
+            error => Self::new(Kind::Content, error.to_string(), None),
+        }
+    }
+}

@@ -81,10 +81,9 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         rows: impl Fn(T) -> I + 'a,
     ) -> Self {
         let schema = schema::list(&fields.schema());
-        self.with(key, words, schema, move |of| {
-            let rows = rows(of).into_iter();
-            rows.map(|row| Value::Object(fields.object(row))).collect()
-        })
+        let mut list = self.maybe_rows(key, words, fields, move |of| Some(rows(of)));
+        list.set_schema(schema);
+        list
     }
 
     /// Objects by name.
@@ -97,10 +96,55 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         items: impl Fn(T) -> I + 'a,
     ) -> Self {
         let schema = schema::named(&fields.schema());
-        self.with(key, words, schema, move |of| {
-            let items = items(of).into_iter();
-            let object = items.map(|(name, item)| (name.into(), fields.object(item).into()));
-            Value::Object(object.collect())
+        let mut list = self.maybe_named(key, words, fields, move |of| Some(items(of)));
+        list.set_schema(schema);
+        list
+    }
+
+    /// A list of objects, or `null`.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let point = || Fields::new().field("slip", "slip", |slip: f64| slip);
+    /// let run = Fields::new().maybe_rows("front", "front", point(), |front: Option<[f64; 2]>| front);
+    /// assert!(run.object(None)["front"].is_null());
+    /// ```
+    #[must_use]
+    pub fn maybe_rows<U: Clone + 'a, I: IntoIterator<Item = U>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        fields: Fields<'a, U>,
+        rows: impl Fn(T) -> Option<I> + 'a,
+    ) -> Self {
+        let schema = schema::or_null(schema::list(&fields.schema()));
+        self.with(key, words, schema, move |of| match rows(of) {
+            Some(rows) => rows
+                .into_iter()
+                .map(|row| Value::Object(fields.object(row)))
+                .collect(),
+            None => Value::Null,
+        })
+    }
+
+    /// Objects by name, or `null`.
+    #[must_use]
+    pub fn maybe_named<U: Clone + 'a, N: Into<String>, I: IntoIterator<Item = (N, U)>>(
+        self,
+        key: &'static str,
+        words: &'static str,
+        fields: Fields<'a, U>,
+        items: impl Fn(T) -> Option<I> + 'a,
+    ) -> Self {
+        let schema = schema::or_null(schema::named(&fields.schema()));
+        self.with(key, words, schema, move |of| match items(of) {
+            Some(items) => {
+                let items = items.into_iter();
+                let object = items.map(|(name, item)| (name.into(), fields.object(item).into()));
+                Value::Object(object.collect())
+            }
+            None => Value::Null,
         })
     }
 
@@ -425,6 +469,12 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
             place: Place::Everywhere,
         });
         self
+    }
+
+    fn set_schema(&mut self, schema: Value) {
+        if let Some(field) = self.list.last_mut() {
+            field.schema = schema;
+        }
     }
 
     fn seen(mut self, change: impl Fn(&mut Shown)) -> Self {

@@ -5,13 +5,13 @@ mod figure;
 mod object;
 mod text;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
 use grouser_opt::{Limit, Status};
 
+use self::object::Solved;
 use crate::error::Result;
 use crate::exit::Outcome;
 use crate::output_choice::Output;
@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(key) = &design.soil {
         session.used_catalogue_soil(key);
     }
-    let answer = design.solve(&mut |_| ControlFlow::Continue(()))?;
+    let answer = design.solve()?;
     let failure = match &answer {
         Answer::Optimum(optimum) => complaint(&design, optimum),
         Answer::Trade(trade) => no_front(trade),
@@ -73,7 +73,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: object::object(&design, &answer),
+        object: object::fields().object(Solved {
+            design: &design,
+            answer: &answer,
+        }),
         text,
         failure,
         warnings,
@@ -145,4 +148,9 @@ fn warnings(optimum: &Optimum) -> Vec<String> {
         ));
     }
     list
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
 }
