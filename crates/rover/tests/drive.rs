@@ -68,7 +68,7 @@ fn the_controller_goes_round_the_soft_patch() {
                 .iter()
                 .any(|named| named.decision.reason == reason)
         };
-        assert!(tells(Reason::SoftGround) && tells(Reason::Aside));
+        assert!(tells(Reason::SoftGround) && tells(Reason::ClearedSoftGround));
     }
 }
 
@@ -80,7 +80,7 @@ fn c11_it_stops_when_its_sensors_fall_silent() {
     assert_eq!(result.outcome, Outcome::SensorsLost);
     let last = result.decisions.last().unwrap();
     assert_eq!(last.decision.action, Action::End(Ending::SensorsLost));
-    assert_eq!(last.decision.reason, Reason::Blind);
+    assert_eq!(last.decision.reason, Reason::SensorTimeout);
     let silent = scenario
         .faults
         .windows()
