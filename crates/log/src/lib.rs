@@ -38,7 +38,7 @@
 #![forbid(unsafe_code)]
 
 pub mod container;
-mod csv;
+pub mod csv;
 mod error;
 mod log;
 pub mod message;
@@ -54,7 +54,6 @@ mod suggest;
 mod survey;
 pub mod write;
 
-pub use csv::LINE_LIMIT;
 pub use error::{Cell, Error, Result};
 pub use log::{Log, Records};
 pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};

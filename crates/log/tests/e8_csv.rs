@@ -11,7 +11,8 @@ mod scratch;
 
 use std::io::Write;
 
-use grouser_log::{Cell, Error, LINE_LIMIT, Reading};
+use grouser_log::csv::LINE_LIMIT;
+use grouser_log::{Cell, Error, Reading};
 use scratch::{Folder, map, read};
 
 const GOOD: &str = "t,n,g\n0,1,0.5\n0.1,2,0.25\n";

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use grouser_rover::drive::{Drive, DriveResult, Outcome, Pilot, Scenario, read_scenario};
+use grouser_rover::drive::{DriveResult, Outcome, Pilot, Scenario, Simulation, read_scenario};
 use grouser_slip::control::{Action, Ending, Reason};
 
 /// Near what the running-slip problem gives for the robot on dry sand.
@@ -19,7 +19,7 @@ fn scenario(name: &str) -> Scenario {
 }
 
 fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
-    let result = Drive::new(scenario, pilot, OPTIMUM, seed)
+    let result = Simulation::new(scenario, pilot, OPTIMUM, seed)
         .unwrap()
         .run(|_| true);
     println!(

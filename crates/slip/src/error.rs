@@ -33,11 +33,27 @@ pub enum Error {
         /// The greatest number.
         limit: usize,
     },
+    /// The robot has no such wheel.
+    #[error("wheel index {index} of a robot with {wheels} wheels")]
+    UnknownWheel {
+        /// The index that was given.
+        index: usize,
+        /// The number of wheels.
+        wheels: usize,
+    },
     /// Two wheels have one name, or a wheel has none.
     #[error("wheel name `{name}` is empty or used twice")]
     WheelName {
         /// The name.
         name: String,
+    },
+    /// The laws of wheel and soil refuse a number.
+    #[error("{of}: {source}")]
+    Law {
+        /// Of which wheel.
+        of: String,
+        /// What they refuse.
+        source: grouser_terra::Error,
     },
     /// A counter width that no counter has.
     #[error("counter width is {bits} bits, but must lie in [8, 64] bits")]

@@ -4,17 +4,17 @@ use std::collections::VecDeque;
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::Document;
-use grouser_rover::drive::{Drive, Frame, Pilot, Scenario, parse_scenario};
+use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
-use grouser_rover::sensors::Reading;
-use grouser_slip::{Estimator, Reference, Settings, Slip};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
+use grouser_slip::{Reference, Slip};
 use serde_json::Value;
 
-use super::drive_optimum::running_slip;
+use super::drive::optimum::running_slip;
 use crate::error::Result;
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
-use crate::number::{exact, rounded};
 use crate::report::Object;
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::number::{exact, rounded};
 
 const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
 const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");
@@ -79,20 +79,25 @@ impl SandRun {
         let scenario = scenario()?;
         let optimum = running_slip(&scenario)?;
         let robot = &scenario.robot.robot;
-        let settings = Settings {
+        let settings = WindowSettings {
             reference: Reference::FreeWheel,
             ..scenario.robot.settings
         };
-        let mut estimator = Estimator::new(robot, settings).map_err(grouser_rover::Error::from)?;
+        let mut estimator =
+            WindowEstimator::new(robot, settings).map_err(grouser_rover::Error::from)?;
         let wheel = robot.wheel_index(WHEEL).unwrap_or(0);
         let mut means = Means::default();
         let mut points = Vec::new();
         let mut before = 0.0;
-        let mut drive = Drive::new(&scenario, Pilot::Controller, optimum, scenario.seed)?;
+        let mut drive = Simulation::new(&scenario, Pilot::Controller, optimum, scenario.seed)?;
         drive.run(|frame: &Frame<'_>| {
-            for reading in frame.readings {
-                if let Reading::Sample(sample) = reading {
-                    // what it refuses it counts; the figure shows what it makes of the rest
+            for sample in frame.samples {
+                let raw = matches!(
+                    sample.measurement,
+                    Measurement::JointAngle { .. } | Measurement::MotorCurrent { .. }
+                );
+                if !raw {
+                    // refused samples are counted; the figure shows the estimate from the rest
                     let _ = estimator.update(*sample);
                 }
             }
@@ -104,7 +109,7 @@ impl SandRun {
                 .and_then(|estimate| estimate.wheels.get(wheel));
             points.push(Point {
                 time: frame.time,
-                asked: frame.asked_speed,
+                asked: frame.requested_speed,
                 truth: means.add(frame.wheels[wheel].speeds, window),
                 measured: seen.and_then(|seen| seen.slip).map(Slip::value),
                 sigma: seen.and_then(|seen| seen.sigma),

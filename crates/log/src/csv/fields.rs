@@ -1,35 +1,86 @@
 //! The fields of a line.
 
-/// What is wrong with a line's quotes, and in which field (from 0).
+use std::borrow::Cow;
+
+/// What is wrong with the quotation marks of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BadQuote {
-    pub(crate) field: usize,
-    pub(crate) what: &'static str,
+pub struct BadQuote {
+    /// The field, counted from 0.
+    pub field: usize,
+    /// What is wrong with it, in words.
+    pub what: &'static str,
 }
 
-/// Splits `line` at `separator` into `fields` (byte ranges of the line, quotes left out).
+/// One field of a line, by its place in that line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    start: usize,
+    end: usize,
+    quoted: bool,
+}
+
+impl Field {
+    /// The field as it is written, with its quotation marks.
+    #[must_use]
+    pub fn raw(self, line: &str) -> &str {
+        let mark = usize::from(self.quoted);
+        &line[self.start - mark..self.end + mark]
+    }
+
+    /// The field without its outer quotation marks; doubled ones inside stay doubled.
+    #[must_use]
+    pub fn text(self, line: &str) -> &str {
+        &line[self.start..self.end]
+    }
+
+    /// The value of the field: a quoted one with its doubled quotation marks halved, another one without the blanks
+    /// around it.
+    #[must_use]
+    pub fn value(self, line: &str) -> Cow<'_, str> {
+        let text = self.text(line);
+        if !self.quoted {
+            Cow::Borrowed(text.trim())
+        } else if text.contains("\"\"") {
+            Cow::Owned(text.replace("\"\"", "\""))
+        } else {
+            Cow::Borrowed(text)
+        }
+    }
+}
+
+/// Splits `line` at `separator` into `fields`.
 ///
-/// A field that begins with `"` ends with the next one that is not doubled; it cannot reach into the
-/// next line, which in a log would swallow rows. Doubled quotes stay doubled: no number has any.
-pub(crate) fn split(
-    line: &str,
-    separator: u8,
-    fields: &mut Vec<(usize, usize)>,
-) -> Result<(), BadQuote> {
+/// A quoted field ends on its own line: in a log an open quotation mark would swallow the rows after it.
+///
+/// ```
+/// use grouser_log::csv::split;
+///
+/// let line = r#"2.5, "sand, dry",left"#.replace(", \"", ",\"");
+/// let mut fields = Vec::new();
+/// split(&line, b',', &mut fields)?;
+/// assert_eq!(fields[1].raw(&line), "\"sand, dry\"");
+/// assert_eq!(fields[1].value(&line), "sand, dry");
+/// # Ok::<(), grouser_log::csv::BadQuote>(())
+/// ```
+///
+/// # Errors
+/// [`BadQuote`] for a quotation mark that is not closed, or that text follows.
+pub fn split(line: &str, separator: u8, fields: &mut Vec<Field>) -> Result<(), BadQuote> {
     fields.clear();
     let bytes = line.as_bytes();
     let mut at = 0;
     loop {
-        if bytes.get(at) == Some(&b'"') {
-            let bad = |what| BadQuote {
-                field: fields.len(),
-                what,
-            };
-            let start = at + 1;
-            let mut end = start;
+        let quoted = bytes.get(at) == Some(&b'"');
+        let (start, mut end) = (at + usize::from(quoted), at);
+        if quoted {
+            let field = fields.len();
+            let bad = |what| BadQuote { field, what };
+            end = start;
             loop {
                 match (bytes.get(end), bytes.get(end + 1)) {
-                    (None, _) => return Err(bad("begins with a quote that its line does not end")),
+                    (None, _) => {
+                        return Err(bad("has a quotation mark that is not closed on its line"));
+                    }
                     (Some(b'"'), Some(b'"')) => end += 2,
                     (Some(b'"'), _) => break,
                     _ => end += 1,
@@ -37,22 +88,38 @@ pub(crate) fn split(
             }
             at = end + 1;
             if bytes.get(at).is_some_and(|next| *next != separator) {
-                return Err(bad("goes on after its closing quote"));
+                return Err(bad("has text behind its closing quotation mark"));
             }
-            fields.push((start, end));
         } else {
             let rest = &bytes[at..];
-            let length = rest
+            end += rest
                 .iter()
                 .position(|byte| *byte == separator)
                 .unwrap_or(rest.len());
-            fields.push((at, at + length));
-            at += length;
+            at = end;
         }
+        fields.push(Field { start, end, quoted });
         if at >= bytes.len() {
             return Ok(());
         }
         at += 1;
+    }
+}
+
+/// `text` as a field: in quotation marks where a comma, a quotation mark or outer blanks require them. Line ends
+/// become blanks, because a row is a line.
+///
+/// ```
+/// assert_eq!(grouser_log::csv::quoted("sand, dry"), "\"sand, dry\"");
+/// assert_eq!(grouser_log::csv::quoted("sand"), "sand");
+/// ```
+#[must_use]
+pub fn quoted(text: &str) -> Cow<'_, str> {
+    if text.contains(['"', ',', '\n', '\r']) || text.trim() != text {
+        let doubled = text.replace('"', "\"\"").replace(['\n', '\r'], " ");
+        Cow::Owned(format!("\"{doubled}\""))
+    } else {
+        Cow::Borrowed(text)
     }
 }
 
@@ -61,9 +128,9 @@ mod tests {
     use super::*;
 
     fn fields(line: &str) -> Result<Vec<&str>, BadQuote> {
-        let mut ranges = Vec::new();
-        split(line, b',', &mut ranges)?;
-        Ok(ranges.iter().map(|&(a, b)| &line[a..b]).collect())
+        let mut found = Vec::new();
+        split(line, b',', &mut found)?;
+        Ok(found.iter().map(|field| field.text(line)).collect())
     }
 
     #[test]
@@ -77,5 +144,18 @@ mod tests {
         assert_eq!(fields("a,\"b").unwrap_err().field, 1);
         assert_eq!(fields("\"a\"b,c").unwrap_err().field, 0);
         assert_eq!(fields("\"").unwrap_err().field, 0);
+    }
+
+    #[test]
+    fn what_is_quoted_reads_back() {
+        for text in ["x, \"y\"", " 2 ", "plain", "", "\""] {
+            let line = quoted(text);
+            let mut found = Vec::new();
+            split(&line, b',', &mut found).unwrap();
+            assert_eq!(found.len(), 1);
+            assert_eq!(found[0].value(&line), text);
+            assert_eq!(found[0].raw(&line), line);
+        }
+        assert_eq!(quoted("a\nb"), "\"a b\"");
     }
 }

@@ -1,32 +1,61 @@
 //! Lines of a table, with a limit to their length.
 
 use std::io::{BufRead, Read};
+use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::{Cell, Error, Result};
+use crate::source;
 
-/// The greatest length of a line, bytes.
+/// The maximum length of a line, bytes.
 pub const LINE_LIMIT: usize = 1 << 20;
 
-/// Reads lines one by one into a buffer that it keeps.
-pub(crate) struct Lines {
-    input: Box<dyn BufRead + Send>,
+/// The lines of a table, one by one, in a buffer that is used again.
+///
+/// ```
+/// use grouser_log::csv::Lines;
+///
+/// let mut lines = Lines::over(&b"slip,load_n\n0.2,40\n"[..], "runs.csv");
+/// assert!(lines.advance()? && lines.text()? == "slip,load_n");
+/// assert!(lines.advance()? && lines.text()? == "0.2,40");
+/// assert_eq!(lines.cell().to_string(), "runs.csv: line 2");
+/// assert!(!lines.advance()?);
+/// # Ok::<(), grouser_log::Error>(())
+/// ```
+pub struct Lines<R = Box<dyn BufRead + Send>> {
+    input: R,
     file: String,
     line: u64,
+    bytes: u64,
     buffer: Vec<u8>,
 }
 
 impl Lines {
-    pub(crate) fn new(input: Box<dyn BufRead + Send>, file: String) -> Self {
+    /// Opens a regular file; a gzip file is decompressed, whatever its name.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn open(path: &Path) -> Result<Self> {
+        let input = source::open(path, &Arc::default())?;
+        Ok(Self::over(input, &path.display().to_string()))
+    }
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Reads from `input`; errors call it `file`.
+    pub fn over(input: R, file: &str) -> Self {
         Self {
             input,
-            file,
+            file: file.to_owned(),
             line: 0,
+            bytes: 0,
             buffer: Vec::new(),
         }
     }
 
-    /// The place of the line that was read last.
-    pub(crate) fn cell(&self) -> Cell {
+    /// The place of the current line.
+    #[must_use]
+    pub fn cell(&self) -> Cell {
         Cell {
             file: self.file.clone(),
             line: self.line,
@@ -35,16 +64,38 @@ impl Lines {
         }
     }
 
-    /// Moves to the next line: true if there is one.
+    /// The number of the current line, from 1.
+    #[must_use]
+    pub const fn number(&self) -> u64 {
+        self.line
+    }
+
+    /// Bytes read so far.
+    #[must_use]
+    pub const fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// The input, read up to the end of the current line.
+    #[must_use]
+    pub fn into_input(self) -> R {
+        self.input
+    }
+
+    /// Moves to the next line; returns false at the end.
     ///
-    /// A line ends with LF or CR LF; a byte-order mark of UTF-8 before the first is left out.
-    pub(crate) fn advance(&mut self) -> Result<bool> {
+    /// A line ends with LF or CR LF. A UTF-8 byte-order mark before the first line is left out.
+    ///
+    /// # Errors
+    /// [`Error::LongLine`]; [`Error::Unreadable`] for what the system or the decompressor refuses.
+    pub fn advance(&mut self) -> Result<bool> {
         self.buffer.clear();
         self.line += 1;
         let limit = LINE_LIMIT as u64 + 2;
         let read = (&mut self.input)
             .take(limit)
             .read_until(b'\n', &mut self.buffer);
+        self.bytes += self.buffer.len() as u64;
         if let Err(source) = read {
             return Err(Error::Unreadable {
                 at: self.cell(),
@@ -66,33 +117,42 @@ impl Lines {
                 limit: LINE_LIMIT,
             });
         }
-        if self.line == 1 {
-            if self.buffer.starts_with(&[0xef, 0xbb, 0xbf]) {
-                self.buffer.drain(..3);
-            } else if self.buffer.starts_with(&[0xff, 0xfe])
-                || self.buffer.starts_with(&[0xfe, 0xff])
-            {
-                return Err(self.malformed("is UTF-16, but must be UTF-8"));
-            }
-        }
-        if self.buffer.contains(&0) {
-            return Err(self.malformed("holds a NUL byte"));
-        }
-        if self.buffer.contains(&b'\r') {
-            return Err(self.malformed("holds a carriage return that does not end it"));
+        if self.line == 1 && self.buffer.starts_with(b"\xef\xbb\xbf") {
+            self.buffer.drain(..3);
         }
         Ok(true)
     }
 
-    pub(crate) fn malformed(&self, what: &'static str) -> Error {
-        Error::Malformed {
-            at: self.cell(),
-            what,
-        }
+    /// The current line as it is, without its end.
+    #[must_use]
+    pub fn raw(&self) -> &[u8] {
+        &self.buffer
     }
 
-    /// The line that was read last.
-    pub(crate) fn text(&self) -> Result<&str> {
-        std::str::from_utf8(&self.buffer).map_err(|_| self.malformed("is not UTF-8 text"))
+    /// The current line as text.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] for bytes that are not UTF-8, a NUL byte, or a carriage return inside the line.
+    pub fn text(&self) -> Result<&str> {
+        let bytes = self.raw();
+        let what = if self.line == 1
+            && [b"\xff\xfe", b"\xfe\xff"]
+                .iter()
+                .any(|mark| bytes.starts_with(*mark))
+        {
+            "is UTF-16, but must be UTF-8"
+        } else if bytes.contains(&0) {
+            "holds a NUL byte"
+        } else if bytes.contains(&b'\r') {
+            "holds a carriage return that does not end it"
+        } else if let Ok(text) = std::str::from_utf8(bytes) {
+            return Ok(text);
+        } else {
+            "is not UTF-8 text"
+        };
+        Err(Error::Malformed {
+            at: self.cell(),
+            what,
+        })
     }
 }

@@ -1,4 +1,7 @@
-//! Tables of text: CSV and its relatives, read line by line through a column map.
+//! Tables of text: CSV and its relatives, line by line.
+//!
+//! [`Lines`] reads lines of bounded length, [`split`] cuts a line into its fields, [`finite`] reads a number, and every
+//! error names its line and column ([`Cell`](crate::Cell)). Logs, operating points and soil tests are all read by these.
 
 mod fields;
 mod lines;
@@ -6,8 +9,7 @@ mod number;
 mod reader;
 mod row;
 
-pub(crate) use fields::split;
-pub use lines::LINE_LIMIT;
-pub(crate) use lines::Lines;
-pub(crate) use number::finite;
+pub use fields::{BadQuote, Field, quoted, split};
+pub use lines::{LINE_LIMIT, Lines};
+pub use number::{NotANumber, finite};
 pub(crate) use reader::CsvReader;

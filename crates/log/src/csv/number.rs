@@ -2,13 +2,25 @@
 
 /// Why a field is no number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NotANumber {
-    pub(crate) expected: &'static str,
-    pub(crate) hint: Option<&'static str>,
+pub struct NotANumber {
+    /// What the field must be.
+    pub expected: &'static str,
+    /// How to correct it, where that is known.
+    pub hint: Option<&'static str>,
 }
 
-/// A finite number whose decimal mark is `decimal`.
-pub(crate) fn finite(text: &str, decimal: u8) -> Result<f64, NotANumber> {
+/// A finite number whose decimal mark is `decimal`; blanks around it are ignored.
+///
+/// ```
+/// use grouser_log::csv::finite;
+///
+/// assert_eq!(finite(" 0,25", b','), Ok(0.25));
+/// assert!(finite("nan", b'.').is_err());
+/// ```
+///
+/// # Errors
+/// [`NotANumber`] for anything else, NaN and infinities included.
+pub fn finite(text: &str, decimal: u8) -> Result<f64, NotANumber> {
     let text = text.trim();
     let parsed = if decimal == b',' {
         if text.contains('.') {

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicU64;
 use grouser_files::columns::Table;
 use grouser_files::nearest;
 
-use super::fields::{BadQuote, split};
+use super::fields::{BadQuote, Field, split};
 use super::lines::Lines;
 use super::number::NotANumber;
 use super::row::{BadField, Plan};
@@ -29,7 +29,7 @@ pub(crate) struct CsvReader {
     names: Vec<String>,
     plan: Plan,
     separator: u8,
-    fields: Vec<(usize, usize)>,
+    fields: Vec<Field>,
     source: usize,
     ordered: Ordered<Record>,
     rows: u64,
@@ -46,7 +46,7 @@ impl CsvReader {
         (wheels, count): (&[String], &Arc<AtomicU64>),
     ) -> Result<Self> {
         let file = path.display().to_string();
-        let mut lines = Lines::new(source::open(path, count)?, file.clone());
+        let mut lines = Lines::over(source::open(path, count)?, &file);
         let mut names: Vec<String> = Vec::new();
         let mut header = lines.cell();
         let mut fields = Vec::new();
@@ -61,14 +61,14 @@ impl CsvReader {
                     },
                 });
             }
+            let text = lines.text()?;
             if number == table.names_line {
                 header = lines.cell();
-                let text = lines.text()?;
                 split(text, table.separator, &mut fields)
                     .map_err(|bad| bad_quote(&header, &[], bad))?;
                 names = fields
                     .iter()
-                    .map(|&(start, end)| text[start..end].trim().to_owned())
+                    .map(|field| field.text(text).trim().to_owned())
                     .collect();
             }
         }
@@ -117,10 +117,7 @@ impl CsvReader {
                 expected: self.names.len(),
             });
         }
-        let field = |index: usize| {
-            let (start, end) = self.fields[index];
-            &text[start..end]
-        };
+        let field = |index: usize| self.fields[index].text(text);
         let bad = |bad: BadField| bad_field(&here, &self.names, field(bad.field), bad);
         let time_ns = self.plan.time_ns(field(self.plan.time)).map_err(bad)?;
         self.ordered

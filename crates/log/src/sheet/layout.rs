@@ -1,11 +1,9 @@
 //! How a table is laid out, by its first lines.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use crate::csv::{Lines, finite, split};
 use crate::error::{Error, Result};
-use crate::source;
 
 /// So many lines are looked at.
 const LINES: usize = 64;
@@ -27,7 +25,7 @@ pub(super) struct Layout {
 impl Layout {
     pub(super) fn of(path: &Path) -> Result<Self> {
         let file = path.display().to_string();
-        let mut lines = Lines::new(source::open(path, &Arc::default())?, file.clone());
+        let mut lines = Lines::open(path)?;
         let mut first = Vec::new();
         while first.len() < LINES && lines.advance()? {
             first.push(lines.text()?.to_owned());
@@ -112,6 +110,8 @@ fn fields(line: &str, separator: u8) -> Vec<String> {
     if split(line, separator, &mut places).is_err() {
         return Vec::new();
     }
-    let field = |(start, end): &(usize, usize)| line[*start..*end].trim().to_owned();
-    places.iter().map(field).collect()
+    places
+        .iter()
+        .map(|field| field.text(line).trim().to_owned())
+        .collect()
 }

@@ -98,7 +98,7 @@ impl Sheet {
     pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
         let layout = Layout::of(path)?;
         let count = Arc::default();
-        let mut lines = Lines::new(source::open(path, &count)?, path.display().to_string());
+        let mut lines = Lines::over(source::open(path, &count)?, &path.display().to_string());
         let mut sheet = Self {
             separator: layout.separator,
             decimal: layout.decimal,
@@ -135,8 +135,7 @@ impl Sheet {
             }
             sheet.rows += 1;
             for (index, column) in sheet.columns.iter_mut().enumerate() {
-                let (start, end) = fields[index];
-                let field = text[start..end].trim();
+                let field = fields[index].text(text).trim();
                 let number = finite(field, layout.decimal).ok();
                 column.take(field, number, &mut lasts[index]);
                 let clock = candidates.iter().position(|candidate| *candidate == index);

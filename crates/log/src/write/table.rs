@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use crate::csv::quoted;
 use crate::error::{Error, Result};
 use crate::message::Value;
 use crate::messages::{Clock, LeftOut, Messages};
@@ -110,18 +111,7 @@ fn flatten(value: &Value, path: String, cells: &mut Vec<(String, String)>) {
         Value::Int(number) => number.to_string(),
         Value::UInt(number) => number.to_string(),
         Value::Bool(value) => u8::from(*value).to_string(),
-        Value::Text(text) => quoted(text),
+        Value::Text(text) => quoted(text).into_owned(),
     };
     cells.push((path, text));
-}
-
-/// A field that a comma, a quote or a line end cannot break; line ends become spaces, because a row is a
-/// line.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        let line = text.replace(['\n', '\r'], " ");
-        format!("\"{}\"", line.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
 }

@@ -10,5 +10,5 @@ pub use linkage::{
 };
 pub(crate) use linkage::{MAX_CHAIN, solve};
 pub use motor::{Motor, MotorNow};
-pub use vehicle::{Ledger, Vehicle, WheelCommand, WheelNow};
+pub use vehicle::{Ledger, Vehicle, WheelNow};
 pub use wheel_force::{WheelContact, WheelLoad, WheelMotionNow};

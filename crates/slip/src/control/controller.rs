@@ -25,7 +25,7 @@ use crate::robot::Robot;
 /// use grouser_slip::control::{
 ///     ControlInput, ControlSettings, Controller, Mode, Request, WheelObservation,
 /// };
-/// use grouser_slip::{CounterWidth, Drive, Encoder, Health, Motion, Robot, Shaft, Wheel};
+/// use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Shaft, Wheel, WheelRole};
 /// use grouser_terra::Angle;
 ///
 /// let encoder = Encoder {
@@ -34,7 +34,7 @@ use crate::robot::Robot;
 /// };
 /// let wheel = Wheel {
 ///     name: "drive".into(), x: 0.0, y: 0.0, heading: Angle::from_deg(0.0), radius: 0.1,
-///     drive: Drive::Powered, encoder, width: None, load: Some(50.0),
+///     role: WheelRole::Powered, encoder, width: None, load: Some(50.0),
 /// };
 /// let robot = Robot::new("one wheel".into(), vec![wheel])?;
 /// let mut settings = ControlSettings::default();

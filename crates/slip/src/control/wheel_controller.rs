@@ -8,7 +8,7 @@ use super::geometry::WheelGeometry;
 use super::motor_guard::MotorGuard;
 use super::observation::WheelObservation;
 use super::settings::ControlSettings;
-use crate::robot::{Drive, Wheel};
+use crate::robot::{Wheel, WheelRole};
 use crate::state::{Health, Motion};
 
 /// The integral of the slip error moves the setpoint by at most this slip: a quarter of the range, so that a wrong
@@ -45,7 +45,7 @@ impl WheelController {
                 heading: wheel.heading.rad(),
                 max_steering_angle: 0.0,
             },
-            powered: wheel.drive == Drive::Powered,
+            powered: wheel.role == WheelRole::Powered,
             rim_speed: 0.0,
             integral: 0.0,
             guard: MotorGuard::default(),

@@ -80,7 +80,8 @@ impl WheelCarrier {
     /// Turning about the axle beside the chassis (rad/s), and the velocity of the wheel's centre forwards and up (m/s), while
     /// the chassis pitches at `pitch_rate` (rad/s).
     fn motion(&self, joints: &[Joint; MAX_JOINTS], pitch_rate: f64) -> (f64, [f64; 2]) {
-        let rotated = |[x, z]: [f64; 2], (sin, cos): (f64, f64)| [cos * x + sin * z, cos * z - sin * x];
+        let rotated =
+            |[x, z]: [f64; 2], (sin, cos): (f64, f64)| [cos * x + sin * z, cos * z - sin * x];
         let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
         let plus = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
         // pivots as they are now, and how fast each link turns
@@ -109,7 +110,10 @@ impl WheelCarrier {
             velocity = plus(velocity, [arm[1] * rate, -arm[0] * rate]);
             outer = *pivot;
         }
-        (rate, plus([pitch_rate * end[1], -(pitch_rate * end[0])], velocity))
+        (
+            rate,
+            plus([pitch_rate * end[1], -(pitch_rate * end[0])], velocity),
+        )
     }
 }
 

@@ -92,13 +92,22 @@ impl OnBoard {
         settings.check(robot)?;
         let setups = &settings.wheels;
         let max_torques: Vec<_> = setups.iter().map(|setup| setup.max_torque).collect();
-        let weakest = max_torques.iter().flatten().copied().fold(f64::MAX, f64::min);
+        let weakest = max_torques
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::MAX, f64::min);
         let mut detect = settings.detect;
         detect.stall_torque = detect.stall_torque.min(STALL_TORQUE_SHARE * weakest);
         let mut filter = settings.filter;
         filter.free_slip = settings.soil.free_slip.unwrap_or(filter.free_slip);
-        let angles: Vec<_> = setups.iter().map(|setup| setup.max_steering_angle).collect();
-        let observations = setups.iter().map(|setup| WheelObservation::unknown(setup.load));
+        let angles: Vec<_> = setups
+            .iter()
+            .map(|setup| setup.max_steering_angle)
+            .collect();
+        let observations = setups
+            .iter()
+            .map(|setup| WheelObservation::unknown(setup.load));
         Ok(Self {
             filter: SlipFilter::new(robot, filter)?,
             detector: Detector::new(robot, detect)?,
@@ -167,16 +176,25 @@ impl OnBoard {
             Measurement::Acceleration { forward, left },
             Measurement::YawRate { rate: rate[2] },
         ] {
-            self.filter_sample(Sample { time_ns, measurement }, is_warm);
+            self.filter_sample(
+                Sample {
+                    time_ns,
+                    measurement,
+                },
+                is_warm,
+            );
         }
     }
 
     fn update_current(&mut self, wheel: usize, share: f64) {
-        if let (Some(observation), Some(max_torque)) =
-            (self.observations.get_mut(wheel), self.max_torques[wheel])
-        {
+        let max_torque = self.max_torques.get(wheel).copied().flatten();
+        if let (Some(observation), Some(torque), Some(max_torque)) = (
+            self.observations.get_mut(wheel),
+            self.torques.get_mut(wheel),
+            max_torque,
+        ) {
             observation.torque_share = Some(share);
-            self.torques[wheel] = Some(share * max_torque);
+            *torque = Some(share * max_torque);
         }
     }
 
@@ -189,8 +207,11 @@ impl OnBoard {
     }
 
     /// A wheel is steered by `angle` (rad, to the left) from now on.
-    pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) {
-        self.filter.set_steering_angle(wheel, angle);
+    ///
+    /// # Errors
+    /// As [`SlipFilter::set_steering_angle`].
+    pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
+        self.filter.set_steering_angle(wheel, angle)
     }
 
     /// Runs the control loop: what is known at `now_ns` by the computer's clock, and a command for each wheel in the robot's
@@ -232,7 +253,10 @@ impl OnBoard {
             return;
         };
         let wheels = self.filter.estimate_at(sensor_ns).wheels;
-        let _ = self.detector.update(sensor_ns, wheels, &self.torques).count();
+        let _ = self
+            .detector
+            .update(sensor_ns, wheels, &self.torques)
+            .count();
         for ((index, wheel), seen) in wheels.iter().enumerate().zip(&mut self.observations) {
             let slip = wheel.slip.map(Slip::value);
             *seen = WheelObservation {

@@ -2,13 +2,15 @@
 
 use alloc::{format, string::String, vec::Vec};
 
-use grouser_terra::{Angle, Kinematics, RigidWheel, Settings as LawSettings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{
+    Angle, Kinematics, RigidWheel, Settings as LawSettings, Slip, Soil, WheelOnSoil,
+};
 
 use super::settings::WheelSetup;
 use crate::error::{Error, Result};
 use crate::filter::{FilterSettings, SlipPrior};
 use crate::prior::{FreeWheelSkid, SlipDemand, SoilDoubt};
-use crate::robot::{Drive, Robot};
+use crate::robot::{Robot, WheelRole};
 
 /// Slopes that the table of slip demand holds, rad either way: 20°, beyond which no shipped soil carries a robot.
 const MAX_TABLE_SLOPE_RAD: f64 = 0.35;
@@ -61,7 +63,7 @@ impl SoilTables {
         let mut powered = Vec::new();
         for (wheel, rigid, setup) in wheels {
             let load = setup.load.max(MIN_LOAD_N);
-            if wheel.drive == Drive::Free {
+            if wheel.role == WheelRole::Free {
                 let bearing = setup.bearing_torque;
                 let skid = FreeWheelSkid::new(rigid, soil, bearing, (load, load), doubt)
                     .map_err(of(&wheel.name))?;
