@@ -7,7 +7,7 @@ use grouser_files::Document;
 use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
-use grouser_slip::{Reference, Slip};
+use grouser_slip::{Measurement, Reference, Slip};
 use serde_json::Value;
 
 use super::drive::optimum::running_slip;

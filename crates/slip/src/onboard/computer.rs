@@ -38,13 +38,12 @@ const MAX_STEP_S: f64 = 0.1;
 /// ```
 /// use grouser_slip::control::Request;
 /// use grouser_slip::onboard::{OnBoard, OnBoardSettings};
-/// use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
-/// # use grouser_terra::Angle;
-/// # let encoder = Encoder { shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
-/// #     counter: CounterWidth::new(16)?, reversed: false, rate_step: 0.0 };
-/// # let wheel = |name: &str, x, role| Wheel { name: name.into(), x, y: 0.0,
-/// #     heading: Angle::from_deg(0.0), radius: 0.1, role, encoder, width: None, load: Some(20.0) };
-/// # let wheels = vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)];
+/// use grouser_slip::{Measurement, Robot, Sample, Wheel};
+///
+/// let wheels = vec![
+///     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000).load(20.0),
+///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000).load(2.0),
+/// ];
 /// let robot = Robot::new("bicycle".into(), wheels)?;
 /// let mut on_board = OnBoard::new(&robot, OnBoardSettings::new(&robot))?;
 /// for step in 0..300_u64 {

@@ -122,7 +122,7 @@ fn torque_table(
     for (index, slot) in torques.iter_mut().enumerate() {
         let slip = Slip::new(index as f64 / (TORQUE_POINTS - 1) as f64)?;
         let found = contact.under_load(load, &Kinematics::straight(slip))?;
-        *slot = found.point.map_or(0.0, |point| point.forces.torque);
+        *slot = found.point().map_or(0.0, |point| point.forces.torque);
     }
     Ok(torques)
 }
