@@ -190,7 +190,7 @@ fn the_same_run_has_the_same_bits() {
 fn margins_and_gradeability_of_a_simple_robot_are_those_of_the_books() {
     let model = robot("skid-steer");
     let margins = stability_margins(&model, 0.0, 0.0);
-    let state = grouser_rover::dynamics::BodyState::at(
+    let state = grouser_rover::body::BodyState::at(
         grouser_rover::vector::Vector::ZERO,
         grouser_rover::vector::Attitude::LEVEL,
     );

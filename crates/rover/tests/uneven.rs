@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use grouser_files::Document;
-use grouser_rover::dynamics::{GRAVITY, Vehicle};
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{Footing, stability_margins, stance, wheel_loads};
+use grouser_rover::{body::GRAVITY, dynamics::Vehicle};
 use grouser_terra::catalogue;
 
 /// Ground that hardly yields: what remains of its spring is 1e-6 of a wheel's load.

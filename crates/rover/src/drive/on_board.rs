@@ -6,7 +6,7 @@ use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, WheelSetup};
 use grouser_slip::prior::SoilDoubt;
 use grouser_terra::Soil;
 
-use crate::dynamics::{GRAVITY, Motor};
+use crate::body::{GRAVITY, Motor};
 use crate::error::Result;
 use crate::robot::RobotModel;
 use crate::sensors::SensorSettings;

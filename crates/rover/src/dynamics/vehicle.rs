@@ -5,9 +5,8 @@
 
 use grouser_terra::{Settings, WheelOnSoil};
 
-use super::linkage::{BodyState, MAX_SPEEDS, Pose};
-use super::motor::MotorNow;
 use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
+use crate::body::{BodyState, GRAVITY, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::robot::RobotModel;
@@ -154,7 +153,7 @@ impl Vehicle {
             pressed_at,
             wheels: vec![WheelNow::default(); count],
             inputs: vec![WheelInput::default(); count],
-            specific_force: Vector::AXES[2] * super::GRAVITY,
+            specific_force: Vector::AXES[2] * GRAVITY,
             ledger: Ledger::default(),
             time: 0.0,
             step,
@@ -262,10 +261,7 @@ impl Vehicle {
             .model
             .linkage
             .accelerate(&self.state, &self.pose, &forces);
-        let gravity = self
-            .state
-            .attitude
-            .to_robot(Vector::AXES[2] * super::GRAVITY);
+        let gravity = self.state.attitude.to_robot(Vector::AXES[2] * GRAVITY);
         let velocity = self.state.velocity();
         self.specific_force = Vector::new(rates[3], rates[4], rates[5])
             + self.state.turning().cross(velocity)

@@ -11,7 +11,8 @@ use std::collections::VecDeque;
 
 use grouser_slip::{Measurement, Sample};
 
-use crate::dynamics::{GRAVITY, Vehicle};
+use crate::body::GRAVITY;
+use crate::dynamics::Vehicle;
 use crate::ground::Noise;
 use crate::vector::Vector;
 use encoder::Encoder;
