@@ -73,7 +73,10 @@ impl Clocks {
             }
         };
         let (index, regular) = match *measurement {
-            Measurement::Command { .. } => (0, false),
+            Measurement::Command { .. }
+            | Measurement::Inertial { .. }
+            | Measurement::JointAngle { .. }
+            | Measurement::MotorCurrent { .. } => (0, false),
             Measurement::Acceleration { .. } => (1, true),
             Measurement::YawRate { .. } => (2, true),
             Measurement::Displacement { .. } | Measurement::Pose { .. } => (3, true),

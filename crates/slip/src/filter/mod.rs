@@ -32,6 +32,7 @@ mod clocks;
 mod free_wheel;
 mod imu;
 mod kalman;
+mod learnt;
 mod order;
 mod pulses;
 mod radius;
@@ -61,6 +62,7 @@ use crate::wheel_estimate::WheelEstimate;
 use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, YAW, own_slip, radius};
 use clocks::{Clocks, Told};
 use kalman::Kalman;
+pub use learnt::{Learnt, LearntWheel};
 use order::{Offered, Order};
 use reference::Reference;
 pub use report::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
@@ -243,7 +245,11 @@ impl SlipFilter {
     /// # Errors
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and enters no estimate.
     pub fn update(&mut self, sample: Sample) -> core::result::Result<FilterOutput<'_>, Fault> {
-        let taken = self.accept(sample);
+        let taken = if sample.measurement.is_raw() {
+            Ok(())
+        } else {
+            self.accept(sample)
+        };
         if let Err(fault) = &taken {
             self.rejected.count(fault);
         }
@@ -406,7 +412,10 @@ impl SlipFilter {
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
             | Measurement::Speed { .. } => self.take_reference(time_ns, &sample.measurement),
-            Measurement::Command { .. } => Ok(()),
+            Measurement::Command { .. }
+            | Measurement::Inertial { .. }
+            | Measurement::JointAngle { .. }
+            | Measurement::MotorCurrent { .. } => Ok(()),
         };
         // most readings of a moment change nothing that is said: a wheel's only when its window ends, or when it comes back
         let says_more = match sample.measurement {

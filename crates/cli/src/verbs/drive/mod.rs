@@ -16,7 +16,7 @@ mod track;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use grouser_rover::drive::{Drive, Pilot, Scenario, read_scenario};
+use grouser_rover::drive::{Pilot, Scenario, Simulation, read_scenario};
 use rayon::prelude::*;
 
 use self::log::Log;
@@ -176,7 +176,7 @@ fn drive_all(
         .into_par_iter()
         .enumerate()
         .map(|(index, (pilot, seed))| {
-            let mut drive = Drive::new(scenario, pilot, jobs.optimum, seed)?;
+            let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
             let mut track = (seed == first).then(Track::default);
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
@@ -196,7 +196,7 @@ fn drive_all(
                     progress.drove(
                         frame.time - told,
                         frame.speed,
-                        frame.wheels.iter().find_map(|w| w.seen.slip),
+                        frame.wheels.iter().find_map(|w| w.observation.slip),
                     );
                     told = frame.time;
                 }

@@ -1,7 +1,7 @@
 //! The true slip over the estimator's window, to which its estimate is compared.
 
 use grouser_slip::Health;
-use grouser_slip::control::WheelSeen;
+use grouser_slip::control::WheelObservation;
 
 use super::outcome::SlipScore;
 
@@ -91,7 +91,7 @@ impl Scoring {
     pub(super) fn add(
         &mut self,
         wheel: usize,
-        seen: &WheelSeen,
+        observation: &WheelObservation,
         truth: Option<(f64, f64)>,
         period: f64,
     ) {
@@ -102,18 +102,20 @@ impl Scoring {
         };
         let settled = *moving >= START;
         let wrong = &mut self.wrong[wheel];
-        let (Some(slip), Some(sigma), Some((truth, speed))) = (seen.slip, seen.sigma, truth) else {
+        let (Some(slip), Some(sigma), Some((truth, speed))) =
+            (observation.slip, observation.sigma, truth)
+        else {
             *wrong = 0.0;
             return;
         };
         let off = slip - truth;
-        if seen.health == Health::Ok && off.abs() > WRONG * sigma {
+        if observation.health == Health::Ok && off.abs() > WRONG * sigma {
             *wrong += period;
             self.longest = self.longest.max(*wrong);
         } else {
             *wrong = 0.0;
         }
-        if speed >= LEAST_SPEED && seen.health == Health::Ok {
+        if speed >= LEAST_SPEED && observation.health == Health::Ok {
             self.count += 1;
             self.sum += off;
             self.square += off * off;

@@ -4,14 +4,16 @@
 //! the rates of the freedoms. Kane's equations give M u̇ = Q − bias, with Σ over the bodies of
 //! M = m Jᵥᵀ Jᵥ + J_ωᵀ I J_ω. Every axis lies across the robot, so that a chain of links only adds up angles.
 
+use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
+
 use crate::vector::{Attitude, Tensor, Vector};
 
 /// Greatest number of freedoms beside the chassis' six.
-pub const MAX_FREEDOMS: usize = 6;
+pub const MAX_FREEDOMS: usize = MAX_JOINTS;
 /// Greatest number of generalised speeds.
 pub const MAX_SPEEDS: usize = 6 + MAX_FREEDOMS;
 /// A chain from a link to the chassis holds at most this many links.
-pub(crate) const MAX_CHAIN: usize = 3;
+pub(crate) const MAX_CHAIN: usize = MAX_CARRIER_LINKS;
 
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.806_65;
@@ -167,6 +169,25 @@ impl Linkage {
     #[must_use]
     pub fn holds(&self) -> &[Hold] {
         &self.holds
+    }
+
+    /// What carries a wheel with its centre at `centre` (m) on `link`, as the on-board computer takes it.
+    #[must_use]
+    pub fn carrier(&self, link: Option<usize>, centre: Vector) -> WheelCarrier {
+        let mut chain = [None; MAX_CHAIN];
+        let mut next = link;
+        for slot in chain.iter_mut().rev() {
+            *slot = next.map(|index| self.links[index]);
+            next = slot.and_then(|link| link.on);
+        }
+        let on_chassis = WheelCarrier::on_chassis([centre.x, centre.z]);
+        chain.iter().flatten().fold(on_chassis, |carrier, link| {
+            carrier.with_link(CarrierLink {
+                joint: link.freedom,
+                sign: link.sign,
+                pivot: [link.pivot.x, link.pivot.z],
+            })
+        })
     }
 
     /// Moves the chassis' centre of gravity, and stretches everything along x and y.

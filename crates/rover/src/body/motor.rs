@@ -38,7 +38,7 @@ pub struct MotorNow {
 impl Motor {
     /// The greatest torque on the wheel while driving, N m.
     #[must_use]
-    pub fn most_torque(&self) -> f64 {
+    pub fn max_torque(&self) -> f64 {
         self.constant * self.gear * self.current * self.efficiency
     }
 
@@ -93,7 +93,7 @@ mod tests {
         // 7.2 N m / (0.03 · 60 · 0.8)
         assert!((now.current - 5.0).abs() < 1e-12);
         assert!((now.heat - 0.5 * 25.0).abs() < 1e-12);
-        assert!((MOTOR.drive(1e9, 0.0).torque - MOTOR.most_torque()).abs() < 1e-12);
+        assert!((MOTOR.drive(1e9, 0.0).torque - MOTOR.max_torque()).abs() < 1e-12);
     }
 
     #[test]
