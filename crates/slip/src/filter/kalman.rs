@@ -22,9 +22,9 @@ pub(crate) struct Kalman {
 
 /// One measurement, linear in a few of the numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scalar<'a> {
-    /// Which numbers, each with its slope.
-    pub(crate) slopes: &'a [(usize, f64)],
+pub(crate) struct ScalarMeasurement<'a> {
+    /// Which numbers, each with its coefficient.
+    pub(crate) jacobian: &'a [(usize, f64)],
     /// Measured less predicted.
     pub(crate) residual: f64,
     /// Variance of the measurement.
@@ -59,12 +59,12 @@ impl Kalman {
     }
 
     /// Is number `i` to be estimated, or only its uncertainty to be counted with?
-    pub(crate) fn consider(&mut self, i: usize, only_counted: bool) {
+    pub(crate) fn set_considered(&mut self, i: usize, only_counted: bool) {
         self.considered[i] = only_counted;
     }
 
     /// Number `i` is known anew, apart from all others.
-    pub(crate) fn restart(&mut self, i: usize, mean: f64, variance: f64) {
+    pub(crate) fn reset(&mut self, i: usize, mean: f64, variance: f64) {
         for j in 0..self.n {
             self.covariance[i * self.n + j] = 0.0;
             self.covariance[j * self.n + i] = 0.0;
@@ -74,7 +74,7 @@ impl Kalman {
     }
 
     /// Adds to the variance of number `i`, at most up to `limit`.
-    pub(crate) fn widen(&mut self, i: usize, variance: f64, limit: f64) {
+    pub(crate) fn inflate(&mut self, i: usize, variance: f64, limit: f64) {
         let slot = &mut self.covariance[i * self.n + i];
         if *slot < limit {
             *slot = (*slot + variance).min(limit);
@@ -88,7 +88,7 @@ impl Kalman {
     }
 
     /// Number `i` is drawn towards `rest`: x ← rest + a (x − rest).
-    pub(crate) fn relax(&mut self, i: usize, rest: f64, a: f64) {
+    pub(crate) fn decay(&mut self, i: usize, rest: f64, a: f64) {
         self.mean[i] = rest + a * (self.mean[i] - rest);
         for j in 0..self.n {
             self.covariance[i * self.n + j] *= a;
@@ -96,23 +96,23 @@ impl Kalman {
         }
     }
 
-    /// Number `i` takes `slope` times number `j` in addition: x_i ← x_i + slope x_j, the covariance alone; means that
+    /// Number `i` takes `coefficient` times number `j` in addition: x_i ← x_i + coefficient x_j, the covariance alone; means that
     /// follow a curve are set by the caller.
-    pub(crate) fn couple(&mut self, i: usize, j: usize, slope: f64) {
+    pub(crate) fn propagate(&mut self, i: usize, j: usize, coefficient: f64) {
         let n = self.n;
         for k in 0..n {
-            self.covariance[i * n + k] += slope * self.covariance[j * n + k];
+            self.covariance[i * n + k] += coefficient * self.covariance[j * n + k];
         }
         for k in 0..n {
-            self.covariance[k * n + i] += slope * self.covariance[k * n + j];
+            self.covariance[k * n + i] += coefficient * self.covariance[k * n + j];
         }
     }
 
-    /// Variance of Σ slope x.
-    pub(crate) fn variance_of(&self, slopes: &[(usize, f64)]) -> f64 {
+    /// Variance of Σ coefficient x.
+    pub(crate) fn variance_of(&self, jacobian: &[(usize, f64)]) -> f64 {
         let mut sum = 0.0;
-        for &(i, a) in slopes {
-            for &(j, b) in slopes {
+        for &(i, a) in jacobian {
+            for &(j, b) in jacobian {
                 sum += a * b * self.covariance(i, j);
             }
         }
@@ -120,23 +120,23 @@ impl Kalman {
     }
 
     /// Residual and its variance, before it enters.
-    pub(crate) fn innovation(&self, seen: &Scalar<'_>) -> (f64, f64) {
-        (seen.residual, self.variance_of(seen.slopes) + seen.variance)
+    pub(crate) fn innovation(&self, seen: &ScalarMeasurement<'_>) -> (f64, f64) {
+        (seen.residual, self.variance_of(seen.jacobian) + seen.variance)
     }
 
     /// Takes a measurement; gives its squared residual over its variance (NIS).
-    pub(crate) fn take(&mut self, seen: &Scalar<'_>) -> f64 {
+    pub(crate) fn update(&mut self, seen: &ScalarMeasurement<'_>) -> f64 {
         let n = self.n;
         self.spread.fill(0.0);
-        for &(j, slope) in seen.slopes {
+        for &(j, coefficient) in seen.jacobian {
             let column = &self.covariance[j * n..(j + 1) * n];
             for (slot, entry) in self.spread.iter_mut().zip(column) {
-                *slot += slope * entry;
+                *slot += coefficient * entry;
             }
         }
         let mut total = seen.variance;
-        for &(j, slope) in seen.slopes {
-            total += slope * self.spread[j];
+        for &(j, coefficient) in seen.jacobian {
+            total += coefficient * self.spread[j];
         }
         if !(total > 0.0) {
             return 0.0;

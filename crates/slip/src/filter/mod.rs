@@ -25,26 +25,26 @@
 //! | R8 observable | `time_slip`, `dropped`, `rejected`, `last_good_age` in every estimate |
 //! | R9 | sigma grows under faults, and is right without them |
 
-mod assume;
-mod body;
+mod pseudo_measurements;
+mod motion_model;
 mod carrier;
-mod clocks;
-mod free_wheel;
-mod imu;
+mod sensor_clocks;
+mod free_wheel_update;
+mod inertial_update;
 mod kalman;
-mod order;
-mod pulses;
-mod radius;
-mod recover;
-mod reference;
-mod report;
-mod rim;
+mod reorder_buffer;
+mod pulse_check;
+mod radius_check;
+mod recovery;
+mod reference_sensor;
+mod output;
+mod wheel_update;
 mod settings;
-mod told;
-mod turn;
-mod verdict;
-mod watch;
-mod wheel;
+mod reference_update;
+mod turn_agreement;
+mod health;
+mod monitor;
+mod wheel_channel;
 
 use alloc::{boxed::Box, vec::Vec};
 
@@ -58,16 +58,16 @@ use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
 use crate::speed::Measured;
 use crate::wheel_estimate::WheelEstimate;
-use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, YAW, own_slip, radius};
-use clocks::{Clocks, Told};
+use motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, YAW, own_slip, radius};
+use sensor_clocks::{Clocks, Told};
 use kalman::Kalman;
-use order::{Offered, Order};
-use reference::Reference;
-pub use report::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
+use reorder_buffer::{Offered, Order};
+use reference_sensor::Reference;
+pub use output::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
 pub use settings::{FilterSettings, SlipPrior};
-use turn::Turn;
-use watch::Watch;
-use wheel::Tracked;
+use turn_agreement::Turn;
+use monitor::Watch;
+use wheel_channel::Tracked;
 
 /// The most wheels that the filter takes: its cost grows with their square.
 pub const MAX_FILTER_WHEELS: usize = 8;
@@ -201,7 +201,7 @@ impl SlipFilter {
                 low_speed: settings.low_speed,
                 max_sigma: settings.max_sigma,
             },
-            state: Kalman::new(body::size(count)),
+            state: Kalman::new(motion_model::size(count)),
             order: Order::new(QUEUE, nanoseconds(settings.horizon)),
             estimates: alloc::vec![WheelEstimate::NOTHING; count].into_boxed_slice(),
             side_slip_angles: alloc::vec![None; count].into_boxed_slice(),
@@ -290,9 +290,9 @@ impl SlipFilter {
         let Self {
             state, settings, ..
         } = self;
-        body::start(state, settings);
+        motion_model::start(state, settings);
         let square = |x: f64| x * x;
-        state.restart(COMMON_SLIP, settings.slip.mean, square(settings.slip.sigma));
+        state.reset(COMMON_SLIP, settings.slip.mean, square(settings.slip.sigma));
         for (i, wheel) in self.wheels.iter().enumerate() {
             let (mean, sigma) = if wheel.free {
                 let SlipPrior { mean, sigma } = settings.free_slip.by_rim();
@@ -300,10 +300,10 @@ impl SlipFilter {
             } else {
                 (0.0, settings.wheel_slip_sigma)
             };
-            state.restart(own_slip(i), mean, square(sigma));
+            state.reset(own_slip(i), mean, square(sigma));
             // Nothing tells a larger radius from a smaller slip.
-            state.consider(radius(i), true);
-            state.restart(
+            state.set_considered(radius(i), true);
+            state.reset(
                 radius(i),
                 0.0,
                 square(if wheel.free {
@@ -363,7 +363,7 @@ impl SlipFilter {
         let bias = self.state.mean(GYRO_BIAS);
         let [apart, turned] =
             [FORWARD, YAW].map(|i| (self.state.mean(i).abs() + self.state.sigma(i)) * CLOCK_STEP);
-        body::restart_place(&mut self.state, apart, turned);
+        motion_model::restart_place(&mut self.state, apart, turned);
         self.start();
         self.state.set_mean(GYRO_BIAS, bias);
     }
@@ -433,9 +433,9 @@ impl SlipFilter {
                 |heard: &Heard| seconds_between(heard.time_ns, time_ns) <= self.settings.dropout;
             let heard = self.heard.filter(silent).filter(|_| self.feels());
             let walk = self.walk();
-            let felt = body::advance(&mut self.state, &self.settings, dt, heard, walk);
+            let felt = motion_model::advance(&mut self.state, &self.settings, dt, heard, walk);
             let wheels = self.wheels.iter().map(|wheel| (wheel.free, wheel.unrest));
-            body::advance_slips(&mut self.state, &self.settings, dt, wheels);
+            motion_model::advance_slips(&mut self.state, &self.settings, dt, wheels);
             self.totals[0] += felt[0];
             self.totals[1] += felt[1];
             self.totals[2] += self.turning * dt;

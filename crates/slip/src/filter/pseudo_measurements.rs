@@ -2,7 +2,7 @@
 
 use grouser_real::Real;
 
-use super::body::{self, FORWARD};
+use super::motion_model::{self, FORWARD};
 use super::{EVERY, SlipFilter};
 
 /// All wheels still for this long: the robot stands, s.
@@ -18,21 +18,21 @@ impl SlipFilter {
         let weight = Real::sqrt(APART / EVERY);
         if let Some(row) = self.sideways {
             let sigma = weight * self.settings.lateral_sigma;
-            body::hold(&mut self.state, row, 0.0, sigma);
+            motion_model::hold(&mut self.state, row, 0.0, sigma);
         }
         if !self.gyro_is_believed(time_ns)
             && let Some(turn) = self.turn_by_wheels()
         {
             // nothing else tells how the robot turns
             let sigma = BY_WHEELS.0 * turn.abs() + BY_WHEELS.1;
-            body::hold(&mut self.state, [0.0, 0.0, 1.0], turn, weight * sigma);
+            motion_model::hold(&mut self.state, [0.0, 0.0, 1.0], turn, weight * sigma);
         }
         for wheel in self.wheels.iter().filter(|wheel| wheel.free) {
             let still = wheel.stillness(time_ns);
             if still >= STANDS && wheel.watch.is_clean() && wheel.rolling.stop_known {
                 // it has gone less than a tick since
                 let sigma = (0.6 * wheel.tick / still).max(0.002);
-                body::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
+                motion_model::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
             }
         }
         let stand = self
@@ -49,9 +49,9 @@ impl SlipFilter {
             let variance = self.state.variance_of(&[(FORWARD, 1.0)]) + sigma * sigma;
             self.learn_felt(self.state.mean(FORWARD), variance);
             for row in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-                body::hold(&mut self.state, row, 0.0, weight * sigma);
+                motion_model::hold(&mut self.state, row, 0.0, weight * sigma);
             }
-            body::hold(&mut self.state, [0.0, 0.0, 1.0], 0.0, weight * 0.002);
+            motion_model::hold(&mut self.state, [0.0, 0.0, 1.0], 0.0, weight * 0.002);
         }
     }
 }

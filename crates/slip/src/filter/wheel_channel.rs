@@ -10,11 +10,11 @@ use crate::wheel_estimate::WheelEstimate;
 use crate::wheel_track::{TrackSettings, WheelTrack};
 
 use super::carrier::Carrier;
-use super::free_wheel::Rolling;
-use super::pulses::Pulses;
-use super::radius::Radius;
+use super::free_wheel_update::Rolling;
+use super::pulse_check::Pulses;
+use super::radius_check::Radius;
 use super::settings::FilterSettings;
-use super::watch::Watch;
+use super::monitor::Watch;
 
 /// Fewer ticks than this do not end a window before its time.
 const FEW_TICKS: f64 = 4.0;

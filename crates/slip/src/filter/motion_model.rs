@@ -2,7 +2,7 @@
 
 use grouser_real::Real;
 
-use super::kalman::{Kalman, Scalar};
+use super::kalman::{Kalman, ScalarMeasurement};
 use super::settings::{FilterSettings, SlipPrior};
 
 pub(super) const FORWARD: usize = 0;
@@ -50,15 +50,15 @@ pub(super) struct Heard {
 pub(super) fn start(state: &mut Kalman, settings: &FilterSettings) {
     let square = |x: f64| x * x;
     for i in [FORWARD, LEFT] {
-        state.restart(i, 0.0, square(1.0_f64.min(settings.max_speed)));
+        state.reset(i, 0.0, square(1.0_f64.min(settings.max_speed)));
     }
     for i in [PLACE[0], PLACE[1], HEADING] {
-        state.consider(i, true);
+        state.set_considered(i, true);
     }
-    state.restart(YAW, 0.0, 1.0);
-    state.restart(GYRO_BIAS, 0.0, square(settings.gyro_bias));
+    state.reset(YAW, 0.0, 1.0);
+    state.reset(GYRO_BIAS, 0.0, square(settings.gyro_bias));
     for i in [FORWARD_BIAS, LEFT_BIAS] {
-        state.restart(i, 0.0, square(settings.accelerometer_bias));
+        state.reset(i, 0.0, square(settings.accelerometer_bias));
     }
 }
 
@@ -73,7 +73,7 @@ pub(super) fn restart_place(state: &mut Kalman, apart: f64, turned: f64) {
     let square = |x: f64| x * x;
     for (i, off) in [(PLACE[0], apart), (PLACE[1], apart), (HEADING, turned)] {
         let (mean, variance) = (state.mean(i), state.covariance(i, i));
-        state.restart(i, mean, variance + square(off));
+        state.reset(i, mean, variance + square(off));
     }
 }
 
@@ -83,13 +83,13 @@ fn travel(state: &mut Kalman, dt: f64) {
     let [v_x, v_y, yaw] = [FORWARD, LEFT, YAW].map(|i| state.mean(i));
     let (sin, cos) = Real::sin_cos(state.mean(HEADING) + 0.5 * yaw * dt);
     let step = [(cos * v_x - sin * v_y) * dt, (sin * v_x + cos * v_y) * dt];
-    state.couple(PLACE[0], HEADING, -step[1]);
-    state.couple(PLACE[1], HEADING, step[0]);
-    state.couple(PLACE[0], FORWARD, cos * dt);
-    state.couple(PLACE[0], LEFT, -sin * dt);
-    state.couple(PLACE[1], FORWARD, sin * dt);
-    state.couple(PLACE[1], LEFT, cos * dt);
-    state.couple(HEADING, YAW, dt);
+    state.propagate(PLACE[0], HEADING, -step[1]);
+    state.propagate(PLACE[1], HEADING, step[0]);
+    state.propagate(PLACE[0], FORWARD, cos * dt);
+    state.propagate(PLACE[0], LEFT, -sin * dt);
+    state.propagate(PLACE[1], FORWARD, sin * dt);
+    state.propagate(PLACE[1], LEFT, cos * dt);
+    state.propagate(HEADING, YAW, dt);
     for (i, gone) in [
         (PLACE[0], step[0]),
         (PLACE[1], step[1]),
@@ -126,23 +126,23 @@ pub(super) fn advance(
         let rise_x = a_x - state.mean(FORWARD_BIAS) + yaw * v_y;
         let rise_y = a_y - state.mean(LEFT_BIAS) - yaw * v_x;
         felt = [rise_x * dt, rise_y * dt];
-        state.couple(FORWARD, FORWARD_BIAS, -dt);
-        state.couple(LEFT, LEFT_BIAS, -dt);
+        state.propagate(FORWARD, FORWARD_BIAS, -dt);
+        state.propagate(LEFT, LEFT_BIAS, -dt);
         state.set_mean(FORWARD, (v_x + felt[0]).clamp(-most, most));
         state.set_mean(LEFT, (v_y + felt[1]).clamp(-most, most));
     }
     let square = |x: f64| x * x;
     for i in [FORWARD, LEFT] {
-        state.widen(i, square(walk) * dt, square(most));
+        state.inflate(i, square(walk) * dt, square(most));
     }
-    state.widen(YAW, square(settings.yaw_walk) * dt, 1e4);
-    state.widen(
+    state.inflate(YAW, square(settings.yaw_walk) * dt, 1e4);
+    state.inflate(
         GYRO_BIAS,
         square(settings.gyro_drift) * dt,
         square(settings.gyro_bias),
     );
     for i in [FORWARD_BIAS, LEFT_BIAS] {
-        state.widen(
+        state.inflate(
             i,
             square(settings.accelerometer_drift) * dt,
             square(settings.accelerometer_bias),
@@ -170,8 +170,8 @@ pub(super) fn advance_slips(
 ) {
     let draw = |state: &mut Kalman, i: usize, mean: f64, sigma: f64, memory: f64| {
         let a = Real::exp(-dt / memory);
-        state.relax(i, mean, a);
-        state.widen(i, (1.0 - a * a) * sigma * sigma, f64::MAX);
+        state.decay(i, mean, a);
+        state.inflate(i, (1.0 - a * a) * sigma * sigma, f64::MAX);
     };
     draw(
         state,
@@ -211,8 +211,8 @@ pub(super) fn along(row: [f64; 3]) -> [(usize, f64); 3] {
 pub(super) fn hold(state: &mut Kalman, row: [f64; 3], value: f64, sigma: f64) {
     let slopes = along(row);
     let predicted: f64 = slopes.iter().map(|&(i, a)| a * state.mean(i)).sum();
-    state.take(&Scalar {
-        slopes: &slopes,
+    state.update(&ScalarMeasurement {
+        jacobian: &slopes,
         residual: value - predicted,
         variance: sigma * sigma,
     });

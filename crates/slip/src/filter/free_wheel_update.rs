@@ -2,8 +2,8 @@
 
 use grouser_real::Real;
 
-use super::body::{self, FORWARD, FORWARD_BIAS, own_slip};
-use super::rim::Window;
+use super::motion_model::{self, FORWARD, FORWARD_BIAS, own_slip};
+use super::wheel_update::Window;
 use super::{ALONE, RETURNS, SlipFilter};
 use crate::history::seconds_between;
 
@@ -93,13 +93,13 @@ impl SlipFilter {
         let jumped = rolling
             .jumped_ns
             .is_some_and(|then| seconds_between(then, to_ns) <= SETTLES);
-        self.state.consider(own_slip(index), alone && !jumped);
+        self.state.set_considered(own_slip(index), alone && !jumped);
         if !jumped && rolling.jumped_ns.take().is_some() {
             // the robot's speed was known less well than it seemed
             let off = self.state.mean(own_slip(index)) - self.settings.free_slip.by_rim().mean;
             let doubt = JUMP_KNOWN * off;
             self.state
-                .widen(own_slip(index), doubt * doubt, doubt * doubt);
+                .inflate(own_slip(index), doubt * doubt, doubt * doubt);
         }
     }
 
@@ -110,7 +110,7 @@ impl SlipFilter {
         let felt = self.totals[0];
         let variance = self
             .state
-            .variance_of(&body::along(self.wheels[w.index].row));
+            .variance_of(&motion_model::along(self.wheels[w.index].row));
         let wheel = &mut self.wheels[w.index];
         let turns = wheel.turns();
         let rolling = &mut wheel.rolling;
@@ -168,7 +168,7 @@ impl SlipFilter {
             self.begin_from(w.rim);
             let doubt = 1.5 * SKID_KNOWN * SKID_KNOWN;
             if !confirmed {
-                self.state.widen(own_slip(w.index), doubt, doubt);
+                self.state.inflate(own_slip(w.index), doubt, doubt);
             }
             return false;
         }
@@ -178,12 +178,12 @@ impl SlipFilter {
         if w.is_off && was_off && w.shows && w.rim != 0.0 {
             // The robot's speed has changed unfelt, or the wheel skids, or no longer does: from now on both are less certain.
             // That the wheel runs ahead of the robot cannot be: nothing drives it.
-            self.state.widen(FORWARD, w.residual * w.residual, 1e4);
-            let doubted = body::is_doubted(&self.state, &self.settings, w.index);
+            self.state.inflate(FORWARD, w.residual * w.residual, 1e4);
+            let doubted = motion_model::is_doubted(&self.state, &self.settings, w.index);
             if w.residual * w.rim < 0.0 || doubted {
                 let step = (w.residual / w.faster).clamp(-MOST_DOUBT, MOST_DOUBT);
                 self.state
-                    .widen(own_slip(w.index), step * step, step * step);
+                    .inflate(own_slip(w.index), step * step, step * step);
                 let rolling = &mut self.wheels[w.index].rolling;
                 rolling.jumped_ns = rolling.was_calm.then_some(w.to_ns);
             }

@@ -1,7 +1,7 @@
 //! What the filter knows, for others to read.
 
 use super::SlipFilter;
-use super::body::{COMMON_SLIP, FORWARD, HEADING, LEFT, PLACE, YAW};
+use super::motion_model::{COMMON_SLIP, FORWARD, HEADING, LEFT, PLACE, YAW};
 use crate::body::Observations;
 use crate::fault::Rejected;
 use crate::history::seconds_between;

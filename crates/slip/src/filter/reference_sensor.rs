@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 use super::settings::FilterSettings;
-use super::watch::Watch;
+use super::monitor::Watch;
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;

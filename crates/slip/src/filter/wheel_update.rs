@@ -2,10 +2,10 @@
 
 use grouser_real::Real;
 
-use super::body::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, radius, remainder};
-use super::kalman::Scalar;
+use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, radius, remainder};
+use super::kalman::ScalarMeasurement;
 use super::settings::SlipPrior;
-use super::wheel::Tracked;
+use super::wheel_channel::Tracked;
 use super::{BREAKS, CREEP, LEARNING, MAX_FILTER_WHEELS, PULLED, SlipFilter, UNREST, WRONG};
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
@@ -121,8 +121,8 @@ impl SlipFilter {
         // Where the rim starts, that slope is too small and would carry the slip beyond: what it lacks counts as noise.
         let lacking = (faster * faster - usual * usual).max(0.0)
             * self.state.variance_of(&self.slip_slopes(index));
-        let seen = Scalar {
-            slopes: &slopes,
+        let seen = ScalarMeasurement {
+            jacobian: &slopes,
             residual: u - forward - slip * faster - remainders,
             variance: (rim.variance - counted).max(0.0) + wandered + lacking + CREEP * CREEP,
         };
@@ -175,16 +175,16 @@ impl SlipFilter {
 
     /// A wheel's statement enters. In a bend the sides slip differently for long: that is no turning, and no bias of the gyro,
     /// where there is one.
-    fn enter(&mut self, free: bool, seen: &Scalar<'_>, to_ns: i64) {
+    fn enter(&mut self, free: bool, seen: &ScalarMeasurement<'_>, to_ns: i64) {
         let bends = !free
             && self.gyro_is_believed(to_ns)
             && self.turn_by_wheels().is_some_and(|turn| turn.abs() > BEND);
         for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, bends);
+            self.state.set_considered(i, bends);
         }
-        self.nis = self.state.take(seen);
+        self.nis = self.state.update(seen);
         for i in [YAW, GYRO_BIAS] {
-            self.state.consider(i, false);
+            self.state.set_considered(i, false);
         }
     }
 
@@ -225,14 +225,14 @@ impl SlipFilter {
         let step = w.residual / w.faster;
         if self.break_away_together() {
             // the ground is another one
-            self.state.widen(COMMON_SLIP, step * step, 1.0);
+            self.state.inflate(COMMON_SLIP, step * step, 1.0);
         }
         if w.is_off {
             // It has broken away: its own slip is another one, and its rim says nothing of the robot's speed.
             let own = self.state.mean(own_slip(w.index)) + step;
             let spread = 2.0 * self.settings.wheel_slip_sigma;
             self.state
-                .restart(own_slip(w.index), own.clamp(-2.0, 2.0), spread * spread);
+                .reset(own_slip(w.index), own.clamp(-2.0, 2.0), spread * spread);
             self.nis = w.residual * w.residual / w.variance;
             return false;
         }
@@ -252,9 +252,9 @@ impl SlipFilter {
         let variance = tick * tick / 12.0;
         let odd = wheel.remainder.is_some_and(|last| !last);
         if wheel.remainder.is_none() {
-            self.state.restart(remainder(index, !odd), 0.0, variance);
+            self.state.reset(remainder(index, !odd), 0.0, variance);
         }
-        self.state.restart(remainder(index, odd), 0.0, variance);
+        self.state.reset(remainder(index, odd), 0.0, variance);
         (odd, f64::from(u8::from(tick > 0.0)))
     }
 

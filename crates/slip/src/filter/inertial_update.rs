@@ -2,9 +2,9 @@
 
 use grouser_real::Real;
 
-use super::body::{GYRO_BIAS, Heard, YAW};
-use super::kalman::Scalar;
-use super::rim::BEND;
+use super::motion_model::{GYRO_BIAS, Heard, YAW};
+use super::kalman::ScalarMeasurement;
+use super::wheel_update::BEND;
 use super::{BREAKS, FELT, FELT_UNREST, MAX_FORCE, MAX_YAW_RATE, SAME, SlipFilter};
 use crate::fault::Fault;
 use crate::history::seconds_between;
@@ -20,8 +20,8 @@ impl SlipFilter {
     ) -> core::result::Result<(), Fault> {
         Fault::check_range("yaw rate", rate, -MAX_YAW_RATE, MAX_YAW_RATE, "rad/s")?;
         let sigma = self.settings.yaw_rate_sigma;
-        let seen = Scalar {
-            slopes: &[(YAW, 1.0), (GYRO_BIAS, 1.0)],
+        let seen = ScalarMeasurement {
+            jacobian: &[(YAW, 1.0), (GYRO_BIAS, 1.0)],
             residual: rate - self.state.mean(YAW) - self.state.mean(GYRO_BIAS),
             variance: sigma * sigma,
         };
@@ -40,7 +40,7 @@ impl SlipFilter {
                 // the bias has changed more than it should
                 let bias = self.settings.gyro_bias;
                 let doubt = (CHANGED * off) * (CHANGED * off) * dt;
-                self.state.widen(GYRO_BIAS, doubt, bias * bias);
+                self.state.inflate(GYRO_BIAS, doubt, bias * bias);
             }
         }
         let same_way = !self.turn.contradicts();
@@ -51,14 +51,14 @@ impl SlipFilter {
             return Ok(());
         }
         self.turning = rate;
-        self.nis = self.state.take(&seen);
+        self.nis = self.state.update(&seen);
         Ok(())
     }
 
     /// Has the gyro shown the same to the bit for long, while wheels turn?
     pub(super) fn is_stuck(&mut self, time_ns: i64, rate: f64) -> bool {
         let same = rate.to_bits();
-        let moves = self.wheels.iter().any(super::wheel::Tracked::turns);
+        let moves = self.wheels.iter().any(super::wheel_channel::Tracked::turns);
         match self.gyro_same {
             Some((bits, since)) if bits == same && moves => seconds_between(since, time_ns) >= SAME,
             _ => {

@@ -2,9 +2,9 @@
 
 use grouser_real::Real;
 
-use super::body::{FORWARD, along};
-use super::kalman::Scalar;
-use super::reference::Seen;
+use super::motion_model::{FORWARD, along};
+use super::kalman::ScalarMeasurement;
+use super::reference_sensor::Seen;
 use super::{ALONE, BREAKS, LOOSE, ONE_SIDE, ONE_SIDED, RETURNS, SlipFilter, Statement};
 use crate::fault::Fault;
 use crate::history::seconds_between;
@@ -27,8 +27,8 @@ impl SlipFilter {
         let mut agreed = !frozen;
         let mut first = None;
         for (slopes, residual, variance) in statements.iter().flatten() {
-            let (residual, variance) = self.state.innovation(&Scalar {
-                slopes,
+            let (residual, variance) = self.state.innovation(&ScalarMeasurement {
+                jacobian: slopes,
                 residual: *residual,
                 variance: *variance,
             });
@@ -68,8 +68,8 @@ impl SlipFilter {
             return Ok(());
         }
         for (slopes, residual, variance) in statements.iter().flatten() {
-            self.nis = self.state.take(&Scalar {
-                slopes,
+            self.nis = self.state.update(&ScalarMeasurement {
+                jacobian: slopes,
                 residual: *residual,
                 variance: *variance,
             });

@@ -1,9 +1,9 @@
 //! When the filter itself has lost its way, or two references contradict each other: what is plausible, and how it begins
 //! again.
 
-use super::body::{COMMON_SLIP, FORWARD, own_slip};
+use super::motion_model::{COMMON_SLIP, FORWARD, own_slip};
 use super::settings::SlipPrior;
-use super::watch::Watch;
+use super::monitor::Watch;
 use super::{ALONE, FELT_UNREST, RETURNS, SlipFilter};
 use crate::history::seconds_between;
 
@@ -103,7 +103,7 @@ impl SlipFilter {
         let told = self.reference.accepted_ns;
         let alone = told.is_none_or(|then| seconds_between(then, now_ns) > ALONE);
         let mut free = self.wheels.iter().filter(|wheel| wheel.free).peekable();
-        let blocked = |wheel: &super::wheel::Tracked| {
+        let blocked = |wheel: &super::wheel_channel::Tracked| {
             !wheel.rolling.has_turned || !wheel.turns() && !wheel.rolling.stop_known
         };
         alone && free.peek().is_some() && free.all(blocked)
@@ -140,9 +140,9 @@ impl SlipFilter {
 
     /// The robot's speed and all slips are known anew.
     fn begin_again(&mut self, speed: f64, sigma: f64) {
-        self.state.restart(FORWARD, speed, sigma * sigma);
+        self.state.reset(FORWARD, speed, sigma * sigma);
         let SlipPrior { mean, sigma } = self.settings.slip;
-        self.state.restart(COMMON_SLIP, mean, sigma * sigma);
+        self.state.reset(COMMON_SLIP, mean, sigma * sigma);
         for (index, wheel) in self.wheels.iter_mut().enumerate() {
             wheel.pull = 0.0;
             wheel.was_off = false;
@@ -154,7 +154,7 @@ impl SlipFilter {
                     sigma: self.settings.wheel_slip_sigma,
                 }
             };
-            self.state.restart(own_slip(index), mean, sigma * sigma);
+            self.state.reset(own_slip(index), mean, sigma * sigma);
         }
     }
 }

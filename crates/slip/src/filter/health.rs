@@ -3,9 +3,9 @@
 use grouser_real::Real;
 use grouser_terra::Slip;
 
-use super::body::along;
+use super::motion_model::along;
 use super::settings::SlipPrior;
-use super::wheel::LONGEST;
+use super::wheel_channel::LONGEST;
 use super::{SlipFilter, WRONG};
 use crate::history::seconds_between;
 use crate::measured_slip::MeasuredSlip;
@@ -95,7 +95,7 @@ impl SlipFilter {
     fn side_slip_angle(&self, index: usize) -> Option<Measured> {
         let wheel = &self.wheels[index];
         let [along, across] = [wheel.row, wheel.across()].map(|row| {
-            let rows = super::body::along(row);
+            let rows = super::motion_model::along(row);
             rows.iter()
                 .map(|&(i, a)| a * self.state.mean(i))
                 .sum::<f64>()
@@ -108,7 +108,7 @@ impl SlipFilter {
         let sideways = wheel.across();
         let slopes: [f64; 3] =
             core::array::from_fn(|i| (along * sideways[i] - across * wheel.row[i]) / square);
-        let variance = self.state.variance_of(&super::body::along(slopes));
+        let variance = self.state.variance_of(&super::motion_model::along(slopes));
         (variance < BLIND * BLIND).then(|| Measured {
             value: Real::atan2(across, along),
             variance,
