@@ -1,214 +1,146 @@
-//! What can be said of each wheel.
+//! The estimate of each wheel, and its health.
 
 use grouser_real::Real;
 use grouser_terra::Slip;
 
+use super::WRONG_ENCODER_TIME_S;
+use super::estimator::Core;
+use super::input::Input;
 use super::motion_model::along;
 use super::settings::SlipPrior;
-use super::wheel_channel::LONGEST;
-use super::{SlipFilter, WRONG};
+use super::wheel_channel::MAX_WINDOW_FACTOR;
 use crate::history::seconds_between;
 use crate::measured_slip::MeasuredSlip;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
 use crate::wheel_estimate::WheelEstimate;
 
-/// Pulses and radii are looked at this often, s.
-const CHECKED: f64 = 0.1;
-/// A side slip angle less certain than this is none, rad.
-const BLIND: f64 = 0.5;
+/// A side slip angle with a larger standard deviation is not reported, rad.
+const MAX_SIDE_SLIP_SIGMA_RAD: f64 = 0.5;
 
-impl SlipFilter {
-    /// What can be said of each wheel now.
-    pub(super) fn judge(&mut self, now_ns: i64) {
-        self.blocked = self.is_blocked(now_ns);
-        self.disputed = self.is_disputed(now_ns);
-        for index in 0..self.wheels.len() {
-            let estimate = self.judged(index, now_ns);
-            let before = self.wheels[index].estimate;
-            let good = if estimate.health == Health::Ok {
+impl Core {
+    /// Updates the estimate of every wheel.
+    pub(super) fn update_health(&mut self, now_ns: i64, input: &Input) {
+        self.recovery.is_blocked = self.is_blocked(now_ns);
+        self.recovery.is_disputed = self.is_disputed(now_ns);
+        for index in 0..self.wheels.channels.len() {
+            let estimate = self.wheel_estimate(index, now_ns, input);
+            let last_good_ns = if estimate.health == Health::Ok {
                 Some(now_ns)
             } else {
-                before.until_ns
+                self.wheels.channels[index].estimate.until_ns
             };
-            self.wheels[index].estimate = WheelEstimate {
-                until_ns: good,
+            self.wheels.channels[index].estimate = WheelEstimate {
+                until_ns: last_good_ns,
                 ..estimate
             };
-            self.estimates[index] = WheelEstimate {
-                last_good_age: good.map(|then| seconds_between(then, now_ns)),
+            self.output.estimates[index] = WheelEstimate {
+                last_good_age: last_good_ns.map(|then| seconds_between(then, now_ns)),
                 ..estimate
             };
-            self.side_slip_angles[index] = self.side_slip_angle(index);
+            self.output.side_slip_angles[index] = self.side_slip_angle(index);
         }
-    }
-
-    /// Looks at each wheel's pulses and radius, ten times a second.
-    pub(super) fn check_wheels(&mut self, now_ns: i64) {
-        let due = self
-            .checked_ns
-            .is_none_or(|then| seconds_between(then, now_ns) >= CHECKED);
-        if !due {
-            return;
-        }
-        self.checked_ns = Some(now_ns);
-        let unknown = self.settings.free_slip.sigma * self.settings.free_slip.sigma;
-        for index in 0..self.wheels.len() {
-            let others = self.usual_share(index);
-            let wheel = &mut self.wheels[index];
-            let ok = wheel.estimate.health == Health::Ok && !wheel.free;
-            wheel
-                .radius
-                .take(match (wheel.estimate.slip, wheel.estimate.sigma) {
-                    (Some(slip), Some(sigma)) if ok => Some(Measured {
-                        value: slip.value(),
-                        variance: sigma * sigma,
-                    }),
-                    _ => None,
-                });
-            self.checks[index] = super::WheelCheck {
-                pulses_missed: wheel.pulses.share(),
-                misses_pulses: wheel.pulses.misses(others),
-                broken_slot: wheel.pulses.has_broken_slot(),
-                radius_excess: wheel.radius.excess(unknown),
-            };
-        }
-    }
-
-    /// The share that the middle one of the other counters seems to miss: what rough ground or a restless clock makes of it.
-    fn usual_share(&self, index: usize) -> f64 {
-        let mut shares = [0.0; super::MAX_FILTER_WHEELS];
-        let mut count = 0;
-        for (i, wheel) in self.wheels.iter().enumerate() {
-            if let Some(share) = wheel.pulses.share().filter(|_| i != index) {
-                shares[count] = share;
-                count += 1;
-            }
-        }
-        let shares = &mut shares[..count];
-        shares.sort_unstable_by(f64::total_cmp);
-        shares.get(count / 2).copied().unwrap_or(0.0)
     }
 
     /// β = atan2(across, along) of the wheel's centre over the ground; `None` where the robot is too slow for one, or it is
     /// not known.
     fn side_slip_angle(&self, index: usize) -> Option<Measured> {
-        let wheel = &self.wheels[index];
-        let [along, across] = [wheel.row, wheel.across()].map(|row| {
-            let rows = super::motion_model::along(row);
-            rows.iter()
-                .map(|&(i, a)| a * self.state.mean(i))
-                .sum::<f64>()
-        });
-        let square = along * along + across * across;
+        let wheel = &self.wheels.channels[index];
+        let (ahead, sideways) = (wheel.row, wheel.across());
+        let speed = self.state.mean_of(&along(ahead));
+        let drift = self.state.mean_of(&along(sideways));
+        let square = speed * speed + drift * drift;
         let lowest = self.settings.low_speed;
         if !(square > lowest * lowest) {
             return None;
         }
-        let sideways = wheel.across();
-        let slopes: [f64; 3] =
-            core::array::from_fn(|i| (along * sideways[i] - across * wheel.row[i]) / square);
-        let variance = self.state.variance_of(&super::motion_model::along(slopes));
-        (variance < BLIND * BLIND).then(|| Measured {
-            value: Real::atan2(across, along),
+        let row: [f64; 3] =
+            core::array::from_fn(|i| (speed * sideways[i] - drift * ahead[i]) / square);
+        let variance = self.state.variance_of(&along(row));
+        let limit = MAX_SIDE_SLIP_SIGMA_RAD * MAX_SIDE_SLIP_SIGMA_RAD;
+        (variance < limit).then(|| Measured {
+            value: Real::atan2(drift, speed),
             variance,
         })
     }
 
-    pub(super) fn judged(&self, index: usize, now_ns: i64) -> WheelEstimate {
-        let wheel = &self.wheels[index];
-        let nothing = |health| WheelEstimate {
-            health,
-            ..WheelEstimate::NOTHING
-        };
-        let heard_ns = self.heard_until(index, now_ns);
+    fn wheel_estimate(&self, index: usize, now_ns: i64, input: &Input) -> WheelEstimate {
+        let wheel = &self.wheels.channels[index];
+        let heard_ns = input.heard_until(index, now_ns);
         let (Some((rim, until_ns)), Some(silence)) = (wheel.rim, wheel.silence(heard_ns)) else {
             return WheelEstimate::NOTHING;
         };
         if silence > self.settings.dropout {
-            return nothing(Health::Invalid(Invalid::Dropout));
+            return WheelEstimate {
+                health: Health::Invalid(Invalid::Dropout),
+                ..WheelEstimate::NOTHING
+            };
         }
-        let slopes = along(wheel.row);
-        let level = slopes.iter().map(|&(i, a)| a * self.state.mean(i)).sum();
+        let row = along(wheel.row);
+        let level = self.state.mean_of(&row);
         let (value, longer) = wheel.carrier.over_ground(level, wheel.row[0], now_ns);
         let forward = Measured {
             value,
-            variance: longer * longer * self.state.variance_of(&slopes),
+            variance: longer * longer * self.state.variance_of(&row),
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
-        let slips = self.slip_slopes(index);
+        let slip_row = wheel.slip_row(index);
         let kept = SlipPrior {
-            mean: self.slip_mean(index),
-            sigma: Real::sqrt(self.state.variance_of(&slips)),
+            mean: self.state.mean_of(&slip_row),
+            sigma: Real::sqrt(self.state.variance_of(&slip_row)),
         };
         let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
         let slip = mean.clamp(-1.0, 1.0);
-        let shows = measured.slip.is_some();
-        let mut estimate = WheelEstimate {
-            slip: Slip::new(slip).ok().filter(|_| shows),
-            sigma: shows.then_some(sigma),
+        let health = self.health(index, now_ns, &measured, sigma);
+        let has_slip = measured.slip.is_some() && !matches!(health, Health::Invalid(_));
+        WheelEstimate {
+            slip: Slip::new(slip).ok().filter(|_| has_slip),
+            sigma: has_slip.then_some(sigma),
             forward_speed: Some(forward),
             rim_speed: Some(rim),
             motion: Some(match measured.motion {
-                // one window is noisier than the slip
+                // the estimated slip is less noisy than one window
                 Motion::Driving | Motion::Braking if slip < 0.0 => Motion::Braking,
                 Motion::Driving | Motion::Braking => Motion::Driving,
                 other => other,
             }),
-            health: measured.health,
+            health,
             until_ns: Some(until_ns),
             last_good_age: None,
-        };
-        estimate.health = self.health(index, now_ns, &measured, sigma);
-        if matches!(estimate.health, Health::Invalid(_)) {
-            estimate.slip = None;
-            estimate.sigma = None;
-        }
-        estimate
-    }
-
-    /// Up to when a wheel's silence is known: where none of its readings waits, up to the newest sample of any sensor.
-    fn heard_until(&self, index: usize, now_ns: i64) -> i64 {
-        match self.order.newest_ns() {
-            Some(newest) if self.wheels[index].waiting == 0 => newest.max(now_ns),
-            _ => now_ns,
         }
     }
 
-    pub(super) fn health(
-        &self,
-        index: usize,
-        now_ns: i64,
-        measured: &MeasuredSlip,
-        sigma: f64,
-    ) -> Health {
-        let wheel = &self.wheels[index];
-        let for_long =
-            |since: Option<i64>| since.is_some_and(|since| seconds_between(since, now_ns) >= WRONG);
+    fn health(&self, index: usize, now_ns: i64, measured: &MeasuredSlip, sigma: f64) -> Health {
+        let wheel = &self.wheels.channels[index];
         let moves = measured.motion != Motion::Standstill;
-        let stuck = wheel.stillness(now_ns) >= WRONG && moves;
-        if stuck || for_long(wheel.against_since_ns) || (wheel.free && wheel.watch.has_failed()) {
+        let stillness = wheel.stillness(now_ns);
+        let stuck = stillness >= WRONG_ENCODER_TIME_S && moves;
+        let against = wheel
+            .against_since_ns
+            .is_some_and(|since| seconds_between(since, now_ns) >= WRONG_ENCODER_TIME_S);
+        if stuck || against || (wheel.free && wheel.monitor.has_failed()) {
             return Health::Invalid(Invalid::Inconsistent);
         }
-        let blocked = (self.blocked || self.disputed) && !wheel.free;
+        let blocked = (self.recovery.is_blocked || self.recovery.is_disputed) && !wheel.free;
         if measured.slip.is_none() && !(blocked && measured.motion == Motion::RollBack) {
             return measured.health;
         }
         if blocked
-            || self.checks[index].misses_pulses
-            || self.contradicted.has_failed()
-            || (moves && wheel.stillness(now_ns) > 0.0)
+            || self.output.checks[index].misses_pulses
+            || self.gyro.contradicts_wheels()
+            || (moves && stillness > 0.0)
         {
             return Health::Degraded(Degraded::Suspect);
         }
-        let age = self.reference_ns.map(|then| seconds_between(then, now_ns));
-        match age {
+        let timeout = self.settings.dropout + MAX_WINDOW_FACTOR * self.settings.wheel_window;
+        match self
+            .speed_known_ns
+            .map(|then| seconds_between(then, now_ns))
+        {
             None => Health::Degraded(Degraded::Relative),
-            Some(age) if age > self.settings.dropout + LONGEST * self.settings.wheel_window => {
-                Health::Degraded(Degraded::ReferenceLost)
-            }
+            Some(age) if age > timeout => Health::Degraded(Degraded::ReferenceLost),
             Some(_) if sigma > self.settings.max_sigma => Health::Degraded(Degraded::Quantised),
-            Some(_) if wheel.watch.is_suspect() => Health::Degraded(Degraded::ReferenceLost),
+            Some(_) if wheel.monitor.is_suspect() => Health::Degraded(Degraded::ReferenceLost),
             Some(_) => Health::Ok,
         }
     }

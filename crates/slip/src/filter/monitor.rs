@@ -1,48 +1,48 @@
-//! Is a sensor believed? It is watched by how far it is from what the others say.
+//! Trust in one sensor, from how long its readings have agreed or disagreed with the others'.
 
 use crate::history::seconds_between;
 
-/// The most time that one measurement stands for, s.
-const LONGEST: f64 = 0.1;
-/// A sensor is forgiven this many times slower than it is refused.
-const FORGIVING: f64 = 3.0;
+/// The longest time that one reading stands for, s: a sensor of 10 Hz is not condemned by one gap.
+const MAX_READING_TIME_S: f64 = 0.1;
+/// Agreement counts this many times less than disagreement, so that a sensor that agrees by chance now and then still fails.
+const FORGIVENESS: f64 = 3.0;
 
-/// How one sensor has agreed with the others.
+/// The record of one sensor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Watch {
+pub(super) struct Monitor {
     last_ns: Option<i64>,
-    /// How long it has been refused, less what is forgiven, s.
-    refused: f64,
+    /// Time of disagreement less the agreement that makes up for it, s.
+    refused_s: f64,
     is_refused: bool,
     failed: bool,
 }
 
-impl Watch {
-    /// Counts a measurement that agreed (or not) at `time_ns`; gives whether the sensor is believed after it.
+impl Monitor {
+    /// Records a reading at `time_ns` that agreed or not; returns whether the sensor is trusted after it.
     ///
-    /// It fails when it has been refused for `patience` seconds, and is believed again when it has agreed for three times
-    /// as long; what agrees now and then by chance still fails.
-    pub(super) fn judge(&mut self, time_ns: i64, agreed: bool, patience: f64) -> bool {
+    /// It fails after `patience_s` of disagreement, and is trusted again after three times as long of agreement.
+    pub(super) fn record(&mut self, time_ns: i64, agreed: bool, patience_s: f64) -> bool {
         let last = self.last_ns.replace(time_ns).unwrap_or(time_ns);
-        let passed = seconds_between(last, time_ns).clamp(0.0, LONGEST);
+        let passed = seconds_between(last, time_ns).clamp(0.0, MAX_READING_TIME_S);
         self.is_refused = !agreed;
         if agreed {
-            self.refused = (self.refused - passed / FORGIVING).max(0.0);
-            self.failed &= self.refused > 0.0;
+            self.refused_s = (self.refused_s - passed / FORGIVENESS).max(0.0);
+            self.failed &= self.refused_s > 0.0;
         } else {
-            self.refused = (self.refused + passed).min(patience);
-            self.failed |= self.refused >= patience;
+            self.refused_s = (self.refused_s + passed).min(patience_s);
+            self.failed |= self.refused_s >= patience_s;
         }
         !self.failed
     }
 
+    /// Was the last reading refused?
     pub(super) const fn is_suspect(&self) -> bool {
         self.is_refused
     }
 
     /// Has it agreed for long?
     pub(super) const fn is_clean(&self) -> bool {
-        self.refused <= 0.0 && !self.failed
+        self.refused_s <= 0.0 && !self.failed
     }
 
     pub(super) const fn has_failed(&self) -> bool {

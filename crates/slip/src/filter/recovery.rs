@@ -1,159 +1,144 @@
-//! When the filter itself has lost its way, or two references contradict each other: what is plausible, and how it begins
-//! again.
+//! Recovery: references that contradict each other, a state that has run away, and the restart of the motion.
 
+use super::accelerometer::NOISE_SCALE_LIMITS;
+use super::estimator::Core;
+use super::monitor::Monitor;
 use super::motion_model::{COMMON_SLIP, FORWARD, own_slip};
 use super::settings::SlipPrior;
-use super::monitor::Watch;
-use super::{ALONE, FELT_UNREST, RETURNS, SlipFilter};
+use super::wheel_channel::WheelChannel;
+use super::{READMIT_SPEED_SHARE, REFERENCE_TIMEOUT_S};
 use crate::history::seconds_between;
 
-/// A robot this much faster than its fastest wheel (as a share, and m/s) for long is an error of the filter.
-const RUNAWAY: (f64, f64) = (1.5, 0.05);
-/// A speed is plausible when the slip that it means is within this many sigma of what is believed of slip.
-const PLAUSIBLE: f64 = 2.5;
-/// How well a speed is known from which the filter begins again, as a share and m/s.
-const BEGINNING: (f64, f64) = (0.05, 0.02);
+/// A robot faster than its fastest wheel by this factor and this speed (m/s) for long is an error of the filter.
+const RUNAWAY_FACTOR: f64 = 1.5;
+const RUNAWAY_SPEED_M_PER_S: f64 = 0.05;
+/// A speed is plausible when the slip that follows from it is within this many sigma of the prior.
+const PLAUSIBLE_SIGMA: f64 = 2.5;
+/// Standard deviation of the speed from which the motion restarts: a share of it, and m/s.
+const RESTART_SHARE: f64 = 0.05;
+const RESTART_SPEED_M_PER_S: f64 = 0.02;
 
-impl SlipFilter {
-    /// Has nothing told the robot's speed for long?
-    pub(super) fn is_lost(&self, now_ns: i64) -> bool {
-        self.reference_ns
-            .is_none_or(|then| seconds_between(then, now_ns) > ALONE)
-    }
+/// What is wrong with the motion as a whole.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Recovery {
+    runaway: Monitor,
+    /// The robot is stuck, or its free wheels are.
+    pub(super) is_blocked: bool,
+    /// Two references contradict each other.
+    pub(super) is_disputed: bool,
+}
 
-    /// The powered wheels' mean rim speed, m/s; `None` where none is heard.
-    fn powered_rim(&self) -> Option<f64> {
-        let heard = || {
-            let now_ns = self.now_ns.unwrap_or(0);
-            self.wheels.iter().filter_map(move |wheel| {
-                let silent = wheel.silence(now_ns)? > self.settings.dropout;
-                (!wheel.free && !silent).then_some(wheel.rim?.0.value)
-            })
-        };
-        let count = heard().count();
-        (count > 0).then(|| heard().sum::<f64>() / count as f64)
-    }
-
-    /// How far, in sigma of what is believed of it, the powered wheels' slip would be if the robot went at `speed` (m/s);
-    /// `None` where they hardly turn.
+impl Core {
+    /// The distance of the powered wheels' slip from its prior, in sigma, if the robot went at `speed` (m/s); `None` where
+    /// they hardly turn.
     fn surprise(&self, speed: f64) -> Option<f64> {
-        let rim = self.powered_rim()?;
+        let now_ns = self.now_ns.unwrap_or(0);
+        let rim = self
+            .wheels
+            .mean_powered_rim(now_ns, self.settings.dropout)?;
         let SlipPrior { mean, sigma } = self.settings.slip;
         let faster = if rim.abs() >= speed.abs() { rim } else { speed };
-        let shows = faster.abs() > 2.0 * self.settings.low_speed;
-        shows.then(|| ((rim - speed) / faster - mean).abs() / sigma)
+        let has_slip = faster.abs() > 2.0 * self.settings.low_speed;
+        has_slip.then(|| ((rim - speed) / faster - mean).abs() / sigma)
     }
 
-    /// Could the robot go at `speed` (m/s) for all that is believed of its wheels' slip?
+    /// Does the prior of slip allow that the robot goes at `speed` (m/s)?
     pub(super) fn is_plausible(&self, speed: f64) -> bool {
-        self.surprise(speed).is_some_and(|off| off <= PLAUSIBLE)
+        self.surprise(speed)
+            .is_some_and(|off| off <= PLAUSIBLE_SIGMA)
     }
 
-    /// Does a camera or its like tell the same speed as `speed` (m/s) now?
-    pub(super) fn agrees_with_camera(&self, speed: f64, now_ns: i64) -> bool {
-        self.reference.speed.is_some_and(|(told, then)| {
-            let gap = (told - speed).abs() - self.settings.low_speed;
-            seconds_between(then, now_ns) <= ALONE && gap <= RETURNS * speed.abs()
+    /// Does the reference sensor measure about the same speed as `speed` (m/s) now?
+    pub(super) fn agrees_with_sensor(&self, speed: f64, now_ns: i64) -> bool {
+        self.reference.speed.is_some_and(|(measured, then)| {
+            seconds_between(then, now_ns) <= REFERENCE_TIMEOUT_S && self.is_near(measured, speed)
         })
     }
 
-    /// Does a free wheel that turns tell the same speed as `speed` (m/s) now?
+    /// Does a free wheel that turns measure about the same speed as `speed` (m/s) now?
     pub(super) fn agrees_with_free_wheel(&self, speed: f64, now_ns: i64) -> bool {
-        self.wheels.iter().any(|wheel| {
-            let speaks = wheel
-                .silence(now_ns)
-                .is_some_and(|silence| silence <= self.settings.dropout);
+        self.wheels.free().any(|wheel| {
             let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
-            let gap = (rim - speed).abs() - self.settings.low_speed;
-            wheel.free && speaks && wheel.turns() && gap <= RETURNS * speed.abs()
+            wheel.is_received(now_ns, self.settings.dropout)
+                && wheel.turns()
+                && self.is_near(rim, speed)
         })
     }
 
-    /// Do a free wheel and what the filter goes by contradict each other, and is the filter's speed the stranger of the
-    /// two? Then neither is to be trusted, until one of them shows what is wrong with it.
+    fn is_near(&self, measured: f64, speed: f64) -> bool {
+        (measured - speed).abs() - self.settings.low_speed <= READMIT_SPEED_SHARE * speed.abs()
+    }
+
+    /// Do a refused reference and the state contradict each other, while the slip that follows from the state is further from
+    /// its prior? Then neither is trusted, until one of them shows what is wrong with it.
     pub(super) fn is_disputed(&self, now_ns: i64) -> bool {
         let own = self.state.mean(FORWARD);
-        let strange = |claim: f64| {
+        let contradicts = |claim: f64| {
             let (Some(ours), Some(theirs)) = (self.surprise(own), self.surprise(claim)) else {
                 return false;
             };
-            (own - claim).abs() > RETURNS * claim.abs().max(own.abs()) && ours > theirs
+            (own - claim).abs() > READMIT_SPEED_SHARE * claim.abs().max(own.abs()) && ours > theirs
         };
-        let by_wheel = self.wheels.iter().any(|wheel| {
-            let speaks = wheel
-                .silence(now_ns)
-                .is_some_and(|silence| silence <= self.settings.dropout);
-            let suspect = wheel.watch.has_failed() || wheel.watch.is_suspect();
-            wheel.free
-                && suspect
-                && speaks
+        let by_wheel = self.wheels.free().any(|wheel| {
+            (wheel.monitor.has_failed() || wheel.monitor.is_suspect())
+                && wheel.is_received(now_ns, self.settings.dropout)
                 && wheel.turns()
-                && wheel.rim.is_some_and(|(rim, _)| strange(rim.value))
+                && wheel.rim.is_some_and(|(rim, _)| contradicts(rim.value))
         });
-        let by_camera = !self.reference.watch.is_clean()
-            && self.reference.speed.is_some_and(|(told, then)| {
-                seconds_between(then, now_ns) <= ALONE && strange(told)
+        let by_sensor = !self.reference.monitor.is_clean()
+            && self.reference.speed.is_some_and(|(speed, then)| {
+                seconds_between(then, now_ns) <= REFERENCE_TIMEOUT_S && contradicts(speed)
             });
-        by_wheel || by_camera
+        by_wheel || by_sensor
     }
 
-    /// Has no free wheel turned since the robot stood, or has one stopped unforeseen, and does nothing else tell the
+    /// Has no free wheel turned since the robot stood, or has each stopped unexpectedly, while nothing else measures the
     /// robot's speed? Then either the robot is stuck or they are.
     pub(super) fn is_blocked(&self, now_ns: i64) -> bool {
-        let told = self.reference.accepted_ns;
-        let alone = told.is_none_or(|then| seconds_between(then, now_ns) > ALONE);
-        let mut free = self.wheels.iter().filter(|wheel| wheel.free).peekable();
-        let blocked = |wheel: &super::wheel_channel::Tracked| {
-            !wheel.rolling.has_turned || !wheel.turns() && !wheel.rolling.stop_known
+        let alone = self
+            .reference
+            .accepted_ns
+            .is_none_or(|then| seconds_between(then, now_ns) > REFERENCE_TIMEOUT_S);
+        let mut free = self.wheels.free().peekable();
+        let blocked = |wheel: &WheelChannel| {
+            !wheel.rolling.has_turned || !wheel.turns() && !wheel.rolling.stop_expected
         };
         alone && free.peek().is_some() && free.all(blocked)
     }
 
-    /// A filter that has lost its way: the robot would be much faster than the fastest of its wheels. It begins again from
-    /// these.
-    pub(super) fn catch_runaway(&mut self, time_ns: i64) {
-        let rims = || {
-            self.wheels
-                .iter()
-                .filter_map(|wheel| Some(wheel.rim?.0.value))
-        };
-        let Some(fastest) = rims().reduce(|a, b| if b.abs() > a.abs() { b } else { a }) else {
+    /// Restarts the motion from the fastest wheel where the robot would be much faster than that for long.
+    pub(super) fn recover_from_runaway(&mut self, time_ns: i64) {
+        let Some(fastest) = self.wheels.fastest_rim() else {
             return;
         };
-        let speed = self.state.mean(FORWARD);
-        let runs = speed.abs() > RUNAWAY.0 * fastest.abs() + RUNAWAY.1;
-        if self.runaway.judge(time_ns, !runs, self.settings.failure) {
+        let limit = RUNAWAY_FACTOR * fastest.abs() + RUNAWAY_SPEED_M_PER_S;
+        let runs = self.state.mean(FORWARD).abs() > limit;
+        let patience = self.settings.failure;
+        if self.recovery.runaway.record(time_ns, !runs, patience) {
             return;
         }
-        self.runaway = Watch::default();
-        self.felt_unrest = FELT_UNREST.1;
-        self.begin_again(fastest, 0.5 * fastest.abs() + RUNAWAY.1);
-        for wheel in &mut self.wheels {
-            wheel.watch = Watch::default();
+        self.recovery.runaway = Monitor::default();
+        self.accelerometer.noise_scale = NOISE_SCALE_LIMITS.1;
+        self.restart_motion(fastest, 0.5 * fastest.abs() + RUNAWAY_SPEED_M_PER_S);
+        for wheel in &mut self.wheels.channels {
+            wheel.monitor = Monitor::default();
         }
     }
 
-    /// Begins again from a speed that is told (m/s).
-    pub(super) fn begin_from(&mut self, speed: f64) {
-        self.begin_again(speed, BEGINNING.0 * speed.abs() + BEGINNING.1);
+    /// Restarts the motion from a measured speed (m/s).
+    pub(super) fn restart_from(&mut self, speed: f64) {
+        self.restart_motion(speed, RESTART_SHARE * speed.abs() + RESTART_SPEED_M_PER_S);
     }
 
-    /// The robot's speed and all slips are known anew.
-    fn begin_again(&mut self, speed: f64, sigma: f64) {
+    /// Sets the robot's speed, and all slips to their priors.
+    fn restart_motion(&mut self, speed: f64, sigma: f64) {
         self.state.reset(FORWARD, speed, sigma * sigma);
         let SlipPrior { mean, sigma } = self.settings.slip;
         self.state.reset(COMMON_SLIP, mean, sigma * sigma);
-        for (index, wheel) in self.wheels.iter_mut().enumerate() {
-            wheel.pull = 0.0;
+        for (index, wheel) in self.wheels.channels.iter_mut().enumerate() {
+            wheel.mean_innovation = 0.0;
             wheel.was_off = false;
-            let SlipPrior { mean, sigma } = if wheel.free {
-                self.settings.free_slip.by_rim()
-            } else {
-                SlipPrior {
-                    mean: 0.0,
-                    sigma: self.settings.wheel_slip_sigma,
-                }
-            };
+            let SlipPrior { mean, sigma } = self.settings.own_slip_prior(wheel.free);
             self.state.reset(own_slip(index), mean, sigma * sigma);
         }
     }
