@@ -158,7 +158,10 @@ impl Core {
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
             | Measurement::Speed { .. } => self.update_reference(time_ns, measurement),
-            Measurement::Command { .. } => Ok(()),
+            Measurement::Command { .. }
+            | Measurement::Inertial { .. }
+            | Measurement::JointAngle { .. }
+            | Measurement::MotorCurrent { .. } => Ok(()),
         }
     }
 

@@ -40,6 +40,7 @@ mod health;
 mod inertial_path;
 mod input;
 mod kalman;
+mod learnt;
 mod monitor;
 mod motion_model;
 mod output;
@@ -65,6 +66,7 @@ use crate::robot::Robot;
 use crate::sample::Sample;
 use estimator::Core;
 use input::Input;
+pub use learnt::{Learnt, LearntWheel};
 pub use output::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
 use sensor_clocks::ClockOutcome;
 pub use settings::{FilterSettings, SlipPrior};
@@ -144,7 +146,11 @@ impl SlipFilter {
     /// # Errors
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and changes no estimate.
     pub fn update(&mut self, sample: Sample) -> ::core::result::Result<FilterOutput<'_>, Fault> {
-        let outcome = self.accept(sample);
+        let outcome = if sample.measurement.is_raw() {
+            Ok(())
+        } else {
+            self.accept(sample)
+        };
         if let Err(fault) = &outcome {
             self.input.rejected.count(fault);
         }
@@ -192,6 +198,20 @@ impl SlipFilter {
         })?;
         channel.steer(angle);
         Ok(())
+    }
+
+    /// What the filter has learnt so far.
+    #[must_use]
+    pub fn learnt(&self) -> Learnt {
+        self.core.learnt()
+    }
+
+    /// Continues with what was learnt before a restart, in place of the priors of the settings.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number outside its limits; nothing changes then.
+    pub fn restore(&mut self, learnt: &Learnt) -> Result<()> {
+        self.core.restore(learnt)
     }
 
     /// Puts a sample in order, and uses those whose time has come.

@@ -105,7 +105,10 @@ fn precedes(waiting: &Sample, new: &Sample) -> bool {
 
 fn rank(measurement: &Measurement) -> (u8, usize) {
     match *measurement {
-        Measurement::Command { .. } => (0, 0),
+        Measurement::Command { .. }
+        | Measurement::Inertial { .. }
+        | Measurement::JointAngle { .. }
+        | Measurement::MotorCurrent { .. } => (0, 0),
         Measurement::Acceleration { .. } => (1, 0),
         Measurement::YawRate { .. } => (2, 0),
         Measurement::WheelTorque { wheel, .. } => (3, wheel),

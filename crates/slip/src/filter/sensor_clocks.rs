@@ -74,7 +74,10 @@ impl SensorClocks {
             }
         };
         let (index, regular) = match *measurement {
-            Measurement::Command { .. } => (0, false),
+            Measurement::Command { .. }
+            | Measurement::Inertial { .. }
+            | Measurement::JointAngle { .. }
+            | Measurement::MotorCurrent { .. } => (0, false),
             Measurement::Acceleration { .. } => (1, true),
             Measurement::YawRate { .. } => (2, true),
             Measurement::Displacement { .. } | Measurement::Pose { .. } => (3, true),

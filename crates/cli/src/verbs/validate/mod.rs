@@ -1,0 +1,94 @@
+//! `validate`: every measured data set against the model.
+
+mod object;
+
+use std::path::PathBuf;
+
+use grouser_campaign::validate::{PLATES, cmu, validate};
+
+use crate::error::{Error, Result};
+use crate::figure_file::Target;
+use crate::input::Input;
+use crate::output_choice::Output;
+use crate::report::Report;
+use crate::session::Session;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Hold the model against measured data",
+    long_about = "Hold the model against measured data: one table of errors by data set and quantity, for this model, \
+        for plain Wong-Reece, and beside the error of what was published with the data.\n\nThe soil's moduli are \
+        identified from plate tests, the wheel's numbers from the smooth wheel at slip angle 0; all else is \
+        predicted. docs/validate.md says which numbers are fitted and where the data come from.",
+    after_help = "Examples:\n  grouser validate --data ../data\n  \
+        grouser validate --data ../data --figure measured.svg -o rows.csv --json"
+)]
+pub(crate) struct Arguments {
+    /// The folder of measured data, with `cmu-wheel/` in it
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Draw measured against predicted (.svg, .png); may be given again
+    #[arg(long, value_name = "FILE")]
+    figure: Vec<PathBuf>,
+    /// Write the rows (.csv); may be given again
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let figures: Vec<Target> = arguments
+        .figure
+        .iter()
+        .map(|path| Target::of(path))
+        .collect::<Result<_>>()?;
+    let tables = Output::begin(&arguments.output)?;
+    note_inputs(arguments, session)?;
+    let validation = validate(&arguments.data)?;
+    let mut text = validation.text();
+    for output in tables {
+        text.push_str(&match output {
+            Output::Table(file) => file.write_whole(validation.csv().as_bytes())?,
+            Output::Figure(target) => target.write(&validation.draw())?,
+        });
+    }
+    for target in figures {
+        text.push_str(&target.write(&validation.draw())?);
+    }
+    Ok(Report::done(object::object(&validation), text))
+}
+
+/// Every file that the table rests on, with its digest.
+fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
+    let mut files = vec![arguments.data.join(cmu::TRIALS)];
+    for (name, ..) in PLATES {
+        for ending in ["bag", "txt"] {
+            files.push(arguments.data.join(format!("{name}.{ending}")));
+        }
+    }
+    for file in files {
+        let mut input = Input::open(&file)?;
+        std::io::copy(&mut input, &mut std::io::sink())
+            .map_err(|error| Error::file("read", &file, &error))?;
+        session.used_input(input);
+    }
+    Ok(())
+}
+
+impl From<grouser_identify::Error> for Error {
+    fn from(error: grouser_identify::Error) -> Self {
+        use grouser_identify::Error as Identify;
+        match error {
+            Identify::File(error) | Identify::Log(grouser_log::Error::File(error)) => error.into(),
+            Identify::Content { path, message } => Self::Content {
+                path,
+                message,
+                hint: None,
+            },
+            Identify::Log(error) => Self::Usage {
+                hint: error.hint(),
+                message: error.to_string(),
+            },
+            error => Self::usage_without_hint(error.to_string()),
+        }
+    }
+}
