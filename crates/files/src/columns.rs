@@ -192,7 +192,7 @@ impl Table {
 }
 
 /// What a column map says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     /// Its tables.
     pub tables: Vec<Table>,

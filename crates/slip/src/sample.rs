@@ -109,3 +109,46 @@ pub enum Measurement {
         left: f64,
     },
 }
+
+impl Measurement {
+    /// The wheel that it belongs to, as an index in the robot's description.
+    #[must_use]
+    pub const fn wheel(&self) -> Option<usize> {
+        match *self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => Some(wheel),
+            _ => None,
+        }
+    }
+
+    /// The same measurement of another wheel; without effect on measurements of the robot.
+    #[must_use]
+    pub const fn with_wheel(mut self, index: usize) -> Self {
+        match &mut self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => *wheel = index,
+            _ => {}
+        }
+        self
+    }
+
+    /// Does it tell how far or how fast a wheel turns?
+    #[must_use]
+    pub const fn is_rotation(&self) -> bool {
+        matches!(
+            self,
+            Self::WheelCount { .. }
+                | Self::WheelEdge { .. }
+                | Self::WheelAngle { .. }
+                | Self::WheelRate { .. }
+        )
+    }
+}

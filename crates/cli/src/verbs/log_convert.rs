@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns;
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
-use grouser_log::write::{ReadingWriter, copy, verify, write_table};
+use grouser_log::write::{SampleWriter, copy, verify, write_table};
 use serde_json::Value;
 
 use super::estimate::{file_error, log_error, note_input};
@@ -191,12 +191,12 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let log = Log::find(std::slice::from_ref(file), columns).map_err(log_error)?;
     let mut output = OutputFile::create(path)?;
     let written = |error| Error::file("write", path, &error);
-    let mut writer = ReadingWriter::new(&mut output, log.wheels()).map_err(written)?;
+    let mut writer = SampleWriter::new(&mut output, log.wheels()).map_err(written)?;
     let progress = Progress::of_bytes(Some(log.bytes()));
     let mut records = 0_u64;
-    for record in log.records(&[]).map_err(log_error)? {
+    for sample in log.samples(&[]).map_err(log_error)? {
         writer
-            .record(&record.map_err(log_error)?)
+            .sample(&sample.map_err(log_error)?)
             .map_err(written)?;
         records += 1;
         progress.reach(log.bytes_read());

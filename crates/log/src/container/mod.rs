@@ -14,6 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::source::Source;
 pub use event::{Channel, Damage, Encoding, Event, Format, Message};
 use fields::Fields;
 use scan::Scan;
@@ -145,7 +146,13 @@ impl Container {
     /// # Errors
     /// What the system refuses.
     pub fn kind(path: &Path) -> Result<Option<Format>> {
-        kind(&mut Scan::open(path)?).map_err(|source| unreadable(path, source))
+        Self::kind_of(&Source::file(path.to_owned()))
+    }
+
+    pub(crate) fn kind_of(source: &Source) -> Result<Option<Format>> {
+        let scan = Scan::over(source.open()?);
+        scan.and_then(|mut scan| kind(&mut scan))
+            .map_err(|error| unreadable(source.path(), error))
     }
 
     /// Opens a file.
@@ -153,7 +160,7 @@ impl Container {
     /// # Errors
     /// [`Error::Version`] for another version of the format, [`Error::NotALog`] for another kind of file.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::begin(path, Scan::open(path)?)
+        Self::of(&Source::file(path.to_owned()))
     }
 
     /// Reads from anything that can be read from any place, such as bytes in memory; `name` is what errors
@@ -162,13 +169,13 @@ impl Container {
     /// # Errors
     /// As [`Container::open`].
     pub fn over(name: &Path, source: impl Read + Seek + Send + 'static) -> Result<Self> {
-        let scan = Scan::over(source).map_err(|source| unreadable(name, source))?;
-        Self::begin(name, scan)
+        Self::of(&Source::over(name, source))
     }
 
-    fn begin(path: &Path, mut scan: Scan) -> Result<Self> {
-        let file = || path.display().to_string();
-        let failed = |source| unreadable(path, source);
+    pub(crate) fn of(source: &Source) -> Result<Self> {
+        let file = || source.name();
+        let failed = |error| unreadable(source.path(), error);
+        let mut scan = Scan::over(source.open()?).map_err(failed)?;
         let Some(format) = kind(&mut scan).map_err(failed)? else {
             return Err(Error::NotALog { file: file() });
         };

@@ -9,6 +9,11 @@ const SIZE: usize = 1 << 12;
 /// Only for so many channels: a robot has fewer that matter, a hostile file may declare thousands.
 const CHANNELS: usize = 64;
 
+/// Is the value of a message of so many bytes worth keeping for the next of its channel?
+pub(crate) const fn is_spare(channel: usize, size: usize) -> bool {
+    size <= SIZE && channel < CHANNELS
+}
+
 /// One value for each channel, to decode into without allocating.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Spare(BTreeMap<usize, Value>);

@@ -11,7 +11,7 @@ use grouser_files::columns::Meaning;
 
 use crate::csv::{Lines, finite, split};
 use crate::error::Result;
-use crate::source;
+use crate::source::Source;
 pub use guess::Guess;
 use guess::{guess, time_rank, time_unit};
 use layout::Layout;
@@ -98,7 +98,7 @@ impl Sheet {
     pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
         let layout = Layout::of(path)?;
         let count = Arc::default();
-        let mut lines = Lines::over(source::open(path, &count)?, &path.display().to_string());
+        let mut lines = Lines::of(&Source::file(path.to_owned()), &count)?;
         let mut sheet = Self {
             separator: layout.separator,
             decimal: layout.decimal,

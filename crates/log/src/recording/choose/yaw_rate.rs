@@ -54,7 +54,7 @@ impl Choosing<'_> {
     /// The acceleration, where transforms tell which way is forwards and nothing contradicts them: gravity least of
     /// all, which drivers without an accelerometer leave out.
     fn acceleration(&mut self, seen: &Seen, imu: &Imu, up: [f64; 3]) {
-        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
         let Some([forward, left, _]) = axes.filter(|axes| agree(axes[2], up)) else {
             return;
         };
@@ -81,7 +81,7 @@ impl Choosing<'_> {
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
         }
-        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
         let by_transforms = axes.map(|[_, _, up]| up);
         match (by_transforms, seen.accelerations.up()) {
             (Some(up), None) => (up, "by its transforms"),
