@@ -4,20 +4,20 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{CounterWidth, Drive, Encoder, Measurement, Robot, Sample, Shaft, Wheel};
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 const CYCLES: usize = 50_000;
 const RUNS: usize = 5;
 
 fn robot() -> Robot {
-    let wheel = |name: &str, x: f64, y: f64, drive| Wheel {
+    let wheel = |name: &str, x: f64, y: f64, role| Wheel {
         name: name.into(),
         x,
         y,
         heading: Angle::from_deg(0.0),
         radius: 0.1,
-        drive,
+        role,
         encoder: Encoder {
             shaft: Shaft::Wheel,
             gear: 1.0,
@@ -30,12 +30,12 @@ fn robot() -> Robot {
         load: None,
     };
     let wheels = vec![
-        wheel("front left", 0.3, 0.25, Drive::Powered),
-        wheel("front right", 0.3, -0.25, Drive::Powered),
-        wheel("middle left", 0.0, 0.25, Drive::Powered),
-        wheel("middle right", 0.0, -0.25, Drive::Powered),
-        wheel("rear left", -0.3, 0.25, Drive::Powered),
-        wheel("fifth", -0.45, 0.0, Drive::Free),
+        wheel("front left", 0.3, 0.25, WheelRole::Powered),
+        wheel("front right", 0.3, -0.25, WheelRole::Powered),
+        wheel("middle left", 0.0, 0.25, WheelRole::Powered),
+        wheel("middle right", 0.0, -0.25, WheelRole::Powered),
+        wheel("rear left", -0.3, 0.25, WheelRole::Powered),
+        wheel("fifth", -0.45, 0.0, WheelRole::Free),
     ];
     Robot::new("six wheels".into(), wheels).expect("a robot")
 }

@@ -5,7 +5,8 @@ mod bytes;
 mod stream;
 
 use bytes::Bytes;
-use grouser_slip::{Estimator, Reference, Settings};
+use grouser_slip::{Reference};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -13,8 +14,8 @@ fuzz_target!(|bytes: &[u8]| {
     let wheels = 3 + bytes.u8() % 4;
     let bits = [8, 16, 32, 64][usize::from(bytes.u8() % 4)];
     let reference = Reference::ALL[usize::from(bytes.u8()) % Reference::ALL.len()];
-    let settings = Settings { reference, ..Settings::default() };
-    let Ok(mut estimator) = Estimator::new(&stream::robot(bits, wheels), settings) else {
+    let settings = WindowSettings { reference, ..WindowSettings::default() };
+    let Ok(mut estimator) = WindowEstimator::new(&stream::robot(bits, wheels), settings) else {
         return;
     };
     let mut time_ns = 0_i64;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result, shown};
-use crate::figure::Figure;
 use crate::output::OutputFile;
+use grouser_figure::Figure;
 
 /// Fine enough for print.
 const DOTS_PER_INCH: f64 = 300.0;

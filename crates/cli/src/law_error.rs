@@ -4,7 +4,7 @@
 use grouser_terra::Error as LawError;
 
 use crate::error::Error;
-use crate::number::told;
+use grouser_report::number::told;
 
 /// Whose names a message uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

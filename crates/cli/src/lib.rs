@@ -9,24 +9,20 @@
 mod command;
 mod csv_line;
 mod error;
-pub mod figure;
 mod figure_file;
 mod input;
 mod interrupt;
 mod law_error;
 mod lines;
-mod number;
 mod operation;
 mod output;
 mod output_choice;
-mod page_text;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod progress;
 mod report;
 mod session;
 mod soil_choice;
-mod table;
 mod terminal;
 mod usage;
 mod verbs;

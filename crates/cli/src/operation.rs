@@ -54,13 +54,13 @@ impl Status {
 
     /// Why there is no point; `None` where there is one.
     pub(crate) fn complaint(self, asked: Asked) -> Option<String> {
-        use crate::number::told;
+        use grouser_report::number::told;
         match (self, asked) {
             (Self::Ok, _) => None,
             (Self::NoSolution(most), Asked::Load(load)) => Some(format!(
                 "no sinkage carries {} N; the most that was found to be carried is {} N",
                 told(load),
-                crate::number::shown(most)
+                grouser_report::number::shown(most)
             )),
             _ => Some("the search for the sinkage did not converge".to_owned()),
         }

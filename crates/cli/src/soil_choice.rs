@@ -9,8 +9,8 @@ use grouser_terra::{Error as LawError, Soil};
 
 use crate::error::{Error, Result};
 use crate::law_error::Names;
-use crate::number::parse_finite;
 use crate::session::Session;
+use grouser_report::number::parse_finite;
 
 /// Above the flags of [`Overrides`] in the help.
 const HEADING: &str = "Soil (completes or overrides what --soil gives)";

@@ -1,58 +1,21 @@
-//! The verbs, one file each.
+//! The verbs: one folder each, or one file where that is enough.
 //!
-//! To add one: its file with `Arguments` (clap) and `run`, and three lines here.
+//! To add one: its file or folder with `Arguments` (clap) and `run`, and three lines here.
 
 mod batch;
-mod batch_columns;
-mod batch_lanes;
-mod batch_sink;
-mod batch_stream;
 mod curve;
-mod curve_figure;
-mod curve_output;
 mod drive;
-mod drive_charts;
-mod drive_decisions;
-mod drive_log;
-mod drive_map;
-mod drive_mcap;
-mod drive_object;
-mod drive_optimum;
-mod drive_relief;
-mod drive_report;
-mod drive_text;
-mod drive_track;
 mod estimate;
-mod estimate_calibration;
-mod estimate_figure;
-mod estimate_mcap;
-mod estimate_object;
-mod estimate_output;
-mod estimate_text;
 mod identify;
-mod identify_figure;
-mod identify_text;
 mod log;
-mod log_convert;
-mod log_info;
-mod log_recover;
-mod log_sheet;
 mod optimize;
-mod optimize_csv;
-mod optimize_figure;
-mod optimize_object;
-mod optimize_text;
 mod paper;
 mod paper_figures;
 mod paper_page;
 mod paper_problem;
 mod paper_run;
-mod paper_statements;
 mod robot;
 mod slip_model;
-mod slip_model_figure;
-mod slip_model_grid;
-mod slip_model_output;
 mod soils;
 mod validate;
 mod validate_csv;
@@ -60,7 +23,6 @@ mod validate_figure;
 mod validate_object;
 mod validate_text;
 mod wheel;
-mod wheel_figure;
 
 use crate::error::Result;
 use crate::report::Report;

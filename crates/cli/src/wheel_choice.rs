@@ -4,9 +4,9 @@ use grouser_terra::{Angle, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil};
 
 use crate::error::Result;
 use crate::law_error::Names;
-use crate::number::parse_finite;
 use crate::session::Session;
 use crate::soil_choice::{Chosen, SoilArguments};
+use grouser_report::number::parse_finite;
 
 /// A wheel, the soil below it, and its drift.
 #[derive(clap::Args, Clone, Debug)]

@@ -48,12 +48,25 @@ const FLOORS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "grouser-campaign",
+        &[
+            "grouser-terra",
+            "grouser-design",
+            "grouser-identify",
+            "grouser-files",
+        ],
+    ),
+    (
         "grouser-synthetic",
         &["grouser-terra", "grouser-slip", "grouser-log"],
     ),
+    ("grouser-figure", &[]),
+    ("grouser-report", &[]),
     (
         "grouser",
         &[
+            "grouser-figure",
+            "grouser-report",
             "grouser-real",
             "grouser-terra",
             "grouser-opt",
@@ -63,13 +76,19 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-replay",
             "grouser-design",
             "grouser-identify",
+            "grouser-campaign",
             "grouser-rover",
         ],
     ),
 ];
 
 /// Where threads may live.
-const THREADED: &[&str] = &["grouser-opt", "grouser-identify", "grouser"];
+const THREADED: &[&str] = &[
+    "grouser-opt",
+    "grouser-identify",
+    "grouser-campaign",
+    "grouser",
+];
 
 /// Crates that build without the standard library, on bare metal.
 const BARE: &[&str] = &["grouser-real", "grouser-terra", "grouser-slip"];

@@ -34,7 +34,7 @@ mod design;
 mod error;
 mod file;
 mod formula;
-pub mod paper;
+
 mod quantity;
 mod scope;
 mod solve;

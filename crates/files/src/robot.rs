@@ -32,7 +32,8 @@
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::{CounterWidth, Drive, Encoder, Reference, Robot, Settings, Shaft, Wheel};
+use grouser_slip::window::WindowSettings;
+use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 use crate::body::{self, BodyFile};
@@ -78,7 +79,7 @@ pub struct RobotFile {
     pub robot: Robot,
     /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
     /// not say otherwise.
-    pub settings: Settings,
+    pub settings: WindowSettings,
     /// What the slip filter is told, with what `settings` say of the same.
     pub filter: FilterSettings,
     /// The reference that the file names, if it names one.
@@ -111,7 +112,7 @@ pub fn read(path: &Path) -> Result<RobotFile> {
 pub fn parse(document: &Document) -> Result<RobotFile> {
     document.parse(|root| {
         let name = root.text("name")?;
-        let mut settings = Settings::default();
+        let mut settings = WindowSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
         root.section("estimator", |section| {
@@ -172,16 +173,16 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
         root.text("name")?;
         // Their keys are checked where the robot is read, below.
         root.section("estimator", |section| {
-            read_estimator(section, &mut Settings::default())?;
+            read_estimator(section, &mut WindowSettings::default())?;
             section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
         })?;
-        read_filter(root, &Settings::default())?;
+        read_filter(root, &WindowSettings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
             let wheel = read_wheel(section)?;
             body::read_wheel(section)?;
-            if let (Drive::Powered, Some(span)) = (wheel.drive, section.span_of("radius_m")) {
+            if let (WheelRole::Powered, Some(span)) = (wheel.role, section.span_of("radius_m")) {
                 radii.push((span, wheel.radius * factor));
             }
             Ok(())
@@ -198,7 +199,10 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
     Ok(rewritten.text().to_owned())
 }
 
-fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Option<Reference>> {
+fn read_estimator(
+    section: &Section<'_>,
+    settings: &mut WindowSettings,
+) -> Result<Option<Reference>> {
     for (key, field) in [
         ("window_s", &mut settings.window),
         ("standstill_speed_m_per_s", &mut settings.standstill_speed),
@@ -227,7 +231,7 @@ fn read_estimator(section: &Section<'_>, settings: &mut Settings) -> Result<Opti
 }
 
 /// What the slip filter is told: the defaults, over them what the estimator is told, over that `[filter]`.
-fn read_filter(root: &Section<'_>, settings: &Settings) -> Result<FilterSettings> {
+fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSettings> {
     let mut filter = FilterSettings {
         position_sigma: settings.position_sigma,
         speed_sigma: settings.speed_sigma,
@@ -294,7 +298,7 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     let anywhere = (-1e6, 1e6);
     let name = section.text("name")?;
     let shafts = [("wheel", Shaft::Wheel), ("motor", Shaft::Motor)];
-    let drives = [("powered", Drive::Powered), ("free", Drive::Free)];
+    let drives = [("powered", WheelRole::Powered), ("free", WheelRole::Free)];
     let gear = section.optional_number("gear", POSITIVE)?;
     let shaft = section.optional_choice("encoder_on", &shafts)?;
     if gear.is_none() && shaft == Some(Shaft::Motor) {
@@ -320,7 +324,7 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
                 .unwrap_or(0.0),
         ),
         radius: section.number("radius_m", POSITIVE)?,
-        drive: section.choice("drive", &drives)?,
+        role: section.choice("drive", &drives)?,
         encoder: Encoder {
             shaft: shaft.unwrap_or(Shaft::Wheel),
             gear: gear.unwrap_or(1.0),

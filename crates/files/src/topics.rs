@@ -24,7 +24,7 @@
 //! unit = "tick"
 //! ```
 
-use grouser_slip::{Drive, Robot};
+use grouser_slip::{Robot, WheelRole};
 
 use crate::columns::{Column, check_together, read_meaning};
 use crate::document::Section;
@@ -214,7 +214,10 @@ pub(crate) fn put_wheels(
     let (Some(odometry), Some(track)) = (&mut topics.wheel_odometry, track) else {
         return Ok(());
     };
-    for wheel in wheels.iter().filter(|wheel| wheel.drive == Drive::Powered) {
+    for wheel in wheels
+        .iter()
+        .filter(|wheel| wheel.role == WheelRole::Powered)
+    {
         if wheel.heading.rad() != 0.0 || wheel.y == 0.0 {
             return Err(format!(
                 "`wheel_odometry` is for robots whose wheels stand left and right and drive forwards, \

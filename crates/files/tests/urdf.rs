@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use grouser_files::robot::RobotFile;
 use grouser_files::urdf::{Converted, UrdfError, robot_file};
 use grouser_files::{Document, robot};
-use grouser_slip::Drive;
+use grouser_slip::WheelRole;
 
 const FIVE_WHEEL: &str = include_str!("../../../examples/robots/five-wheel.urdf");
 const SHIPPED: &str = include_str!("../../../examples/robots/five-wheel.toml");
@@ -52,7 +52,7 @@ fn the_five_wheeled_robot_comes_out_as_it_is_shipped() {
         ] {
             assert!(near(a, b), "{name}: {a} and {b}");
         }
-        assert_eq!(wheel.drive, truth.drive, "{name}");
+        assert_eq!(wheel.role, truth.role, "{name}");
         assert_eq!(mount.on, held.on, "{name}");
         // the URDF has knuckles in front only
         if name.starts_with("front") {
@@ -180,7 +180,7 @@ fn a_skid_steer_is_what_one_computes_by_hand() {
         assert!(near(wheel.radius, 0.17) && near(wheel.width.unwrap(), 0.11));
         assert!(near(mount.z.unwrap(), 0.17) && near(mount.mass, 2.5));
         assert!(near(mount.spin_inertia.unwrap(), 0.04));
-        assert_eq!(wheel.drive, Drive::Powered);
+        assert_eq!(wheel.role, WheelRole::Powered);
     }
     // the ground lies 0.14 m below the root: hull 30 kg at (0.05, 0, 0.24), mast 2 kg at (−0.3, 0, 0.84), the caster
     // that is left out 1 kg at (−0.55, 0, 0.04)

@@ -20,7 +20,7 @@
 //! ```
 //!
 //! The primary type is [`Identification`], which a [`Job`] file leads to ([`identify()`]); each kind of test
-//! has a module of its own, and [`validate`] puts every measured data set beside the model. The crate
+//! has a module of its own. The crate
 //! fits; the laws themselves stand in `grouser-terra`.
 #![forbid(unsafe_code)]
 
@@ -32,7 +32,6 @@ mod parameter;
 pub mod plate;
 pub mod shear;
 pub mod table;
-pub mod validate;
 pub mod wheel;
 
 pub use error::{Error, Result};

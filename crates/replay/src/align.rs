@@ -2,7 +2,8 @@
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{Drive, Estimator, Measurement, Reference, Robot, Settings};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
+use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 use crate::error::Result;
 use crate::samples::{sample, wheel_of};
@@ -63,16 +64,16 @@ pub(crate) fn gyro_offset(
 type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
 
 fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Result<Turns> {
-    let settings = Settings {
+    let settings = WindowSettings {
         reference: Reference::Grip,
         window: WINDOW,
-        ..Settings::default()
+        ..WindowSettings::default()
     };
-    let mut estimator = Estimator::new(robot, settings)?;
+    let mut estimator = WindowEstimator::new(robot, settings)?;
     let last_powered = robot
         .wheels()
         .iter()
-        .rposition(|wheel| wheel.drive == Drive::Powered);
+        .rposition(|wheel| wheel.role == WheelRole::Powered);
     let (mut encoders, mut gyro) = (Vec::new(), Vec::new());
     let mut start_ns = None;
     let mut last: Option<(f64, f64)> = None;

@@ -4,7 +4,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::nearest;
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{Drive, Reference};
+use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
 
@@ -49,7 +49,11 @@ pub(crate) fn wheel_sensor(
         .ok_or_else(|| Error::NoWheels {
             robot: robot.name().into(),
         })?;
-    for wheel in robot.wheels().iter().filter(|w| w.drive == Drive::Powered) {
+    for wheel in robot
+        .wheels()
+        .iter()
+        .filter(|w| w.role == WheelRole::Powered)
+    {
         if !log.measures_wheel(meaning(sensor), &wheel.name) {
             return Err(Error::WheelNotMeasured {
                 wheel: wheel.name.clone(),
@@ -85,7 +89,7 @@ pub(crate) fn reference(
                     .robot
                     .wheels()
                     .iter()
-                    .filter(|w| w.drive == Drive::Free);
+                    .filter(|w| w.role == WheelRole::Free);
                 let any = free.clone().next().is_some();
                 let all = free.all(|w| log.measures_wheel(meaning(sensor), &w.name));
                 (!(any && all)).then_some("a free wheel that is measured")

@@ -3,9 +3,8 @@
 use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{
-    BodyEstimate, Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, Settings,
-};
+use grouser_slip::window::{WindowBody, WindowSettings};
+use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample};
 
 use crate::consistency::{Consistency, Kind, Residuals};
 use crate::error::Result;
@@ -63,7 +62,7 @@ pub(crate) struct Fusion {
 }
 
 impl Fusion {
-    pub(crate) fn new(file: &RobotFile, settings: &Settings, smooth: bool) -> Result<Self> {
+    pub(crate) fn new(file: &RobotFile, settings: &WindowSettings, smooth: bool) -> Result<Self> {
         let robot = &file.robot;
         let own = FilterSettings {
             // a log is in order of time: there is nothing to wait for
@@ -120,7 +119,7 @@ impl Fusion {
         &mut self,
         now_ns: i64,
         read: u64,
-        body: &BodyEstimate,
+        body: &WindowBody,
     ) -> Result<Vec<Moment>> {
         let mut samples = std::mem::take(&mut self.waiting);
         samples.sort_by_key(|sample| rank(&sample.measurement));

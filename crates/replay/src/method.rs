@@ -1,7 +1,7 @@
 //! Which engine finds the slips, and what of the log it is shown.
 
 use grouser_slip::filter::MAX_FILTER_WHEELS;
-use grouser_slip::{Drive, Measurement, Reference, Robot};
+use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 /// Which engine finds the slips of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub enum Method {
     /// The slip filter: all sensors together, a slip at every reading ([`grouser_slip::filter::SlipFilter`]).
     Filter,
     /// Means over windows of the wheels and one reference, each window for itself
-    /// ([`grouser_slip::Estimator`]).
+    /// ([`grouser_slip::window::WindowEstimator`]).
     Window,
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn is_heard(measurement: &Measurement, reference: Reference, robot: &
                 || robot
                     .wheels()
                     .get(wheel)
-                    .is_none_or(|wheel| wheel.drive == Drive::Powered)
+                    .is_none_or(|wheel| wheel.role == WheelRole::Powered)
         }
         Measurement::Displacement { .. } => reference == Reference::Displacement,
         Measurement::Pose { .. } => reference == Reference::Pose,

@@ -1,7 +1,8 @@
 //! What is known of the robot at one time of the log.
 
-use grouser_slip::filter::FusedBody;
-use grouser_slip::{BodyEstimate, BodyMotion, Wheel, WheelEstimate};
+use grouser_slip::filter::BodyEstimate;
+use grouser_slip::window::WindowBody;
+use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
 /// What is known at one time, on its way to whoever takes it.
 #[derive(Clone, Debug)]
@@ -22,7 +23,7 @@ impl Moment {
         time_ns: i64,
         read: u64,
         wheels: &[WheelEstimate],
-        body: &BodyEstimate,
+        body: &WindowBody,
     ) -> Self {
         Self {
             time_ns,
@@ -38,8 +39,8 @@ impl Moment {
         time_ns: i64,
         read: u64,
         wheels: &[WheelEstimate],
-        fused: &FusedBody,
-        body: &BodyEstimate,
+        fused: &BodyEstimate,
+        body: &WindowBody,
     ) -> Self {
         let mut covariance = [[0.0; 3]; 3];
         let speeds = [fused.forward, fused.left, fused.yaw_rate];

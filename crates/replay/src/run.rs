@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Log;
-use grouser_slip::{
-    BodyEstimate, Drive, Estimator, Health, Motion, Reference, Slip, WheelEstimate,
-};
+use grouser_slip::window::{WindowBody, WindowEstimator};
+use grouser_slip::{Health, Motion, Reference, Slip, WheelEstimate, WheelRole};
 
 use crate::align::gyro_offset;
 use crate::choice;
@@ -161,7 +160,7 @@ struct Replay<'a> {
     wheels: Vec<usize>,
     sensor: WheelSensor,
     /// Ways, turns and means over windows, whatever finds the slips.
-    estimator: Estimator,
+    estimator: WindowEstimator,
     fusion: Option<Fusion>,
     window: f64,
     span: (f64, f64),
@@ -214,7 +213,7 @@ impl<'a> Replay<'a> {
         Ok(Self {
             wheels,
             sensor,
-            estimator: Estimator::new(&file.robot, settings)?,
+            estimator: WindowEstimator::new(&file.robot, settings)?,
             fusion,
             turns: TurnWatch::new(&file.robot, settings.low_speed, settings.window),
             reckoning: DeadReckoning::new(settings.window),
@@ -298,7 +297,7 @@ impl<'a> Replay<'a> {
         let least = self.estimator.settings().low_speed;
         for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
             // against itself a reference does not slip
-            if described.drive == Drive::Free && reference == Reference::FreeWheel {
+            if described.role == WheelRole::Free && reference == Reference::FreeWheel {
                 (wheel.slip, wheel.sigma) = (None, None);
                 if wheel.motion == Some(Motion::Braking) {
                     wheel.motion = Some(Motion::Driving);
@@ -356,7 +355,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Ways, slip along the track and turns, as means over windows.
-    fn count_ways(&mut self, now: i64, body: &BodyEstimate, (sum, count): (f64, f64)) {
+    fn count_ways(&mut self, now: i64, body: &WindowBody, (sum, count): (f64, f64)) {
         let (time_s, wanted) = self.when(now);
         if !wanted {
             if time_s < self.span.0 {
@@ -409,7 +408,8 @@ impl<'a> Replay<'a> {
             wheels: wheels
                 .map(|(wheel, tally)| WheelSummary {
                     name: wheel.name.clone(),
-                    is_reference: wheel.drive == Drive::Free && reference == Reference::FreeWheel,
+                    is_reference: wheel.role == WheelRole::Free
+                        && reference == Reference::FreeWheel,
                     slip: Spread::from(&tally.slips),
                     side_slip_angle: Spread::from(&tally.angles),
                     states: tally.shares.motions(),
@@ -439,7 +439,7 @@ impl<'a> Replay<'a> {
 fn rim_speed(wheels: &[WheelEstimate], file: &RobotFile) -> (f64, f64) {
     let powered = wheels.iter().zip(file.robot.wheels());
     powered
-        .filter(|(_, wheel)| wheel.drive == Drive::Powered)
+        .filter(|(_, wheel)| wheel.role == WheelRole::Powered)
         .filter_map(|(estimate, _)| Some(estimate.rim_speed?.value.abs()))
         .fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0))
 }

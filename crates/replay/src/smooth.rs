@@ -3,9 +3,8 @@
 use std::collections::VecDeque;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{
-    BodyEstimate, BodyMotion, Drive, Health, Measured, Robot, Sample, Slip, WheelEstimate,
-};
+use grouser_slip::window::WindowBody;
+use grouser_slip::{BodyMotion, Health, Measured, Robot, Sample, Slip, WheelEstimate, WheelRole};
 
 use crate::error::Result;
 use crate::moment::Moment;
@@ -175,7 +174,7 @@ pub fn smoothed(
         }
         let known = filter.latest();
         forward.push(known.wheels.to_vec());
-        let nothing = BodyEstimate::default();
+        let nothing = WindowBody::default();
         let moment = Moment::by_filter(sample.time_ns, 0, known.wheels, &known.body, &nothing);
         done.extend(smoother.push(moment)?);
     }
@@ -246,7 +245,7 @@ impl<'a> Joint<'a> {
         let described = self.robot.wheels().iter().zip(&self.apart);
         let wheels = moment.wheels.iter_mut().zip(&after.wheels);
         for ((before, after), (wheel, apart)) in wheels.zip(described) {
-            if wheel.drive == Drive::Powered
+            if wheel.role == WheelRole::Powered
                 && let Some((f, b)) = both(before, after)
             {
                 let s = self.settings;

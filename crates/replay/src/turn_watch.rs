@@ -1,6 +1,7 @@
 //! Do the wheels turn the robot as the gyro says? Where not, some wheel slips; which one, the turns may tell.
 
-use grouser_slip::{BodyEstimate, Drive, Robot, WheelEstimate};
+use grouser_slip::window::WindowBody;
+use grouser_slip::{Robot, WheelEstimate, WheelRole};
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
@@ -48,7 +49,7 @@ pub(crate) struct TurnWatch {
 impl TurnWatch {
     /// `None` for a robot that turns otherwise than by its wheels' sides.
     pub(crate) fn new(robot: &Robot, low_speed: f64, window: f64) -> Option<Self> {
-        let powered = |wheel: &&grouser_slip::Wheel| wheel.drive == Drive::Powered;
+        let powered = |wheel: &&grouser_slip::Wheel| wheel.role == WheelRole::Powered;
         let rows: Vec<_> = robot
             .wheels()
             .iter()
@@ -68,7 +69,7 @@ impl TurnWatch {
         let most = arms.clone().fold(f64::NEG_INFINITY, f64::max);
         let least_arm = arms.fold(f64::INFINITY, f64::min);
         let shares = robot.wheels().iter().map(|wheel| {
-            if wheel.drive == Drive::Powered {
+            if wheel.role == WheelRole::Powered {
                 (wheel.speed_row()[2] - mean) / square
             } else {
                 0.0
@@ -97,7 +98,7 @@ impl TurnWatch {
     }
 
     /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start.
-    pub(crate) fn take(&mut self, time_s: f64, wheels: &[WheelEstimate], body: &BodyEstimate) {
+    pub(crate) fn take(&mut self, time_s: f64, wheels: &[WheelEstimate], body: &WindowBody) {
         let (Some(until_ns), Some(gyro)) = (body.until_ns, body.yaw_rate) else {
             return;
         };

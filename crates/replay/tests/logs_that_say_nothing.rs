@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use grouser_files::robot::WheelSensor;
 use grouser_replay::{Error, Options, Status, run};
-use grouser_slip::{Drive, Reference, Robot};
+use grouser_slip::{Reference, Robot, WheelRole};
 use shipped::{Example, example};
 
 struct File(PathBuf);
@@ -165,7 +165,7 @@ fn what_does_not_fit_is_named() {
     // All wheels powered: the free wheel is asked for in the robot file and not there.
     let mut other = five();
     let mut wheels = other.robot.robot.wheels().to_vec();
-    wheels[4].drive = Drive::Powered;
+    wheels[4].role = WheelRole::Powered;
     other.robot.robot = Robot::new("other".into(), wheels).unwrap();
     assert!(matches!(
         fails(&other, &default),

@@ -33,6 +33,14 @@ pub enum Error {
         /// The greatest number.
         limit: usize,
     },
+    /// The robot has no such wheel.
+    #[error("wheel index {index} of a robot with {wheels} wheels")]
+    UnknownWheel {
+        /// The index that was given.
+        index: usize,
+        /// The number of wheels.
+        wheels: usize,
+    },
     /// Two wheels have one name, or a wheel has none.
     #[error("wheel name `{name}` is empty or used twice")]
     WheelName {

@@ -7,9 +7,9 @@
 //!
 //! ```
 //! use grouser_slip::{
-//!     CounterWidth, Drive, Encoder, Estimator, Measurement, Reference, Robot, Sample, Settings,
-//!     Shaft, Wheel,
+//!     CounterWidth, Encoder, Measurement, Reference, Robot, Sample, Shaft, Wheel, WheelRole,
 //! };
+//! use grouser_slip::window::{WindowEstimator, WindowSettings};
 //! use grouser_terra::Angle;
 //!
 //! let encoder = Encoder {
@@ -20,21 +20,21 @@
 //!     reversed: false,
 //!     rate_step: 0.0,
 //! };
-//! let wheel = |name: &str, x, drive| Wheel {
+//! let wheel = |name: &str, x, role| Wheel {
 //!     name: name.into(),
 //!     x,
 //!     y: 0.0,
 //!     heading: Angle::from_deg(0.0),
 //!     radius: 0.1,
-//!     drive,
+//!     role,
 //!     encoder,
 //!     width: None,
 //!     load: None,
 //! };
-//! let wheels = vec![wheel("drive", 0.3, Drive::Powered), wheel("fifth", -0.3, Drive::Free)];
+//! let wheels = vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)];
 //! let robot = Robot::new("bicycle".into(), wheels)?;
-//! let settings = Settings { reference: Reference::FreeWheel, ..Settings::default() };
-//! let mut estimator = Estimator::new(&robot, settings)?;
+//! let settings = WindowSettings { reference: Reference::FreeWheel, ..WindowSettings::default() };
+//! let mut estimator = WindowEstimator::new(&robot, settings)?;
 //! for step in 0..200_u64 {
 //!     let time_ns = step as i64 * 10_000_000;
 //!     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim.
@@ -48,7 +48,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The primary type is [`Estimator`]. It does not read files, know of soil, or filter: each slip is
+//! The primary type is [`WindowEstimator`]. It does not read files, know of soil, or filter: each slip is
 //! that of a window of time, from what was measured in it. Beside it [`ground`] learns the soil's strength and
 //! contact angles from slower readings, [`filter`] weighs all sensors together, [`detect`] calls what an operator must hear of, and
 //! [`start`] looks whether the robot is what its description says.
@@ -63,33 +63,31 @@ pub mod control;
 mod counter;
 pub mod detect;
 mod error;
-mod estimate;
-mod estimator;
 mod fault;
 pub mod filter;
 pub mod ground;
 mod history;
 mod measured_slip;
 pub mod prior;
-mod reference_track;
+mod reference;
 mod robot;
 mod sample;
-mod settings;
 mod speed;
 pub mod start;
 mod state;
+mod wheel_estimate;
 mod wheel_track;
+pub mod window;
 
 pub use body::BodyMotion;
 pub use counter::{Counter, CounterWidth};
 pub use error::{Error, Result};
-pub use estimate::{BodyEstimate, Estimate, WheelEstimate};
-pub use estimator::Estimator;
 pub use fault::{Fault, Rejected};
 pub use grouser_terra::Slip;
-pub use measured_slip::MeasuredSlip;
-pub use robot::{Drive, Encoder, MAX_WHEELS, Robot, Shaft, Wheel};
+pub use measured_slip::{MeasuredSlip, SlipLimits};
+pub use reference::Reference;
+pub use robot::{Encoder, MAX_WHEELS, Robot, Shaft, Wheel, WheelRole};
 pub use sample::{Measurement, Sample};
-pub use settings::{Reference, Settings};
 pub use speed::{CountWindow, Measured, MixedSpeed, PeriodSpeed};
 pub use state::{Degraded, Health, Invalid, Motion};
+pub use wheel_estimate::WheelEstimate;

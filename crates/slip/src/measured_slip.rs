@@ -3,11 +3,31 @@
 use grouser_real::Real;
 use grouser_terra::Slip;
 
-use crate::settings::Settings;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Motion};
 
-/// What two measured speeds say.
+/// The limits below which a slip is not a number, or not to be trusted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipLimits {
+    /// A wheel or a robot slower than this stands still, m/s.
+    pub standstill_speed: f64,
+    /// Below this speed (the faster of the two) the slip is not computed, m/s.
+    pub low_speed: f64,
+    /// A slip with a larger sigma is marked as quantised.
+    pub max_sigma: f64,
+}
+
+impl Default for SlipLimits {
+    fn default() -> Self {
+        Self {
+            standstill_speed: 0.002,
+            low_speed: 0.01,
+            max_sigma: 0.25,
+        }
+    }
+}
+
+/// The slip of two measured speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredSlip {
     /// The slip; `None` where the speeds define none worth a number.
@@ -30,15 +50,15 @@ impl MeasuredSlip {
     /// Assumes: errors small against the faster speed, which `max_sigma` marks.
     ///
     /// ```
-    /// use grouser_slip::{Measured, MeasuredSlip, Settings};
+    /// use grouser_slip::{Measured, MeasuredSlip, SlipLimits};
     /// let speed = |value, sigma: f64| Measured { value, variance: sigma * sigma };
-    /// let s = MeasuredSlip::from_speeds(speed(0.08, 0.002), speed(0.10, 0.001), &Settings::default());
+    /// let s = MeasuredSlip::from_speeds(speed(0.08, 0.002), speed(0.10, 0.001), &SlipLimits::default());
     /// assert!((s.slip.unwrap().value() - 0.2).abs() < 1e-15);
     /// assert!((s.sigma.unwrap() - 0.021_541).abs() < 1e-6);
     /// ```
     #[must_use]
-    pub fn from_speeds(forward: Measured, rim: Measured, settings: &Settings) -> Self {
-        let floor = settings.standstill_speed;
+    pub fn from_speeds(forward: Measured, rim: Measured, limits: &SlipLimits) -> Self {
+        let floor = limits.standstill_speed;
         let (noise_v, noise_u) = (
             (2.0 * forward.sigma()).max(floor),
             (2.0 * rim.sigma()).max(floor),
@@ -65,7 +85,7 @@ impl MeasuredSlip {
         } else {
             Motion::Braking
         };
-        if v.abs().max(u.abs()) < settings.low_speed {
+        if v.abs().max(u.abs()) < limits.low_speed {
             return Self::without_slip(motion, Health::Degraded(Degraded::LowSpeed));
         }
         let sigma = if driving {
@@ -75,7 +95,7 @@ impl MeasuredSlip {
             let inverse_q = u / v;
             Real::sqrt(rim.variance + inverse_q * inverse_q * forward.variance) / v.abs()
         };
-        let health = if sigma <= settings.max_sigma {
+        let health = if sigma <= limits.max_sigma {
             Health::Ok
         } else {
             Health::Degraded(Degraded::Quantised)

@@ -12,7 +12,7 @@ pub const MAX_WHEELS: usize = 64;
 
 /// Does a motor turn the wheel?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
+pub enum WheelRole {
     /// A motor turns it.
     Powered,
     /// It rolls freely (a "fifth wheel", dead wheel or odometry pod).
@@ -59,7 +59,7 @@ pub struct Wheel {
     /// Effective rolling radius, m.
     pub radius: f64,
     /// Powered or free.
-    pub drive: Drive,
+    pub role: WheelRole,
     /// What measures its rotation.
     pub encoder: Encoder,
     /// Width, m, where a soil is to be asked.
@@ -170,7 +170,7 @@ impl Robot {
     /// # Errors
     /// [`Error::OutOfRange`] when a radius leaves its limits.
     pub fn with_radii_scaled(mut self, factor: f64) -> Result<Self> {
-        let powered = |wheel: &&mut Wheel| wheel.drive == Drive::Powered;
+        let powered = |wheel: &&mut Wheel| wheel.role == WheelRole::Powered;
         for wheel in self.wheels.iter_mut().filter(powered) {
             wheel.radius *= factor;
         }

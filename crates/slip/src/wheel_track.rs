@@ -8,13 +8,25 @@ use crate::fault::Fault;
 use crate::history::{History, nanoseconds, seconds_between, whole};
 use crate::robot::Wheel;
 use crate::sample::Measurement;
-use crate::settings::Settings;
 use crate::speed::{Measured, MixedSpeed, PeriodSpeed};
 
 /// Fewer pulses than this in a window: the period law speaks, which is newer.
 const FEW_PULSES: f64 = 4.0;
 /// A gap of more than this many windows starts a sensor anew.
 const GAP_WINDOWS: f64 = 2.0;
+
+/// How the readings of one wheel are kept.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrackSettings {
+    /// The longest window over which a speed is taken, s.
+    pub(crate) window: f64,
+    /// A faster rim is a jump of the sensor, m/s.
+    pub(crate) max_speed: f64,
+    /// A sensor silent for longer has dropped out, s.
+    pub(crate) dropout: f64,
+    /// Number of readings kept.
+    pub(crate) history: usize,
+}
 
 /// The running rim travel of one wheel.
 #[derive(Clone, Debug)]
@@ -55,7 +67,7 @@ struct Edges {
 }
 
 impl WheelTrack {
-    pub(crate) fn new(index: usize, wheel: &Wheel, settings: &Settings) -> Self {
+    pub(crate) fn new(index: usize, wheel: &Wheel, settings: TrackSettings) -> Self {
         let per_tick = wheel.travel_per_tick();
         let gap = GAP_WINDOWS * settings.window.max(settings.dropout);
         Self {

@@ -9,7 +9,7 @@ use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, WheelOrder,
     WheelSeen,
 };
-use grouser_slip::{CounterWidth, Drive, Encoder, Health, Motion, Robot, Shaft, Wheel};
+use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 use proptest::prelude::*;
 
@@ -21,7 +21,7 @@ fn robot() -> Robot {
         y,
         heading: Angle::from_deg(0.0),
         radius: 0.1,
-        drive: Drive::Powered,
+        role: WheelRole::Powered,
         encoder: Encoder {
             shaft: Shaft::Wheel,
             gear: 1.0,

@@ -9,15 +9,21 @@
 mod cart;
 
 use cart::{Drivers, FREE, robot, settings};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{
-    Degraded, Drive, Estimator, Fault, Health, Invalid, Measurement, Motion, Reference, Robot,
-    Sample, Settings, Slip,
+    Degraded, Fault, Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip,
+    WheelRole,
 };
 use proptest::prelude::*;
 
 const ROW: i64 = 20_000_000;
 
-fn drive(estimator: &mut Estimator, robot: &Robot, drivers: Drivers, rows: std::ops::Range<i64>) {
+fn drive(
+    estimator: &mut WindowEstimator,
+    robot: &Robot,
+    drivers: Drivers,
+    rows: std::ops::Range<i64>,
+) {
     for row in rows {
         for sample in drivers.row(robot, row * ROW, 0) {
             estimator.update(sample).unwrap();
@@ -25,7 +31,7 @@ fn drive(estimator: &mut Estimator, robot: &Robot, drivers: Drivers, rows: std::
     }
 }
 
-fn slip_of(estimator: &Estimator, wheel: usize) -> Option<f64> {
+fn slip_of(estimator: &WindowEstimator, wheel: usize) -> Option<f64> {
     estimator.latest().unwrap().wheels[wheel]
         .slip
         .map(Slip::value)
@@ -41,7 +47,7 @@ fn a_turn_is_taken_out_of_every_wheel() {
             yaw_rate,
             slip,
         };
-        let mut estimator = Estimator::new(&robot, settings()).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
         drive(&mut estimator, &robot, drivers, 0..60);
         let estimate = estimator.latest().unwrap();
         for (index, wheel) in estimate.wheels.iter().enumerate().take(4) {
@@ -68,7 +74,7 @@ fn motions_are_named() {
         (0.0, 0.0, Motion::Standstill),
         (-0.3, 0.2, Motion::Driving),
     ] {
-        let mut estimator = Estimator::new(&robot, settings()).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
         let drivers = Drivers {
             speed,
             yaw_rate: 0.0,
@@ -84,7 +90,7 @@ fn motions_are_named() {
 #[test]
 fn roll_back_is_a_state_and_no_number() {
     let robot = robot(32);
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     let back = Drivers {
         speed: -0.2,
         yaw_rate: 0.0,
@@ -124,8 +130,8 @@ fn a6_a_stream_that_wraps_gives_the_same_bits() {
         (64, u64::MAX - 9),
     ] {
         let narrow = robot(bits);
-        let mut wrapped = Estimator::new(&narrow, settings()).unwrap();
-        let mut plain = Estimator::new(&narrow, settings()).unwrap();
+        let mut wrapped = WindowEstimator::new(&narrow, settings()).unwrap();
+        let mut plain = WindowEstimator::new(&narrow, settings()).unwrap();
         for row in 0..200 {
             // Backwards for start = 30: the counters go below zero.
             let drivers = if start == 30 {
@@ -164,7 +170,7 @@ fn a7_a_reset_counter_costs_one_sample_and_a_window() {
         yaw_rate: 0.0,
         slip: 0.2,
     };
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     drive(&mut estimator, &robot, drivers, 0..100);
     let mut refused = 0;
     for row in 100..160 {
@@ -190,8 +196,8 @@ fn a8_one_outlier_changes_nothing() {
         yaw_rate: 0.0,
         slip: 0.2,
     };
-    let mut with = Estimator::new(&robot, settings()).unwrap();
-    let mut without = Estimator::new(&robot, settings()).unwrap();
+    let mut with = WindowEstimator::new(&robot, settings()).unwrap();
+    let mut without = WindowEstimator::new(&robot, settings()).unwrap();
     for row in 0..150 {
         for sample in drivers.row(&robot, row * ROW, 0) {
             let Measurement::WheelCount { wheel: 2, raw } = sample.measurement else {
@@ -233,7 +239,7 @@ fn a9_at_a_tick_or_two_a_window_there_is_no_slip_to_flicker() {
         yaw_rate: 0.0,
         slip: 0.1,
     };
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     drive(&mut estimator, &robot, drivers, 0..200);
     let wheel = estimator.latest().unwrap().wheels[0];
     assert_eq!(wheel.slip, None);
@@ -243,7 +249,7 @@ fn a9_at_a_tick_or_two_a_window_there_is_no_slip_to_flicker() {
 #[test]
 fn a13_a_spinning_wheel_reads_one_and_never_more() {
     let robot = robot(32);
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     let spin = Drivers {
         speed: 0.3,
         yaw_rate: 0.0,
@@ -279,7 +285,7 @@ fn b1_b2_b3_times_that_do_not_go_on() {
         yaw_rate: 0.0,
         slip: 0.2,
     };
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     drive(&mut estimator, &robot, drivers, 0..100);
     let before = slip_of(&estimator, 0);
     let last = drivers.row(&robot, 99 * ROW, 0);
@@ -329,7 +335,7 @@ fn silent_sensors_are_named() {
         yaw_rate: 0.0,
         slip: 0.2,
     };
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     drive(&mut estimator, &robot, drivers, 0..100);
     for row in 100..140 {
         for (index, sample) in drivers.row(&robot, row * ROW, 0).into_iter().enumerate() {
@@ -364,11 +370,11 @@ fn displacement_pose_and_speed_agree() {
     };
     let seconds = ROW as f64 * 1e-9;
     for reference in [Reference::Displacement, Reference::Pose, Reference::Speed] {
-        let settings = Settings {
+        let settings = WindowSettings {
             reference,
             ..settings()
         };
-        let mut estimator = Estimator::new(&robot, settings).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
         for row in 0..80 {
             let time_ns = row * ROW;
             let yaw = yaw_rate * row as f64 * seconds;
@@ -433,11 +439,11 @@ fn c7_a_refused_displacement_leaves_no_wrong_slip_and_a_pose_that_jumps_is_follo
         (Reference::Pose, f64::NAN),
         (Reference::Pose, 50.0),
     ] {
-        let settings = Settings {
+        let settings = WindowSettings {
             reference,
             ..settings()
         };
-        let mut estimator = Estimator::new(&robot, settings).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
         let mut found = 0;
         for row in 0..200 {
             // From row 100 on the pose is off by `bad` for good; of displacements only one is bad.
@@ -496,11 +502,11 @@ fn edges_give_the_slip_that_counts_give() {
         yaw_rate: 0.0,
         slip: 0.2,
     };
-    let settings = Settings {
+    let settings = WindowSettings {
         reference: Reference::Speed,
         ..settings()
     };
-    let mut estimator = Estimator::new(&robot, settings).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
     let tick = std::f64::consts::TAU * 0.1 / cart::TICKS;
     let edges_per_second = 0.5 / tick;
     let mut edge = 0.0;
@@ -554,9 +560,9 @@ fn edges_give_the_slip_that_counts_give() {
 #[test]
 fn without_a_reference_nothing_is_claimed() {
     let wheels = robot(32).wheels()[..4].to_vec();
-    assert!(wheels.iter().all(|wheel| wheel.drive == Drive::Powered));
+    assert!(wheels.iter().all(|wheel| wheel.role == WheelRole::Powered));
     let four = Robot::new("four".into(), wheels).unwrap();
-    let mut estimator = Estimator::new(&four, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&four, settings()).unwrap();
     let drivers = Drivers {
         speed: 0.4,
         yaw_rate: 0.0,
@@ -585,8 +591,8 @@ proptest! {
             wheel.y = -wheel.y;
         }
         let other = Robot::new("mirror".into(), wheels).unwrap();
-        let mut a = Estimator::new(&one, settings()).unwrap();
-        let mut b = Estimator::new(&other, settings()).unwrap();
+        let mut a = WindowEstimator::new(&one, settings()).unwrap();
+        let mut b = WindowEstimator::new(&other, settings()).unwrap();
         drive(&mut a, &one, Drivers { speed, yaw_rate, slip }, 0..40);
         drive(&mut b, &other, Drivers { speed, yaw_rate: -yaw_rate, slip }, 0..40);
         for index in 0..4 {

@@ -12,7 +12,7 @@ mod noise;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::{
-    CounterWidth, Drive, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel,
+    CounterWidth, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel, WheelRole,
 };
 use grouser_terra::Angle;
 use noise::Noise;
@@ -22,14 +22,14 @@ const STEP: f64 = 0.01;
 const TICKS: f64 = 2000.0;
 const RADIUS: f64 = 0.1;
 
-fn wheel(name: &str, (x, y): (f64, f64), heading_deg: f64, drive: Drive) -> Wheel {
+fn wheel(name: &str, (x, y): (f64, f64), heading_deg: f64, role: WheelRole) -> Wheel {
     Wheel {
         name: name.into(),
         x,
         y,
         heading: Angle::from_deg(heading_deg),
         radius: RADIUS,
-        drive,
+        role,
         encoder: Encoder {
             shaft: Shaft::Wheel,
             gear: 1.0,
@@ -138,11 +138,11 @@ fn skid_steered() -> Run {
         robot: Robot::new(
             "skid-steered".into(),
             vec![
-                wheel("front left", (front, 0.25), 0.0, Drive::Powered),
-                wheel("front right", (front, -0.25), 0.0, Drive::Powered),
-                wheel("rear left", (rear, 0.25), 0.0, Drive::Powered),
-                wheel("rear right", (rear, -0.25), 0.0, Drive::Powered),
-                wheel("free", (0.0, 0.1), 0.0, Drive::Free),
+                wheel("front left", (front, 0.25), 0.0, WheelRole::Powered),
+                wheel("front right", (front, -0.25), 0.0, WheelRole::Powered),
+                wheel("rear left", (rear, 0.25), 0.0, WheelRole::Powered),
+                wheel("rear right", (rear, -0.25), 0.0, WheelRole::Powered),
+                wheel("free", (0.0, 0.1), 0.0, WheelRole::Free),
             ],
         )
         .unwrap(),
@@ -162,11 +162,11 @@ fn omni() -> Run {
         robot: Robot::new(
             "omni".into(),
             vec![
-                wheel("a", place(60.0), 150.0, Drive::Powered),
-                wheel("b", place(180.0), 270.0, Drive::Powered),
-                wheel("c", place(300.0), 30.0, Drive::Powered),
-                wheel("along", (0.0, 0.1), 0.0, Drive::Free),
-                wheel("across", (-0.1, 0.0), 90.0, Drive::Free),
+                wheel("a", place(60.0), 150.0, WheelRole::Powered),
+                wheel("b", place(180.0), 270.0, WheelRole::Powered),
+                wheel("c", place(300.0), 30.0, WheelRole::Powered),
+                wheel("along", (0.0, 0.1), 0.0, WheelRole::Free),
+                wheel("across", (-0.1, 0.0), 90.0, WheelRole::Free),
             ],
         )
         .unwrap(),
@@ -216,7 +216,7 @@ fn slips_of_skid_steered_and_omni_robots_are_found_in_a_bend() {
         run.go(2, |filter, time, _| {
             let known = filter.latest();
             for (wheel, estimate) in known.wheels.iter().enumerate().take(run.slips.len() - 1) {
-                let free = run.robot.wheels()[wheel].drive == Drive::Free;
+                let free = run.robot.wheels()[wheel].role == WheelRole::Free;
                 let fast = estimate.rim_speed.is_some_and(|rim| rim.value.abs() > 0.1);
                 if time < 4.0 || free || !fast {
                     continue;
@@ -251,7 +251,7 @@ fn the_place_is_within_its_covariance_and_that_grows() {
                 ..run
             };
             for (slip, wheel) in run.slips.iter_mut().zip(run.robot.wheels()) {
-                if wheel.drive == Drive::Free {
+                if wheel.role == WheelRole::Free {
                     // as the skid of its prior, 1 %
                     *slip = 0.01 * noise.normal();
                 }

@@ -172,7 +172,7 @@ fn r4_nothing_is_allocated_after_construction() {
             let _ = filter.update(*sample);
             let _ = filter.latest();
         }
-        let _ = filter.at(samples[samples.len() - 1].time_ns + 1_000_000_000);
+        let _ = filter.estimate_at(samples[samples.len() - 1].time_ns + 1_000_000_000);
     });
     assert_eq!(counted.count_total, 0);
 }

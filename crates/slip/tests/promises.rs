@@ -9,7 +9,8 @@
 mod cart;
 
 use cart::{Drivers, robot, settings};
-use grouser_slip::{Error, Estimator, Health, Measurement, Reference, Robot, Sample, Settings};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
+use grouser_slip::{Error, Health, Measurement, Reference, Robot, Sample};
 use proptest::prelude::*;
 
 /// Any bit pattern, and those that break things more often.
@@ -66,7 +67,7 @@ fn measurement() -> impl Strategy<Value = Measurement> {
     ]
 }
 
-fn is_sane(estimator: &Estimator) -> Result<(), TestCaseError> {
+fn is_sane(estimator: &WindowEstimator) -> Result<(), TestCaseError> {
     let Some(estimate) = estimator.latest() else {
         return Ok(());
     };
@@ -106,8 +107,8 @@ proptest! {
         reference in 0..Reference::ALL.len(),
         bits in prop::sample::select(vec![8_u32, 16, 32, 64]),
     ) {
-        let settings = Settings { reference: Reference::ALL[reference], ..settings() };
-        let mut estimator = Estimator::new(&robot(bits), settings).unwrap();
+        let settings = WindowSettings { reference: Reference::ALL[reference], ..settings() };
+        let mut estimator = WindowEstimator::new(&robot(bits), settings).unwrap();
         for (time_ns, measurement) in samples {
             let before = estimator.rejected().total();
             let refused = estimator.update(Sample { time_ns, measurement }).is_err();
@@ -121,8 +122,8 @@ proptest! {
         steps in prop::collection::vec((1..40_000_000_i64, measurement()), 1..200),
         reference in 0..Reference::ALL.len(),
     ) {
-        let settings = Settings { reference: Reference::ALL[reference], ..settings() };
-        let mut estimator = Estimator::new(&robot(16), settings).unwrap();
+        let settings = WindowSettings { reference: Reference::ALL[reference], ..settings() };
+        let mut estimator = WindowEstimator::new(&robot(16), settings).unwrap();
         let mut time_ns = -1_000_000_000;
         for (step, measurement) in steps {
             time_ns += step;
@@ -141,11 +142,11 @@ fn c1_a_bad_number_changes_no_bit() {
         slip: 0.2,
     };
     for reference in Reference::ALL {
-        let settings = Settings {
+        let settings = WindowSettings {
             reference,
             ..settings()
         };
-        let mut estimator = Estimator::new(&robot, settings).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
         for row in 0..60 {
             for sample in drivers.row(&robot, row * 20_000_000, 0) {
                 estimator.update(sample).unwrap();
@@ -210,7 +211,7 @@ fn c1_a_bad_number_changes_no_bit() {
                 },
             ];
             for measurement in measurements {
-                let state = |estimator: &Estimator| {
+                let state = |estimator: &WindowEstimator| {
                     let estimate = estimator.latest().unwrap();
                     (estimate.wheels.to_vec(), estimate.body)
                 };
@@ -248,7 +249,7 @@ fn r4_nothing_is_allocated_after_construction() {
     let rows: Vec<Sample> = (0..500)
         .flat_map(|row| drivers.row(&robot, row * 5_000_000, 60_000))
         .collect();
-    let mut estimator = Estimator::new(&robot, settings()).unwrap();
+    let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
     let counted = allocation_counter::measure(|| {
         for sample in &rows {
             let _ = estimator.update(*sample);
@@ -267,7 +268,7 @@ fn r5_the_same_samples_give_the_same_bits() {
         slip: 0.2,
     };
     let run = || {
-        let mut estimator = Estimator::new(&robot, settings()).unwrap();
+        let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
         for row in 0..200 {
             for sample in drivers.row(&robot, row * 7_000_000, 0) {
                 estimator.update(sample).unwrap();
@@ -283,12 +284,12 @@ fn r5_the_same_samples_give_the_same_bits() {
 fn settings_and_robots_are_checked() {
     let robot = robot(32);
     for bad in [f64::NAN, -1.0, 0.0, f64::INFINITY, 1e300] {
-        let settings = Settings {
+        let settings = WindowSettings {
             window: bad,
-            ..Settings::default()
+            ..WindowSettings::default()
         };
         assert!(matches!(
-            Estimator::new(&robot, settings),
+            WindowEstimator::new(&robot, settings),
             Err(Error::OutOfRange {
                 field: "window",
                 ..

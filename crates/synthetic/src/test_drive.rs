@@ -1,6 +1,6 @@
 //! The drive on which the filter is tried, and the robot as the filter is told of it.
 
-use grouser_slip::{CounterWidth, Drive, Encoder, Result, Robot, Shaft, Wheel};
+use grouser_slip::{CounterWidth, Encoder, Result, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 use crate::drive::Leg;
@@ -52,10 +52,10 @@ impl FiveWheel {
             y: wheel.y,
             heading: Angle::from_deg(0.0),
             radius: wheel.radius,
-            drive: if wheel.free {
-                Drive::Free
+            role: if wheel.free {
+                WheelRole::Free
             } else {
-                Drive::Powered
+                WheelRole::Powered
             },
             encoder: Encoder {
                 shaft: Shaft::Wheel,

@@ -389,7 +389,7 @@ fn c11_when_all_is_silent_the_estimate_ends() {
             let _ = filter.update(*sample);
         }
         let last = samples.last().unwrap().time_ns;
-        let known = filter.at(last + 1_000_000_000);
+        let known = filter.estimate_at(last + 1_000_000_000);
         for wheel in known.wheels {
             let ended = matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised);
             assert!(ended && wheel.slip.is_none(), "{phase}: {}", wheel.health);

@@ -1,9 +1,7 @@
 //! A robot, and a stream of samples of its sensors with every fault that bytes can make.
 #![allow(dead_code, reason = "each target uses its own part of this")]
 
-use grouser_slip::{
-    CounterWidth, Drive, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel, WheelEstimate,
-};
+use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel, WheelEstimate, WheelRole};
 use grouser_terra::Angle;
 
 use crate::bytes::Bytes;
@@ -24,7 +22,7 @@ pub fn robot(bits: u32, wheels: u8) -> Robot {
         y: if k % 2 == 0 { 0.2 } else { -0.2 },
         heading: Angle::from_deg(0.0),
         radius: 0.1,
-        drive: if k == wheels - 1 { Drive::Free } else { Drive::Powered },
+        role: if k == wheels - 1 { WheelRole::Free } else { WheelRole::Powered },
         encoder,
         width: None,
         load: None,

@@ -4,20 +4,20 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use grouser_design::paper::PRINTED_SLIP;
+use grouser_campaign::paper::PRINTED_SLIP;
 use serde_json::Value;
 
 use super::paper_figures;
 use super::paper_page::{Block, Page};
 use super::paper_problem::{self, Solved};
 use super::paper_run::SandRun;
-use super::paper_statements::{STATEMENTS, Verdict};
 use crate::error::{Error, Result, shown as shown_path};
-use crate::number::{rounded, shown};
 use crate::output::OutputFile;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
+use grouser_campaign::paper::{STATEMENTS, Verdict};
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
 
 #[derive(clap::Args, Debug)]
 #[command(

@@ -2,8 +2,8 @@
 
 use grouser_terra::{Angle, ModelOutcome, slip_model};
 
-use crate::figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
-use crate::number::{exact, rounded};
+use grouser_figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
+use grouser_report::number::{exact, rounded};
 
 /// One line of a figure.
 struct Line {

@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use crate::page_text;
-
 /// A part of the page. Text is plain: no markup of either language passes through.
 pub(super) enum Block {
     Heading(u8, String),
@@ -123,7 +121,7 @@ img { max-width: 100%; }\n\
 figcaption { color: #55555c; }\n";
 
 fn escaped(text: &str) -> String {
-    let plain = page_text::escaped(text);
+    let plain = grouser_figure::escaped(text);
     // What stands between backticks is code.
     let mut parts = plain.split('`');
     let mut out = parts.next().unwrap_or_default().to_owned();

@@ -3,14 +3,14 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::ops::ControlFlow;
 
-use grouser_design::paper::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
+use grouser_campaign::paper::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
-use crate::number::exact;
 use crate::report::Object;
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
+use grouser_report::number::exact;
 
 /// Starts of each reading.
 const STARTS: usize = 16;

@@ -7,14 +7,15 @@ use grouser_files::Document;
 use grouser_rover::drive::{Drive, Frame, Pilot, Scenario, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::sensors::Reading;
-use grouser_slip::{Estimator, Reference, Settings, Slip};
+use grouser_slip::window::{WindowEstimator, WindowSettings};
+use grouser_slip::{Reference, Slip};
 use serde_json::Value;
 
-use super::drive_optimum::running_slip;
+use super::drive::optimum::running_slip;
 use crate::error::Result;
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
-use crate::number::{exact, rounded};
 use crate::report::Object;
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::number::{exact, rounded};
 
 const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
 const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");
@@ -79,11 +80,12 @@ impl SandRun {
         let scenario = scenario()?;
         let optimum = running_slip(&scenario)?;
         let robot = &scenario.robot.robot;
-        let settings = Settings {
+        let settings = WindowSettings {
             reference: Reference::FreeWheel,
             ..scenario.robot.settings
         };
-        let mut estimator = Estimator::new(robot, settings).map_err(grouser_rover::Error::from)?;
+        let mut estimator =
+            WindowEstimator::new(robot, settings).map_err(grouser_rover::Error::from)?;
         let wheel = robot.wheel_index(WHEEL).unwrap_or(0);
         let mut means = Means::default();
         let mut points = Vec::new();

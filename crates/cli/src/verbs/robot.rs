@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
-use crate::number::rounded;
 use crate::output::OutputFile;
 use crate::report::{Object, Report};
 use crate::session::Session;
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::rounded;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -84,16 +84,16 @@ fn table(robot: &RobotFile) -> String {
             &rounded(wheel.y, 4),
             &rounded(wheel.radius, 4),
             &width,
-            drive(wheel.drive),
+            drive(wheel.role),
         ]);
     }
     table.render()
 }
 
-const fn drive(drive: grouser_slip::Drive) -> &'static str {
+const fn drive(drive: grouser_slip::WheelRole) -> &'static str {
     match drive {
-        grouser_slip::Drive::Powered => "powered",
-        grouser_slip::Drive::Free => "free",
+        grouser_slip::WheelRole::Powered => "powered",
+        grouser_slip::WheelRole::Free => "free",
     }
 }
 
@@ -109,7 +109,7 @@ fn object(robot: &RobotFile, made: &urdf::Converted) -> Object {
                 ("heading_deg", Value::from(wheel.heading.deg())),
                 ("radius_m", Value::from(wheel.radius)),
                 ("width_m", Value::from(wheel.width)),
-                ("drive", Value::from(drive(wheel.drive))),
+                ("drive", Value::from(drive(wheel.role))),
             ];
             let values = values.map(|(key, value)| (key.to_owned(), value));
             (wheel.name.clone(), Value::Object(Object::from_iter(values)))

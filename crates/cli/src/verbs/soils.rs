@@ -6,11 +6,11 @@ use grouser_terra::catalogue::{self, Entry};
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::number::shown;
 use crate::report::{Object, Report};
 use crate::session::Session;
 use crate::soil_choice::find;
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::shown;
 
 #[derive(clap::Args, Debug)]
 #[command(

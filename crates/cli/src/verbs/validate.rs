@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use grouser_identify::validate::{PLATES, Validation, cmu, validate};
+use grouser_campaign::validate::{PLATES, Validation, cmu, validate};
 
 use super::{validate_csv, validate_figure, validate_object, validate_text};
 use crate::error::{Error, Result};

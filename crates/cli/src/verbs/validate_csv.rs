@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use grouser_identify::validate::Validation;
+use grouser_campaign::validate::Validation;
 
-use crate::number::exact;
+use grouser_report::number::exact;
 
 /// One line a row; what does not exist is empty.
 pub(super) fn csv(validation: &Validation) -> String {

@@ -1,9 +1,9 @@
 //! The figure of `validate`: measured points with their errors, and what the models say between them.
 
-use grouser_identify::validate::{ModelName, Series, Validation};
+use grouser_campaign::validate::{ModelName, Series, Validation};
 use grouser_identify::wheel::Quantity;
 
-use crate::figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};
+use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};
 
 /// Pull, side force and sinkage of the smooth wheel at three slip angles; the first column was fitted, the others
 /// are predicted.

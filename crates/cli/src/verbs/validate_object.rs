@@ -1,9 +1,9 @@
 //! `validate` for programs.
 
-use grouser_identify::validate::{FitReport, Row, Validation};
+use grouser_campaign::validate::{FitReport, Row, Validation};
 use serde_json::Value;
 
-use super::identify_text::plate_object;
+use super::identify::text::plate_object;
 use crate::report::Object;
 
 /// The keys that DESIGN.md names, and the fits behind the rows.

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use grouser_identify::validate::{Row, Validation};
+use grouser_campaign::validate::{Row, Validation};
 
 use super::validate::{plate_numbers, title};
-use crate::number::{rounded, shown};
-use crate::table::Table;
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
 
 /// The tables and the fits behind them.
 pub(super) fn text(validation: &Validation) -> String {

@@ -4,7 +4,7 @@ use grouser_slip::control::WheelSeen;
 use grouser_slip::detect::{DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::prior::{FreeWheelSkid, SlipDemand, SoilDoubt};
-use grouser_slip::{Drive, Health, Measurement, Sample};
+use grouser_slip::{Health, Measurement, Sample, WheelRole};
 use grouser_terra::{Angle, Soil};
 
 use super::attitude_filter::AttitudeFilter;
@@ -177,7 +177,7 @@ impl Watch {
         let step = (time - self.looked).clamp(0.0, 0.1);
         self.looked = time;
         for (wheel, steer) in steers.enumerate() {
-            self.filter.steer(wheel, steer);
+            let _ = self.filter.set_steering_angle(wheel, steer);
         }
         if time >= self.prior_due {
             self.prior_due = time + PRIOR_PERIOD;
@@ -186,7 +186,7 @@ impl Watch {
         // Silence is measured by the computer's clock: the sensors' one may have been set
         let Some(ahead) = self.ahead else { return };
         let now_ns = crate::sensors::to_ns(time).saturating_add(ahead);
-        let wheels = self.filter.at(now_ns).wheels;
+        let wheels = self.filter.estimate_at(now_ns).wheels;
         let _ = self.detector.update(now_ns, wheels, &self.torques).count();
         for ((index, wheel), seen) in wheels.iter().enumerate().zip(seen) {
             seen.slip = wheel.slip.map(grouser_slip::Slip::value);
@@ -216,7 +216,7 @@ impl Watch {
         if let Some(prior) = self.demanded {
             let sigma = prior.sigma.max(PRIOR_SIGMA);
             // the table holds slips only
-            let _ = self.filter.believe(SlipPrior { sigma, ..prior });
+            let _ = self.filter.set_slip_prior(SlipPrior { sigma, ..prior });
         }
     }
 }
@@ -248,7 +248,7 @@ fn skid(model: &RobotModel, loads: &[f64], soil: &Soil, doubt: SoilDoubt) -> Res
     for (index, wheel) in model.robot.wheels().iter().enumerate() {
         let mount = &model.wheels[index];
         let load = loads[index].max(0.1);
-        if wheel.drive != Drive::Free {
+        if wheel.role != WheelRole::Free {
             continue;
         }
         let of = |source| Error::Law {

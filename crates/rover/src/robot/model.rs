@@ -5,7 +5,8 @@ use std::path::Path;
 use grouser_files::body::{BodyFile, MassFile};
 use grouser_files::robot::{self, RobotFile};
 use grouser_files::{Document, nearest};
-use grouser_slip::{Drive, Settings};
+use grouser_slip::WheelRole;
+use grouser_slip::window::WindowSettings;
 use grouser_terra::RigidWheel;
 
 use crate::dynamics::{Body, Hold, Link, Linkage, MAX_CHAIN, MAX_FREEDOMS, Motor};
@@ -62,7 +63,7 @@ pub struct RobotModel {
     /// What the estimator knows.
     pub robot: grouser_slip::Robot,
     /// How the estimator is to work.
-    pub settings: Settings,
+    pub settings: WindowSettings,
     /// Chassis and links with all masses, those of the wheels included.
     pub linkage: Linkage,
     /// The wheels.
@@ -104,7 +105,7 @@ impl RobotModel {
         let (links, holds) = links(body)?;
         let wheels = wheels(file, body)?;
         let bodies = bodies(body, &wheels);
-        let settings = Settings {
+        let settings = WindowSettings {
             reference: file.reference.unwrap_or(file.settings.reference),
             ..file.settings
         };
@@ -221,18 +222,18 @@ fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
             None => None,
             Some(on) => Some(find(&of, on, body.links.iter().map(|l| l.name.as_str()))?),
         };
-        let motor = match (&extra.motor, wheel.drive) {
-            (Some(name), Drive::Powered) => {
+        let motor = match (&extra.motor, wheel.role) {
+            (Some(name), WheelRole::Powered) => {
                 let index = find(&of, name, body.motors.iter().map(|m| m.name.as_str()))?;
                 Some(&body.motors[index])
             }
-            (None, Drive::Powered) => {
+            (None, WheelRole::Powered) => {
                 return Err(Error::Missing {
                     of,
                     what: "its motor".into(),
                 });
             }
-            (_, Drive::Free) => None,
+            (_, WheelRole::Free) => None,
         };
         let gear = wheel.encoder.gear;
         let ring = extra.mass * wheel.radius * wheel.radius;

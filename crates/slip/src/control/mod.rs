@@ -28,7 +28,7 @@ use alloc::{boxed::Box, vec::Vec};
 use grouser_real::Real;
 
 use crate::error::Result;
-use crate::robot::{Drive, Robot};
+use crate::robot::{Robot, WheelRole};
 use crate::state::{Health, Invalid, Motion};
 use decision::Pending;
 use helm::{Course, Helm, Seen};
@@ -78,7 +78,7 @@ impl WheelPlace {
 ///
 /// ```
 /// use grouser_slip::control::{ControlInput, ControlSettings, Controller, Mode, WheelSeen};
-/// use grouser_slip::{CounterWidth, Drive, Encoder, Health, Motion, Robot, Shaft, Wheel};
+/// use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Shaft, Wheel, WheelRole};
 /// use grouser_terra::Angle;
 ///
 /// let encoder = Encoder {
@@ -87,7 +87,7 @@ impl WheelPlace {
 /// };
 /// let wheel = Wheel {
 ///     name: "drive".into(), x: 0.0, y: 0.0, heading: Angle::from_deg(0.0), radius: 0.1,
-///     drive: Drive::Powered, encoder, width: None, load: Some(50.0),
+///     role: WheelRole::Powered, encoder, width: None, load: Some(50.0),
 /// };
 /// let robot = Robot::new("one wheel".into(), vec![wheel])?;
 /// let settings = ControlSettings { optimum: 0.25, ..ControlSettings::default() };
@@ -136,7 +136,7 @@ impl Controller {
         let wheels: Vec<WheelLoop> = robot
             .wheels()
             .iter()
-            .map(|wheel| WheelLoop::new(wheel.drive == Drive::Powered))
+            .map(|wheel| WheelLoop::new(wheel.role == WheelRole::Powered))
             .collect();
         let places: Vec<WheelPlace> = robot
             .wheels()

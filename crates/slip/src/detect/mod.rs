@@ -17,10 +17,10 @@ mod switch;
 use alloc::{boxed::Box, vec};
 
 use crate::error::Result;
-use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
-use crate::robot::{Drive, Robot};
+use crate::robot::{Robot, WheelRole};
 use crate::state::{Degraded, Health, Motion};
+use crate::wheel_estimate::WheelEstimate;
 pub use settings::DetectSettings;
 use switch::Switch;
 
@@ -81,15 +81,16 @@ struct Watched {
 ///
 /// ```
 /// use grouser_slip::detect::{DetectSettings, Detector, Event};
-/// # use grouser_slip::{CounterWidth, Drive, Encoder, Estimator, Measurement, Reference, Robot, Sample, Settings, Shaft, Wheel};
+/// # use grouser_slip::{CounterWidth, Encoder, Measurement, Reference, Robot, Sample, Shaft, Wheel, WheelRole};
+/// # use grouser_slip::window::{WindowEstimator, WindowSettings};
 /// # use grouser_terra::Angle;
 /// # let encoder = Encoder { shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
 /// #     counter: CounterWidth::new(16)?, reversed: false, rate_step: 0.0 };
-/// # let wheel = |name: &str, x, drive| Wheel { name: name.into(), x, y: 0.0,
-/// #     heading: Angle::from_deg(0.0), radius: 0.1, drive, encoder, width: None, load: None };
+/// # let wheel = |name: &str, x, role| Wheel { name: name.into(), x, y: 0.0,
+/// #     heading: Angle::from_deg(0.0), radius: 0.1, role, encoder, width: None, load: None };
 /// # let robot = Robot::new("bicycle".into(),
-/// #     vec![wheel("drive", 0.3, Drive::Powered), wheel("fifth", -0.3, Drive::Free)])?;
-/// let mut estimator = Estimator::new(&robot, Settings { reference: Reference::FreeWheel, ..Settings::default() })?;
+/// #     vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)])?;
+/// let mut estimator = WindowEstimator::new(&robot, WindowSettings { reference: Reference::FreeWheel, ..WindowSettings::default() })?;
 /// let mut detector = Detector::new(&robot, DetectSettings::default())?;
 /// let mut seen = Vec::new();
 /// for step in 0..400_u64 {
@@ -125,7 +126,7 @@ impl Detector {
         settings.check()?;
         let mut wheels = vec![Watched::default(); robot.wheels().len()].into_boxed_slice();
         for (watched, wheel) in wheels.iter_mut().zip(robot.wheels()) {
-            watched.powered = wheel.drive == Drive::Powered;
+            watched.powered = wheel.role == WheelRole::Powered;
         }
         Ok(Self {
             changes: vec![None; 3 * wheels.len() + 2].into_boxed_slice(),

@@ -50,20 +50,20 @@ use alloc::{boxed::Box, vec::Vec};
 
 use grouser_real::Real;
 
-use crate::error::{Error, Result};
-use crate::estimate::WheelEstimate;
+use crate::error::{Error, Result, check_range};
 use crate::fault::{Fault, Rejected};
 use crate::history::{History, nanoseconds, seconds_between};
+use crate::measured_slip::SlipLimits;
 use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
-use crate::settings::Settings;
 use crate::speed::Measured;
+use crate::wheel_estimate::WheelEstimate;
 use body::{COMMON_SLIP, FORWARD, GYRO_BIAS, Heard, YAW, own_slip, radius};
 use clocks::{Clocks, Told};
 use kalman::Kalman;
 use order::{Offered, Order};
 use reference::Reference;
-pub use report::{Fused, FusedBody, Odometry, WheelCheck};
+pub use report::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
 pub use settings::{FilterSettings, SlipPrior};
 use turn::Turn;
 use watch::Watch;
@@ -114,14 +114,14 @@ type Statement = ([(usize, f64); 3], f64, f64);
 ///
 /// ```
 /// use grouser_slip::filter::{FilterSettings, SlipFilter};
-/// # use grouser_slip::{CounterWidth, Drive, Encoder, Measurement, Robot, Sample, Shaft, Wheel};
+/// # use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
 /// # use grouser_terra::Angle;
 /// # let encoder = Encoder { shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
 /// #     counter: CounterWidth::new(16)?, reversed: false, rate_step: 0.0 };
-/// # let wheel = |name: &str, x, drive| Wheel { name: name.into(), x, y: 0.0,
-/// #     heading: Angle::from_deg(0.0), radius: 0.1, drive, encoder, width: None, load: None };
+/// # let wheel = |name: &str, x, role| Wheel { name: name.into(), x, y: 0.0,
+/// #     heading: Angle::from_deg(0.0), radius: 0.1, role, encoder, width: None, load: None };
 /// # let robot = Robot::new("bicycle".into(),
-/// #     vec![wheel("drive", 0.3, Drive::Powered), wheel("fifth", -0.3, Drive::Free)])?;
+/// #     vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)])?;
 /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
 /// for step in 0..300_u64 {
 ///     let time_ns = step as i64 * 10_000_000;
@@ -138,7 +138,7 @@ type Statement = ([(usize, f64); 3], f64, f64);
 #[derive(Clone, Debug)]
 pub struct SlipFilter {
     settings: FilterSettings,
-    limits: Settings,
+    limits: SlipLimits,
     state: Kalman,
     order: Order,
     wheels: Box<[Tracked]>,
@@ -197,11 +197,10 @@ impl SlipFilter {
         let powered = wheels.iter().filter(|wheel| !wheel.free).count();
         let longest = settings.reference_latency + settings.horizon + CLOCK_STEP;
         let mut filter = Self {
-            limits: Settings {
+            limits: SlipLimits {
                 standstill_speed: settings.standstill_speed,
                 low_speed: settings.low_speed,
                 max_sigma: settings.max_sigma,
-                ..Settings::default()
             },
             state: Kalman::new(body::size(count)),
             order: Order::new(QUEUE, nanoseconds(settings.horizon)),
@@ -244,7 +243,7 @@ impl SlipFilter {
     ///
     /// # Errors
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and enters no estimate.
-    pub fn update(&mut self, sample: Sample) -> core::result::Result<Fused<'_>, Fault> {
+    pub fn update(&mut self, sample: Sample) -> core::result::Result<FilterOutput<'_>, Fault> {
         let taken = self.accept(sample);
         if let Err(fault) = &taken {
             self.rejected.count(fault);
@@ -253,7 +252,7 @@ impl SlipFilter {
     }
 
     /// What can be said of the wheels if it is `now_ns` and no sample has come since: silence is a fault too.
-    pub fn at(&mut self, now_ns: i64) -> Fused<'_> {
+    pub fn estimate_at(&mut self, now_ns: i64) -> FilterOutput<'_> {
         self.judge(now_ns);
         self.latest()
     }
@@ -262,7 +261,7 @@ impl SlipFilter {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a mean outside [−1, 1] or a sigma outside [1e-6, 2].
-    pub fn believe(&mut self, slip: SlipPrior) -> Result<()> {
+    pub fn set_slip_prior(&mut self, slip: SlipPrior) -> Result<()> {
         let settings = FilterSettings {
             slip,
             ..self.settings
@@ -272,14 +271,20 @@ impl SlipFilter {
         Ok(())
     }
 
-    /// A wheel is steered by `angle` (rad, to the left) beside its heading in the description from now on. An angle that
-    /// is no number, or a wheel that does not exist, changes nothing.
-    pub fn steer(&mut self, wheel: usize, angle: f64) {
-        if let Some(wheel) = self.wheels.get_mut(wheel)
-            && angle.is_finite()
-        {
-            wheel.steer(angle);
-        }
+    /// Sets the steering angle of a wheel (rad, to the left, beside its heading in the description).
+    ///
+    /// # Errors
+    /// [`Error::UnknownWheel`] for a wheel that the robot does not have, [`Error::OutOfRange`] for an angle outside
+    /// [−7, 7] rad.
+    pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
+        let wheels = self.wheels.len();
+        let tracked = self.wheels.get_mut(wheel).ok_or(Error::UnknownWheel {
+            index: wheel,
+            wheels,
+        })?;
+        check_range("steering", "angle", angle, (-7.0, 7.0), "rad")?;
+        tracked.steer(angle);
+        Ok(())
     }
 
     fn start(&mut self) {

@@ -3,10 +3,10 @@
 use super::SlipFilter;
 use super::body::{COMMON_SLIP, FORWARD, HEADING, LEFT, PLACE, YAW};
 use crate::body::Observations;
-use crate::estimate::WheelEstimate;
 use crate::fault::Rejected;
 use crate::history::seconds_between;
 use crate::speed::Measured;
+use crate::wheel_estimate::WheelEstimate;
 
 /// What a wheel's rim says of the robot's speed where slip is not compensated, m/s; and how far that robot may drift
 /// sideways and turn where its wheels say nothing of it, m/s and rad/s.
@@ -28,7 +28,7 @@ pub struct Odometry {
 
 /// What the filter knows of the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FusedBody {
+pub struct BodyEstimate {
     /// Speed forwards, m/s.
     pub forward: Measured,
     /// Speed to the left, m/s.
@@ -65,7 +65,7 @@ pub struct WheelCheck {
 
 /// What is known after a sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Fused<'a> {
+pub struct FilterOutput<'a> {
     /// Up to when the readings have been used, ns: the horizon behind the newest.
     pub time_ns: i64,
     /// How far that is behind the newest time that was told, s.
@@ -78,7 +78,7 @@ pub struct Fused<'a> {
     /// Each wheel's sensor and description, as far as its readings contradict them.
     pub checks: &'a [WheelCheck],
     /// The robot.
-    pub body: FusedBody,
+    pub body: BodyEstimate,
     /// Samples refused so far.
     pub rejected: Rejected,
     /// Samples that should have come so far and did not, by the usual time between two of the same sensor.
@@ -92,14 +92,14 @@ pub struct Fused<'a> {
 impl SlipFilter {
     /// What is known now.
     #[must_use]
-    pub fn latest(&self) -> Fused<'_> {
+    pub fn latest(&self) -> FilterOutput<'_> {
         let known = |i: usize| Measured {
             value: self.state.mean(i),
             variance: self.state.covariance(i, i),
         };
         let time_ns = self.now_ns.unwrap_or(0);
         let place = [PLACE[0], PLACE[1], HEADING];
-        Fused {
+        FilterOutput {
             time_ns,
             time_slip: match (self.now_ns, self.order.newest_ns()) {
                 (Some(now_ns), Some(newest_ns)) => seconds_between(now_ns, newest_ns).max(0.0),
@@ -108,7 +108,7 @@ impl SlipFilter {
             wheels: &self.estimates,
             side_slip_angles: &self.side_slip_angles,
             checks: &self.checks,
-            body: FusedBody {
+            body: BodyEstimate {
                 forward: known(FORWARD),
                 left: known(LEFT),
                 yaw_rate: known(YAW),

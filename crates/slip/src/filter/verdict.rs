@@ -7,11 +7,11 @@ use super::body::along;
 use super::settings::SlipPrior;
 use super::wheel::LONGEST;
 use super::{SlipFilter, WRONG};
-use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
 use crate::measured_slip::MeasuredSlip;
 use crate::speed::Measured;
 use crate::state::{Degraded, Health, Invalid, Motion};
+use crate::wheel_estimate::WheelEstimate;
 
 /// Pulses and radii are looked at this often, s.
 const CHECKED: f64 = 0.1;

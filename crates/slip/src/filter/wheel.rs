@@ -2,13 +2,12 @@
 
 use grouser_real::Real;
 
-use crate::estimate::WheelEstimate;
 use crate::history::seconds_between;
-use crate::robot::{Drive, Robot};
-use crate::settings::Settings;
+use crate::robot::{Robot, WheelRole};
 use crate::speed::Measured;
 use crate::state::Health;
-use crate::wheel_track::WheelTrack;
+use crate::wheel_estimate::WheelEstimate;
+use crate::wheel_track::{TrackSettings, WheelTrack};
 
 use super::carrier::Carrier;
 use super::free_wheel::Rolling;
@@ -69,12 +68,11 @@ pub(super) struct Tracked {
 impl Tracked {
     /// The wheels of `robot`.
     pub(super) fn all(robot: &Robot, settings: &FilterSettings) -> impl Iterator<Item = Self> {
-        let windows = Settings {
+        let windows = TrackSettings {
             window: LONGEST * settings.wheel_window,
             max_speed: settings.max_speed,
             dropout: settings.dropout,
             history: 64,
-            ..Settings::default()
         };
         robot
             .wheels()
@@ -85,8 +83,8 @@ impl Tracked {
                 place: [wheel.x, wheel.y],
                 heading: wheel.heading.rad(),
                 carrier: Carrier::new(wheel.radius, settings.dropout),
-                free: wheel.drive == Drive::Free,
-                track: WheelTrack::new(index, wheel, &windows),
+                free: wheel.role == WheelRole::Free,
+                track: WheelTrack::new(index, wheel, windows),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
                 from_ns: None,
                 remainder: None,

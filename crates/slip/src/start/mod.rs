@@ -15,9 +15,9 @@ use alloc::{boxed::Box, vec};
 use crate::body::Observations;
 use crate::error::Result;
 use crate::fault::Fault;
-use crate::filter::Fused;
+use crate::filter::FilterOutput;
 use crate::history::seconds_between;
-use crate::robot::{Drive, Robot};
+use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
 use crate::speed::Measured;
 pub use gravity::{GRAVITY, check_gravity};
@@ -81,7 +81,7 @@ impl StartCheck {
         let rows = robot
             .wheels()
             .iter()
-            .map(|wheel| (wheel.speed_row(), wheel.drive == Drive::Free));
+            .map(|wheel| (wheel.speed_row(), wheel.role == WheelRole::Free));
         let rows: alloc::vec::Vec<_> = rows.collect();
         Ok(Self {
             wheels: vec![Pair::default(); rows.len()].into_boxed_slice(),
@@ -107,7 +107,7 @@ impl StartCheck {
     pub fn take(
         &mut self,
         sample: &Sample,
-        known: &Fused<'_>,
+        known: &FilterOutput<'_>,
     ) -> core::result::Result<Progress, Fault> {
         self.listen(sample);
         let begun = *self.begun_ns.get_or_insert(sample.time_ns);
@@ -175,7 +175,7 @@ impl StartCheck {
         }
     }
 
-    fn end_window(&mut self, known: &Fused<'_>, passed: f64) {
+    fn end_window(&mut self, known: &FilterOutput<'_>, passed: f64) {
         let mut rims = [None; crate::filter::MAX_FILTER_WHEELS];
         for (rim, wheel) in rims.iter_mut().zip(known.wheels) {
             *rim = wheel.rim_speed.map(|rim| rim.value);

@@ -3,9 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use grouser_slip::{
-    CounterWidth, Drive, Encoder, Measurement, Robot, Sample, Settings, Shaft, Wheel,
-};
+use grouser_slip::window::WindowSettings;
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 pub(crate) const TICKS: f64 = 4000.0;
@@ -22,14 +21,14 @@ pub(crate) fn encoder(bits: u32) -> Encoder {
     }
 }
 
-pub(crate) fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> Wheel {
+pub(crate) fn wheel(name: &str, (x, y): (f64, f64), role: WheelRole, bits: u32) -> Wheel {
     Wheel {
         name: name.into(),
         x,
         y,
         heading: Angle::from_deg(0.0),
         radius: 0.1,
-        drive,
+        role,
         encoder: encoder(bits),
         width: None,
         load: None,
@@ -38,19 +37,19 @@ pub(crate) fn wheel(name: &str, (x, y): (f64, f64), drive: Drive, bits: u32) -> 
 
 pub(crate) fn robot(bits: u32) -> Robot {
     let wheels = vec![
-        wheel("fl", (0.3, 0.25), Drive::Powered, bits),
-        wheel("fr", (0.3, -0.25), Drive::Powered, bits),
-        wheel("rl", (-0.3, 0.25), Drive::Powered, bits),
-        wheel("rr", (-0.3, -0.25), Drive::Powered, bits),
-        wheel("fifth", (-0.45, 0.1), Drive::Free, bits),
+        wheel("fl", (0.3, 0.25), WheelRole::Powered, bits),
+        wheel("fr", (0.3, -0.25), WheelRole::Powered, bits),
+        wheel("rl", (-0.3, 0.25), WheelRole::Powered, bits),
+        wheel("rr", (-0.3, -0.25), WheelRole::Powered, bits),
+        wheel("fifth", (-0.45, 0.1), WheelRole::Free, bits),
     ];
     Robot::new("cart".into(), wheels).unwrap()
 }
 
-pub(crate) fn settings() -> Settings {
-    Settings {
+pub(crate) fn settings() -> WindowSettings {
+    WindowSettings {
         max_speed: 5.0,
-        ..Settings::default()
+        ..WindowSettings::default()
     }
 }
 

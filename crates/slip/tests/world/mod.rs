@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use grouser_slip::{CounterWidth, Drive, Encoder, Measurement, Robot, Sample, Shaft, Wheel};
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 use crate::noise::Noise;
@@ -95,7 +95,11 @@ impl World {
                 y,
                 heading: Angle::from_deg(0.0),
                 radius: 0.1,
-                drive: if free { Drive::Free } else { Drive::Powered },
+                role: if free {
+                    WheelRole::Free
+                } else {
+                    WheelRole::Powered
+                },
                 encoder: encoder(self.ticks(i)),
                 width: None,
                 load: None,

@@ -1,7 +1,7 @@
 //! A run of the slip filter on the five-wheeled robot, with faults, against what is true.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
-use grouser_slip::filter::{FilterSettings, Fused, SlipFilter};
+use grouser_slip::filter::{FilterOutput, FilterSettings, SlipFilter};
 use grouser_slip::{Health, Sample, WheelEstimate};
 use grouser_synthetic::{Course, Event, Fault, FiveWheel, Sensors, WHEELS, inject};
 
@@ -95,7 +95,7 @@ impl Trial {
     }
 
     /// Runs it; `each` sees every sample and what is known after it, with the time of the estimate, s.
-    pub(crate) fn watch(&self, mut each: impl FnMut(f64, &Sample, Fused<'_>)) {
+    pub(crate) fn watch(&self, mut each: impl FnMut(f64, &Sample, FilterOutput<'_>)) {
         let (_, samples) = self.samples();
         let mut filter = self.filter();
         for sample in &samples {

@@ -1,0 +1,8 @@
+//! The two campaigns of the project: what of Ani et al. (2012) can be reproduced ([`paper`]), and every
+//! measured data set against the model ([`validate`]).
+//!
+//! The verbs `paper` and `validate` of the command call this crate; it has no other consumer.
+#![forbid(unsafe_code)]
+
+pub mod paper;
+pub mod validate;

@@ -1,0 +1,194 @@
+//! What of the paper is reproduced, item by item, and why the rest is not.
+
+/// How far an item can be reproduced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The whole item.
+    Reproduced,
+    /// A part of the item.
+    InPart,
+    /// Nothing of the item.
+    NotPossible,
+}
+
+impl Verdict {
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::InPart => "reproduced in part",
+            Self::NotPossible => "not possible",
+        }
+    }
+}
+
+/// One equation, table or figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Statement {
+    /// The number that the paper gives it.
+    pub item: &'static str,
+    /// What it contains.
+    pub about: &'static str,
+    /// How far it is reproduced.
+    pub verdict: Verdict,
+    /// How it is reproduced, or why it is not.
+    pub why: &'static str,
+}
+
+const fn said(
+    item: &'static str,
+    about: &'static str,
+    verdict: Verdict,
+    why: &'static str,
+) -> Statement {
+    Statement {
+        item,
+        about,
+        verdict,
+        why,
+    }
+}
+
+/// Every numbered item of the paper.
+pub const STATEMENTS: &[Statement] = &[
+    said(
+        "(P1)",
+        "shear stress τ = (c + σ tan φ)(1 − e^(−j/K))",
+        Verdict::Reproduced,
+        "computed wherever a wheel meets soil; `grouser wheel --figure` draws it",
+    ),
+    said(
+        "(P2)",
+        "strength τ_max = c + σ_max tan φ",
+        Verdict::Reproduced,
+        "the quantity `tau_max_pa` of problem files, with σ_max = (k_c/b + k_φ) zⁿ as our reading of σ_max",
+    ),
+    said(
+        "(P3)",
+        "soil failure",
+        Verdict::InPart,
+        "the strength that bounds the stress is computed; the paper's own wording of the condition is not printed legibly",
+    ),
+    said(
+        "(P4), (P5)",
+        "slip in driving and braking",
+        Verdict::InPart,
+        "the printed forms are lost; the usual definitions stand for them, as named conversions",
+    ),
+    said(
+        "(P6)",
+        "slip S = 1 − v_a/v_t",
+        Verdict::Reproduced,
+        "the driving branch of the slip used everywhere here",
+    ),
+    said(
+        "(P7)",
+        "T(θ) = c + σ(θ) tan φ",
+        Verdict::Reproduced,
+        "the quantity `strength_at_theta_pa`, σ(θ) by the front law inside the contact and 0 outside: our reading",
+    ),
+    said(
+        "(P8)–(P16)",
+        "the slip that mobilises a share of the strength",
+        Verdict::Reproduced,
+        "`grouser slip-model --mobilised`; shares that no slip can mobilise are a typed outcome",
+    ),
+    said(
+        "(P17), (P19)",
+        "S_0 = 1 − (θ_1 − θ)/(sin θ_1 − sin θ)",
+        Verdict::Reproduced,
+        "figures 8 to 10 below; S_0 is never positive, and no soil parameter can move it",
+    ),
+    said(
+        "(P18)",
+        "entry angle θ_1 = acos(1 − z/r)",
+        Verdict::Reproduced,
+        "in a form that keeps its digits at small sinkage",
+    ),
+    said(
+        "(P20)",
+        "bounds and constraints",
+        Verdict::InPart,
+        "the kinds are known; the numbers are not printed, ours are the ranges of the paper's figures and terrain table",
+    ),
+    said(
+        "(P21)",
+        "the utility F(x)",
+        Verdict::NotPossible,
+        "the equation is lost; the problem file takes minimax, weighted and Chebyshev forms",
+    ),
+    said(
+        "(P22)",
+        "minimax by fminimax",
+        Verdict::Reproduced,
+        "the method, with exact derivatives and multipliers; the printed optimum is another matter, below",
+    ),
+    said(
+        "(P23)",
+        "speed from the free fifth wheel, v = r_f ω_f",
+        Verdict::Reproduced,
+        "`grouser estimate`; the free wheel's own skid, which the paper neglects, is computed beside it",
+    ),
+    said(
+        "(P24)",
+        "speed from encoder pulses",
+        Verdict::NotPossible,
+        "the equation is lost; `grouser estimate` uses an estimator of its own, with its quantisation error",
+    ),
+    said(
+        "Table 1",
+        "terrain parameters",
+        Verdict::Reproduced,
+        "`grouser soils`, each entry with its source",
+    ),
+    said(
+        "Table 2",
+        "the optimum, slip 0.1146",
+        Verdict::NotPossible,
+        "start, bounds, scaling, sense and utility are not printed; the table below shows how much the answer depends on them",
+    ),
+    said(
+        "Figures 1–3",
+        "robot, chassis and fifth wheel",
+        Verdict::NotPossible,
+        "photographs and drawings",
+    ),
+    said(
+        "Figures 5–7",
+        "classes of parameters, stress model",
+        Verdict::NotPossible,
+        "diagrams without numbers; the model that they describe is the one computed here",
+    ),
+    said(
+        "Figure 8",
+        "slip against the angle θ",
+        Verdict::InPart,
+        "drawn below, signed and as magnitude; which of the two the paper shows is not said",
+    ),
+    said(
+        "Figure 9",
+        "slip against sinkage at θ = 32°",
+        Verdict::InPart,
+        "drawn below; at small sinkage θ = 32° lies outside the contact, where the number means nothing under a wheel",
+    ),
+    said(
+        "Figure 10",
+        "slip against radius at θ = 32°, z = 1 mm",
+        Verdict::InPart,
+        "drawn below; all of it lies outside the contact",
+    ),
+    said(
+        "Figure 11",
+        "decisions from slip",
+        Verdict::InPart,
+        "the comparison with an optimum slip can be had from a problem file (examples/problems/running-slip.toml)",
+    ),
+    said(
+        "Figures 12, 13",
+        "the run on sand",
+        Verdict::InPart,
+        "its data are not published; in its place such a robot is simulated on dry sand (examples/scenarios/sandbox.toml), \
+         and figure 13 is drawn of that: slip by the fifth wheel beside the truth",
+    ),
+];

@@ -1,0 +1,104 @@
+//! The single-wheel test bed of Carnegie Mellon's Robomechanics Lab: steady-state averages per trial.
+
+use std::path::Path;
+
+use grouser_terra::{Angle, Kinematics, RigidWheel};
+
+use grouser_identify::table::{Column, Table};
+use grouser_identify::wheel::{Support, WheelTest};
+use grouser_identify::{Error, Result};
+
+/// Where the trials stand below the folder of measured data.
+pub const TRIALS: &str = "cmu-wheel/trials.csv";
+
+/// Radius and width of the rim, m.
+pub const SIZE: (f64, f64) = (0.058, 0.05);
+
+/// Height of the grousers, m.
+pub const GROUSER_HEIGHT: f64 = 0.005;
+
+/// One trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// Slip angle, rad: positive where the wheel drifts to its left.
+    pub slip_angle: f64,
+    /// The slip that the test bed states: rim speed against travel speed, whatever the slip angle.
+    pub stated_slip: f64,
+    /// The trial as a wheel test; its sinkage is the height below the test bed's zero.
+    pub test: WheelTest,
+    /// Standard deviation of the pull within the trial, N.
+    pub pull_deviation: f64,
+    /// Standard deviation of the side force within the trial, N.
+    pub side_deviation: f64,
+}
+
+/// The wheel without grousers.
+///
+/// # Errors
+/// None in fact: the sizes are sound.
+pub fn smooth_wheel() -> Result<RigidWheel> {
+    RigidWheel::new(SIZE.0, SIZE.1).map_err(|source| Error::Law {
+        what: "the wheel of the test bed".to_owned(),
+        source,
+    })
+}
+
+/// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `greatest_slip`.
+///
+/// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. Pull is
+/// −drag_force_n, load −vertical_force_n; the side force is positive to the left, so that of a wheel that drifts
+/// to its left is −side_force_n.
+///
+/// # Errors
+/// As [`Table::read`]; [`Error::Content`] where a column is missing.
+pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>> {
+    const NEWTON: f64 = 1.0;
+    const MILLI: f64 = 1e-3;
+    let table = Table::read(path)?;
+    let number = |name: &'static [(&'static str, f64)]| table.numbers(Column(name));
+    let angle = number(&[("slip_angle_deg", 1.0)])?;
+    let slip = number(&[("slip", 1.0)])?;
+    let rim = number(&[("rim_speed_mm_s", MILLI)])?;
+    let travel = number(&[("carriage_speed_mm_s", MILLI)])?;
+    let side = number(&[("side_force_n", NEWTON)])?;
+    let side_deviation = number(&[("side_force_sd_n", NEWTON)])?;
+    let drag = number(&[("drag_force_n", NEWTON)])?;
+    let drag_deviation = number(&[("drag_force_sd_n", NEWTON)])?;
+    let vertical = number(&[("vertical_force_n", NEWTON)])?;
+    let height = number(&[("height_mm", MILLI)])?;
+    let wheels = table.texts("wheel").ok_or_else(|| Error::Content {
+        path: path.to_owned(),
+        message: "there is no column `wheel`".to_owned(),
+    })?;
+    let mut out = Vec::new();
+    for i in 0..table.len() {
+        if wheels[i] != wheel || slip[i].abs() > greatest_slip {
+            continue;
+        }
+        let beta = Angle::from_deg(angle[i]);
+        // at 90° the wheel has no speed in its plane, to the last bit
+        let forward = if angle[i] == 90.0 { 0.0 } else { beta.cos() };
+        let kinematics =
+            Kinematics::from_speeds(travel[i] * forward, travel[i] * beta.sin(), rim[i]).map_err(
+                |source| Error::Law {
+                    what: format!("trial in row {}", i + 1),
+                    source,
+                },
+            )?;
+        out.push(Trial {
+            slip_angle: beta.rad(),
+            stated_slip: slip[i],
+            test: WheelTest {
+                kinematics,
+                support: Support::Load(-vertical[i]),
+                pull: Some(-drag[i]),
+                side: Some(-side[i]),
+                torque: None,
+                sinkage: Some(-height[i]),
+            },
+            pull_deviation: drag_deviation[i],
+            side_deviation: side_deviation[i],
+        });
+    }
+    Ok(out)
+}

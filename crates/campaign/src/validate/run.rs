@@ -1,0 +1,85 @@
+//! Every data set against the model.
+
+use std::path::Path;
+
+use super::cmu;
+use super::rows::Validation;
+use grouser_identify::Result;
+use grouser_identify::plate::{
+    BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,
+};
+
+/// Beyond this stated slip a trial is left out: locked and nearly spinning wheels are no steady state here.
+pub const GREATEST_SLIP: f64 = 0.75;
+
+/// Where the plate tests stand below the folder of measured data: name, disc diameter (m) and the height of the
+/// sand's surface (m), as the script that was published with them has it.
+pub const PLATES: [(&str, f64, f64); 2] = [
+    (
+        "cmu-wheel/f-d-large-box__force-displacement_1",
+        0.06,
+        -9.62e-3,
+    ),
+    (
+        "cmu-wheel/f-d-large-box__force-displacement_4",
+        0.1,
+        -9.0e-3,
+    ),
+];
+
+/// Every measured data set below `data` against the model, plain Wong-Reece and what was published.
+///
+/// Plate tests first (their bags and text files), then the smooth wheel at slip angle 0, then everything else as
+/// prediction; a second set of numbers is fitted on slip angles 0 and 60 and predicts those between. At 90°
+/// every trial sits deeper than the wheel's radius, outside the model.
+///
+/// # Errors
+/// What a file lacks.
+pub fn validate(data: &Path) -> Result<Validation> {
+    let tests = plate_tests(data)?;
+    let plates = fit_plates(&tests, &PlateSettings::default())?;
+    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", GREATEST_SLIP + 0.01)?;
+    let grouser = cmu::trials(&data.join(cmu::TRIALS), "grouser", GREATEST_SLIP + 0.01)?;
+    let mut out = Validation {
+        rows: Vec::new(),
+        fits: Vec::new(),
+        plates,
+        series: Vec::new(),
+    };
+    out.add_trials(&trials, &grouser)?;
+    out.add_ding()?;
+    Ok(out)
+}
+
+/// The plate tests of the measured data, from their bags.
+///
+/// # Errors
+/// What a file lacks.
+pub fn plate_tests(data: &Path) -> Result<Vec<PlateTest>> {
+    PLATES
+        .iter()
+        .map(|(name, diameter, surface)| {
+            let file = |ending: &str| data.join(format!("{name}.{ending}"));
+            let record = read_bag(
+                &format!("{} mm disc", (1e3 * diameter).round()),
+                Plate::disc(*diameter)?,
+                &BagSource {
+                    bag: file("bag"),
+                    topic: None,
+                    force: "wrench.wrench.force.z".to_owned(),
+                    stamp: Some("wrench.header.stamp".to_owned()),
+                    sign: -1.0,
+                },
+                &DepthColumn {
+                    file: file("txt"),
+                    height: 5,
+                    height_unit: 1e-3,
+                    clock: 7,
+                    controller: Some((6, 1e-3)),
+                    surface: Some(*surface),
+                },
+            )?;
+            Ok(record.test)
+        })
+        .collect()
+}

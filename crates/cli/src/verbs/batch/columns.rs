@@ -1,0 +1,241 @@
+//! The columns of `batch`: what a row asks for, and the row with its answer.
+
+use std::path::Path;
+
+use crate::csv_line::{content, field, split};
+use crate::error::{Error, Result};
+use crate::lines::Line;
+use crate::operation::Asked;
+use grouser_report::number::parse_finite;
+
+/// The columns that are added, in order.
+const ADDED: [&str; 4] = ["vertical_force_n", "drawbar_pull_n", "torque_nm", "status"];
+
+/// Where the columns of the input stand.
+#[derive(Debug)]
+pub(super) struct Columns {
+    /// The header's fields as they stand.
+    header: Vec<String>,
+    soil: usize,
+    radius: usize,
+    width: usize,
+    slip: usize,
+    rebound: Option<usize>,
+    sinkage: Option<usize>,
+    load: Option<usize>,
+}
+
+/// What a row asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) soil: String,
+    pub(super) radius_m: f64,
+    pub(super) width_m: f64,
+    /// `None`: as the soil has it.
+    pub(super) rebound: Option<f64>,
+    pub(super) slip: f64,
+    pub(super) asked: Asked,
+}
+
+/// A row: its fields as they stand, as many as the header has, and what it asks for or what is wrong.
+#[derive(Debug)]
+pub(super) struct Row {
+    fields: Vec<String>,
+    pub(super) point: Result<Point, String>,
+}
+
+impl Columns {
+    /// Reads the header.
+    pub(super) fn read(header: Option<Line>, path: &Path) -> Result<Self> {
+        let refuse = |message: String, hint: Option<&str>| Error::Content {
+            path: path.to_owned(),
+            message,
+            hint: hint.map(str::to_owned),
+        };
+        let Some(line) = header else {
+            return Err(refuse("line 1: the file is empty".to_owned(), None));
+        };
+        if !line.is_text {
+            return Err(refuse("line 1: the header is not UTF-8".to_owned(), None));
+        }
+        let fields = split(&line.text)
+            .map_err(|broken| refuse(format!("line 1: {}", broken.words()), None))?;
+        let names: Vec<String> = fields
+            .iter()
+            .map(|field| content(field).into_owned())
+            .collect();
+        let find = |name: &str| -> Result<Option<usize>> {
+            let mut places = (0..names.len()).filter(|index| names[*index] == name);
+            let place = places.next();
+            match places.next() {
+                Some(second) => Err(refuse(
+                    format!(
+                        "line 1: column {} is `{name}`, as is an earlier one",
+                        second + 1
+                    ),
+                    None,
+                )),
+                None => Ok(place),
+            }
+        };
+        let need = |name: &str| {
+            find(name)?.ok_or_else(|| {
+                let hint = if line.text.contains(';') && !line.text.contains(',') {
+                    "columns are separated by commas, not by `;`"
+                } else {
+                    "needed are `soil`, `radius_m`, `width_m`, `slip`, and `sinkage_m` or `load_n`"
+                };
+                refuse(format!("line 1: there is no column `{name}`"), Some(hint))
+            })
+        };
+        let columns = Self {
+            soil: need("soil")?,
+            radius: need("radius_m")?,
+            width: need("width_m")?,
+            slip: need("slip")?,
+            rebound: find("rebound")?,
+            sinkage: find("sinkage_m")?,
+            load: find("load_n")?,
+            header: fields.iter().map(|field| (*field).to_owned()).collect(),
+        };
+        if columns.sinkage.is_none() && columns.load.is_none() {
+            let message = "line 1: there is neither a column `sinkage_m` nor a column `load_n`";
+            return Err(refuse(message.to_owned(), None));
+        }
+        Ok(columns)
+    }
+
+    /// The header of the completed table.
+    pub(super) fn header(&self) -> String {
+        let mut line = self.header.join(",");
+        if self.sinkage.is_none() {
+            line.push_str(",sinkage_m");
+        }
+        for name in ADDED {
+            line.push(',');
+            line.push_str(name);
+        }
+        line.push('\n');
+        line
+    }
+
+    /// What the user should know of the header.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let there = |name: &&str| self.header.iter().any(|field| content(field) == **name);
+        let told = |name: &str| {
+            format!("column `{name}` was there already; the one that was added is the last")
+        };
+        ADDED
+            .into_iter()
+            .filter(|name| there(name))
+            .map(told)
+            .collect()
+    }
+
+    /// Reads a row.
+    pub(super) fn row(&self, line: &Line) -> Row {
+        // The line as one field, so that the output stays a table.
+        let whole = |message: &str| {
+            let mut fields = vec![String::new(); self.header.len()];
+            fields[0] = field(&line.text).into_owned();
+            Row {
+                fields,
+                point: Err(message.to_owned()),
+            }
+        };
+        if !line.is_text {
+            return whole("the row is not UTF-8");
+        }
+        let mut fields = match split(&line.text) {
+            Ok(fields) => fields,
+            Err(broken) => return whole(broken.words()),
+        };
+        let point = if fields.len() == self.header.len() {
+            self.point(&fields)
+        } else {
+            Err(format!(
+                "{} fields, but the header has {}",
+                fields.len(),
+                self.header.len()
+            ))
+        };
+        fields.resize(self.header.len(), "");
+        Row {
+            fields: fields.into_iter().map(str::to_owned).collect(),
+            point,
+        }
+    }
+
+    fn point(&self, fields: &[&str]) -> Result<Point, String> {
+        let number = |index: usize, name: &str| {
+            let text = content(fields[index]);
+            parse_finite(&text).map_err(|reason| {
+                if text.is_empty() {
+                    format!("`{name}` is empty")
+                } else {
+                    format!("`{name}` is `{text}`, but {reason}")
+                }
+            })
+        };
+        let filled = |index: &usize| !content(fields[*index]).is_empty();
+        let sinkage = self.sinkage.filter(filled);
+        let load = self.load.filter(filled);
+        let asked = match (sinkage, load) {
+            (Some(index), None) => Asked::Sinkage(number(index, "sinkage_m")?),
+            (None, Some(index)) => Asked::Load(number(index, "load_n")?),
+            (Some(_), Some(_)) => {
+                return Err(
+                    "both `sinkage_m` and `load_n` are filled, but exactly one must be".to_owned(),
+                );
+            }
+            (None, None) => {
+                return Err(
+                    "neither `sinkage_m` nor `load_n` is filled, but exactly one must be"
+                        .to_owned(),
+                );
+            }
+        };
+        let rebound = self
+            .rebound
+            .filter(filled)
+            .map(|index| number(index, "rebound"));
+        Ok(Point {
+            soil: content(fields[self.soil]).into_owned(),
+            radius_m: number(self.radius, "radius_m")?,
+            width_m: number(self.width, "width_m")?,
+            rebound: rebound.transpose()?,
+            slip: number(self.slip, "slip")?,
+            asked,
+        })
+    }
+
+    /// The row with its answer, as a line.
+    pub(super) fn line(
+        &self,
+        row: &Row,
+        sinkage: &str,
+        results: &[String; 3],
+        status: &str,
+    ) -> String {
+        let mut line = String::with_capacity(160);
+        for (index, field) in row.fields.iter().enumerate() {
+            if index > 0 {
+                line.push(',');
+            }
+            let fill = Some(index) == self.sinkage && content(field).is_empty();
+            line.push_str(if fill { sinkage } else { field });
+        }
+        if self.sinkage.is_none() {
+            line.push(',');
+            line.push_str(sinkage);
+        }
+        for result in results {
+            line.push(',');
+            line.push_str(result);
+        }
+        line.push(',');
+        line.push_str(&field(status));
+        line.push('\n');
+        line
+    }
+}

@@ -1,0 +1,187 @@
+//! `curve`: a wheel over a range of slip.
+
+mod figure;
+mod output;
+
+use std::path::PathBuf;
+
+use grouser_terra::{BestSlip, WheelOnSoil};
+use rayon::prelude::*;
+
+use self::output::Frame;
+use crate::error::{Error, Outcome, Result};
+use crate::law_error::Names;
+use crate::operation::{self, Answer, Asked};
+use crate::output_choice::Output;
+use crate::report::Report;
+use crate::session::Session;
+use crate::wheel_choice::WheelArguments;
+use grouser_report::number::{parse_finite, shown};
+
+/// More points than this are no curve any more.
+const MOST_POINTS: i64 = 100_000;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Solve a wheel on a soil over a range of slip",
+    after_help = "Examples:\n  grouser curve --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip-from 0 --slip-to 0.9 --points 10\n  \
+        grouser curve --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 65 --load-n 90 -o curve.svg"
+)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    wheel: WheelArguments,
+    #[command(flatten)]
+    asked: LoadsOrSinkages,
+    /// First slip
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_finite, allow_negative_numbers = true)]
+    slip_from: f64,
+    /// Last slip
+    #[arg(long, value_name = "S", default_value = "0.9", value_parser = parse_finite, allow_negative_numbers = true)]
+    slip_to: f64,
+    /// Number of points, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MOST_POINTS))]
+    points: u32,
+    /// Write a table (.csv) or a figure (.svg, .png); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+/// One kind of the two, once or several times.
+#[derive(clap::Args, Clone, Debug)]
+#[group(required = true)]
+struct LoadsOrSinkages {
+    /// Load that the wheel carries in N; several times for several curves
+    #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
+    load_n: Vec<f64>,
+    /// Sinkage in m; several times for several curves
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    sinkage_m: Vec<f64>,
+}
+
+/// One curve: what it was asked for by, and its points.
+pub(super) struct Family {
+    pub(super) asked: Asked,
+    pub(super) points: Vec<(f64, Answer)>,
+    pub(super) most_pull: Option<BestSlip>,
+    pub(super) most_efficient: Option<BestSlip>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = Output::begin(&arguments.output)?;
+    let (pair, chosen) = arguments.wheel.pair(session)?;
+    let slips = slips(arguments)?;
+    let families: Vec<Family> = asked(&arguments.asked)
+        .map(|asked| family(arguments, &pair, asked, &slips))
+        .collect::<Result<_>>()?;
+
+    let mut text = format!(
+        "{}: wheel of radius {} m, width {} m\n",
+        chosen.name,
+        shown(arguments.wheel.radius_m),
+        shown(arguments.wheel.width_m)
+    );
+    for family in &families {
+        text.push_str(&output::summary(family));
+    }
+    if outputs.is_empty() {
+        text.push_str(&output::table(&families));
+    }
+    let frame = Frame {
+        wheel: &arguments.wheel,
+        pair: &pair,
+        soil: &chosen.name,
+    };
+    for output in outputs {
+        text.push_str(&match output {
+            Output::Table(file) => file.write_whole(frame.csv(&families).as_bytes())?,
+            Output::Figure(target) => target.write(&figure::draw(&chosen.name, &families))?,
+        });
+    }
+    let found = families
+        .iter()
+        .flat_map(|family| &family.points)
+        .any(|(_, a)| a.point.is_some());
+    Ok(Report {
+        outcome: if found {
+            Outcome::Done
+        } else {
+            Outcome::NoResult
+        },
+        object: frame.object(&families),
+        text,
+        failure: (!found).then(|| "no point of the curve has a solution".to_owned()),
+        warnings: Vec::new(),
+    })
+}
+
+fn asked(given: &LoadsOrSinkages) -> impl Iterator<Item = Asked> {
+    let loads = given.load_n.iter().map(|load| Asked::Load(*load));
+    loads.chain(
+        given
+            .sinkage_m
+            .iter()
+            .map(|sinkage| Asked::Sinkage(*sinkage)),
+    )
+}
+
+fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
+    let (from, to) = (arguments.slip_from, arguments.slip_to);
+    for (flag, value) in [("--slip-from", from), ("--slip-to", to)] {
+        if !(-1.0..=1.0).contains(&value) {
+            return Err(Error::usage_without_hint(format!(
+                "`{flag}` is {}, but must lie in [-1, 1]",
+                grouser_report::number::told(value)
+            )));
+        }
+    }
+    if !(from < to) {
+        return Err(Error::usage_without_hint(format!(
+            "`--slip-from` is {}, but must be less than `--slip-to`, {}",
+            grouser_report::number::told(from),
+            grouser_report::number::told(to)
+        )));
+    }
+    let last = arguments.points - 1;
+    let share = |i: u32| f64::from(i) / f64::from(last);
+    // The last point is exactly the one that was asked for.
+    Ok((0..=last)
+        .map(|i| {
+            if i == last {
+                to
+            } else {
+                from + (to - from) * share(i)
+            }
+        })
+        .collect())
+}
+
+fn family(
+    arguments: &Arguments,
+    pair: &WheelOnSoil,
+    asked: Asked,
+    slips: &[f64],
+) -> Result<Family> {
+    let refuse = |error| Names::Flags.error(&error);
+    let points = slips
+        .par_iter()
+        .map(|slip| {
+            let kinematics = arguments.wheel.kinematics(*slip)?;
+            let answer = operation::solve(pair, asked, &kinematics).map_err(refuse)?;
+            Ok((*slip, answer))
+        })
+        .collect::<Result<_>>()?;
+    let straight = arguments.wheel.slip_angle_deg == 0.0;
+    let (most_pull, most_efficient) = match asked {
+        Asked::Load(load) if straight => (
+            pair.slip_of_maximum_pull(load).map_err(refuse)?,
+            pair.slip_of_maximum_efficiency(load).map_err(refuse)?,
+        ),
+        _ => (None, None),
+    };
+    Ok(Family {
+        asked,
+        points,
+        most_pull,
+        most_efficient,
+    })
+}

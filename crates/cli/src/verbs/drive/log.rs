@@ -1,0 +1,158 @@
+//! The log of a drive's sensors, written while it drives: what `estimate` reads.
+
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use grouser_rover::drive::{Frame, Scenario};
+use grouser_rover::sensors::Reading;
+use grouser_slip::Measurement;
+
+use super::mcap::Recording;
+use crate::error::{Error, Result, shown};
+use crate::figure_file::ending;
+use crate::output::OutputFile;
+use grouser_report::number::exact;
+
+/// The file in the making.
+pub(super) struct Log {
+    kind: Kind,
+    path: PathBuf,
+}
+
+enum Kind {
+    Table(Table),
+    Recording(Box<Recording>),
+}
+
+impl Log {
+    /// Begins the file; its ending says its kind.
+    pub(super) fn begin(path: &Path, scenario: &Scenario) -> Result<Self> {
+        let refused = |error: io::Error| Error::file("write", path, &error);
+        let kind = match ending(path).as_deref() {
+            Some("csv") => Table::begin(OutputFile::create(path)?, scenario).map(Kind::Table),
+            Some("mcap") => Recording::begin(OutputFile::create(path)?, scenario)
+                .map(|recording| Kind::Recording(Box::new(recording))),
+            _ => {
+                return Err(Error::usage_without_hint(format!(
+                    "the log {} does not end in `.csv` or `.mcap`",
+                    shown(path)
+                )));
+            }
+        };
+        Ok(Self {
+            kind: kind.map_err(refused)?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// What arrived in one period of the control loop.
+    pub(super) fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
+        match &mut self.kind {
+            Kind::Table(table) => table.add(frame),
+            Kind::Recording(recording) => recording.add(frame),
+        }
+    }
+
+    /// Puts the complete file in its place; gives a line that says so.
+    pub(super) fn finish(self) -> Result<String> {
+        let out = match self.kind {
+            Kind::Table(table) => Ok(table.out),
+            Kind::Recording(recording) => recording.finish(),
+        };
+        out.map_err(|error| Error::file("write", &self.path, &error))?
+            .finish()?;
+        Ok(format!("wrote {}\n", shown(&self.path)))
+    }
+
+    /// What the system says when a write fails.
+    pub(super) fn refused(&self, error: &io::Error) -> Error {
+        Error::file("write", &self.path, error)
+    }
+}
+
+/// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer.
+struct Table {
+    out: OutputFile,
+    last_ns: i64,
+    counts: Vec<Option<u64>>,
+    torques: Vec<Option<f64>>,
+    /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
+    most_torques: Vec<Option<f64>>,
+}
+
+impl Table {
+    fn begin(mut out: OutputFile, scenario: &Scenario) -> io::Result<Self> {
+        let wheels = scenario.robot.robot.wheels();
+        out.write_all(b"time_ms")?;
+        for wheel in wheels {
+            write!(out, ",{}_ticks", wheel.name)?;
+        }
+        let mounts = &scenario.robot.wheels;
+        for mount in mounts.iter().filter(|mount| mount.motor.is_some()) {
+            write!(out, ",{}_torque_nm", mount.name)?;
+        }
+        out.write_all(
+            b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2\n",
+        )?;
+        Ok(Self {
+            out,
+            last_ns: 0,
+            counts: vec![None; wheels.len()],
+            torques: vec![None; wheels.len()],
+            most_torques: mounts
+                .iter()
+                .map(|mount| mount.motor.map(|motor| motor.most_torque()))
+                .collect(),
+        })
+    }
+
+    fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
+        self.counts.fill(None);
+        self.torques.fill(None);
+        let mut time_ns = 0;
+        let mut inertial = [None; 3];
+        for reading in frame.readings {
+            match *reading {
+                Reading::Sample(sample) => {
+                    let Measurement::WheelCount { wheel, raw } = sample.measurement else {
+                        continue;
+                    };
+                    if let Some(slot) = self.counts.get_mut(wheel) {
+                        *slot = Some(raw);
+                    }
+                }
+                Reading::Inertial { force, turning, .. } => {
+                    inertial = [turning.z, force.x, force.y].map(Some);
+                }
+                Reading::Current { wheel, share, .. } => {
+                    if let Some(slot) = self.torques.get_mut(wheel) {
+                        *slot = self.most_torques[wheel].map(|most| share * most);
+                    }
+                }
+                _ => continue,
+            }
+            time_ns = time_ns.max(reading.time_ns());
+        }
+        if time_ns <= self.last_ns {
+            return Ok(());
+        }
+        self.last_ns = time_ns;
+        write!(self.out, "{}", time_ns / 1_000_000)?;
+        for count in &self.counts {
+            match count {
+                Some(count) => write!(self.out, ",{count}")?,
+                None => self.out.write_all(b",")?,
+            }
+        }
+        let torques = self.torques.iter().zip(&self.most_torques);
+        let torques = torques.filter_map(|(torque, most)| most.map(|_| *torque));
+        for value in torques.chain(inertial) {
+            // a table holds numbers; what a broken sensor shows instead is an empty cell
+            match value.filter(|value| value.is_finite()) {
+                Some(value) => write!(self.out, ",{}", exact(value))?,
+                None => self.out.write_all(b",")?,
+            }
+        }
+        self.out.write_all(b"\n")
+    }
+}

@@ -1,0 +1,259 @@
+//! `drive`: a scenario simulated with estimator and controller in the loop.
+
+mod charts;
+mod decisions;
+mod log;
+mod map;
+mod mcap;
+mod object;
+pub(crate) mod optimum;
+mod relief;
+mod report;
+mod text;
+mod track;
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use grouser_rover::drive::{Drive, Outcome as Ending, Pilot, Scenario, read_scenario};
+use rayon::prelude::*;
+
+use self::log::Log;
+use self::track::Track;
+use crate::error::{Error, Result};
+use crate::figure_file::ending;
+use crate::input::Input;
+use crate::output::OutputFile;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::session::Session;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Simulate a drive with estimator and controller in the loop",
+    long_about = "Simulate a drive over soft ground: robot, stresses under each wheel, sensors with their noise and \
+        faults, the slip estimator and the controller in the loop.\n\nThe controller runs at the slip that the \
+        scenario gives, else at the one that the running-slip problem (examples/problems/running-slip.toml) gives for \
+        this wheel, load and soil. docs/drive.md says what is simulated and how far it can be trusted.",
+    after_help = "Examples:\n  grouser drive examples/scenarios/sandbox.toml --report sandbox.html\n  \
+        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,fixed-slip,controller\n  \
+        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller --sweep 50 --json\n  \
+        grouser drive examples/scenarios/sandbox.toml -o drive.mcap"
+)]
+pub(crate) struct Arguments {
+    /// The scenario (.toml)
+    #[arg(value_name = "SCENARIO.toml")]
+    scenario: PathBuf,
+    /// Drive the same ground with each of these: `open-loop`, `fixed-slip`, `controller`
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "controller"
+    )]
+    compare: Vec<String>,
+    /// The seed of ground and noise, instead of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Drive with this many seeds, the first one and those after it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    sweep: u64,
+    /// Write a report that stands alone (.html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Most seeds of a sweep.
+const MOST_SEEDS: u64 = 10_000;
+
+/// One finished drive.
+pub(super) struct Run {
+    pub(super) pilot: Pilot,
+    pub(super) seed: u64,
+    pub(super) result: grouser_rover::drive::DriveResult,
+    /// What was seen on the way, of the first seed.
+    track: Option<Track>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let pilots: Vec<Pilot> = arguments
+        .compare
+        .iter()
+        .map(|name| pilot(name))
+        .collect::<Result<_>>()?;
+    if !(1..=MOST_SEEDS).contains(&arguments.sweep) {
+        return Err(Error::usage_without_hint(format!(
+            "`--sweep` is {}, but must lie in [1, {MOST_SEEDS}]",
+            arguments.sweep
+        )));
+    }
+    let report = page(arguments)?;
+    note_inputs(arguments, session)?;
+    let scenario = read_scenario(&arguments.scenario)?;
+    session.used_input(Input::open(&scenario.robot_file).and_then(|mut input| {
+        std::io::copy(&mut input, &mut std::io::sink())
+            .map_err(|error| Error::file("read", &scenario.robot_file, &error))?;
+        Ok(input)
+    })?);
+    let first = arguments.seed.unwrap_or(scenario.seed);
+    session.used_seed(first);
+    let optimum = match scenario.optimum {
+        Some(slip) => slip,
+        None => optimum::running_slip(&scenario)?,
+    };
+    let log = match &arguments.output {
+        Some(path) => Some(Log::begin(path, &scenario)?),
+        None => None,
+    };
+    let jobs = Jobs {
+        pilots: &pilots,
+        optimum,
+        first,
+        sweep: arguments.sweep,
+    };
+    let (runs, log) = drive_all(&scenario, &jobs, log)?;
+    let mut text = text::text(&scenario, optimum, &runs);
+    let object = object::object(&scenario, optimum, first, &runs);
+    if let Some(log) = log {
+        text.push_str(&log.finish()?);
+    }
+    if let Some(file) = report {
+        let page = report::page(&scenario, optimum, &runs, &session.provenance());
+        text.push_str(&file.write_whole(page.as_bytes())?);
+    }
+    Ok(Report::done(object, text))
+}
+
+fn pilot(name: &str) -> Result<Pilot> {
+    Pilot::ALL
+        .into_iter()
+        .find(|pilot| pilot.name() == name)
+        .ok_or_else(|| {
+            Error::usage(
+                format!("`--compare` names `{name}`, which is no driver"),
+                "drivers are `open-loop`, `fixed-slip` and `controller`",
+            )
+        })
+}
+
+fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
+    let Some(path) = &arguments.report else {
+        return Ok(None);
+    };
+    if !matches!(ending(path).as_deref(), Some("html" | "htm")) {
+        return Err(Error::usage_without_hint(format!(
+            "the report {} does not end in `.html`",
+            path.display()
+        )));
+    }
+    OutputFile::create(path).map(Some)
+}
+
+fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
+    let mut input = Input::open(&arguments.scenario)?;
+    std::io::copy(&mut input, &mut std::io::sink())
+        .map_err(|error| Error::file("read", &arguments.scenario, &error))?;
+    session.used_input(input);
+    Ok(())
+}
+
+/// What is to be driven.
+struct Jobs<'a> {
+    pilots: &'a [Pilot],
+    optimum: f64,
+    first: u64,
+    sweep: u64,
+}
+
+/// Every driver with every seed, on all cores; in the order of drivers, then seeds. The log is of the last driver
+/// and the first seed.
+fn drive_all(
+    scenario: &Scenario,
+    jobs: &Jobs<'_>,
+    log: Option<Log>,
+) -> Result<(Vec<Run>, Option<Log>)> {
+    let first = jobs.first;
+    let list: Vec<(Pilot, u64)> = jobs
+        .pilots
+        .iter()
+        .flat_map(|pilot| (0..jobs.sweep).map(move |i| (*pilot, first.wrapping_add(i))))
+        .collect();
+    let seeds = list.len() / jobs.pilots.len().max(1);
+    let logged = list.len() - seeds;
+    let whole = scenario.duration * list.len() as f64;
+    let progress = Progress::of_drives(whole, list.len());
+    let log = Mutex::new(log);
+    let runs = list
+        .into_par_iter()
+        .enumerate()
+        .map(|(index, (pilot, seed))| {
+            let mut drive = Drive::new(scenario, pilot, jobs.optimum, seed)?;
+            let mut track = (seed == first).then(Track::default);
+            // one run alone holds the lock, for as long as it drives
+            let mut log = (index == logged).then(|| log.lock().ok()).flatten();
+            let mut failed = None;
+            let mut told = 0.0;
+            let result = drive.run(|frame| {
+                if let Some(track) = &mut track {
+                    track.add(frame);
+                }
+                if let Some(log) = log.as_deref_mut().and_then(Option::as_mut)
+                    && let Err(error) = log.add(frame)
+                {
+                    failed = Some(log.refused(&error));
+                    return false;
+                }
+                if frame.time - told >= 1.0 {
+                    progress.drove(
+                        frame.time - told,
+                        frame.speed,
+                        frame.wheels.iter().find_map(|w| w.seen.slip),
+                    );
+                    told = frame.time;
+                }
+                true
+            });
+            progress.drove(scenario.duration - told, 0.0, None);
+            match failed {
+                Some(error) => Err(error),
+                None => Ok(Run {
+                    pilot,
+                    seed,
+                    result,
+                    track,
+                }),
+            }
+        })
+        .collect::<Result<Vec<Run>>>()?;
+    Ok((runs, log.into_inner().ok().flatten()))
+}
+
+/// How many of the runs of a driver ended so.
+pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Ending) -> usize {
+    runs.iter()
+        .filter(|run| run.pilot == pilot && run.result.outcome == outcome)
+        .count()
+}
+
+/// The drivers in the order that they were asked for, each once.
+pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
+    let mut pilots: Vec<Pilot> = Vec::new();
+    for run in runs {
+        if !pilots.contains(&run.pilot) {
+            pilots.push(run.pilot);
+        }
+    }
+    pilots
+}
+
+impl From<grouser_rover::Error> for Error {
+    fn from(error: grouser_rover::Error) -> Self {
+        match error {
+            grouser_rover::Error::File(error) => error.into(),
+            error => Self::usage_without_hint(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! `drive` as text.
+
+use std::fmt::Write as _;
+
+use grouser_rover::drive::{Outcome, Pilot, Scenario};
+
+use super::{Run, count, pilots};
+use grouser_report::number::rounded;
+
+/// Decisions that are printed; the report and the JSON hold all.
+const SHOWN: usize = 20;
+
+pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
+    let mut out = format!(
+        "{}\nrobot {}, slip to run at {}\n\n",
+        scenario.title,
+        scenario.robot.robot.name(),
+        rounded(optimum, 3)
+    );
+    // writing to a string cannot fail
+    let _ = writeln!(
+        out,
+        "{:<11} {:>8} {:<13} {:>8} {:>7} {:>9} {:>7} {:>10} {:>9}",
+        "driver",
+        "seed",
+        "outcome",
+        "distance",
+        "time",
+        "energy",
+        "per m",
+        "worst slip",
+        "slip rmse"
+    );
+    let dash = || "—".to_owned();
+    for run in runs {
+        let result = &run.result;
+        let _ = writeln!(
+            out,
+            "{:<11} {:>8} {:<13} {:>6.2} m {:>5.0} s {:>7.0} J {:>7} {:>10.2} {:>9}",
+            run.pilot.name(),
+            run.seed,
+            result.outcome.name(),
+            result.distance,
+            result.duration,
+            result.energy,
+            result
+                .energy_per_metre()
+                .map_or_else(dash, |e| format!("{e:.0}")),
+            result.worst_slip,
+            result
+                .slip
+                .rmse
+                .map_or_else(dash, |rmse| format!("{rmse:.3}")),
+        );
+    }
+    let drivers = pilots(runs);
+    if runs.len() > drivers.len() {
+        out.push('\n');
+        for pilot in &drivers {
+            let _ = writeln!(out, "{}", summary(runs, *pilot));
+        }
+    }
+    decisions(scenario, runs, &mut out);
+    out
+}
+
+/// How a driver fared over all seeds.
+pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
+    let own: Vec<&Run> = runs.iter().filter(|run| run.pilot == pilot).collect();
+    let mut energies: Vec<f64> = own
+        .iter()
+        .filter_map(|run| run.result.energy_per_metre())
+        .collect();
+    energies.sort_by(f64::total_cmp);
+    let median = energies.get(energies.len() / 2);
+    format!(
+        "{}: {} of {} arrived, {} immobilised; median energy {} J/m",
+        pilot.name(),
+        count(runs, pilot, Outcome::Arrived),
+        own.len(),
+        count(runs, pilot, Outcome::Immobilised),
+        median.map_or_else(|| "—".to_owned(), |e| format!("{e:.0}")),
+    )
+}
+
+fn decisions(scenario: &Scenario, runs: &[Run], out: &mut String) {
+    let Some(run) = runs
+        .iter()
+        .rev()
+        .find(|run| run.track.is_some() && !run.result.decisions.is_empty())
+    else {
+        return;
+    };
+    let _ = writeln!(
+        out,
+        "\nDecisions of the {} (seed {}):",
+        run.pilot.name(),
+        run.seed
+    );
+    let wheels = scenario.robot.robot.wheels();
+    for named in run.result.decisions.iter().take(SHOWN) {
+        let wheel = named.decision.wheel.and_then(|index| wheels.get(index));
+        let of = wheel.map_or_else(String::new, |wheel| format!("  {}", wheel.name));
+        let _ = writeln!(out, "{:>7.2} s  {}{of}", named.time, named.decision);
+    }
+    let more = run.result.decision_count.saturating_sub(SHOWN as u64);
+    if more > 0 {
+        let _ = writeln!(out, "  … and {more} more (--json, --report)");
+    }
+}

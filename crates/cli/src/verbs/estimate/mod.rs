@@ -1,0 +1,345 @@
+//! `estimate`: slip per wheel from a recorded log.
+
+mod calibration;
+mod figure;
+mod mcap;
+mod object;
+mod output;
+mod text;
+
+use std::ffi::OsString;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use grouser_files::columns::{self, ColumnMap};
+use grouser_files::robot::{self, RobotFile, WheelSensor};
+use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
+use grouser_replay::{
+    Method, Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+};
+use grouser_slip::Reference;
+
+use self::object::object;
+use self::output::Outputs;
+use self::text::text;
+use crate::error::{Error, Outcome, Result};
+use crate::input::Input;
+use crate::law_error::Names;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::session::Session;
+use crate::soil_choice::{self, Overrides};
+use crate::verbs::log::printable;
+use grouser_report::number::parse_finite;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Tell the slip of every wheel from a recorded log",
+    after_help = "A LOG is a file (MCAP, a ROS 1 bag, or CSV, plain or gzip), a folder, or the beginning that the names of one \
+        run's files share.\n\nExample:\n  grouser estimate examples/five-wheel/log.csv --robot \
+        examples/five-wheel/robot.toml --soil dry-sand -o slip.svg"
+)]
+pub(crate) struct Arguments {
+    /// The log: files of one run, a folder, or the beginning of several names
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// The robot file
+    #[arg(long, value_name = "R.toml")]
+    robot: PathBuf,
+    /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
+    #[arg(long, value_name = "C.toml")]
+    map: Option<PathBuf>,
+    /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
+    #[arg(short, long, value_name = "OUT")]
+    output: Vec<PathBuf>,
+    /// Put the slips on this soil: a key of the catalogue, or a file when it contains `/` or `.`
+    #[arg(long, value_name = "KEY|FILE")]
+    soil: Option<OsString>,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// What tells how fast the robot travels; the robot file's unless told
+    #[arg(long, value_name = "NAME", value_parser = reference)]
+    reference: Option<Reference>,
+    /// What finds the slips: `filter`, or means over windows; the filter, up to 8 wheels, unless told
+    #[arg(long, value_name = "filter|window", value_parser = method)]
+    method: Option<Method>,
+    /// Run the filter forward and backward: every slip is then what the whole log says of it
+    #[arg(long)]
+    smooth: bool,
+    /// By what the wheels are measured; the robot file's unless told
+    #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
+    wheel_sensor: Option<WheelSensor>,
+    /// Take means over this time in s; the robot file's unless told
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    window_s: Option<f64>,
+    /// Leave out what comes before this time in s
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    from_s: Option<f64>,
+    /// Leave out what comes after this time in s
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    to_s: Option<f64>,
+    /// Write the robot file with the radius at which these logs, runs without slip, show none
+    #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil"])]
+    calibrate_radius: Option<PathBuf>,
+}
+
+fn reference(name: &str) -> std::result::Result<Reference, String> {
+    let mut all = Reference::ALL.into_iter();
+    all.find(|reference| reference.name() == name)
+        .ok_or_else(|| {
+            let names = Reference::ALL.map(Reference::name);
+            format!("must be one of {}", names.join(", "))
+        })
+}
+
+fn method(name: &str) -> std::result::Result<Method, String> {
+    let mut all = Method::NAMES.into_iter();
+    all.find(|(other, _)| *other == name)
+        .map(|(_, method)| method)
+        .ok_or_else(|| "must be one of filter, window".to_owned())
+}
+
+fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
+    let mut all = WheelSensor::NAMES.into_iter();
+    all.find(|(other, _)| *other == name)
+        .map(|(_, sensor)| sensor)
+        .ok_or_else(|| "must be one of count, angle, rate".to_owned())
+}
+
+/// What a log is read with.
+pub(super) struct Asked {
+    pub(super) robot: RobotFile,
+    pub(super) map: Option<ColumnMap>,
+    pub(super) options: Options,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let asked = asked(arguments, session)?;
+    if let Some(target) = &arguments.calibrate_radius {
+        return calibration::run(&arguments.logs, &arguments.robot, &asked, target, session);
+    }
+    let soil = arguments.soil.as_deref().map(|soil| {
+        let chosen = soil_choice::choose(soil, &arguments.overrides)?;
+        session.used_soil(&chosen, &arguments.overrides);
+        Ok::<_, Error>(chosen)
+    });
+    let soil = soil.transpose()?;
+    let log = asked.log(&arguments.logs)?;
+    let wheels = asked.robot.robot.wheels();
+    let mut outputs = Outputs::begin(&arguments.output, wheels)?;
+    // Clocks are aligned in a pass of their own.
+    let passes = if log.unaligned_sources().is_empty() {
+        1
+    } else {
+        2
+    };
+    let progress = Progress::of_bytes(Some(log.bytes() * passes));
+    let mut watched = Watched {
+        log: &log,
+        progress: &progress,
+        outputs: &mut outputs,
+    };
+    let summary = run_with(&log, &asked.robot, &asked.options, &mut watched);
+    drop(progress);
+    let summary = summary.map_err(|error| outputs.error(error))?;
+    for file in log.files() {
+        note_input(session, file)?;
+    }
+    let readings = match &soil {
+        Some(chosen) => {
+            soil_readings(&summary, &asked.robot.robot, &chosen.soil).map_err(replay_error)?
+        }
+        None => Vec::new(),
+    };
+    let mut text = text(
+        &asked.robot,
+        &summary,
+        soil.as_ref().map(|s| s.name.as_str()),
+        &readings,
+    );
+    text.push_str(&topics(&log));
+    text.push_str(&outputs.finish(&asked.robot, &summary)?);
+    Ok(Report {
+        outcome: match summary.status {
+            Status::Done => Outcome::Done,
+            _ => Outcome::NoResult,
+        },
+        object: object(&summary, &log, &readings),
+        text,
+        failure: failure(&summary),
+        warnings: warnings(&summary, &log, &arguments.logs, &readings),
+    })
+}
+
+/// The outputs, with the progress shown on the way.
+struct Watched<'a> {
+    log: &'a Log,
+    progress: &'a Progress,
+    outputs: &'a mut Outputs,
+}
+
+impl Take for Watched<'_> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        self.progress.reach(self.log.bytes_read());
+        self.outputs.row(row)
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.outputs.step(step)
+    }
+}
+
+fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
+    let robot = robot::read(&arguments.robot).map_err(|error| file_error(&error))?;
+    note_input(session, &arguments.robot)?;
+    let map = column_map(arguments, &robot, session)?;
+    Ok(Asked {
+        robot,
+        map,
+        options: Options {
+            method: arguments.method,
+            smooth: arguments.smooth,
+            reference: arguments.reference,
+            wheel_sensor: arguments.wheel_sensor,
+            window_s: arguments.window_s,
+            from_s: arguments.from_s,
+            to_s: arguments.to_s,
+        },
+    })
+}
+
+/// The column map: as told, else the robot file's own, else the one beside it; bags need none.
+fn column_map(
+    arguments: &Arguments,
+    robot: &RobotFile,
+    session: &mut Session,
+) -> Result<Option<ColumnMap>> {
+    let beside = arguments.robot.with_file_name("columns.toml");
+    let path = match &arguments.map {
+        Some(path) => path,
+        None if robot.columns.is_some() => return Ok(robot.columns.clone()),
+        None if beside.exists() => &beside,
+        None if !Log::needs_columns(&arguments.logs).map_err(log_error)? => return Ok(None),
+        None => {
+            return Err(Error::usage(
+                "no column map is given, and there is no `columns.toml` beside the robot file",
+                "`--map C.toml` says what the log's columns mean; `grouser log info LOG --suggest-robot` \
+                 proposes one",
+            ));
+        }
+    };
+    let columns = columns::read(path).map_err(|error| file_error(&error))?;
+    note_input(session, path)?;
+    Ok(Some(columns))
+}
+
+impl Asked {
+    /// The log at these paths.
+    pub(super) fn log(&self, paths: &[PathBuf]) -> Result<Log> {
+        Log::find_any(paths, self.map.clone(), &self.robot.topics).map_err(log_error)
+    }
+}
+
+/// Reads a file once more for its hash.
+pub(super) fn note_input(session: &mut Session, path: &Path) -> Result<()> {
+    let mut input = Input::open(path)?;
+    io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
+    session.used_input(input);
+    Ok(())
+}
+
+/// The topics that were used of bags and MCAP files; of tables the column map says it.
+fn topics(log: &Log) -> String {
+    let one = |used: UsedTopic| format!("{}: {}\n", printable(&used.topic), used.used_for);
+    let lines: Vec<String> = log.topics().map(one).collect();
+    if lines.is_empty() {
+        String::new()
+    } else {
+        format!("\n{}", lines.concat())
+    }
+}
+
+fn failure(summary: &Summary) -> Option<String> {
+    (summary.status == Status::NoSlip).then(|| {
+        format!(
+            "no wheel has a slip: in {:.3} s nothing moved enough for a window of {} s",
+            summary.duration_s, summary.window_s
+        )
+    })
+}
+
+fn warnings(
+    summary: &Summary,
+    log: &Log,
+    named: &[PathBuf],
+    readings: &[SoilReading],
+) -> Vec<String> {
+    let mut out = Vec::new();
+    if summary.reference == Reference::Grip {
+        out.push(
+            "slip counts from the wheel that grips best: which wheel slips is not observable here"
+                .to_owned(),
+        );
+    }
+    if summary.rejected.total() > 0 {
+        out.push(format!(
+            "{} samples were rejected",
+            summary.rejected.total()
+        ));
+    }
+    out.extend(log.notes().iter().cloned());
+    let left_out = log.left_out();
+    if left_out.damages > 0 {
+        out.push(format!(
+            "{} places of the log are damaged, {} bytes are lost in them",
+            left_out.damages, left_out.bytes_lost
+        ));
+    }
+    if left_out.undecoded > 0 {
+        out.push(format!(
+            "{} messages could not be decoded: {}",
+            left_out.undecoded,
+            left_out.problem.unwrap_or_default()
+        ));
+    }
+    if left_out.late > 0 {
+        out.push(format!(
+            "{} messages came more than {LOOK_AHEAD} messages too late and were left out",
+            left_out.late
+        ));
+    }
+    // What else lies in a folder is no matter.
+    for file in log.unused().iter().filter(|file| named.contains(file)) {
+        out.push(format!(
+            "{} fits no table of the column map",
+            file.display()
+        ));
+    }
+    for reading in readings {
+        for caution in &reading.cautions {
+            out.push(format!("{}: {caution}", reading.wheel));
+        }
+    }
+    out
+}
+
+pub(super) fn file_error(error: &grouser_files::Error) -> Error {
+    Error::Usage {
+        message: error.to_string(),
+        hint: error.hint(),
+    }
+}
+
+pub(super) fn log_error(error: grouser_log::Error) -> Error {
+    replay_error(error.into())
+}
+
+pub(super) fn replay_error(error: grouser_replay::Error) -> Error {
+    match error {
+        grouser_replay::Error::Soil(error) => Names::Columns.error(&error),
+        error => Error::Usage {
+            message: error.to_string(),
+            hint: error.hint(),
+        },
+    }
+}

@@ -1,0 +1,118 @@
+//! `identify`: a soil from plate, shear and wheel tests.
+
+mod figure;
+pub(crate) mod text;
+
+use std::path::{Path, PathBuf};
+
+use grouser_files::{Document, soil};
+use grouser_identify::{Identification, Job, identify};
+
+use crate::error::{Error, Outcome, Result, shown};
+use crate::figure_file::{Target, ending};
+use crate::input::Input;
+use crate::law_error::Names;
+use crate::output::OutputFile;
+use crate::report::Report;
+use crate::session::Session;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Find a soil's numbers from plate, shear and wheel tests",
+    long_about = "Find a soil's numbers from plate, shear and wheel tests, with their 95 % intervals, and write a \
+        soil file that every other verb reads.\n\nThe file names the tests (tables with units in their column names, \
+        or a bag with the force and a text file with the depth), what is known besides, and which numbers the wheel \
+        tests are to tell. What the data cannot tell is said by name. docs/bevameter.md goes through one.",
+    after_help = "Example:\n  grouser identify examples/bevameter/tests.toml -o sand.toml --figure residuals.svg\n  \
+        grouser wheel --soil sand.toml --radius-m 0.1 --width-m 0.06 --load-n 60 --slip 0.2"
+)]
+pub(crate) struct Arguments {
+    /// The file that names the tests
+    #[arg(value_name = "TESTS.toml")]
+    tests: PathBuf,
+    /// Write the soil file (.toml)
+    #[arg(short, long, value_name = "SOIL.toml")]
+    output: Option<PathBuf>,
+    /// Draw tests and residuals (.svg, .png); may be given again
+    #[arg(long, value_name = "FILE")]
+    figure: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let document = Document::read(&arguments.tests)?;
+    session.used_document(&document);
+    let job = Job::read(&document)?;
+    let figures: Vec<Target> = arguments
+        .figure
+        .iter()
+        .map(|path| Target::of(path))
+        .collect::<Result<_>>()?;
+    let output = arguments.output.as_deref().map(soil_output).transpose()?;
+    for file in job.files() {
+        note_input(file, session)?;
+    }
+    if let Some(wheel) = &job.wheel {
+        session.used_seed(wheel.starts.seed);
+    }
+    let found = identify(&job)?;
+    let mut text = text::text(&found);
+    if let Some(output) = output {
+        text.push_str(&output.write_whole(soil_text(&job, &found)?.as_bytes())?);
+    }
+    for target in figures {
+        text.push_str(&target.write(&figure::draw(&found))?);
+    }
+    let failure = found
+        .wheel
+        .as_ref()
+        .filter(|stage| !stage.status.is_solved())
+        .map(|stage| {
+            format!(
+                "the search for the wheel's numbers ended with `{}`",
+                stage.status.key()
+            )
+        });
+    Ok(Report {
+        outcome: if failure.is_none() {
+            Outcome::Done
+        } else {
+            Outcome::NoResult
+        },
+        object: text::object(&found),
+        text,
+        failure,
+        warnings: text::warnings(&found),
+    })
+}
+
+fn soil_output(path: &Path) -> Result<OutputFile> {
+    if ending(path).as_deref() != Some("toml") {
+        return Err(Error::usage(
+            format!("{} does not end in `.toml`", shown(path)),
+            "a soil is written as TOML; tests and residuals are drawn with `--figure`",
+        ));
+    }
+    OutputFile::create(path)
+}
+
+/// The soil file's text; what nobody told is asked for by name.
+fn soil_text(job: &Job, found: &Identification) -> Result<String> {
+    let missing = found.missing();
+    if !missing.is_empty() {
+        return Err(Error::usage(
+            format!("the tests do not tell {}", missing.join(", ")),
+            "state them in [soil], or add tests that tell them",
+        ));
+    }
+    let (file, remarks) = found.soil_file(job);
+    let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
+    soil::text(&file, &remarks).map_err(|error| Names::Flags.error(&error))
+}
+
+fn note_input(file: &Path, session: &mut Session) -> Result<()> {
+    let mut input = Input::open(file)?;
+    std::io::copy(&mut input, &mut std::io::sink())
+        .map_err(|error| Error::file("read", file, &error))?;
+    session.used_input(input);
+    Ok(())
+}

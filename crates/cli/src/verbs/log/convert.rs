@@ -1,0 +1,221 @@
+//! `log convert`: a log in another format.
+
+use std::path::{Path, PathBuf};
+
+use grouser_files::columns;
+use grouser_log::Log;
+use grouser_log::container::{Container, Event, Format};
+use grouser_log::write::{SampleWriter, copy, verify, write_table};
+use serde_json::Value;
+
+use super::{copied_object, copied_text, copy_error, keyed, refuse_same, target};
+use crate::error::{Error, Outcome, Result, shown};
+use crate::output::OutputFile;
+use crate::progress::Progress;
+use crate::report::Report;
+use crate::session::Session;
+use crate::verbs::estimate::{file_error, log_error, note_input};
+
+#[derive(clap::Args, Debug)]
+#[command(
+    after_help = "A bag becomes MCAP with its messages as they are (encoding `ros1`), and back. One topic \
+        becomes a table. A table becomes MCAP of ROS 2 messages through its column map.\n\nExamples:\n  \
+        grouser log convert examples/five-wheel/log.mcap imu.csv --topic /imu\n  grouser log convert \
+        examples/five-wheel/log.csv run.mcap"
+)]
+pub(super) struct Arguments {
+    /// The log: MCAP, a ROS 1 bag, or a table with a column map
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// The new file: .mcap, .bag, or .csv for one topic
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// The topic that becomes a table; needed where there are several
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+    /// What the columns of a table mean; `columns.toml` beside the log unless told
+    #[arg(long, value_name = "C.toml")]
+    map: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let (file, path) = (&arguments.file, &arguments.output);
+    let format = target(path)?;
+    refuse_same(file, path)?;
+    // What is not there may be the beginning of several names, of tables.
+    let kind = if file.exists() {
+        Container::kind(file).map_err(log_error)?
+    } else {
+        None
+    };
+    if kind.is_some() && arguments.map.is_some() {
+        return Err(Error::usage_without_hint(
+            "`--map` is for tables: an MCAP file or a bag says itself what it holds",
+        ));
+    }
+    match (kind, format) {
+        (Some(_), Some(format)) => {
+            if arguments.topic.is_some() {
+                return Err(Error::usage_without_hint(
+                    "`--topic` chooses the topic of a table",
+                ));
+            }
+            whole(file, path, format, session)
+        }
+        (Some(_), None) => table(arguments, session),
+        (None, Some(Format::Mcap)) => readings(arguments, session),
+        (None, _) => Err(Error::usage(
+            format!("a table does not become {}", shown(path)),
+            "through its column map it becomes `.mcap`",
+        )),
+    }
+}
+
+/// Message by message.
+fn whole(file: &Path, path: &Path, format: Format, session: &mut Session) -> Result<Report> {
+    let mut output = OutputFile::create(path)?;
+    let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
+    let copied = copy(file, &mut output, format, |offset| progress.reach(offset));
+    let copied = copied.map_err(|error| copy_error(error, path))?;
+    drop(progress);
+    verify(output.unfinished()?, &copied).map_err(|error| copy_error(error, path))?;
+    output.finish()?;
+    note_input(session, file)?;
+    let mut report = Report::done(copied_object(&copied, path), copied_text(&copied, path));
+    if copied.is_partial() {
+        report.outcome = Outcome::Partial;
+    }
+    Ok(report)
+}
+
+/// One topic as a table.
+fn table(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let (file, path) = (&arguments.file, &arguments.output);
+    let topic = match &arguments.topic {
+        Some(topic) => topic.clone(),
+        None => only_topic(file)?,
+    };
+    let mut output = OutputFile::create(path)?;
+    let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
+    let written = write_table(file, &topic, &mut output, |offset| progress.reach(offset));
+    let written = written.map_err(|error| copy_error(error, path))?;
+    drop(progress);
+    output.finish()?;
+    note_input(session, file)?;
+    let left_out = &written.left_out;
+    let mut report = Report::done(
+        keyed([
+            ("output", Value::from(path.display().to_string())),
+            ("topic", Value::from(topic.as_str())),
+            ("rows", Value::from(written.rows)),
+            ("columns", Value::from(written.columns)),
+            ("values_without_column", Value::from(written.without_column)),
+            ("undecoded", Value::from(left_out.undecoded)),
+            ("late", Value::from(left_out.late)),
+            ("damage_count", Value::from(left_out.damages)),
+            ("bytes_lost", Value::from(left_out.bytes_lost)),
+        ]),
+        format!(
+            "wrote {}: {} rows of {} columns\n",
+            shown(path),
+            written.rows,
+            written.columns
+        ),
+    );
+    let lost = [
+        (
+            written.without_column,
+            "values have no column: the first message says which there are",
+        ),
+        (left_out.undecoded, "messages could not be decoded"),
+        (
+            left_out.late,
+            "messages came too late for the order of time",
+        ),
+        (
+            left_out.damages,
+            "places of the file are damaged; `log info` lists them",
+        ),
+    ];
+    for (count, what) in lost.into_iter().filter(|(count, _)| *count > 0) {
+        report.warnings.push(format!("{count} {what}"));
+        report.outcome = Outcome::Partial;
+    }
+    Ok(report)
+}
+
+/// The topic of a file that has only one.
+fn only_topic(file: &Path) -> Result<String> {
+    let mut container = Container::open(file).map_err(log_error)?;
+    let mut topics: Vec<String> = Vec::new();
+    while let Some(event) = container.next() {
+        if let Event::Message(message) = event
+            && !topics.contains(&message.of.topic)
+        {
+            topics.push(message.of.topic.clone());
+        }
+    }
+    match topics.as_slice() {
+        [one] => Ok(one.clone()),
+        [] => Err(Error::usage_without_hint(format!(
+            "{} holds no messages",
+            shown(file)
+        ))),
+        several => Err(Error::usage(
+            format!(
+                "{} holds {} topics, but a table is of one",
+                shown(file),
+                several.len()
+            ),
+            format!("`--topic` chooses one of {}", several.join(", ")),
+        )),
+    }
+}
+
+/// A table through its column map.
+fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let (file, path) = (&arguments.file, &arguments.output);
+    let beside = file.with_file_name("columns.toml");
+    let map = arguments.map.as_deref().unwrap_or(&beside);
+    if arguments.map.is_none() && !beside.exists() {
+        return Err(Error::usage(
+            format!(
+                "{} is a table, but no column map is given and there is no `columns.toml` beside it",
+                shown(file)
+            ),
+            "`--map C.toml` says what the log's columns mean",
+        ));
+    }
+    let columns = columns::read(map).map_err(|error| file_error(&error))?;
+    note_input(session, map)?;
+    let log = Log::find(std::slice::from_ref(file), columns).map_err(log_error)?;
+    let mut output = OutputFile::create(path)?;
+    let written = |error| Error::file("write", path, &error);
+    let mut writer = SampleWriter::new(&mut output, log.wheels()).map_err(written)?;
+    let progress = Progress::of_bytes(Some(log.bytes()));
+    let mut records = 0_u64;
+    for sample in log.samples(&[]).map_err(log_error)? {
+        writer
+            .sample(&sample.map_err(log_error)?)
+            .map_err(written)?;
+        records += 1;
+        progress.reach(log.bytes_read());
+    }
+    drop(progress);
+    let (_, messages) = writer.finish().map_err(written)?;
+    output.finish()?;
+    for file in log.files() {
+        note_input(session, file)?;
+    }
+    Ok(Report::done(
+        keyed([
+            ("output", Value::from(path.display().to_string())),
+            ("records", Value::from(records)),
+            ("messages", Value::from(messages)),
+        ]),
+        format!(
+            "wrote {}: {messages} messages of {records} readings\n",
+            shown(path)
+        ),
+    ))
+}

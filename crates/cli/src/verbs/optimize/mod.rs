@@ -1,0 +1,159 @@
+//! `optimize`: the best compromise of a problem file, or its whole front.
+
+mod csv;
+mod figure;
+mod object;
+mod text;
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use grouser_design::{Answer, Design, Optimum, Trade, parse};
+use grouser_files::Document;
+use grouser_opt::{Limit, Status};
+
+use crate::error::{Error, Outcome, Result};
+use crate::output_choice::Output;
+use crate::report::Report;
+use crate::session::Session;
+use grouser_report::number::{shown, told};
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Solve a problem file: minimax, goal attainment, utility or Pareto",
+    long_about = "Solve a problem file: minimax, goal attainment, a weighted or Chebyshev utility, or the Pareto \
+        front.\n\nThe file names variables, objectives and constraints; both are formulas over the variables and over \
+        quantities of a wheel on soil, such as drawbar_pull_n or slip_demand. Derivatives are exact. The answer \
+        comes with what holds it there: the multipliers of objectives and constraints.",
+    after_help = "Examples:\n  grouser optimize examples/problems/dry-sand-wheel.toml\n  \
+        grouser optimize examples/problems/paper.toml --json\n  \
+        grouser optimize examples/problems/pull-against-torque.toml -o front.csv -o front.svg"
+)]
+pub(crate) struct Arguments {
+    /// The problem file
+    #[arg(value_name = "PROBLEM.toml")]
+    problem: PathBuf,
+    /// Write a table (.csv: the front, or every start) or a figure (.svg, .png); may be given again
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let document = Document::read(&arguments.problem)?;
+    session.used_document(&document);
+    let design = parse(&document)?;
+    let outputs = Output::begin(&arguments.output)?;
+    if design.draws() {
+        session.used_seed(design.seed);
+    }
+    if let Some(key) = &design.soil {
+        session.used_catalogue_soil(key);
+    }
+    let answer = design.solve(&mut |_| ControlFlow::Continue(()))?;
+    let failure = match &answer {
+        Answer::Optimum(optimum) => complaint(&design, optimum),
+        Answer::Trade(trade) => no_front(trade),
+        _ => None,
+    };
+    let mut text = text::text(&design, &answer);
+    for output in outputs {
+        text.push_str(&match output {
+            Output::Table(file) => file.write_whole(csv::csv(&design, &answer).as_bytes())?,
+            Output::Figure(target) => target.write(&figure::draw(&design, &answer))?,
+        });
+    }
+    let warnings = match &answer {
+        Answer::Optimum(optimum) => warnings(optimum),
+        _ => Vec::new(),
+    };
+    Ok(Report {
+        outcome: if failure.is_none() {
+            Outcome::Done
+        } else {
+            Outcome::NoResult
+        },
+        object: object::object(&design, &answer),
+        text,
+        failure,
+        warnings,
+    })
+}
+
+impl From<grouser_design::Error> for Error {
+    fn from(error: grouser_design::Error) -> Self {
+        match error {
+            grouser_design::Error::File(error) => error.into(),
+            error => Self::Usage {
+                hint: error.hint(),
+                message: error.to_string(),
+            },
+        }
+    }
+}
+
+/// Why there is no solution; `None` where there is one.
+fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
+    match &optimum.status {
+        status if status.is_solved() => None,
+        Status::NoFeasiblePoint(violations) => {
+            let list: Vec<String> = violations
+                .iter()
+                .map(|v| format!("`{}` by {}", v.name, shown(v.amount)))
+                .collect();
+            Some(format!(
+                "no point meets all constraints; the least-infeasible one found violates {}",
+                list.join(", ")
+            ))
+        }
+        Status::NotFinite { function } => Some(match design.no_value(&optimum.x) {
+            Some(reason) => format!("`{function}` has no value where the search must go: {reason}"),
+            None => {
+                format!("`{function}` or its derivative is not finite where the search must go")
+            }
+        }),
+        Status::Limit(Limit::Iterations) => Some(format!(
+            "no convergence within {} iterations (`max_iterations` in [settings])",
+            told(design.settings.max_iterations as f64)
+        )),
+        Status::Limit(_) => Some(format!(
+            "no convergence within {} evaluations (`max_values` in [settings])",
+            told(design.settings.max_values as f64)
+        )),
+        Status::Unbounded => {
+            Some("the objective falls without limit; a bound or a constraint is missing".to_owned())
+        }
+        Status::Stalled => Some(
+            "no step improves on the point, yet it is no optimum: a function has a kink there"
+                .to_owned(),
+        ),
+        _ => Some("the solve was stopped".to_owned()),
+    }
+}
+
+fn no_front(trade: &Trade) -> Option<String> {
+    trade.points.is_empty().then(|| {
+        format!(
+            "no point that meets all constraints was found; the nearest violates them by {}",
+            shown(trade.violation)
+        )
+    })
+}
+
+fn warnings(optimum: &Optimum) -> Vec<String> {
+    let mut list = Vec::new();
+    if optimum.is_ambiguous {
+        list.push("several different points are equally good: the answer is not unique".to_owned());
+    }
+    let unsolved = optimum
+        .starts
+        .iter()
+        .filter(|start| !start.status.is_solved())
+        .count();
+    if unsolved > 0 && optimum.starts.len() > 1 {
+        list.push(format!(
+            "{unsolved} of {} starts led to no solution",
+            optimum.starts.len()
+        ));
+    }
+    list
+}

@@ -1,0 +1,257 @@
+//! What `optimize` tells people: the compromise, what binds it, the trade-off in words.
+
+use std::fmt::Write as _; // writing to a string cannot fail
+
+use grouser_design::{Answer, Design, Optimum, Task, Trade};
+
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
+
+/// A share below this does not count in words.
+const SMALL: f64 = 1e-6;
+/// So many optima are listed.
+const MOST_OPTIMA: usize = 20;
+/// So many points of a front are listed, the knee aside.
+const POINTS_SHOWN: usize = 11;
+
+pub(super) fn text(design: &Design, answer: &Answer) -> String {
+    let mut text = String::new();
+    if let Some(title) = &design.title {
+        let _ = writeln!(text, "{title}");
+    }
+    match answer {
+        Answer::Optimum(optimum) => of_optimum(&mut text, design, optimum),
+        Answer::Trade(trade) => of_trade(&mut text, design, trade),
+        _ => {}
+    }
+    text
+}
+
+fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
+    let _ = writeln!(
+        text,
+        "{}, {}: {} iterations, {} evaluations, {} with derivatives\n",
+        design.task.name(),
+        optimum.status.name().replace('_', " "),
+        optimum.counts.iterations,
+        optimum.counts.values,
+        optimum.counts.jacobians,
+    );
+    let mut table = Table::new()
+        .text("variable")
+        .number("value")
+        .text("unit")
+        .text("held by");
+    for (i, variable) in design.variables.iter().enumerate() {
+        let (lower, upper) = optimum.bound_multipliers[i];
+        let held = match (lower > 0.0, upper > 0.0) {
+            (true, _) => format!("its lower bound, {}", shown(variable.lower)),
+            (_, true) => format!("its upper bound, {}", shown(variable.upper)),
+            _ => String::new(),
+        };
+        table.row([
+            variable.name.as_str(),
+            &shown(optimum.x[i]),
+            &design.units[i],
+            &held,
+        ]);
+    }
+    text.push_str(&table.render());
+    text.push('\n');
+    let mut table = Table::new()
+        .text("objective")
+        .number("value")
+        .number("multiplier");
+    for ((name, value), (_, share)) in optimum
+        .objectives
+        .iter()
+        .zip(&optimum.objective_multipliers)
+    {
+        table.row([name.as_str(), &shown(*value), &rounded(*share, 4)]);
+    }
+    text.push_str(&table.render());
+    let _ = writeln!(text, "greatest: {}", shown(optimum.maximum));
+    if let Some(gamma) = optimum.attainment {
+        let _ = writeln!(
+            text,
+            "attainment γ = {}: {}",
+            shown(gamma),
+            if gamma <= 0.0 {
+                "every goal is reached"
+            } else {
+                "the goals are missed by γ times their weights"
+            }
+        );
+    }
+    if !optimum.constraint_multipliers.is_empty() {
+        text.push('\n');
+        let mut table = Table::new()
+            .text("constraint")
+            .number("multiplier")
+            .text("");
+        for (name, price) in &optimum.constraint_multipliers {
+            let (own, world) = name.split_once(" @ ").unwrap_or((name, ""));
+            let mut listed = design.constraint_name(own);
+            if !world.is_empty() {
+                listed = format!("{listed} @ {world}");
+            }
+            let binds = optimum.active.contains(&listed);
+            table.row([
+                name.as_str(),
+                &rounded(*price, 4),
+                if binds { "binds" } else { "" },
+            ]);
+        }
+        text.push_str(&table.render());
+    }
+    for line in trade_off(optimum) {
+        let _ = writeln!(text, "{line}");
+    }
+    if optimum.starts.len() > 1 {
+        of_starts(text, design, optimum);
+    }
+}
+
+/// First-order exchange between the objectives that carry weight: Σ λ_i s_i df_i = 0 along the front.
+fn trade_off(optimum: &Optimum) -> Vec<String> {
+    if !optimum.status.is_solved() {
+        return Vec::new();
+    }
+    let held: Vec<(&str, f64, f64)> = optimum
+        .objectives
+        .iter()
+        .zip(&optimum.objective_multipliers)
+        .zip(&optimum.objective_scales)
+        .filter(|((_, (_, share)), _)| *share > SMALL)
+        .map(|(((name, f), (_, share)), scale)| (name.as_str(), *f, share * scale))
+        .collect();
+    let Some((first, rest)) = held.split_first() else {
+        return Vec::new();
+    };
+    if rest.is_empty() {
+        return vec![format!("`{}` alone decides", first.0)];
+    }
+    let mut lines = vec!["The trade-off here, to first order:".to_owned()];
+    lines.extend(rest.iter().map(|other| exchange(*first, *other)));
+    lines
+}
+
+/// An objective with its value and what one unit of it is worth.
+type Priced<'n> = (&'n str, f64, f64);
+
+/// What it costs to be better in the first objective: price_1 df_1 + price_2 df_2 = 0. In per cent of the
+/// values, unless one of them is as good as nothing.
+fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String {
+    const NOTHING: f64 = 1e-6;
+    let size = f.abs().max(g.abs()).max(1.0);
+    if f.abs().min(g.abs()) > NOTHING * size {
+        let cost = price * f.abs() / (other * g.abs());
+        format!(
+            "  1 % better `{one}` costs {} % of `{two}`",
+            rounded(cost, 2)
+        )
+    } else {
+        let cost = price / other;
+        format!(
+            "  1 less of `{one}` costs {} more of `{two}`",
+            rounded(cost, 2)
+        )
+    }
+}
+
+fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
+    let solved = optimum.starts.iter().filter(|s| s.status.is_solved());
+    let _ = writeln!(
+        text,
+        "\n{} starts, {} solved, {} different optima:",
+        optimum.starts.len(),
+        solved.count(),
+        optimum.optima.len()
+    );
+    let mut table = Table::new().number("greatest").number("starts");
+    for variable in &design.variables {
+        table = table.number(&variable.name);
+    }
+    for (start, count) in optimum.optima.iter().take(MOST_OPTIMA) {
+        let found = &optimum.starts[*start];
+        let mut cells = vec![shown(found.maximum), count.to_string()];
+        cells.extend(found.x.iter().map(|x| shown(*x)));
+        table.row(cells);
+    }
+    text.push_str(&table.render());
+    if optimum.optima.len() > MOST_OPTIMA {
+        let _ = writeln!(text, "and {} more", optimum.optima.len() - MOST_OPTIMA);
+    }
+}
+
+fn of_trade(text: &mut String, design: &Design, trade: &Trade) {
+    debug_assert_eq!(design.task, Task::Pareto);
+    let exact = trade
+        .points
+        .iter()
+        .filter(|p| p.multipliers.is_some())
+        .count();
+    let _ = writeln!(
+        text,
+        "pareto: {} points, {exact} of them exact; {} evaluations, {} with derivatives\n",
+        trade.points.len(),
+        trade.counts.values,
+        trade.counts.jacobians
+    );
+    let mut table = Table::new().text("");
+    for objective in &design.objectives {
+        table = table.number(&objective.name);
+    }
+    for variable in &design.variables {
+        table = table.number(&variable.name);
+    }
+    // The ends, some points between, and the knee.
+    let n = trade.points.len();
+    let mut places: Vec<usize> = (0..POINTS_SHOWN.min(n))
+        .map(|i| i * n.saturating_sub(1) / (POINTS_SHOWN.min(n) - 1).max(1))
+        .collect();
+    places.extend(trade.knee);
+    places.sort_unstable();
+    places.dedup();
+    for place in places {
+        let point = &trade.points[place];
+        let mut cells = vec![if trade.knee == Some(place) {
+            "knee".to_owned()
+        } else {
+            String::new()
+        }];
+        cells.extend(point.objectives.iter().chain(&point.x).map(|v| shown(*v)));
+        table.row(cells);
+    }
+    text.push_str(&table.render());
+    if let Some(knee) = trade.knee {
+        text.push_str(&at_knee(design, trade, knee));
+    }
+}
+
+/// The trade-off at the knee, from the multipliers of its polishing solve.
+fn at_knee(design: &Design, trade: &Trade, knee: usize) -> String {
+    let point = &trade.points[knee];
+    let Some(shares) = &point.multipliers else {
+        return String::new();
+    };
+    let rates: Vec<(&str, f64, f64)> = (0..design.objectives.len())
+        .filter(|&i| shares[i] > SMALL)
+        .map(|i| {
+            let objective = &design.objectives[i];
+            (
+                objective.name.as_str(),
+                point.objectives[i],
+                shares[i] * objective.scale,
+            )
+        })
+        .collect();
+    let mut text = String::new();
+    if let Some((first, rest)) = rates.split_first() {
+        text.push_str("The trade-off at the knee, to first order:\n");
+        for other in rest {
+            let _ = writeln!(text, "{}", exchange(*first, *other));
+        }
+    }
+    text
+}

@@ -1,0 +1,211 @@
+//! `slip-model`: the analytical slip model of the paper, at a point or over a range.
+
+mod figure;
+mod grid;
+mod output;
+
+use std::path::PathBuf;
+
+use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip, slip_model};
+
+use self::grid::{Axes, Values};
+use crate::error::{Error, Outcome, Result};
+use crate::law_error::Names;
+use crate::output_choice::Output;
+use crate::report::Report;
+use crate::session::Session;
+use crate::soil_choice::{Overrides, choose};
+use grouser_report::number::{parse_finite, shown};
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Evaluate the analytical slip model of Ani et al. (2012)",
+    long_about = "Evaluate the analytical slip model of Ani et al. (2012): the slip S at which the soil at an angle \
+        of the rim mobilises a share of its strength; by default none of it, S_0.\n\n\
+        S is 1 - v/(r w), the driving formula continued below zero. S_0 is never positive (figures of the paper \
+        apparently show its magnitude) and depends on the angle and on sinkage/radius alone: no soil can move it. \
+        Outside the contact it is computed all the same, with a caution.",
+    after_help = "Examples:\n  grouser slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1\n  \
+        grouser slip-model --theta-deg 0:40 --sinkage-m 0.01,0.014,0.02,0.03 --radius-m 0.1 -o slip.svg\n  \
+        grouser slip-model --theta-deg 10 --sinkage-m 0.02 --radius-m 0.1 --mobilised 0.5 --soil dry-sand"
+)]
+pub(crate) struct Arguments {
+    /// Angle on the rim from the vertical, positive towards travel, in degrees: a number, a list `a,b,c` or a range `from:to`
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    theta_deg: Values,
+    /// Sinkage in m: a number, a list or a range
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    sinkage_m: Values,
+    /// Radius of the wheel in m: a number, a list or a range
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    radius_m: Values,
+    /// Points of a range
+    #[arg(long, value_name = "N", default_value_t = 101, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    points: u32,
+    /// Share of the soil's strength that is mobilised, from 0 to less than 1; above 0 it needs K
+    #[arg(long, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true, default_value_t = 0.0)]
+    mobilised: f64,
+    /// A soil, for its K: a key of the catalogue, or a file when it contains `/` or `.`
+    #[arg(long, value_name = "KEY|FILE")]
+    soil: Option<std::ffi::OsString>,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Write a table (.csv) or a figure (.svg, .png); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+/// One answer of the model.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub(super) theta_deg: f64,
+    pub(super) sinkage_m: f64,
+    pub(super) radius_m: f64,
+    pub(super) outcome: std::result::Result<ModelOutcome, LawError>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = Output::begin(&arguments.output)?;
+    let mobilised = mobilised(arguments, session)?;
+    let axes = Axes::new(
+        &arguments.theta_deg,
+        &arguments.sinkage_m,
+        &arguments.radius_m,
+        arguments.points,
+    )?;
+    let points: Vec<Point> = axes.points().map(|at| evaluate(at, mobilised)).collect();
+    // A sweep may run out of the model; a job that is outside as a whole was asked wrongly.
+    if let [first, ..] = points.as_slice()
+        && let Err(error) = &first.outcome
+        && points.iter().all(|point| point.outcome.is_err())
+    {
+        return Err(Names::Flags.error(error));
+    }
+    let reached = points.iter().any(|point| point.slip().is_some());
+    let failure = (!reached).then(|| failure(&points, arguments.mobilised));
+
+    let mut text = match points.as_slice() {
+        [point] => output::single(point, arguments.mobilised),
+        points if outputs.is_empty() => output::table(points),
+        points => format!("{} points\n", points.len()),
+    };
+    for output in outputs {
+        text.push_str(&match output {
+            Output::Table(file) => {
+                let table = output::csv(&points, arguments.mobilised);
+                file.write_whole(table.as_bytes())?
+            }
+            Output::Figure(target) => {
+                target.write(&figure::draw(&axes, &points, arguments.mobilised)?)?
+            }
+        });
+    }
+    Ok(Report {
+        outcome: if reached {
+            Outcome::Done
+        } else {
+            Outcome::NoResult
+        },
+        object: output::object(&points, mobilised),
+        text,
+        failure,
+        warnings: Vec::new(),
+    })
+}
+
+/// The share with the K that it needs: of a flag, else of the soil.
+fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobilised>> {
+    let share = arguments.mobilised;
+    if !(0.0..1.0).contains(&share) {
+        return Err(Error::usage_without_hint(format!(
+            "`--mobilised` is {}, but must lie in [0, 1)",
+            grouser_report::number::told(share)
+        )));
+    }
+    // Only K enters, and that only when something is mobilised: a soil that lacks the rest serves as well.
+    let soil = match &arguments.soil {
+        Some(name) => {
+            let or = |given: Option<f64>, unused: f64| given.or(Some(unused));
+            let overrides = Overrides {
+                c_1: or(arguments.overrides.c_1, 0.0),
+                c_2: or(arguments.overrides.c_2, 0.0),
+                ..arguments.overrides
+            };
+            let overrides = if share > 0.0 {
+                overrides
+            } else {
+                Overrides {
+                    k_shear_m: or(overrides.k_shear_m, 1.0),
+                    ..overrides
+                }
+            };
+            let chosen = choose(name, &overrides)?;
+            session.used_soil(&chosen, &arguments.overrides);
+            Some(chosen.soil)
+        }
+        None => None,
+    };
+    if share == 0.0 {
+        return Ok(None);
+    }
+    let k_shear = arguments
+        .overrides
+        .k_shear_m
+        .or(soil.map(|soil| soil.params().k_shear));
+    match k_shear {
+        Some(k_shear) => Ok(Some(Mobilised { share, k_shear })),
+        None => Err(Error::usage(
+            "missing `--soil` or `--k-shear-m`, which `--mobilised` needs",
+            "the share that is mobilised depends on the shear deformation modulus K",
+        )),
+    }
+}
+
+fn failure(points: &[Point], share: f64) -> String {
+    let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
+    format!(
+        "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
+        grouser_report::number::told(share),
+        shown(most)
+    )
+}
+
+fn evaluate([theta_deg, sinkage_m, radius_m]: [f64; 3], mobilised: Option<Mobilised>) -> Point {
+    let outcome = slip_model(Angle::from_deg(theta_deg), sinkage_m, radius_m, mobilised);
+    Point {
+        theta_deg,
+        sinkage_m,
+        radius_m,
+        outcome,
+    }
+}
+
+impl Point {
+    pub(super) fn slip(&self) -> Option<ModelSlip> {
+        match self.outcome {
+            Ok(ModelOutcome::Slip(slip)) => Some(slip),
+            _ => None,
+        }
+    }
+
+    /// The greatest share that can be mobilised, where that asked for cannot.
+    pub(super) fn most(&self) -> Option<f64> {
+        match self.outcome {
+            Ok(ModelOutcome::Unreachable { most }) => Some(most),
+            _ => None,
+        }
+    }
+
+    pub(super) fn status(&self) -> &'static str {
+        match self.outcome {
+            Ok(ModelOutcome::Slip(_)) => "ok",
+            Ok(_) => "unreachable",
+            Err(_) => "outside-model",
+        }
+    }
+
+    pub(super) fn cautions(&self) -> Vec<&'static str> {
+        let outside = self.slip().is_some_and(|slip| !slip.in_contact);
+        outside.then_some("outside-contact").into_iter().collect()
+    }
+}

@@ -1,0 +1,114 @@
+//! Numbers in and out as text.
+
+/// A flag's value: any finite number, signed, with or without an exponent.
+pub fn parse_finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("must be a finite number".to_owned()),
+    }
+}
+
+/// Seventeen significant digits, so that reading gives the same bits again; no trailing zeros
+/// (C's `%.17g`).
+#[must_use]
+pub fn exact(value: f64) -> String {
+    general(value, 17)
+}
+
+/// As few digits as give the same bits again when read.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let (fixed, scientific) = (format!("{value}"), format!("{value:e}"));
+    if fixed.len() <= scientific.len() + 4 {
+        fixed
+    } else {
+        scientific
+    }
+}
+
+/// A number in a message: as it was given, to twelve digits.
+#[must_use]
+pub fn told(value: f64) -> String {
+    general(value, 12)
+}
+
+/// A number for people: five significant digits, a true minus sign.
+#[must_use]
+pub fn shown(value: f64) -> String {
+    rounded(value, 5)
+}
+
+/// The same with another number of significant digits.
+#[must_use]
+pub fn rounded(value: f64, digits: usize) -> String {
+    general(value, digits).replace('-', "−")
+}
+
+/// C's `%.{digits}g`: the shorter of fixed and scientific notation, without trailing zeros.
+fn general(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = digits.max(1);
+    let scientific = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific; // never: the format has an exponent
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    // The rounded value's exponent decides, as in C.
+    let places = i32::try_from(digits).unwrap_or(i32::MAX) - 1 - exponent;
+    if exponent < -4 || places < 0 {
+        let sign = if exponent < 0 { '-' } else { '+' };
+        format!("{}e{sign}{:02}", trimmed(mantissa), exponent.abs())
+    } else {
+        let places = usize::try_from(places).unwrap_or(0);
+        trimmed(&format!("{value:.places$}")).to_owned()
+    }
+}
+
+fn trimmed(number: &str) -> &str {
+    if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seventeen_digits_as_c_prints_them() {
+        // Left: value; right: printf("%.17g").
+        for (value, text) in [
+            (0.1, "0.10000000000000001"),
+            (0.5, "0.5"),
+            (10060.0, "10060"),
+            (0.0, "0"),
+            (-162.142_260_266_540_43, "-162.14226026654043"),
+            (1e-5, "1.0000000000000001e-05"),
+            (1e22, "1e+22"),
+            (123_456_789_012_345_680.0, "1.2345678901234568e+17"),
+            (f64::MIN_POSITIVE, "2.2250738585072014e-308"),
+        ] {
+            assert_eq!(exact(value), text);
+            assert_eq!(exact(value).parse::<f64>().unwrap(), value);
+        }
+    }
+
+    #[test]
+    fn people_get_five_digits() {
+        assert_eq!(shown(-20.837_393_323_407_97), "−20.837");
+        assert_eq!(shown(99_999.6), "1e+05");
+        assert_eq!(shown(0.02), "0.02");
+    }
+
+    #[test]
+    fn only_finite_numbers_are_read() {
+        assert_eq!(parse_finite("-0.3"), Ok(-0.3));
+        for text in ["nan", "inf", "-inf", "1e400", "", "0,5", "0x10"] {
+            assert!(parse_finite(text).is_err(), "{text}");
+        }
+    }
+}
