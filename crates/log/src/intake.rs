@@ -157,13 +157,10 @@ impl Intake {
         let view = View::new(&known.channel.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
             job.measurements(view.as_ref(), &known.value, |measurement| {
-                self.ordered.push(
+                self.ordered.push(Sample {
                     time_ns,
-                    Sample {
-                        time_ns,
-                        measurement,
-                    },
-                );
+                    measurement,
+                });
             });
         }
         if !is_spare(index, bytes.len()) {
@@ -174,8 +171,7 @@ impl Intake {
     /// The next sample in the order of time; `None` until more messages come.
     pub fn pop(&mut self) -> Option<Sample> {
         let is_due = self.is_finished || self.look_ahead == 0 || self.ordered.is_ripe();
-        let (_, sample) = is_due.then(|| self.ordered.pop())??;
-        Some(sample)
+        is_due.then(|| self.ordered.pop()).flatten()
     }
 
     /// No more messages come: [`Intake::pop`] returns the samples that were held back.

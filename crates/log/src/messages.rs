@@ -197,7 +197,7 @@ impl Messages {
             return;
         }
         self.held += message.size;
-        self.ordered.push(message.time_ns, message);
+        self.ordered.push(message);
     }
 }
 
@@ -208,7 +208,7 @@ impl Iterator for Messages {
         while !self.done && !self.ordered.is_ripe() && self.held <= HELD_LIMIT {
             self.take();
         }
-        let (_, message) = self.ordered.pop()?;
+        let message = self.ordered.pop()?;
         self.held -= message.size;
         Some(message)
     }

@@ -6,7 +6,7 @@ use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 use crate::error::Result;
-use crate::samples::{sample, wheel_of};
+use crate::samples::{is_used, of_robot, rotating_wheel};
 
 /// Turns are compared over this time, s: long against a sample, short against a manoeuvre.
 const WINDOW: f64 = 0.2;
@@ -78,13 +78,13 @@ fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Res
     let mut start_ns = None;
     let mut last: Option<(f64, f64)> = None;
     let mut yaw = 0.0;
-    for record in log.records(&[])? {
-        let record = record?;
-        let start = *start_ns.get_or_insert(record.time_ns);
-        let time = record.time_ns.saturating_sub(start) as f64 * 1e-9;
-        let Some(sample) = sample(&record, wheels, sensor) else {
+    for sample in log.samples(&[])? {
+        let sample = of_robot(sample?, wheels);
+        let start = *start_ns.get_or_insert(sample.time_ns);
+        let time = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
+        if !is_used(&sample.measurement, sensor) {
             continue;
-        };
+        }
         if let Measurement::YawRate { rate } = sample.measurement {
             if let Some((before, rate_before)) = last {
                 yaw += 0.5 * (rate + rate_before) * (time - before);
@@ -93,7 +93,7 @@ fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Res
             if gyro.len() < READINGS {
                 gyro.push((time, yaw));
             }
-        } else if let Some(wheel) = wheel_of(&sample.measurement) {
+        } else if let Some(wheel) = rotating_wheel(&sample.measurement) {
             // Only the wheels are shown to this estimator: a refused sample is no matter here.
             if let Ok(estimate) = estimator.update(sample)
                 && Some(wheel) == last_powered

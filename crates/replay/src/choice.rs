@@ -7,9 +7,34 @@ use grouser_log::Log;
 use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
+use crate::run::Options;
+
+/// By which sensors a robot is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inputs {
+    /// The wheels' sensor; samples of the others are not used.
+    pub wheel_sensor: WheelSensor,
+    /// What tells how fast the robot travels.
+    pub reference: Reference,
+}
+
+impl Inputs {
+    /// The inputs that a log offers: the options' choice, else the robot file's, else the best.
+    ///
+    /// # Errors
+    /// [`Error::NoWheels`], [`Error::WheelNotMeasured`], [`Error::NoTicks`] and [`Error::NoReference`] where the log does
+    /// not hold what was chosen.
+    pub fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
+        let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
+        Ok(Self {
+            wheel_sensor,
+            reference: reference(log, file, wheel_sensor, options.reference)?,
+        })
+    }
+}
 
 /// For every wheel of the log the robot's wheel.
-pub(crate) fn wheel_indices(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
+pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
     let robot = &file.robot;
     log.wheels()
         .iter()
@@ -36,11 +61,7 @@ const fn meaning(sensor: WheelSensor) -> Meaning {
 
 /// The sensor by which the wheels are measured: as asked, else the robot file's, else the first of
 /// counts, angles and rates that the log holds.
-pub(crate) fn wheel_sensor(
-    log: &Log,
-    file: &RobotFile,
-    asked: Option<WheelSensor>,
-) -> Result<WheelSensor> {
+fn wheel_sensor(log: &Log, file: &RobotFile, asked: Option<WheelSensor>) -> Result<WheelSensor> {
     let robot = &file.robot;
     let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
     let sensor = asked
@@ -70,7 +91,7 @@ pub(crate) fn wheel_sensor(
 }
 
 /// The reference: as asked, else the robot file's, else the best that the log holds.
-pub(crate) fn reference(
+fn reference(
     log: &Log,
     file: &RobotFile,
     sensor: WheelSensor,

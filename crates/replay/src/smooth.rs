@@ -52,7 +52,9 @@ impl Smoother {
     }
 
     /// What the forward filter knew; gives moments that are done.
-    pub(crate) fn push(&mut self, moment: Moment) -> Result<Vec<Moment>> {
+    pub(crate) fn push(&mut self, mut moment: Moment) -> Result<Vec<Moment>> {
+        // what the forward filter integrated is not smooth
+        moment.odometry = None;
         self.moments.push_back(moment);
         if self.samples.len() < BLOCK + BEYOND {
             return Ok(Vec::new());

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
-use crate::dead_reckoning::Odometry;
 use crate::fusion::FusedSummary;
 use crate::method::Method;
+use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
 use crate::turn_watch::TurnCheck;
 

@@ -1,7 +1,7 @@
 //! Do the wheels turn the robot as the gyro says? Where not, some wheel slips; which one, the turns may tell.
 
 use grouser_slip::window::WindowBody;
-use grouser_slip::{Robot, WheelEstimate, WheelRole};
+use grouser_slip::{Robot, WheelRole};
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
@@ -97,22 +97,27 @@ impl TurnWatch {
         })
     }
 
-    /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start.
-    pub(crate) fn take(&mut self, time_s: f64, wheels: &[WheelEstimate], body: &WindowBody) {
+    /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start; `rim` gives each
+    /// wheel's rim speed over it, m/s.
+    pub(crate) fn take(&mut self, time_s: f64, body: &WindowBody, rim: impl Fn(usize) -> f64) {
         let (Some(until_ns), Some(gyro)) = (body.until_ns, body.yaw_rate) else {
             return;
         };
         let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
         let seconds = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(self.window);
-        let rims = wheels
-            .iter()
-            .map(|wheel| wheel.rim_speed.map_or(0.0, |rim| rim.value));
-        let turns: Vec<f64> = rims.clone().zip(&self.shares).map(|(u, a)| u * a).collect();
+        if !(seconds > 0.0) {
+            return;
+        }
+        let rims: Vec<f64> = (0..self.shares.len()).map(rim).collect();
+        let turns: Vec<f64> = rims.iter().zip(&self.shares).map(|(u, a)| u * a).collect();
         let powered = self.shares.iter().filter(|share| **share != 0.0).count();
-        let of_powered = rims.zip(&self.shares).filter(|(_, share)| **share != 0.0);
+        let of_powered = rims
+            .iter()
+            .zip(&self.shares)
+            .filter(|(_, share)| **share != 0.0);
         let speed = of_powered.map(|(rim, _)| rim).sum::<f64>() / powered as f64;
         // a robot that turns on the spot scrubs its wheels
-        if !(seconds > 0.0 && speed.abs() > self.least) {
+        if !(speed.abs() > self.least) {
             return;
         }
         self.found.first_motion_s.get_or_insert(time_s);

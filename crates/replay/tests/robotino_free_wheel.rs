@@ -17,8 +17,8 @@ use grouser_files::Document;
 use grouser_files::columns;
 use grouser_files::robot;
 use grouser_log::Log;
+use grouser_replay::{Method, Options, Row, Sink, Step, Summary, run_into};
 use grouser_slip::Measurement;
-use grouser_replay::{Method, Options, Row, Step, Summary, Take, run_with};
 use shipped::{ROBOTINO, data, example, root};
 
 const CUT: Options = Options {
@@ -110,7 +110,7 @@ struct Along {
     slips: Vec<f64>,
 }
 
-impl Take for Along {
+impl Sink for Along {
     fn row(&mut self, _row: &Row<'_>) -> std::io::Result<()> {
         Ok(())
     }
@@ -139,7 +139,7 @@ fn along(log: &Log, robot: &robot::RobotFile) -> (f64, Summary) {
         last: None,
         slips: Vec::new(),
     };
-    let summary = run_with(log, robot, &CUT, &mut along).unwrap();
+    let summary = run_into(log, robot, &CUT, &mut along).unwrap();
     (median(along.slips), summary)
 }
 

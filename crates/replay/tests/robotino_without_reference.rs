@@ -10,8 +10,8 @@ mod shipped;
 
 use grouser_files::{Document, columns};
 use grouser_log::Log;
-use grouser_slip::Measurement;
 use grouser_replay::{GroundChange, KnownGround, Stretch, roller_ripple, slip_without_reference};
+use grouser_slip::Measurement;
 use shipped::{ROBOTINO, data, example, root};
 
 /// The robot stands and starts before this, s.

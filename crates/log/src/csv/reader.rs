@@ -125,13 +125,10 @@ impl CsvReader {
         let ordered = &mut self.ordered;
         self.plan
             .readings(field, |measurement| {
-                ordered.push(
+                ordered.push(Sample {
                     time_ns,
-                    Sample {
-                        time_ns,
-                        measurement,
-                    },
-                );
+                    measurement,
+                });
             })
             .map_err(bad)?;
         self.rows += 1;
@@ -154,7 +151,7 @@ impl Iterator for CsvReader {
                 }
             }
         }
-        self.ordered.pop().map(|(_, sample)| Ok(sample))
+        self.ordered.pop().map(Ok)
     }
 }
 
