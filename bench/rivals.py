@@ -437,7 +437,6 @@ def report(rows, ours, load_before):
                 check = check if isinstance(check, str) else f"{check:.12g}"
                 lines.append(f"| {title} | {name} | {shown(seconds)} | {ratio} | {shown_error} | {check} |")
     for verb, title in (
-        ("loop", "One wheel in a control loop, call by call"),
         ("paths", "Paths that are not the common one, through the general kernel"),
     ):
         told = subprocess.run([OURS, verb], check=True, capture_output=True, text=True).stdout

@@ -4,38 +4,22 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel};
 
 const CYCLES: usize = 50_000;
 const RUNS: usize = 5;
 
 fn robot() -> Robot {
-    let wheel = |name: &str, x: f64, y: f64, role| Wheel {
-        name: name.into(),
-        x,
-        y,
-        heading: Angle::from_deg(0.0),
-        radius: 0.1,
-        role,
-        encoder: Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(2000.0),
-            counter: CounterWidth::new(32).expect("a width"),
-            reversed: false,
-            rate_step: 0.0,
-        },
-        width: None,
-        load: None,
-    };
+    let width = CounterWidth::new(32).expect("a width");
+    let encoder = Encoder::counting(2000).counter(width);
+    let wheel = |wheel: Wheel, x: f64, y: f64| wheel.at(x, y).radius(0.1).encoder(encoder);
     let wheels = vec![
-        wheel("front left", 0.3, 0.25, WheelRole::Powered),
-        wheel("front right", 0.3, -0.25, WheelRole::Powered),
-        wheel("middle left", 0.0, 0.25, WheelRole::Powered),
-        wheel("middle right", 0.0, -0.25, WheelRole::Powered),
-        wheel("rear left", -0.3, 0.25, WheelRole::Powered),
-        wheel("fifth", -0.45, 0.0, WheelRole::Free),
+        wheel(Wheel::powered("front left"), 0.3, 0.25),
+        wheel(Wheel::powered("front right"), 0.3, -0.25),
+        wheel(Wheel::powered("middle left"), 0.0, 0.25),
+        wheel(Wheel::powered("middle right"), 0.0, -0.25),
+        wheel(Wheel::powered("rear left"), -0.3, 0.25),
+        wheel(Wheel::free("fifth"), -0.45, 0.0),
     ];
     Robot::new("six wheels".into(), wheels).expect("a robot")
 }

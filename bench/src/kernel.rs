@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use grouser_terra::{
-    Accuracy, BatchForces, BatchKernel, BatchOutcome, BatchPoints, Kinematics, RigidWheel,
-    Settings, Slip, WheelOnSoil, entry_angle,
+    Accuracy, BatchColumns, BatchKernel, BatchPoints, Kinematics, RigidWheel, Settings, Slip,
+    SolveStatus, WheelOnSoil, entry_angle,
 };
 
 use crate::naive::{Naive, Table};
@@ -55,17 +55,48 @@ impl Timing {
 
 fn batch(points: &Points) -> BatchPoints<'_> {
     BatchPoints {
-        radius: &points.radius,
-        width: &points.width,
-        rebound: &points.rebound,
-        slip: &points.slip,
+        radius: (&points.radius).into(),
+        width: (&points.width).into(),
+        rebound: (&points.rebound).into(),
+        slip: (&points.slip).into(),
     }
 }
 
-fn done(outcome: &BatchOutcome) -> BatchForces {
-    match outcome {
-        BatchOutcome::Done(forces) => *forces,
-        other => panic!("every point of the bench has an answer: {other:?}"),
+/// The columns of a batch.
+struct Out {
+    sinkage: Vec<f64>,
+    vertical_force: Vec<f64>,
+    drawbar_pull: Vec<f64>,
+    torque: Vec<f64>,
+    status: Vec<SolveStatus>,
+}
+
+impl Out {
+    fn new(n: usize) -> Self {
+        let [sinkage, vertical_force, drawbar_pull, torque] = [(); 4].map(|()| vec![0.0; n]);
+        let status = vec![SolveStatus::default(); n];
+        Self {
+            sinkage,
+            vertical_force,
+            drawbar_pull,
+            torque,
+            status,
+        }
+    }
+
+    fn columns(&mut self) -> BatchColumns<'_> {
+        BatchColumns {
+            sinkage: &mut self.sinkage,
+            vertical_force: &mut self.vertical_force,
+            drawbar_pull: &mut self.drawbar_pull,
+            torque: &mut self.torque,
+            status: &mut self.status,
+        }
+    }
+
+    /// Every point of the bench has an answer.
+    fn check(&self) {
+        assert!(self.status.iter().all(|s| *s == SolveStatus::Solved));
     }
 }
 
@@ -117,7 +148,8 @@ fn worst(sets: &[Points], forces: impl Fn(&Points, usize) -> [f64; 3]) -> f64 {
 }
 
 /// Worst relative error of the entry angle against the reference mode.
-fn worst_angle(set: &Points, out: &[BatchOutcome], load: &[f64]) -> f64 {
+fn worst_angle(set: &Points, out: &Out, load: &[f64]) -> f64 {
+    out.check();
     let exact = Settings {
         accuracy: Accuracy::Reference,
         ..Settings::default()
@@ -129,8 +161,8 @@ fn worst_angle(set: &Points, out: &[BatchOutcome], load: &[f64]) -> f64 {
             let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
             let found = pair.sinkage_under(load[i], &motion).expect("a search");
             let angle = |z: f64| entry_angle(z, set.radius[i]);
-            let exact = angle(found.sinkage.expect("carried"));
-            (angle(done(&out[i]).sinkage) / exact - 1.0).abs()
+            let exact = angle(found.sinkage().expect("carried"));
+            (angle(out.sinkage[i]) / exact - 1.0).abs()
         })
         .fold(0.0, f64::max)
 }
@@ -139,10 +171,7 @@ pub fn run(json: bool) {
     let sets = points(BATCH);
     let kernels: Vec<BatchKernel> = sets.iter().map(|set| BatchKernel::new(set.soil)).collect();
     let table = Table::new();
-    let mut outs: Vec<Vec<BatchOutcome>> = sets
-        .iter()
-        .map(|set| vec![BatchOutcome::default(); set.slip.len()])
-        .collect();
+    let mut outs: Vec<Out> = sets.iter().map(|set| Out::new(set.slip.len())).collect();
     // loads: what the sinkages carry
     let loads: Vec<Vec<f64>> = sets
         .iter()
@@ -150,9 +179,10 @@ pub fn run(json: bool) {
         .zip(&mut outs)
         .map(|((set, kernel), out)| {
             kernel
-                .forces(&batch(set), &set.sinkage, out)
+                .forces(&batch(set), &set.sinkage, &mut out.columns())
                 .expect("equal lengths");
-            out.iter().map(|f| done(f).vertical_force).collect()
+            out.check();
+            out.vertical_force.clone()
         })
         .collect();
     // one curve a soil: the middle of the wheels
@@ -174,7 +204,7 @@ pub fn run(json: bool) {
         .iter()
         .map(|curve| vec![naive(curve, 0).forces(&table, entry_angle(0.02, 0.2), 0.2)[0]; CURVE])
         .collect();
-    let mut curve_out = vec![BatchOutcome::default(); CURVE];
+    let mut curve_out = Out::new(CURVE);
 
     let mut timings: [Timing; 6] = std::array::from_fn(|_| Timing::default());
     // every sixteenth point for the slow search
@@ -188,9 +218,9 @@ pub fn run(json: bool) {
         for (place, ((set, kernel), out)) in sets.iter().zip(&kernels).zip(&mut outs).enumerate() {
             eval.piece(place, || {
                 kernel
-                    .forces(&batch(set), &set.sinkage, out)
+                    .forces(&batch(set), &set.sinkage, &mut out.columns())
                     .expect("equal lengths");
-                out.iter().map(|f| done(f).drawbar_pull).sum()
+                out.drawbar_pull.iter().sum()
             });
         }
         for (place, ((set, kernel), (out, load))) in sets
@@ -201,9 +231,9 @@ pub fn run(json: bool) {
         {
             solve.piece(place, || {
                 kernel
-                    .under_load(&batch(set), load, out)
+                    .under_load(&batch(set), load, &mut out.columns())
                     .expect("equal lengths");
-                out.iter().map(|f| done(f).sinkage).sum()
+                out.sinkage.iter().sum()
             });
         }
         for (place, ((set, kernel), load)) in
@@ -212,9 +242,9 @@ pub fn run(json: bool) {
             let wheel = RigidWheel::new(set.radius[0], set.width[0]).expect("a wheel");
             curve.piece(place, || {
                 kernel
-                    .curve(&wheel, load[0], &set.slip, &mut curve_out)
+                    .curve(&wheel, load[0], &set.slip, &mut curve_out.columns())
                     .expect("equal lengths");
-                curve_out.iter().map(|f| done(f).drawbar_pull).sum()
+                curve_out.drawbar_pull.iter().sum()
             });
         }
         let mut place = 0;
@@ -267,27 +297,27 @@ pub fn run(json: bool) {
             .iter()
             .position(|other| other.key == set.key)
             .expect("one of them");
-        let mut out = [BatchOutcome::default()];
+        let mut out = Out::new(1);
         let one = BatchPoints {
-            radius: &set.radius[i..=i],
-            width: &set.width[i..=i],
-            rebound: &set.rebound[i..=i],
-            slip: &set.slip[i..=i],
+            radius: set.radius[i].into(),
+            width: set.width[i].into(),
+            rebound: set.rebound[i].into(),
+            slip: set.slip[i].into(),
         };
         kernels[place]
-            .forces(&one, &set.sinkage[i..=i], &mut out)
+            .forces(&one, set.sinkage[i], &mut out.columns())
             .expect("equal lengths");
-        let f = done(&out[0]);
-        [f.vertical_force, f.drawbar_pull, f.torque]
+        out.check();
+        [out.vertical_force[0], out.drawbar_pull[0], out.torque[0]]
     });
     let solve_error = sets
         .iter()
         .zip(&kernels)
         .zip(&loads)
         .map(|((set, kernel), load)| {
-            let mut out = vec![BatchOutcome::default(); load.len()];
+            let mut out = Out::new(load.len());
             kernel
-                .under_load(&batch(set), load, &mut out)
+                .under_load(&batch(set), load, &mut out.columns())
                 .expect("equal lengths");
             worst_angle(set, &out, load)
         })

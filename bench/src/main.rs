@@ -2,15 +2,12 @@
 //!
 //! `points`: the operating points and their exact forces, for rivals in other languages.
 //!
-//! `loop`: one wheel in a control loop, call by call.
-//!
 //! `filter`: the slip filter in a control loop, cycle by cycle.
 //!
 //! `paths`: every path that is not the common one.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | loop | filter | paths | points`
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | filter | paths | points`
 
-mod control;
 mod filter;
 mod kernel;
 mod naive;
@@ -23,12 +20,11 @@ fn main() {
     match words[..] {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
-        ["loop"] => control::run(),
         ["filter"] => filter::run(),
         ["points"] => points::print(kernel::BATCH),
         ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json] | loop | filter | paths | points");
+            eprintln!("usage: grouser-bench kernel [--json] | filter | paths | points");
             std::process::exit(2);
         }
     }

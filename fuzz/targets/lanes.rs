@@ -5,8 +5,24 @@ mod bytes;
 mod point;
 
 use bytes::Bytes;
-use grouser_terra::{BatchKernel, BatchOutcome, BatchPoints, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil};
+use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, SolveStatus, WheelOnSoil};
 use libfuzzer_sys::fuzz_target;
+
+/// Status, vertical force, drawbar pull and torque of each point.
+fn forces(kernel: &BatchKernel, points: &BatchPoints<'_>, sinkage: &[f64]) -> Vec<(SolveStatus, [f64; 3])> {
+    let n = sinkage.len();
+    let [mut z, mut w, mut pull, mut torque] = [(); 4].map(|()| vec![0.0; n]);
+    let mut status = vec![SolveStatus::default(); n];
+    let mut out = BatchColumns {
+        sinkage: &mut z,
+        vertical_force: &mut w,
+        drawbar_pull: &mut pull,
+        torque: &mut torque,
+        status: &mut status,
+    };
+    kernel.forces(points, sinkage, &mut out).expect("equal lengths");
+    (0..n).map(|i| (status[i], [w[i], pull[i], torque[i]])).collect()
+}
 
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
@@ -28,23 +44,24 @@ fuzz_target!(|bytes: &[u8]| {
         slip.push(number(-0.3, 1.0));
         sinkage.push(number(0.0, 0.6) * radius.last().copied().unwrap_or(0.1));
     }
-    let points = BatchPoints { radius: &radius, width: &width, rebound: &rebound, slip: &slip };
+    let points = BatchPoints {
+        radius: (&radius).into(),
+        width: (&width).into(),
+        rebound: (&rebound).into(),
+        slip: (&slip).into(),
+    };
     let kernel = BatchKernel::new(point.soil);
-    let mut out = vec![BatchOutcome::default(); count];
-    kernel.forces(&points, &sinkage, &mut out).expect("equal lengths");
-    let mut portable = vec![BatchOutcome::default(); count];
-    let plain = BatchKernel::new(point.soil).portable();
-    plain.forces(&points, &sinkage, &mut portable).expect("equal lengths");
+    let out = forces(&kernel, &points, &sinkage);
+    let portable = forces(&BatchKernel::new(point.soil).portable(), &points, &sinkage);
     for i in 0..count {
         let alone = BatchPoints {
-            radius: &radius[i..=i],
-            width: &width[i..=i],
-            rebound: &rebound[i..=i],
-            slip: &slip[i..=i],
+            radius: radius[i].into(),
+            width: width[i].into(),
+            rebound: rebound[i].into(),
+            slip: slip[i].into(),
         };
-        let mut one = [BatchOutcome::default()];
-        kernel.forces(&alone, &sinkage[i..=i], &mut one).expect("equal lengths");
-        // NaN in an error's payload is not equal to itself: compared as text.
+        let one = forces(&kernel, &alone, &sinkage[i..=i]);
+        // NaN is not equal to itself: compared as text.
         assert_eq!(format!("{:?}", one[0]), format!("{:?}", out[i]), "lane {i} of {count}");
         let scalar = (|| {
             let soil = SoilParams { rebound: rebound[i], ..*point.soil.params() };
@@ -52,21 +69,21 @@ fuzz_target!(|bytes: &[u8]| {
             let pair = WheelOnSoil::new(wheel, Soil::new(soil)?, Settings::default())?;
             pair.at_sinkage(sinkage[i], &Kinematics::straight(Slip::new(slip[i])?))
         })();
-        match (&out[i], &portable[i], scalar) {
-            (BatchOutcome::Done(a), BatchOutcome::Done(b), Ok(c)) => {
+        match (out[i], portable[i], scalar) {
+            ((SolveStatus::Solved, a), (SolveStatus::Solved, b), Ok(c)) => {
                 let c = c.forces;
                 let size = c.vertical_force.abs().max(c.drawbar_pull.abs()).max(c.torque.abs() / radius[i]);
                 for (x, y, z) in [
-                    (a.vertical_force, b.vertical_force, c.vertical_force),
-                    (a.drawbar_pull, b.drawbar_pull, c.drawbar_pull),
-                    (a.torque / radius[i], b.torque / radius[i], c.torque / radius[i]),
+                    (a[0], b[0], c.vertical_force),
+                    (a[1], b[1], c.drawbar_pull),
+                    (a[2] / radius[i], b[2] / radius[i], c.torque / radius[i]),
                 ] {
                     assert!(x.is_finite() && y.is_finite() && z.is_finite());
                     assert!((x - z).abs() <= 3e-9 * size + 1e-300, "lanes {x:e}, alone {z:e} of {size:e}");
                     assert!((y - z).abs() <= 3e-9 * size + 1e-300, "portable {y:e}, alone {z:e} of {size:e}");
                 }
             }
-            (BatchOutcome::Bad(_), BatchOutcome::Bad(_), Err(_)) => {}
+            ((SolveStatus::BadInput, _), (SolveStatus::BadInput, _), Err(_)) => {}
             (a, b, c) => panic!("lanes {a:?}, portable {b:?}, alone {c:?}"),
         }
     }

@@ -1,6 +1,6 @@
 //! One operating point of a wheel, asked for by its load or by its sinkage, and its keys.
 
-use grouser_terra::{Error as LawError, Kinematics, LoadStatus, OperatingPoint, WheelOnSoil};
+use grouser_terra::{Error as LawError, Kinematics, LoadOutcome, OperatingPoint, WheelOnSoil};
 use serde_json::Value;
 
 use crate::report::Object;
@@ -82,15 +82,15 @@ pub(crate) fn solve(
         }),
         Asked::Load(load) => {
             let solution = pair.under_load(load, kinematics)?;
-            let status = match solution.status {
-                LoadStatus::Solved => Status::Ok,
-                LoadStatus::NoSolution { max_load } => Status::NoSolution(max_load),
+            let status = match solution.outcome {
+                LoadOutcome::Solved(_) => Status::Ok,
+                LoadOutcome::NoSolution { max_load } => Status::NoSolution(max_load),
                 _ => Status::NotConverged,
             };
             Ok(Answer {
                 status,
-                point: solution.point,
-                residual: solution.residual,
+                point: solution.point(),
+                residual: solution.residual(),
                 evaluations: solution.evaluations,
             })
         }

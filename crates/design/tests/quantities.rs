@@ -51,7 +51,7 @@ fn quantities_agree_with_terra() {
     let slope = Angle::from_deg(4.0);
     let carried = 80.0 * slope.cos();
     let motion = Kinematics::straight(Slip::new(0.5).unwrap());
-    let point = pair.under_load(carried, &motion).unwrap().point.unwrap();
+    let point = pair.under_load(carried, &motion).unwrap().point().unwrap();
     let SlopeOutcome::Holds { slip } = pair.slip_demand(80.0, slope).unwrap() else {
         panic!("the slope is held")
     };

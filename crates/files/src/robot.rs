@@ -32,6 +32,7 @@
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
+use grouser_slip::settings::Field;
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
@@ -203,34 +204,28 @@ fn read_estimator(
     section: &Section<'_>,
     settings: &mut WindowSettings,
 ) -> Result<Option<Reference>> {
-    for (key, field) in [
-        ("window_s", &mut settings.window),
-        ("standstill_speed_m_per_s", &mut settings.standstill_speed),
-        ("low_speed_m_per_s", &mut settings.low_speed),
-        ("max_speed_m_per_s", &mut settings.max_speed),
-        ("max_slip_sigma", &mut settings.max_sigma),
-        ("dropout_s", &mut settings.dropout),
-        ("position_sigma_m", &mut settings.position_sigma),
-        ("speed_sigma_m_per_s", &mut settings.speed_sigma),
-        ("lateral_sigma_m_per_s", &mut settings.lateral_sigma),
-    ] {
-        if let Some(value) = section.optional_number(key, (0.0, 1e12))? {
-            *field = value;
-        }
-    }
-    for (key, field) in [
-        ("yaw_sigma_deg", &mut settings.yaw_sigma),
-        ("yaw_rate_sigma_deg_per_s", &mut settings.yaw_rate_sigma),
-    ] {
-        if let Some(value) = section.optional_number(key, (0.0, 1e6))? {
-            *field = value.to_radians();
-        }
-    }
+    read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
     section.optional_choice("reference", &references)
 }
 
-/// What the slip filter is told: the defaults, over them what the estimator is told, over that `[filter]`.
+/// Sets every field that the section has a key for; the settings themselves check the limits.
+fn read_fields<S: Copy>(
+    section: &Section<'_>,
+    settings: &mut S,
+    fields: &[Field<S>],
+) -> Result<()> {
+    for field in fields {
+        if let Some(key) = field.key
+            && let Some(value) = section.optional_number(key, (-1e12, 1e12))?
+        {
+            field.set_from_file(settings, value);
+        }
+    }
+    Ok(())
+}
+
+/// The settings of the slip filter: the preset, then the values of `[estimator]`, then those of `[filter]`.
 fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSettings> {
     let mut filter = FilterSettings {
         position_sigma: settings.position_sigma,
@@ -242,50 +237,10 @@ fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSe
         max_sigma: settings.max_sigma,
         max_speed: settings.max_speed,
         dropout: settings.dropout,
-        // in a log of any ground some wheels may be in the soft patch that others have still before them
-        wheel_slip_sigma: 0.3,
-        wheel_slip_memory: 5.0,
-        ..FilterSettings::default()
+        ..FilterSettings::any_ground()
     };
     root.section("filter", |section| {
-        for (key, field) in [
-            ("wheel_window_s", &mut filter.wheel_window),
-            ("speed_walk_m_per_s_sqrt_s", &mut filter.speed_walk),
-            (
-                "accelerometer_noise_m_per_s_sqrt_s",
-                &mut filter.accelerometer_noise,
-            ),
-            (
-                "accelerometer_bias_m_per_s2",
-                &mut filter.accelerometer_bias,
-            ),
-            (
-                "accelerometer_drift_m_per_s2_sqrt_s",
-                &mut filter.accelerometer_drift,
-            ),
-            ("slip_mean", &mut filter.slip.mean),
-            ("slip_sigma", &mut filter.slip.sigma),
-            ("slip_memory_s", &mut filter.slip_memory),
-            ("wheel_slip_sigma", &mut filter.wheel_slip_sigma),
-            ("wheel_slip_memory_s", &mut filter.wheel_slip_memory),
-            ("free_slip_mean", &mut filter.free_slip.mean),
-            ("free_slip_sigma", &mut filter.free_slip.sigma),
-            ("radius_sigma", &mut filter.radius_sigma),
-            ("reference_latency_s", &mut filter.reference_latency),
-        ] {
-            if let Some(value) = section.optional_number(key, (-1e12, 1e12))? {
-                *field = value;
-            }
-        }
-        for (key, field) in [
-            ("yaw_walk_deg_per_s_sqrt_s", &mut filter.yaw_walk),
-            ("gyro_bias_deg_per_s", &mut filter.gyro_bias),
-        ] {
-            if let Some(value) = section.optional_number(key, (0.0, 1e6))? {
-                *field = value.to_radians();
-            }
-        }
-        Ok(())
+        read_fields(section, &mut filter, FilterSettings::FIELDS)
     })?;
     filter.check().map_err(|source| Error::Robot {
         at: root.place_of("filter"),
@@ -314,30 +269,28 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
             source,
         }
     })?;
-    let wheel = Wheel {
-        name: name.into(),
-        x: section.number("x_m", anywhere)?,
-        y: section.number("y_m", anywhere)?,
-        heading: Angle::from_deg(
-            section
-                .optional_number("heading_deg", (-360.0, 360.0))?
-                .unwrap_or(0.0),
-        ),
-        radius: section.number("radius_m", POSITIVE)?,
-        role: section.choice("drive", &drives)?,
-        encoder: Encoder {
-            shaft: shaft.unwrap_or(Shaft::Wheel),
-            gear: gear.unwrap_or(1.0),
-            ticks_per_turn: section.optional_number("ticks_per_turn", POSITIVE)?,
-            counter,
-            reversed: section.flag("reversed")?,
-            rate_step: section
-                .optional_number("rate_step_rad_per_s", (0.0, 1e6))?
-                .unwrap_or(0.0),
-        },
-        width: section.optional_number("width_m", POSITIVE)?,
-        load: section.optional_number("load_n", (0.0, 1e12))?,
+    let (x, y) = (
+        section.number("x_m", anywhere)?,
+        section.number("y_m", anywhere)?,
+    );
+    let heading = section.optional_number("heading_deg", (-360.0, 360.0))?;
+    let radius = section.number("radius_m", POSITIVE)?;
+    let role = section.choice("drive", &drives)?;
+    let mut encoder = Encoder::default().counter(counter);
+    encoder.shaft = shaft.unwrap_or(Shaft::Wheel);
+    encoder.gear = gear.unwrap_or(1.0);
+    encoder.ticks_per_turn = section.optional_number("ticks_per_turn", POSITIVE)?;
+    encoder.reversed = section.flag("reversed")?;
+    let rate_step = section.optional_number("rate_step_rad_per_s", (0.0, 1e6))?;
+    encoder.rate_step = rate_step.unwrap_or(0.0);
+    let mut wheel = match role {
+        WheelRole::Powered => Wheel::powered(name),
+        WheelRole::Free => Wheel::free(name),
     };
+    wheel = wheel.at(x, y).radius(radius).encoder(encoder);
+    wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0)));
+    wheel.width = section.optional_number("width_m", POSITIVE)?;
+    wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.
     match Robot::new(String::new(), vec![wheel]) {
         Ok(robot) => Ok(robot.wheels()[0].clone()),

@@ -1,7 +1,7 @@
 //! What the soil model says of a slip that was measured.
 
 use grouser_slip::{Robot, Wheel};
-use grouser_terra::{Kinematics, LoadStatus, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, SolveStatus, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use crate::summary::{Summary, WheelSummary};
@@ -16,7 +16,7 @@ pub struct SoilReading {
     /// The load that the wheel carries, N.
     pub load: f64,
     /// How the search for the sinkage ended.
-    pub status: LoadStatus,
+    pub status: SolveStatus,
     /// Sinkage, m.
     pub sinkage: Option<f64>,
     /// Drawbar pull, N.
@@ -107,12 +107,13 @@ fn reading(
     )?;
     let solution = pair.under_load(load, &Kinematics::straight(slip))?;
     let best = pair.slip_of_maximum_efficiency(load)?;
-    let point = solution.point.as_ref();
+    let point = solution.point();
+    let point = point.as_ref();
     Ok(SoilReading {
         wheel: wheel.name.clone(),
         slip: median,
         load,
-        status: solution.status,
+        status: solution.outcome.status(),
         sinkage: point.map(|p| p.sinkage),
         drawbar_pull: point.map(|p| p.forces.drawbar_pull),
         torque: point.map(|p| p.forces.torque),

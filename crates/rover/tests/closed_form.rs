@@ -108,7 +108,7 @@ fn on_a_slope_the_slip_is_what_the_laws_demand() {
                 let pair = WheelOnSoil::new(mount.wheel, dry_sand(), Settings::default()).unwrap();
                 let motion = Kinematics::straight(Slip::new(slip).unwrap());
                 let solution = pair.under_load(wheel.load.normal, &motion).unwrap();
-                solution.point.unwrap().forces.drawbar_pull
+                solution.point().unwrap().forces.drawbar_pull
             })
             .sum()
     };

@@ -7,6 +7,9 @@ use crate::error::{Error, Result};
 pub struct CounterWidth(u32);
 
 impl CounterWidth {
+    /// The widest counter, of 64 bits: it does not wrap in practice.
+    pub const MAX: Self = Self(64);
+
     /// A counter of `bits` bits.
     ///
     /// # Errors

@@ -1,57 +1,45 @@
-//! What runs on the robot: encoder pulses and counts become speeds, speeds become the slip of every
-//! wheel, each with its sigma and its state. It needs no operating system: time is an argument, and
-//! nothing is allocated after construction.
+//! The slip of every wheel of a robot, on the robot: encoder counts, gyro, accelerometer and measured motion go in one
+//! sample at a time; each wheel's slip comes out with its sigma and its health. It needs no operating system: time is an
+//! argument, and nothing is allocated after construction.
 //!
-//! A wheel at p_i that drives along e_i travels at v_i = e_i · (v_body + Ω × p_i); its rim runs at
-//! r ω_i; the two make its slip ([`grouser_terra::Slip`]).
+//! ```text
+//! v_i = e_i · (v_body + Ω × p_i)        s_i = 1 − v_i/(r ω_i) driving        s_i = r ω_i/v_i − 1 braking
+//! ```
 //!
 //! ```
-//! use grouser_slip::{
-//!     CounterWidth, Encoder, Measurement, Reference, Robot, Sample, Shaft, Wheel, WheelRole,
-//! };
-//! use grouser_slip::window::{WindowEstimator, WindowSettings};
-//! use grouser_terra::Angle;
+//! use grouser_slip::filter::{FilterSettings, SlipFilter};
+//! use grouser_slip::{Measurement, Robot, Sample, Wheel};
 //!
-//! let encoder = Encoder {
-//!     shaft: Shaft::Wheel,
-//!     gear: 1.0,
-//!     ticks_per_turn: Some(1000.0),
-//!     counter: CounterWidth::new(16)?,
-//!     reversed: false,
-//!     rate_step: 0.0,
-//! };
-//! let wheel = |name: &str, x, role| Wheel {
-//!     name: name.into(),
-//!     x,
-//!     y: 0.0,
-//!     heading: Angle::from_deg(0.0),
-//!     radius: 0.1,
-//!     role,
-//!     encoder,
-//!     width: None,
-//!     load: None,
-//! };
-//! let wheels = vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)];
+//! let wheels = vec![
+//!     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+//!     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+//! ];
 //! let robot = Robot::new("bicycle".into(), wheels)?;
-//! let settings = WindowSettings { reference: Reference::FreeWheel, ..WindowSettings::default() };
-//! let mut estimator = WindowEstimator::new(&robot, settings)?;
-//! for step in 0..200_u64 {
+//! let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
+//! for step in 0..300_u64 {
 //!     let time_ns = step as i64 * 10_000_000;
-//!     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim.
+//!     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim speed.
 //!     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
-//!         estimator.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
+//!         filter.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
 //!     }
-//!     estimator.update(Sample { time_ns, measurement: Measurement::YawRate { rate: 0.0 } })?;
+//!     filter.update(Sample { time_ns, measurement: Measurement::YawRate { rate: 0.0 } })?;
 //! }
-//! let slip = estimator.latest().unwrap().wheels[0].slip.unwrap();
-//! assert!((slip.value() - 0.2).abs() < 1e-3);
+//! let drive = filter.latest().wheels[0];
+//! assert!((drive.slip.unwrap().value() - 0.2).abs() < 2.0 * drive.sigma.unwrap());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The primary type is [`WindowEstimator`]. It does not read files, know of soil, or filter: each slip is
-//! that of a window of time, from what was measured in it. Beside it [`ground`] learns the soil's strength and
-//! contact angles from slower readings, [`filter`] weighs all sensors together, [`detect`] calls what an operator must hear of, and
-//! [`start`] looks whether the robot is what its description says.
+//! The primary type is [`filter::SlipFilter`], which weighs all sensors together. [`window::WindowEstimator`] compares
+//! means over windows of time and keeps no model of the motion. On the slips of either stand [`detect::Detector`], which
+//! reports the events that an operator must know, and [`control::Controller`], which drives the wheels.
+//! [`prior`] holds what a soil model predicts of slip, [`start::StartCheck`] compares the sensors with the robot's
+//! description before the first drive, and [`ground`] learns the soil's strength and the contact angles.
+//!
+//! Three outcomes are never mixed: a robot or settings that cannot be used are an [`Error`] with field, value, limit and
+//! unit; a sample that cannot be used is a [`Fault`], which is counted and changes nothing; an estimate that cannot be
+//! trusted has a [`Health`] that names the reason.
+//!
+//! The crate reads no files and knows neither terrain nor the robot's linkage.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
@@ -72,6 +60,7 @@ pub mod prior;
 mod reference;
 mod robot;
 mod sample;
+pub mod settings;
 mod speed;
 pub mod start;
 mod state;

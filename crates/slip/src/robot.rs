@@ -1,4 +1,4 @@
-//! The robot: its wheels, where they stand and what turns with them.
+//! The description of a robot: its wheels, their places and their encoders.
 
 use alloc::{string::String, vec::Vec};
 
@@ -7,10 +7,10 @@ use grouser_terra::Angle;
 use crate::counter::CounterWidth;
 use crate::error::{Error, Result, check_range};
 
-/// The greatest number of wheels.
+/// The largest number of wheels of a robot.
 pub const MAX_WHEELS: usize = 64;
 
-/// Does a motor turn the wheel?
+/// The role of a wheel: powered by a motor or rolling freely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WheelRole {
     /// A motor turns it.
@@ -28,8 +28,10 @@ pub enum Shaft {
     Motor,
 }
 
-/// What turns with a wheel and measures it.
+/// The sensor of a wheel's rotation. The default sits on the wheel's own shaft and has a 64-bit counter, but no ticks: it
+/// gives angles or rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Encoder {
     /// Which shaft it sits on.
     pub shaft: Shaft,
@@ -45,8 +47,83 @@ pub struct Encoder {
     pub rate_step: f64,
 }
 
-/// One wheel. x forwards, y to the left, from the robot's origin.
+impl Default for Encoder {
+    fn default() -> Self {
+        Self {
+            shaft: Shaft::Wheel,
+            gear: 1.0,
+            ticks_per_turn: None,
+            counter: CounterWidth::MAX,
+            reversed: false,
+            rate_step: 0.0,
+        }
+    }
+}
+
+impl Encoder {
+    /// An encoder on the wheel's own shaft that counts `ticks` a turn with a 64-bit counter.
+    #[must_use]
+    pub fn counting(ticks: impl Into<f64>) -> Self {
+        Self {
+            ticks_per_turn: Some(ticks.into()),
+            ..Self::default()
+        }
+    }
+
+    /// The same encoder on the motor's shaft, which turns `gear` times per wheel turn.
+    #[must_use]
+    pub const fn on_motor(self, gear: f64) -> Self {
+        Self {
+            shaft: Shaft::Motor,
+            gear,
+            ..self
+        }
+    }
+
+    /// The same encoder with a counter of another width.
+    #[must_use]
+    pub const fn counter(self, counter: CounterWidth) -> Self {
+        Self { counter, ..self }
+    }
+
+    /// The same encoder, counting down when the wheel drives the robot along its heading.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        Self {
+            reversed: true,
+            ..self
+        }
+    }
+
+    /// The same encoder with rate readings in steps of `step` (rad/s of its shaft).
+    #[must_use]
+    pub const fn rate_step(self, step: f64) -> Self {
+        Self {
+            rate_step: step,
+            ..self
+        }
+    }
+}
+
+/// One wheel, with x forwards and y to the left of the robot's origin.
+///
+/// [`Wheel::powered`] and [`Wheel::free`] begin a description; [`Robot::new`] checks it.
+///
+/// ```
+/// use grouser_slip::{Robot, Wheel};
+///
+/// let robot = Robot::new(
+///     "bicycle".into(),
+///     vec![
+///         Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+///         Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+///     ],
+/// )?;
+/// assert_eq!(robot.wheel_index("fifth"), Some(1));
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Wheel {
     /// Its name in tables and files.
     pub name: String,
@@ -58,17 +135,92 @@ pub struct Wheel {
     pub heading: Angle,
     /// Effective rolling radius, m.
     pub radius: f64,
-    /// Powered or free.
+    /// Powered by a motor or rolling freely.
     pub role: WheelRole,
     /// What measures its rotation.
     pub encoder: Encoder,
-    /// Width, m, where a soil is to be asked.
+    /// Width, m; the soil model needs it.
     pub width: Option<f64>,
-    /// Load that it carries, N, where a soil is to be asked.
+    /// Load that it carries, N; the soil model needs it.
     pub load: Option<f64>,
 }
 
 impl Wheel {
+    /// A wheel that a motor turns; its place is the robot's origin and its radius 0.1 m until they are set.
+    #[must_use]
+    pub fn powered(name: impl Into<String>) -> Self {
+        Self::new(name.into(), WheelRole::Powered)
+    }
+
+    /// A wheel that rolls freely; its place is the robot's origin and its radius 0.1 m until they are set.
+    #[must_use]
+    pub fn free(name: impl Into<String>) -> Self {
+        Self::new(name.into(), WheelRole::Free)
+    }
+
+    fn new(name: String, role: WheelRole) -> Self {
+        Self {
+            name,
+            x: 0.0,
+            y: 0.0,
+            heading: Angle::from_rad(0.0),
+            radius: 0.1,
+            role,
+            encoder: Encoder::default(),
+            width: None,
+            load: None,
+        }
+    }
+
+    /// The same wheel with its centre at `x` (forwards) and `y` (to the left), m.
+    #[must_use]
+    pub fn at(self, x: f64, y: f64) -> Self {
+        Self { x, y, ..self }
+    }
+
+    /// The same wheel driving along `heading`.
+    #[must_use]
+    pub fn heading(self, heading: Angle) -> Self {
+        Self { heading, ..self }
+    }
+
+    /// The same wheel with an effective rolling radius, m.
+    #[must_use]
+    pub fn radius(self, radius: f64) -> Self {
+        Self { radius, ..self }
+    }
+
+    /// The same wheel with ticks per turn of its sensor's shaft.
+    #[must_use]
+    pub fn ticks_per_turn(mut self, ticks: impl Into<f64>) -> Self {
+        self.encoder.ticks_per_turn = Some(ticks.into());
+        self
+    }
+
+    /// The same wheel with another encoder.
+    #[must_use]
+    pub fn encoder(self, encoder: Encoder) -> Self {
+        Self { encoder, ..self }
+    }
+
+    /// The same wheel with a width, m.
+    #[must_use]
+    pub fn width(self, width: f64) -> Self {
+        Self {
+            width: Some(width),
+            ..self
+        }
+    }
+
+    /// The same wheel under a load, N.
+    #[must_use]
+    pub fn load(self, load: f64) -> Self {
+        Self {
+            load: Some(load),
+            ..self
+        }
+    }
+
     fn check(&self) -> Result<()> {
         let (of, e) = (self.name.as_str(), &self.encoder);
         check_range(of, "x", self.x, (-100.0, 100.0), "m")?;

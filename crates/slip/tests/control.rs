@@ -9,29 +9,17 @@ use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, WheelOrder,
     WheelSeen,
 };
-use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Shaft, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Wheel};
 use proptest::prelude::*;
 
 /// A robot of four powered wheels.
 fn robot() -> Robot {
-    let wheel = |name: &str, x, y| Wheel {
-        name: name.into(),
-        x,
-        y,
-        heading: Angle::from_deg(0.0),
-        radius: 0.1,
-        role: WheelRole::Powered,
-        encoder: Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(1000.0),
-            counter: CounterWidth::new(32).unwrap(),
-            reversed: false,
-            rate_step: 0.0,
-        },
-        width: None,
-        load: Some(50.0),
+    let wheel = |name: &str, x, y| {
+        Wheel::powered(name)
+            .at(x, y)
+            .radius(0.1)
+            .encoder(Encoder::counting(1000).counter(CounterWidth::new(32).unwrap()))
+            .load(50.0)
     };
     let wheels = vec![
         wheel("a", 0.3, 0.2),

@@ -11,9 +11,7 @@
 mod noise;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
-use grouser_slip::{
-    CounterWidth, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel, WheelRole,
-};
+use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelRole};
 use grouser_terra::Angle;
 use noise::Noise;
 
@@ -22,25 +20,12 @@ const STEP: f64 = 0.01;
 const TICKS: f64 = 2000.0;
 const RADIUS: f64 = 0.1;
 
-fn wheel(name: &str, (x, y): (f64, f64), heading_deg: f64, role: WheelRole) -> Wheel {
-    Wheel {
-        name: name.into(),
-        x,
-        y,
-        heading: Angle::from_deg(heading_deg),
-        radius: RADIUS,
-        role,
-        encoder: Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(TICKS),
-            counter: CounterWidth::new(32).unwrap(),
-            reversed: false,
-            rate_step: 0.0,
-        },
-        width: None,
-        load: None,
-    }
+fn wheel(wheel: Wheel, (x, y): (f64, f64), heading_deg: f64) -> Wheel {
+    wheel
+        .at(x, y)
+        .heading(Angle::from_deg(heading_deg))
+        .radius(RADIUS)
+        .encoder(Encoder::counting(TICKS).counter(CounterWidth::new(32).unwrap()))
 }
 
 /// A robot that goes at (v_x, v_y, Ω) from one second on, its powered wheels with these slips.
@@ -138,11 +123,11 @@ fn skid_steered() -> Run {
         robot: Robot::new(
             "skid-steered".into(),
             vec![
-                wheel("front left", (front, 0.25), 0.0, WheelRole::Powered),
-                wheel("front right", (front, -0.25), 0.0, WheelRole::Powered),
-                wheel("rear left", (rear, 0.25), 0.0, WheelRole::Powered),
-                wheel("rear right", (rear, -0.25), 0.0, WheelRole::Powered),
-                wheel("free", (0.0, 0.1), 0.0, WheelRole::Free),
+                wheel(Wheel::powered("front left"), (front, 0.25), 0.0),
+                wheel(Wheel::powered("front right"), (front, -0.25), 0.0),
+                wheel(Wheel::powered("rear left"), (rear, 0.25), 0.0),
+                wheel(Wheel::powered("rear right"), (rear, -0.25), 0.0),
+                wheel(Wheel::free("free"), (0.0, 0.1), 0.0),
             ],
         )
         .unwrap(),
@@ -162,11 +147,11 @@ fn omni() -> Run {
         robot: Robot::new(
             "omni".into(),
             vec![
-                wheel("a", place(60.0), 150.0, WheelRole::Powered),
-                wheel("b", place(180.0), 270.0, WheelRole::Powered),
-                wheel("c", place(300.0), 30.0, WheelRole::Powered),
-                wheel("along", (0.0, 0.1), 0.0, WheelRole::Free),
-                wheel("across", (-0.1, 0.0), 90.0, WheelRole::Free),
+                wheel(Wheel::powered("a"), place(60.0), 150.0),
+                wheel(Wheel::powered("b"), place(180.0), 270.0),
+                wheel(Wheel::powered("c"), place(300.0), 30.0),
+                wheel(Wheel::free("along"), (0.0, 0.1), 0.0),
+                wheel(Wheel::free("across"), (-0.1, 0.0), 90.0),
             ],
         )
         .unwrap(),

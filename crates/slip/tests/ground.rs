@@ -43,7 +43,7 @@ fn reading(
 ) -> WheelReading {
     let pair = WheelOnSoil::new(wheel(), *soil, Settings::default()).unwrap();
     let motion = Kinematics::straight(Slip::new(slip).unwrap());
-    let point = pair.under_load(load, &motion).unwrap().point.unwrap();
+    let point = pair.under_load(load, &motion).unwrap().point().unwrap();
     let mut with = |value: f64, sigma: f64| Uncertain {
         value: value + sigma * noise.normal(),
         sigma,

@@ -1,7 +1,6 @@
 //! The drive on which the filter is tried, and the robot as the filter is told of it.
 
-use grouser_slip::{CounterWidth, Encoder, Result, Robot, Shaft, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Result, Robot, Wheel};
 
 use crate::drive::Leg;
 use crate::five_wheel::{FiveWheel, NAMES, WHEELS};
@@ -46,27 +45,16 @@ impl FiveWheel {
     /// What a description may not say: a width of counters outside 8 to 64 bits, a radius of zero.
     pub fn described(&self, bits: u32) -> Result<Robot> {
         let counter = CounterWidth::new(bits)?;
-        let wheels = self.wheels.iter().zip(NAMES).map(|(wheel, name)| Wheel {
-            name: name.into(),
-            x: wheel.x,
-            y: wheel.y,
-            heading: Angle::from_deg(0.0),
-            radius: wheel.radius,
-            role: if wheel.free {
-                WheelRole::Free
+        let wheels = self.wheels.iter().zip(NAMES).map(|(wheel, name)| {
+            let described = if wheel.free {
+                Wheel::free(name)
             } else {
-                WheelRole::Powered
-            },
-            encoder: Encoder {
-                shaft: Shaft::Wheel,
-                gear: 1.0,
-                ticks_per_turn: Some(wheel.ticks),
-                counter,
-                reversed: false,
-                rate_step: 0.0,
-            },
-            width: None,
-            load: None,
+                Wheel::powered(name)
+            };
+            described
+                .at(wheel.x, wheel.y)
+                .radius(wheel.radius)
+                .encoder(Encoder::counting(wheel.ticks).counter(counter))
         });
         Robot::new("five wheels".into(), wheels.collect())
     }

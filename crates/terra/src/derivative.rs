@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::shear::ShearLaw;
+use crate::sinkage::Sinkage;
 use crate::soil::SoilLaws;
 use crate::wheel_on_soil::WheelOnSoil;
 
@@ -26,7 +27,7 @@ use crate::wheel_on_soil::WheelOnSoil;
 /// let [by_slip] = solved.forces.drawbar_pull.gradient; // N per unit of slip
 /// let at = |s: f64| -> grouser_terra::Result<f64> {
 ///     let solution = pair.under_load(80.0, &Kinematics::straight(Slip::new(s)?))?;
-///     Ok(solution.point.expect("carried").forces.drawbar_pull)
+///     Ok(solution.point().expect("carried").forces.drawbar_pull)
 /// };
 /// let difference = (at(0.2 + 1e-5)? - at(0.2 - 1e-5)?) / 2e-5;
 /// assert!((by_slip - difference).abs() < 1e-6 * by_slip);
@@ -101,7 +102,7 @@ impl<const N: usize> DualInputs<N> {
         load: Dual<N>,
     ) -> Result<Option<DualSolution<N>>> {
         let found = pair.sinkage_under(load.value, kinematics)?;
-        let Some(angle) = found.entry_angle() else {
+        let Some(Sinkage { theta_1: angle, .. }) = found.outcome.solved() else {
             return Ok(None);
         };
         let slope = pair

@@ -74,10 +74,10 @@ pub enum Error {
         /// The wheel's running radius, m.
         radius: f64,
     },
-    /// Slices that belong together differ in length.
-    #[error("a slice holds {found} points, but {expected} are asked for")]
+    /// Columns that belong together differ in length.
+    #[error("a column holds {found} points, but the batch has {expected}")]
     Lengths {
-        /// The length of the output.
+        /// The length of the status column.
         expected: usize,
         /// The length found.
         found: usize,
@@ -112,6 +112,14 @@ impl Error {
             Ok(())
         } else {
             Err(Self::NotFinite { field, value, unit })
+        }
+    }
+
+    pub(crate) const fn check_length(found: usize, expected: usize) -> Result<()> {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(Self::Lengths { expected, found })
         }
     }
 

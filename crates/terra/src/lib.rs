@@ -14,19 +14,17 @@
 //! let wheel = RigidWheel::new(0.125, 0.15)?; // radius and width in m
 //! let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
 //! let solution = pair.under_load(65.0, &Kinematics::straight(Slip::new(0.25)?))?;
-//! let point = solution.point.expect("65 N are carried");
+//! let point = solution.point().expect("65 N are carried");
 //! // independent 1e-10 quadrature: 17.007 mm and 3.295 N
 //! assert!((point.sinkage - 0.017_007).abs() < 1e-6);
 //! assert!((point.forces.drawbar_pull - 3.2949).abs() < 1e-4);
 //! # Ok::<(), grouser_terra::Error>(())
 //! ```
 //!
-//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] is its sister for many points at once,
-//! [`TrackedWheel`] the one for a control loop, and
-//! [`Contact`] the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
+//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] computes many points at once, and [`Contact`] has the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
 //!
 //! Three outcomes are never mixed: bad input is an [`Error`] that names field, value, limit and unit; a load
-//! that nothing carries is a [`LoadStatus`]; what lies outside a law's comfortable range is computed and
+//! that nothing carries is a [`LoadOutcome`]; what lies outside a law's comfortable range is computed and
 //! carries a [`Caution`].
 //!
 //! Sources by their keys: \[Ani2012\] Ani, Xu, Xue, Liu & Zhang, J. Cent. South Univ. 19, 2458-2467, with its
@@ -60,7 +58,7 @@ mod slip;
 mod slip_model;
 mod slip_velocity;
 mod soil;
-mod surrogate;
+mod status;
 mod traction;
 mod wheel;
 mod wheel_on_soil;
@@ -77,20 +75,17 @@ pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
 pub use kinematics::Kinematics;
-pub use lanes::{
-    BatchForces, BatchKernel, BatchOutcome, BatchPoints, LaneMask, Lanes, TrackedSolution,
-    TrackedWheel,
-};
+pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
-pub use sinkage::{LoadSolution, LoadStatus, SinkageSolution};
+pub use sinkage::{LoadOutcome, LoadSolution, Sinkage, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
 pub use slip_velocity::SlipVelocity;
 pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
-pub use surrogate::{Surrogate, SurrogateBounds, SurrogateBox};
+pub use status::SolveStatus;
 pub use traction::{BestSlip, SlopeOutcome};
 pub use wheel::{GrouserRule, Grousers, RigidWheel};
 pub use wheel_on_soil::WheelOnSoil;

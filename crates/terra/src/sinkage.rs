@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
 use crate::pressure::Pressure;
+use crate::status::SolveStatus;
 use crate::wheel_on_soil::WheelOnSoil;
 
 /// Largest |ln(W/load)| from which one more Newton step lands within rounding: the error of a step is of
@@ -17,12 +18,24 @@ const LAST_STEP: f64 = 1e-7;
 /// Newton steps and bisections before giving up. Newton takes 3 to 5; 80 halvings reach rounding anyway.
 const STEPS: u32 = 80;
 
-/// How a search for the sinkage ended.
+/// How the search for the sinkage under a load ended, with its result.
+///
+/// ```
+/// use grouser_terra::{Kinematics, LoadOutcome, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+/// let motion = Kinematics::straight(Slip::new(0.2)?);
+/// match contact.under_load(1e9, &motion)?.outcome {
+///     LoadOutcome::NoSolution { max_load } => assert!(max_load < 1e9),
+///     other => panic!("{other:?}"),
+/// }
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum LoadStatus {
+pub enum LoadOutcome<T> {
     /// Found, to rounding.
-    Solved,
+    Solved(T),
     /// No sinkage below the hub carries the load.
     NoSolution {
         /// The greatest load that was found to be carried, N.
@@ -32,38 +45,89 @@ pub enum LoadStatus {
     NotConverged,
 }
 
-/// A sinkage, and how it was found.
+impl<T> LoadOutcome<T> {
+    /// The result, where there is one.
+    pub fn solved(self) -> Option<T> {
+        match self {
+            Self::Solved(found) => Some(found),
+            _ => None,
+        }
+    }
+
+    /// The same outcome without its result.
+    pub const fn status(&self) -> SolveStatus {
+        match self {
+            Self::Solved(_) => SolveStatus::Solved,
+            Self::NoSolution { .. } => SolveStatus::NoSolution,
+            Self::NotConverged => SolveStatus::NotConverged,
+        }
+    }
+
+    /// The same outcome with another result.
+    fn map<U>(self, f: impl FnOnce(T) -> U) -> LoadOutcome<U> {
+        match self {
+            Self::Solved(found) => LoadOutcome::Solved(f(found)),
+            Self::NoSolution { max_load } => LoadOutcome::NoSolution { max_load },
+            Self::NotConverged => LoadOutcome::NotConverged,
+        }
+    }
+}
+
+/// A sinkage that carries a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SinkageSolution {
-    /// How the search ended.
-    pub status: LoadStatus,
-    /// Sinkage, m; `None` unless solved.
-    pub sinkage: Option<f64>,
-    /// Evaluations of the stress integrals.
-    pub evaluations: u32,
+#[non_exhaustive]
+pub struct Sinkage {
+    /// Sinkage, m.
+    pub sinkage: f64,
     /// Does another sinkage carry the same load?
     pub several: bool,
-    theta_1: f64,
+    /// Entry angle, rad.
+    pub theta_1: f64,
+}
+
+/// The result of a search for the sinkage alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SinkageSolution {
+    /// How the search ended.
+    pub outcome: LoadOutcome<Sinkage>,
+    /// Evaluations of the stress integrals.
+    pub evaluations: u32,
 }
 
 impl SinkageSolution {
-    /// The entry angle, rad; `None` unless solved.
-    pub(crate) fn entry_angle(&self) -> Option<f64> {
-        self.sinkage.map(|_| self.theta_1)
+    /// Sinkage, m; `None` unless solved.
+    #[must_use]
+    pub fn sinkage(&self) -> Option<f64> {
+        self.outcome.solved().map(|found| found.sinkage)
     }
 }
 
 /// A wheel under its load.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct LoadSolution {
-    /// How the search for the sinkage ended.
-    pub status: LoadStatus,
-    /// The operating point; `None` unless solved.
-    pub point: Option<OperatingPoint>,
-    /// Vertical force less load, N.
-    pub residual: Option<f64>,
+    /// How the search for the sinkage ended, with the operating point.
+    pub outcome: LoadOutcome<OperatingPoint>,
+    /// The load, N.
+    pub load: f64,
     /// Evaluations of the stress integrals.
     pub evaluations: u32,
+}
+
+impl LoadSolution {
+    /// The operating point; `None` unless solved.
+    #[must_use]
+    pub fn point(&self) -> Option<OperatingPoint> {
+        self.outcome.solved()
+    }
+
+    /// Vertical force less load, N; `None` unless solved.
+    #[must_use]
+    pub fn residual(&self) -> Option<f64> {
+        let point = self.outcome.solved();
+        point.map(|point| point.forces.vertical_force - self.load)
+    }
 }
 
 /// Bounds of the entry angle between which the wanted load lies, and what was spent on them.
@@ -85,24 +149,19 @@ impl WheelOnSoil {
     /// nothing carries is a status, not an error.
     pub fn under_load(&self, load: f64, kinematics: &Kinematics) -> Result<LoadSolution> {
         let found = self.sinkage_under(load, kinematics)?;
-        let Some(sinkage) = found.sinkage else {
-            return Ok(LoadSolution {
-                status: found.status,
-                point: None,
-                residual: None,
-                evaluations: found.evaluations,
-            });
-        };
-        let mut point = self.point(found.theta_1, kinematics);
-        point.sinkage = sinkage;
-        point
-            .cautions
-            .insert_if(found.several, Caution::SeveralSinkages);
+        let outcome = found.outcome.map(|found| {
+            let mut point = self.point(found.theta_1, kinematics);
+            point.sinkage = found.sinkage;
+            point
+                .cautions
+                .insert_if(found.several, Caution::SeveralSinkages);
+            point
+        });
+        let last = u32::from(matches!(outcome, LoadOutcome::Solved(_)));
         Ok(LoadSolution {
-            status: found.status,
-            residual: Some(point.forces.vertical_force - load),
-            point: Some(point),
-            evaluations: found.evaluations + 1,
+            outcome,
+            load,
+            evaluations: found.evaluations + last,
         })
     }
 
@@ -113,38 +172,45 @@ impl WheelOnSoil {
     pub fn sinkage_under(&self, load: f64, kinematics: &Kinematics) -> Result<SinkageSolution> {
         Error::check_range("load", load, 0.0, 1e12, "N")?;
         self.check_exponent(kinematics)?;
-        if load == 0.0 {
-            return Ok(SinkageSolution {
-                status: LoadStatus::Solved,
-                sinkage: Some(0.0),
-                evaluations: 0,
-                several: false,
-                theta_1: 0.0,
-            });
-        }
         let mut search = Search {
             low: 0.0,
             high: self.entry_limit(),
             proven: false,
             evaluations: 0,
         };
+        let outcome = self.search(load, kinematics, &mut search);
+        Ok(SinkageSolution {
+            outcome,
+            evaluations: search.evaluations,
+        })
+    }
+
+    fn search(
+        &self,
+        load: f64,
+        kinematics: &Kinematics,
+        search: &mut Search,
+    ) -> LoadOutcome<Sinkage> {
+        if load == 0.0 {
+            return LoadOutcome::Solved(Sinkage {
+                sinkage: 0.0,
+                several: false,
+                theta_1: 0.0,
+            });
+        }
         let mut several = false;
         if self.may_fall(kinematics) {
-            match self.scan(load, kinematics, &mut search) {
+            match self.scan(load, kinematics, search) {
                 Ok(more) => several = more,
-                Err(max_load) => return Ok(search.ended(LoadStatus::NoSolution { max_load })),
+                Err(max_load) => return LoadOutcome::NoSolution { max_load },
             }
         }
-        Ok(match self.newton(load, kinematics, &mut search) {
-            Ok(theta_1) => SinkageSolution {
-                status: LoadStatus::Solved,
-                sinkage: Some(sinkage_from_entry_angle(theta_1, self.size().radius)),
-                evaluations: search.evaluations,
+        self.newton(load, kinematics, search)
+            .map(|theta_1| Sinkage {
+                sinkage: sinkage_from_entry_angle(theta_1, self.size().radius),
                 several,
                 theta_1,
-            },
-            Err(status) => search.ended(status),
-        })
+            })
     }
 
     /// Can the vertical force fall as the wheel sinks? Driving on soil that does not rise behind the
@@ -202,18 +268,13 @@ impl WheelOnSoil {
 
     /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
     /// rising. Source of the start: Bekker's closed form for a wheel without shear \[Bekker69\].
-    fn newton(
-        &self,
-        load: f64,
-        kinematics: &Kinematics,
-        search: &mut Search,
-    ) -> core::result::Result<f64, LoadStatus> {
+    fn newton(&self, load: f64, kinematics: &Kinematics, search: &mut Search) -> LoadOutcome<f64> {
         let mut theta_1 = self.bekker_start(load);
         for _ in 0..STEPS {
             if theta_1 >= search.high && !search.proven {
                 let top = self.vertical_force(search.high, kinematics, &mut search.evaluations);
                 if !(top >= load) {
-                    return Err(LoadStatus::NoSolution { max_load: top });
+                    return LoadOutcome::NoSolution { max_load: top };
                 }
                 search.proven = true;
             }
@@ -237,17 +298,17 @@ impl WheelOnSoil {
                 let off = Real::ln(force.value / load);
                 let next = theta_1 * Real::exp(-off / slope);
                 if off.abs() <= LAST_STEP {
-                    return Ok(next);
+                    return LoadOutcome::Solved(next);
                 }
                 theta_1 = next;
             } else {
                 theta_1 = search.middle();
             }
             if search.proven && search.high - search.low <= 2.0 * f64::EPSILON * search.high {
-                return Ok(search.high);
+                return LoadOutcome::Solved(search.high);
             }
         }
-        Err(LoadStatus::NotConverged)
+        LoadOutcome::NotConverged
     }
 
     fn vertical_force(&self, theta_1: f64, kinematics: &Kinematics, evaluations: &mut u32) -> f64 {
@@ -283,16 +344,6 @@ impl Search {
             Real::sqrt(self.low * self.high)
         } else {
             0.1 * self.high
-        }
-    }
-
-    fn ended(&self, status: LoadStatus) -> SinkageSolution {
-        SinkageSolution {
-            status,
-            sinkage: None,
-            evaluations: self.evaluations,
-            several: false,
-            theta_1: 0.0,
         }
     }
 }

@@ -74,7 +74,7 @@ impl WheelOnSoil {
         let asked = weight * slope.sin();
         let pull = |slip: f64| -> Result<Option<f64>> {
             let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
-            Ok(solution.point.map(|point| point.forces.drawbar_pull))
+            Ok(solution.point().map(|point| point.forces.drawbar_pull))
         };
         let mut before: Option<(f64, f64)> = None;
         let mut most: Option<f64> = None;
@@ -140,7 +140,7 @@ impl WheelOnSoil {
         let surplus = |slip: f64| -> Result<Option<f64>> {
             let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
             Ok(solution
-                .point
+                .point()
                 .map(|point| point.forces.torque + bearing_torque))
         };
         // Torque rises with slip: from the first sample at which it suffices, look back.
@@ -198,7 +198,7 @@ impl WheelOnSoil {
         let at = |slip: f64| -> Result<f64> {
             let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
             Ok(solution
-                .point
+                .point()
                 .as_ref()
                 .and_then(&quantity)
                 .unwrap_or(f64::NEG_INFINITY))

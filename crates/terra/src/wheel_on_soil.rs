@@ -23,7 +23,7 @@ use grouser_real::Scalar;
 /// let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
 /// let motion = Kinematics::straight(Slip::new(0.2)?);
 /// let solution = pair.under_load(80.0, &motion)?;
-/// let point = solution.point.expect("80 N are carried");
+/// let point = solution.point().expect("80 N are carried");
 /// assert!((point.forces.vertical_force - 80.0).abs() < 1e-9);
 /// # Ok::<(), grouser_terra::Error>(())
 /// ```

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{
-    Accuracy, BatchForces, BatchKernel, BatchOutcome, BatchPoints, Kinematics, RigidWheel,
-    Settings, Slip, Soil, SoilParams, WheelOnSoil, catalogue,
+    Accuracy, BatchColumns, BatchInput, BatchKernel, BatchPoints, Error, Kinematics, RigidWheel,
+    Settings, Slip, Soil, SoilParams, SolveStatus, WheelOnSoil, catalogue,
 };
 use proptest::prelude::*;
 
@@ -37,6 +37,44 @@ fn soil() -> impl Strategy<Value = Soil> {
         })
 }
 
+/// One point of a batch.
+#[derive(Clone, Copy, Debug)]
+struct Solved {
+    status: SolveStatus,
+    sinkage: f64,
+    vertical_force: f64,
+    drawbar_pull: f64,
+    torque: f64,
+}
+
+/// The points of a batch of `n` that `solve` writes.
+fn batch(n: usize, solve: impl FnOnce(&mut BatchColumns<'_>) -> Result<(), Error>) -> Vec<Solved> {
+    let [
+        mut sinkage,
+        mut vertical_force,
+        mut drawbar_pull,
+        mut torque,
+    ] = [(); 4].map(|()| vec![f64::NAN; n]);
+    let mut status = vec![SolveStatus::default(); n];
+    solve(&mut BatchColumns {
+        sinkage: &mut sinkage,
+        vertical_force: &mut vertical_force,
+        drawbar_pull: &mut drawbar_pull,
+        torque: &mut torque,
+        status: &mut status,
+    })
+    .unwrap();
+    (0..n)
+        .map(|i| Solved {
+            status: status[i],
+            sinkage: sinkage[i],
+            vertical_force: vertical_force[i],
+            drawbar_pull: drawbar_pull[i],
+            torque: torque[i],
+        })
+        .collect()
+}
+
 struct Columns {
     radius: Vec<f64>,
     width: Vec<f64>,
@@ -57,31 +95,27 @@ impl Columns {
     }
     fn points(&self) -> BatchPoints<'_> {
         BatchPoints {
-            radius: &self.radius,
-            width: &self.width,
-            rebound: &self.rebound,
-            slip: &self.slip,
+            radius: (&self.radius).into(),
+            width: (&self.width).into(),
+            rebound: (&self.rebound).into(),
+            slip: (&self.slip).into(),
         }
     }
-    fn forces(&self, kernel: &BatchKernel) -> Vec<BatchOutcome> {
-        let mut out = vec![BatchOutcome::default(); self.slip.len()];
-        kernel
-            .forces(&self.points(), &self.sinkage, &mut out)
-            .unwrap();
-        out
+    fn forces(&self, kernel: &BatchKernel) -> Vec<Solved> {
+        batch(self.slip.len(), |out| {
+            kernel.forces(&self.points(), &self.sinkage, out)
+        })
     }
-    fn under_load(&self, kernel: &BatchKernel, load: &[f64]) -> Vec<BatchOutcome> {
-        let mut out = vec![BatchOutcome::default(); self.slip.len()];
-        kernel.under_load(&self.points(), load, &mut out).unwrap();
-        out
+    fn under_load(&self, kernel: &BatchKernel, load: &[f64]) -> Vec<Solved> {
+        batch(self.slip.len(), |out| {
+            kernel.under_load(&self.points(), load, out)
+        })
     }
 }
 
-fn done(outcome: &BatchOutcome) -> BatchForces {
-    match outcome {
-        BatchOutcome::Done(forces) => *forces,
-        other => panic!("{other:?}"),
-    }
+fn done(solved: &Solved) -> Solved {
+    assert_eq!(solved.status, SolveStatus::Solved, "{solved:?}");
+    *solved
 }
 
 fn pair(soil: &Soil, p: Point) -> WheelOnSoil {
@@ -120,11 +154,12 @@ proptest! {
         let load: Vec<f64> =
             columns.forces(&kernel).iter().map(|f| done(f).vertical_force.abs().max(1e-3)).collect();
         for ((p, load), outcome) in points.iter().zip(&load).zip(columns.under_load(&kernel, &load)) {
-            if let BatchOutcome::Done(got) = outcome {
+            let got = outcome;
+            if got.status == SolveStatus::Solved {
                 prop_assert!((got.vertical_force / load - 1.0).abs() < 2e-9);
                 let motion = Kinematics::straight(Slip::new(p.3).unwrap());
                 let exact = pair(&soil, *p).sinkage_under(*load, &motion).unwrap();
-                let exact = exact.sinkage.unwrap();
+                let exact = exact.sinkage().unwrap();
                 prop_assert!((got.sinkage / exact - 1.0).abs() < 1e-8, "{} {exact}", got.sinkage);
             } else {
                 prop_assert!(p.4 > 0.9 || p.2 > 0.0 || p.3 < 0.0, "{outcome:?} at {p:?}");
@@ -146,10 +181,7 @@ proptest! {
             }
         }
         let together = columns.forces(&kernel);
-        let loads: Vec<f64> = together.iter().map(|f| match f {
-            BatchOutcome::Done(f) => f.vertical_force.abs() + 0.1,
-            _ => f64::NAN,
-        }).collect();
+        let loads: Vec<f64> = together.iter().map(|f| f.vertical_force.abs() + 0.1).collect();
         let solved = columns.under_load(&kernel, &loads);
         for i in 0..points.len() {
             let alone = Columns {
@@ -160,8 +192,8 @@ proptest! {
                 sinkage: vec![columns.sinkage[i]],
             };
             let is_bad = bad.contains(&i);
-            prop_assert_eq!(matches!(together[i], BatchOutcome::Bad(_)), is_bad);
-            // by their text, so that a NaN inside an error equals itself
+            prop_assert_eq!(together[i].status == SolveStatus::BadInput, is_bad);
+            // by their text, so that a NaN equals itself
             prop_assert_eq!(format!("{:?}", &alone.forces(&kernel)[0]), format!("{:?}", &together[i]));
             prop_assert_eq!(
                 format!("{:?}", &alone.under_load(&kernel, &loads[i..=i])[0]),
@@ -192,7 +224,7 @@ fn d14_batches_of_every_small_length() {
     }
     for (i, outcome) in columns.forces(&kernel).iter().enumerate() {
         assert_eq!(
-            matches!(outcome, BatchOutcome::Done(_)),
+            outcome.status == SolveStatus::Solved,
             i == 5,
             "{i}: {outcome:?}"
         );
@@ -232,12 +264,53 @@ fn d13_continuous_where_the_lanes_end() {
 fn slices_of_unequal_length_are_refused() {
     let kernel = BatchKernel::new(catalogue::find("lunar").unwrap().soil().unwrap());
     let columns = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 3]);
-    let mut out = [BatchOutcome::default(); 2];
-    assert!(
-        kernel
-            .forces(&columns.points(), &columns.sinkage, &mut out)
-            .is_err()
-    );
+    let points = columns.points();
+    let refused = |sinkage: BatchInput<'_>, n: usize| {
+        let [mut a, mut b, mut c, mut d] = [[0.0; 3]; 4];
+        let error = kernel.forces(
+            &points,
+            sinkage,
+            &mut BatchColumns {
+                sinkage: &mut a[..n],
+                vertical_force: &mut b,
+                drawbar_pull: &mut c,
+                torque: &mut d,
+                status: &mut [SolveStatus::default(); 3],
+            },
+        );
+        matches!(error, Err(Error::Lengths { .. }))
+    };
+    assert!(refused((&columns.sinkage).into(), 2));
+    assert!(refused((&columns.sinkage[..2]).into(), 3));
+    assert!(!refused(0.01.into(), 3));
+}
+
+/// A constant input gives the same bits as a column that is filled with it, through several chunks.
+#[test]
+fn a_constant_is_a_column_of_one_number() {
+    let kernel = BatchKernel::new(catalogue::find("lunar").unwrap().soil().unwrap());
+    let points: Vec<Point> = (0..500)
+        .map(|i| (0.1, 0.05, 0.0, f64::from(i) / 500.0, 0.1))
+        .collect();
+    let columns = Columns::new(&points);
+    let constant = BatchPoints {
+        radius: 0.1.into(),
+        width: 0.05.into(),
+        rebound: 0.0.into(),
+        slip: (&columns.slip).into(),
+    };
+    for (a, b) in [
+        (
+            columns.forces(&kernel),
+            batch(500, |out| kernel.forces(&constant, columns.sinkage[0], out)),
+        ),
+        (
+            columns.under_load(&kernel, &[40.0; 500]),
+            batch(500, |out| kernel.under_load(&constant, 40.0, out)),
+        ),
+    ] {
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
 }
 
 #[test]
@@ -267,14 +340,13 @@ fn a_curve_is_as_good_as_its_points() {
             let slip: Vec<f64> = (0..301)
                 .map(|i| from + (to - from) * f64::from(i) / 300.0)
                 .collect();
-            let mut out = vec![BatchOutcome::default(); slip.len()];
-            kernel.curve(&wheel, load, &slip, &mut out).unwrap();
+            let out = batch(slip.len(), |out| kernel.curve(&wheel, load, &slip, out));
             for (s, got) in slip.iter().zip(&out) {
                 let p = (0.2, 0.15, 0.0, *s, 0.0);
                 let motion = Kinematics::straight(Slip::new(*s).unwrap());
                 let exact = pair(kernel.soil(), p).under_load(load, &motion).unwrap();
-                let Some(point) = exact.point else {
-                    assert!(matches!(got, BatchOutcome::NoSolution(_)));
+                let Some(point) = exact.point() else {
+                    assert_eq!(got.status, SolveStatus::NoSolution);
                     continue;
                 };
                 let (got, f) = (done(got), point.forces);
@@ -325,14 +397,7 @@ fn d13_a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
         })
         .unwrap();
         let columns = Columns::new(&[(radius, 0.495, 0.0, 0.866_8, 0.4936)]);
-        let mut out = [BatchOutcome::default()];
-        let kernel = BatchKernel::new(soil);
-        kernel
-            .forces(&columns.points(), &columns.sinkage, &mut out)
-            .unwrap();
-        let BatchOutcome::Done(lanes) = out[0] else {
-            panic!("{:?}", out[0])
-        };
+        let lanes = done(&columns.forces(&BatchKernel::new(soil))[0]);
         let exact = Settings {
             accuracy: Accuracy::Reference,
             ..Settings::default()

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{
-    Accuracy, Angle, Caution, Error, Forces, Kinematics, LoadStatus, RigidWheel, Settings, Slip,
+    Accuracy, Angle, Caution, Error, Forces, Kinematics, LoadOutcome, RigidWheel, Settings, Slip,
     Soil, SoilParams, WheelOnSoil, catalogue,
 };
 
@@ -252,7 +252,7 @@ fn d11_loads_that_nothing_carries() {
     assert_eq!(
         pair.under_load(0.0, &at(0.1))
             .unwrap()
-            .point
+            .point()
             .unwrap()
             .sinkage,
         0.0
@@ -273,17 +273,17 @@ fn d11_loads_that_nothing_carries() {
         (on(SoilParams { c_1: 1.0, ..sand() }), 0.3),
     ] {
         let solution = pair.under_load(1e9, &at(slip)).unwrap();
-        let LoadStatus::NoSolution { max_load } = solution.status else {
-            panic!("{:?}", solution.status)
+        let LoadOutcome::NoSolution { max_load } = solution.outcome else {
+            panic!("{:?}", solution.outcome)
         };
         assert!(max_load > 0.0 && max_load < 1e9);
         assert!(solution.evaluations <= 12, "{}", solution.evaluations);
-        assert!(solution.point.is_none());
+        assert!(solution.point().is_none());
         // and what it says is true: a little less is carried
         assert!(
             pair.under_load(0.999 * max_load, &at(slip))
                 .unwrap()
-                .point
+                .point()
                 .is_some()
         );
     }
@@ -311,7 +311,7 @@ fn d12_the_lowest_rising_branch_and_word_of_the_others() {
     };
     assert!((force(0.01) + 0.0098).abs() < 5e-5 && (force(0.02) - 0.018).abs() < 5e-4);
     for load in [0.005, 0.1, 10.0] {
-        let point = pair.under_load(load, &motion).unwrap().point.unwrap();
+        let point = pair.under_load(load, &motion).unwrap().point().unwrap();
         assert!((point.forces.vertical_force / load - 1.0).abs() < 1e-9);
         let above = pair
             .forces_at(1.001 * point.sinkage, &motion)

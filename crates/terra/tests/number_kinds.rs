@@ -135,7 +135,7 @@ fn a_solved_wheels_derivatives_agree_with_differences() {
             };
             let wheel = grouser_terra::RigidWheel::new(x[0], 0.1).unwrap();
             let pair = grouser_terra::WheelOnSoil::new(wheel, soil, exact).unwrap();
-            let point = pair.under_load(x[3], &motion).unwrap().point.unwrap();
+            let point = pair.under_load(x[3], &motion).unwrap().point().unwrap();
             [
                 point.sinkage,
                 point.forces.drawbar_pull,

@@ -90,7 +90,7 @@ fn sinkage_under_load_to_the_same_accuracy() {
                 .pair
                 .under_load(case.expected[0], &case.motion)
                 .unwrap();
-            let point = solution.point.expect("every case has a solution");
+            let point = solution.point().expect("every case has a solution");
             let off = (point.sinkage - case.sinkage).abs() / case.sinkage;
             assert!(off <= limit, "{off:e} at {}", case.name);
             let f = point.forces;

@@ -68,7 +68,11 @@ fn an_independent_program_finds_the_same() {
     ];
     for ((v_x, v_y, rim), [pull, torque, side, sinkage]) in cases {
         let motion = Kinematics::from_speeds(v_x, v_y, rim).unwrap();
-        let point = on(sand()).under_load(22.0, &motion).unwrap().point.unwrap();
+        let point = on(sand())
+            .under_load(22.0, &motion)
+            .unwrap()
+            .point()
+            .unwrap();
         // 1e-9 of the forces, and what that makes of the sinkage
         assert!((point.forces.drawbar_pull - pull).abs() < 1e-7, "{point:?}");
         assert!((point.forces.torque - torque).abs() < 1e-8, "{point:?}");
@@ -93,7 +97,11 @@ fn check_derivatives(motion: &Kinematics) {
     let at = |change: &dyn Fn(&mut SoilParams)| {
         let mut params = sand();
         change(&mut params);
-        let point = on(params).under_load(22.0, motion).unwrap().point.unwrap();
+        let point = on(params)
+            .under_load(22.0, motion)
+            .unwrap()
+            .point()
+            .unwrap();
         [
             point.sinkage,
             point.forces.drawbar_pull,
@@ -158,8 +166,16 @@ fn straight_ahead_the_whole_slip_is_the_slip() {
     };
     for slip in [0.0, 0.2, 0.6] {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let a = on(plain).under_load(22.0, &motion).unwrap().point.unwrap();
-        let b = on(whole).under_load(22.0, &motion).unwrap().point.unwrap();
+        let a = on(plain)
+            .under_load(22.0, &motion)
+            .unwrap()
+            .point()
+            .unwrap();
+        let b = on(whole)
+            .under_load(22.0, &motion)
+            .unwrap()
+            .point()
+            .unwrap();
         assert!((a.sinkage - b.sinkage).abs() < 1e-14);
     }
 }
@@ -169,7 +185,11 @@ fn a_drifting_wheel_sinks_more_and_loses_its_rear() {
     let at = |beta: f64| {
         let (v_y, v_x) = beta.to_radians().sin_cos();
         let motion = Kinematics::from_speeds(v_x, v_y, 1.0).unwrap();
-        on(sand()).under_load(22.0, &motion).unwrap().point.unwrap()
+        on(sand())
+            .under_load(22.0, &motion)
+            .unwrap()
+            .point()
+            .unwrap()
     };
     let mut before = at(0.0);
     for beta in [10.0, 20.0, 30.0, 40.0] {

@@ -1,31 +1,19 @@
 //! A robot, and a stream of samples of its sensors with every fault that bytes can make.
 #![allow(dead_code, reason = "each target uses its own part of this")]
 
-use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Shaft, Wheel, WheelEstimate, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelEstimate};
 
 use crate::bytes::Bytes;
 
 /// Three to six wheels, the last one free.
 pub fn robot(bits: u32, wheels: u8) -> Robot {
-    let encoder = Encoder {
-        shaft: Shaft::Wheel,
-        gear: 1.0,
-        ticks_per_turn: Some(1000.0),
-        counter: CounterWidth::new(bits).expect("a width"),
-        reversed: false,
-        rate_step: 0.0,
-    };
-    let wheel = |k: u8| Wheel {
-        name: format!("w{k}"),
-        x: 0.3 - 0.2 * f64::from(k),
-        y: if k % 2 == 0 { 0.2 } else { -0.2 },
-        heading: Angle::from_deg(0.0),
-        radius: 0.1,
-        role: if k == wheels - 1 { WheelRole::Free } else { WheelRole::Powered },
-        encoder,
-        width: None,
-        load: None,
+    let width = CounterWidth::new(bits).expect("a width");
+    let encoder = Encoder::counting(1000).counter(width);
+    let wheel = |k: u8| {
+        let name = format!("w{k}");
+        let wheel = if k == wheels - 1 { Wheel::free(name) } else { Wheel::powered(name) };
+        let y = if k % 2 == 0 { 0.2 } else { -0.2 };
+        wheel.at(0.3 - 0.2 * f64::from(k), y).radius(0.1).encoder(encoder)
     };
     Robot::new("robot".into(), (0..wheels).map(wheel).collect()).expect("a robot")
 }

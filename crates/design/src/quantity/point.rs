@@ -109,7 +109,7 @@ impl<R: Scalar> Inputs<R> {
         let plain = self.plain();
         let kinematics = Kinematics::straight(Slip::new(slip.value())?);
         let solution = plain.pair()?.sinkage_under(load.value(), &kinematics)?;
-        let Some(sinkage) = solution.sinkage else {
+        let Some(sinkage) = solution.sinkage() else {
             return Err(NoValue::NotCarried(load.value()));
         };
         let root = entry_angle(sinkage, plain.radius());

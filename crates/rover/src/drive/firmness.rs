@@ -48,7 +48,7 @@ impl Firmness {
                 let found = Slip::new(slip)
                     .and_then(|slip| pair.under_load(load.max(0.1), &Kinematics::straight(slip)))
                     .map_err(of)?;
-                *slot = found.point.map_or(0.0, |point| point.forces.torque);
+                *slot = found.point().map_or(0.0, |point| point.forces.torque);
             }
             wheels.push(Some(Wheel {
                 expected,

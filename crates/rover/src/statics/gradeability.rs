@@ -60,7 +60,7 @@ pub fn gradeability(model: &RobotModel, soil: &Soil) -> Result<Gradeability> {
                 let skid = pairs[index].free_slip(load, mount.bearing).map_err(law)?;
                 let Some(skid) = skid else { continue };
                 let at = grouser_terra::Kinematics::straight(skid);
-                let point = pairs[index].under_load(load, &at).map_err(law)?.point;
+                let point = pairs[index].under_load(load, &at).map_err(law)?.point();
                 point.map_or(0.0, |point| point.forces.drawbar_pull)
             };
         }

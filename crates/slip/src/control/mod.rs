@@ -78,17 +78,9 @@ impl WheelPlace {
 ///
 /// ```
 /// use grouser_slip::control::{ControlInput, ControlSettings, Controller, Mode, WheelSeen};
-/// use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Shaft, Wheel, WheelRole};
-/// use grouser_terra::Angle;
+/// use grouser_slip::{Health, Motion, Robot, Wheel};
 ///
-/// let encoder = Encoder {
-///     shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
-///     counter: CounterWidth::new(32)?, reversed: false, rate_step: 0.0,
-/// };
-/// let wheel = Wheel {
-///     name: "drive".into(), x: 0.0, y: 0.0, heading: Angle::from_deg(0.0), radius: 0.1,
-///     role: WheelRole::Powered, encoder, width: None, load: Some(50.0),
-/// };
+/// let wheel = Wheel::powered("drive").radius(0.1).ticks_per_turn(1000).load(50.0);
 /// let robot = Robot::new("one wheel".into(), vec![wheel])?;
 /// let settings = ControlSettings { optimum: 0.25, ..ControlSettings::default() };
 /// let mut controller = Controller::new(&robot, settings)?;

@@ -81,16 +81,16 @@ struct Watched {
 ///
 /// ```
 /// use grouser_slip::detect::{DetectSettings, Detector, Event};
-/// # use grouser_slip::{CounterWidth, Encoder, Measurement, Reference, Robot, Sample, Shaft, Wheel, WheelRole};
-/// # use grouser_slip::window::{WindowEstimator, WindowSettings};
-/// # use grouser_terra::Angle;
-/// # let encoder = Encoder { shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
-/// #     counter: CounterWidth::new(16)?, reversed: false, rate_step: 0.0 };
-/// # let wheel = |name: &str, x, role| Wheel { name: name.into(), x, y: 0.0,
-/// #     heading: Angle::from_deg(0.0), radius: 0.1, role, encoder, width: None, load: None };
-/// # let robot = Robot::new("bicycle".into(),
-/// #     vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)])?;
-/// let mut estimator = WindowEstimator::new(&robot, WindowSettings { reference: Reference::FreeWheel, ..WindowSettings::default() })?;
+/// use grouser_slip::window::{WindowEstimator, WindowSettings};
+/// use grouser_slip::{Measurement, Robot, Sample, Wheel};
+///
+/// let wheels = vec![
+///     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+/// ];
+/// let robot = Robot::new("bicycle".into(), wheels)?;
+/// // The default reference of the window estimator is the free wheel.
+/// let mut estimator = WindowEstimator::new(&robot, WindowSettings::default())?;
 /// let mut detector = Detector::new(&robot, DetectSettings::default())?;
 /// let mut seen = Vec::new();
 /// for step in 0..400_u64 {

@@ -1,6 +1,7 @@
 //! When something is called an event: one value per line, each with its default.
 
-use crate::error::{Result, check_range};
+use crate::error::Result;
+use crate::settings::{Field, check_fields};
 
 /// When something is called an event.
 ///
@@ -57,35 +58,39 @@ impl Default for DetectSettings {
 }
 
 impl DetectSettings {
+    /// Every number of the settings, in the order of the struct.
+    pub const FIELDS: &[Field<Self>] = &[
+        Row::new("certainty", "1", (0.0, 10.0), |s| &mut s.certainty),
+        Row::new("high_slip", "1", SHARE, |s| &mut s.high_slip),
+        Row::new("high_slip_time", "s", TIME, |s| &mut s.high_slip_time),
+        Row::new("dig_in", "1", SHARE, |s| &mut s.dig_in),
+        Row::new("dig_in_time", "s", TIME, |s| &mut s.dig_in_time),
+        Row::new("immobilised", "1", SHARE, |s| &mut s.immobilised),
+        Row::new("immobilised_time", "s", TIME, |s| &mut s.immobilised_time),
+        Row::new("release", "1", SHARE, |s| &mut s.release),
+        Row::new("stall_torque", "N m", (1e-9, f64::MAX), |s| {
+            &mut s.stall_torque
+        }),
+        Row::new("stall_time", "s", TIME, |s| &mut s.stall_time),
+        Row::new("lift_off", "1", SHARE, |s| &mut s.lift_off),
+        Row::new("lift_off_time", "s", TIME, |s| &mut s.lift_off_time),
+        Row::new("standstill_speed", "m/s", (0.0, 10.0), |s| {
+            &mut s.standstill_speed
+        }),
+    ];
+
     /// Checks every value.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) with field, value, limits and unit.
     pub fn check(&self) -> Result<()> {
-        let (share, time) = ((1e-3, 0.999), (0.0, 1e3));
-        let rows = [
-            ("certainty", self.certainty, (0.0, 10.0), "1"),
-            ("high_slip", self.high_slip, share, "1"),
-            ("high_slip_time", self.high_slip_time, time, "s"),
-            ("dig_in", self.dig_in, share, "1"),
-            ("dig_in_time", self.dig_in_time, time, "s"),
-            ("immobilised", self.immobilised, share, "1"),
-            ("immobilised_time", self.immobilised_time, time, "s"),
-            ("release", self.release, share, "1"),
-            ("stall_torque", self.stall_torque, (1e-9, f64::MAX), "N m"),
-            ("stall_time", self.stall_time, time, "s"),
-            ("lift_off", self.lift_off, share, "1"),
-            ("lift_off_time", self.lift_off_time, time, "s"),
-            (
-                "standstill_speed",
-                self.standstill_speed,
-                (0.0, 10.0),
-                "m/s",
-            ),
-        ];
-        for (field, value, limits, unit) in rows {
-            check_range("detector", field, value, limits, unit)?;
-        }
-        Ok(())
+        check_fields("detector", self, Self::FIELDS)
     }
 }
+
+type Row = Field<DetectSettings>;
+
+/// Limits of a share that is neither nothing nor all.
+const SHARE: (f64, f64) = (1e-3, 0.999);
+/// Limits of a time, s.
+const TIME: (f64, f64) = (0.0, 1e3);

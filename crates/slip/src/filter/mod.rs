@@ -114,14 +114,13 @@ type Statement = ([(usize, f64); 3], f64, f64);
 ///
 /// ```
 /// use grouser_slip::filter::{FilterSettings, SlipFilter};
-/// # use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
-/// # use grouser_terra::Angle;
-/// # let encoder = Encoder { shaft: Shaft::Wheel, gear: 1.0, ticks_per_turn: Some(1000.0),
-/// #     counter: CounterWidth::new(16)?, reversed: false, rate_step: 0.0 };
-/// # let wheel = |name: &str, x, role| Wheel { name: name.into(), x, y: 0.0,
-/// #     heading: Angle::from_deg(0.0), radius: 0.1, role, encoder, width: None, load: None };
-/// # let robot = Robot::new("bicycle".into(),
-/// #     vec![wheel("drive", 0.3, WheelRole::Powered), wheel("fifth", -0.3, WheelRole::Free)])?;
+/// use grouser_slip::{Measurement, Robot, Sample, Wheel};
+///
+/// let wheels = vec![
+///     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+/// ];
+/// let robot = Robot::new("bicycle".into(), wheels)?;
 /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
 /// for step in 0..300_u64 {
 ///     let time_ns = step as i64 * 10_000_000;

@@ -1,6 +1,7 @@
 //! How the filter works: one value per line, each with its default.
 
-use crate::error::{Result, check_range};
+use crate::error::Result;
+use crate::settings::{Field, check_fields};
 
 /// What is believed of a slip before it is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,64 +143,92 @@ impl Default for FilterSettings {
 }
 
 impl FilterSettings {
+    /// The preset for a recorded log of unknown ground: some wheels may be in a soft patch that the others have not
+    /// reached, so that a wheel's slip may be far from the common one, for seconds.
+    #[must_use]
+    pub fn any_ground() -> Self {
+        Self {
+            wheel_slip_sigma: 0.3,
+            wheel_slip_memory: 5.0,
+            ..Self::default()
+        }
+    }
+
+    /// Every number of the settings, in the order of the struct.
+    pub const FIELDS: &[Field<Self>] = &[
+        Row::new("horizon", "s", (0.0, 1.0), |s| &mut s.horizon),
+        Row::new("wheel_window", "s", (1e-4, 1.0), |s| &mut s.wheel_window).key("wheel_window_s"),
+        Row::new("speed_walk", "m/s/√s", SIGMA, |s| &mut s.speed_walk)
+            .key("speed_walk_m_per_s_sqrt_s"),
+        Row::new("accelerometer_noise", "m/s/√s", SIGMA, |s| {
+            &mut s.accelerometer_noise
+        })
+        .key("accelerometer_noise_m_per_s_sqrt_s"),
+        Row::new("accelerometer_bias", "m/s²", SIGMA, |s| {
+            &mut s.accelerometer_bias
+        })
+        .key("accelerometer_bias_m_per_s2"),
+        Row::new("accelerometer_drift", "m/s²/√s", SIGMA, |s| {
+            &mut s.accelerometer_drift
+        })
+        .key("accelerometer_drift_m_per_s2_sqrt_s"),
+        Row::new("yaw_walk", "rad/s/√s", SIGMA, |s| &mut s.yaw_walk)
+            .key_in_degrees("yaw_walk_deg_per_s_sqrt_s"),
+        Row::new("yaw_rate_sigma", "rad/s", SIGMA, |s| &mut s.yaw_rate_sigma),
+        Row::new("gyro_bias", "rad/s", SIGMA, |s| &mut s.gyro_bias)
+            .key_in_degrees("gyro_bias_deg_per_s"),
+        Row::new("gyro_drift", "rad/s/√s", (0.0, 1.0), |s| {
+            &mut s.gyro_drift
+        }),
+        Row::new("lateral_sigma", "m/s", SIGMA, |s| &mut s.lateral_sigma),
+        Row::new("slip mean", "1", (-1.0, 1.0), |s| &mut s.slip.mean).key("slip_mean"),
+        Row::new("slip sigma", "1", (1e-6, 2.0), |s| &mut s.slip.sigma).key("slip_sigma"),
+        Row::new("slip_memory", "s", TIME, |s| &mut s.slip_memory).key("slip_memory_s"),
+        Row::new("wheel_slip_sigma", "1", (1e-6, 2.0), |s| {
+            &mut s.wheel_slip_sigma
+        })
+        .key("wheel_slip_sigma"),
+        Row::new("wheel_slip_memory", "s", TIME, |s| &mut s.wheel_slip_memory)
+            .key("wheel_slip_memory_s"),
+        Row::new("free_slip mean", "1", (-0.95, 0.95), |s| {
+            &mut s.free_slip.mean
+        })
+        .key("free_slip_mean"),
+        Row::new("free_slip sigma", "1", (1e-6, 2.0), |s| {
+            &mut s.free_slip.sigma
+        })
+        .key("free_slip_sigma"),
+        Row::new("free_slip_memory", "s", TIME, |s| &mut s.free_slip_memory),
+        Row::new("radius_sigma", "1", (1e-9, 0.5), |s| &mut s.radius_sigma).key("radius_sigma"),
+        Row::new("position_sigma", "m", SIGMA, |s| &mut s.position_sigma),
+        Row::new("speed_sigma", "m/s", SIGMA, |s| &mut s.speed_sigma),
+        Row::new("reference_latency", "s", (0.0, 1.0), |s| {
+            &mut s.reference_latency
+        })
+        .key("reference_latency_s"),
+        Row::new("standstill_speed", "m/s", (0.0, 100.0), |s| {
+            &mut s.standstill_speed
+        }),
+        Row::new("low_speed", "m/s", (0.0, 100.0), |s| &mut s.low_speed),
+        Row::new("max_sigma", "1", (0.0, 10.0), |s| &mut s.max_sigma),
+        Row::new("max_speed", "m/s", (1e-3, 1e3), |s| &mut s.max_speed),
+        Row::new("dropout", "s", (1e-3, 1e3), |s| &mut s.dropout),
+        Row::new("gate", "1", (1.0, 100.0), |s| &mut s.gate),
+        Row::new("failure", "s", (1e-3, 1e3), |s| &mut s.failure),
+    ];
+
     /// Checks every value.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) with field, value, limits and unit.
     pub fn check(&self) -> Result<()> {
-        let of = "filter";
-        let time = (1e-4, 1e4);
-        let sigma = (1e-9, 1e3);
-        let rows = [
-            ("horizon", self.horizon, (0.0, 1.0), "s"),
-            ("wheel_window", self.wheel_window, (1e-4, 1.0), "s"),
-            ("speed_walk", self.speed_walk, sigma, "m/s/√s"),
-            (
-                "accelerometer_noise",
-                self.accelerometer_noise,
-                sigma,
-                "m/s/√s",
-            ),
-            ("accelerometer_bias", self.accelerometer_bias, sigma, "m/s²"),
-            (
-                "accelerometer_drift",
-                self.accelerometer_drift,
-                sigma,
-                "m/s²/√s",
-            ),
-            ("yaw_walk", self.yaw_walk, sigma, "rad/s/√s"),
-            ("yaw_rate_sigma", self.yaw_rate_sigma, sigma, "rad/s"),
-            ("gyro_bias", self.gyro_bias, sigma, "rad/s"),
-            ("gyro_drift", self.gyro_drift, (0.0, 1.0), "rad/s/√s"),
-            ("lateral_sigma", self.lateral_sigma, sigma, "m/s"),
-            ("slip mean", self.slip.mean, (-1.0, 1.0), "1"),
-            ("slip sigma", self.slip.sigma, (1e-6, 2.0), "1"),
-            ("slip_memory", self.slip_memory, time, "s"),
-            ("wheel_slip_sigma", self.wheel_slip_sigma, (1e-6, 2.0), "1"),
-            ("wheel_slip_memory", self.wheel_slip_memory, time, "s"),
-            ("free_slip mean", self.free_slip.mean, (-0.95, 0.95), "1"),
-            ("free_slip sigma", self.free_slip.sigma, (1e-6, 2.0), "1"),
-            ("free_slip_memory", self.free_slip_memory, time, "s"),
-            ("radius_sigma", self.radius_sigma, (1e-9, 0.5), "1"),
-            ("position_sigma", self.position_sigma, sigma, "m"),
-            ("speed_sigma", self.speed_sigma, sigma, "m/s"),
-            ("reference_latency", self.reference_latency, (0.0, 1.0), "s"),
-            (
-                "standstill_speed",
-                self.standstill_speed,
-                (0.0, 100.0),
-                "m/s",
-            ),
-            ("low_speed", self.low_speed, (0.0, 100.0), "m/s"),
-            ("max_sigma", self.max_sigma, (0.0, 10.0), "1"),
-            ("max_speed", self.max_speed, (1e-3, 1e3), "m/s"),
-            ("dropout", self.dropout, (1e-3, 1e3), "s"),
-            ("gate", self.gate, (1.0, 100.0), "1"),
-            ("failure", self.failure, (1e-3, 1e3), "s"),
-        ];
-        for (field, value, limits, unit) in rows {
-            check_range(of, field, value, limits, unit)?;
-        }
-        Ok(())
+        check_fields("filter", self, Self::FIELDS)
     }
 }
+
+type Row = Field<FilterSettings>;
+
+/// Limits of a time, s.
+const TIME: (f64, f64) = (1e-4, 1e4);
+/// Limits of a standard deviation, in its unit.
+const SIGMA: (f64, f64) = (1e-9, 1e3);

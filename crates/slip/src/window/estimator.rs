@@ -16,13 +16,37 @@ use crate::sample::Sample;
 use crate::state::{Degraded, Health, Invalid, Motion};
 use crate::wheel_estimate::WheelEstimate;
 
-/// Slip per wheel from a stream of samples.
+/// Slip of every wheel from a stream of samples, as means over a window of time.
 ///
-/// Over a window T it compares how far each rim ran with how far the wheel's centre went along its
-/// heading by the [`Reference`]: v_i = e_i · (v_body + Ω × p_i), s_i from v_i and r ω_i.
+/// Over the window it compares the way of each rim with the way of the wheel's centre along its heading by the
+/// [`Reference`]: v_i = e_i · (v_body + Ω × p_i), s_i from v_i and r ω_i.
 ///
-/// [`WindowEstimator::update`] takes one sample of one sensor. It never panics, allocates, blocks or reads a
-/// clock; its cost is bounded by the number of wheels; a refused sample is counted and enters no estimate.
+/// [`WindowEstimator::update`] uses one sample of one sensor. It never panics, allocates, blocks or reads a
+/// clock; its cost is bounded by the number of wheels; a refused sample is counted and changes no estimate.
+///
+/// ```
+/// use grouser_slip::window::{WindowEstimator, WindowSettings};
+/// use grouser_slip::{Measurement, Reference, Robot, Sample, Wheel};
+///
+/// let wheels = vec![
+///     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+/// ];
+/// let robot = Robot::new("bicycle".into(), wheels)?;
+/// let settings = WindowSettings { reference: Reference::FreeWheel, ..WindowSettings::default() };
+/// let mut estimator = WindowEstimator::new(&robot, settings)?;
+/// for step in 0..200_u64 {
+///     let time_ns = step as i64 * 10_000_000;
+///     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim speed.
+///     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
+///         estimator.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
+///     }
+///     estimator.update(Sample { time_ns, measurement: Measurement::YawRate { rate: 0.0 } })?;
+/// }
+/// let slip = estimator.latest().unwrap().wheels[0].slip.unwrap();
+/// assert!((slip.value() - 0.2).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct WindowEstimator {
     means: WindowMeans,

@@ -3,6 +3,7 @@
 use crate::error::{Result, check_range};
 use crate::measured_slip::SlipLimits;
 use crate::reference::Reference;
+use crate::settings::{Field, check_fields};
 use crate::wheel_track::TrackSettings;
 
 /// Settings of the [`WindowEstimator`](super::WindowEstimator).
@@ -75,25 +76,37 @@ impl WindowSettings {
         }
     }
 
+    /// Every number of the settings, in the order of the struct.
+    pub const FIELDS: &[Field<Self>] = &[
+        Row::new("window", "s", (1e-3, 100.0), |s| &mut s.window).key("window_s"),
+        Row::new("standstill_speed", "m/s", (0.0, 100.0), |s| {
+            &mut s.standstill_speed
+        })
+        .key("standstill_speed_m_per_s"),
+        Row::new("low_speed", "m/s", (0.0, 100.0), |s| &mut s.low_speed).key("low_speed_m_per_s"),
+        Row::new("max_sigma", "1", (0.0, 10.0), |s| &mut s.max_sigma).key("max_slip_sigma"),
+        Row::new("max_speed", "m/s", (1e-3, 1e3), |s| &mut s.max_speed).key("max_speed_m_per_s"),
+        Row::new("dropout", "s", (1e-3, 1e3), |s| &mut s.dropout).key("dropout_s"),
+        Row::new("position_sigma", "m", SIGMA, |s| &mut s.position_sigma).key("position_sigma_m"),
+        Row::new("yaw_sigma", "rad", SIGMA, |s| &mut s.yaw_sigma).key_in_degrees("yaw_sigma_deg"),
+        Row::new("speed_sigma", "m/s", SIGMA, |s| &mut s.speed_sigma).key("speed_sigma_m_per_s"),
+        Row::new("yaw_rate_sigma", "rad/s", SIGMA, |s| &mut s.yaw_rate_sigma)
+            .key_in_degrees("yaw_rate_sigma_deg_per_s"),
+        Row::new("lateral_sigma", "m/s", SIGMA, |s| &mut s.lateral_sigma)
+            .key("lateral_sigma_m_per_s"),
+    ];
+
     /// Checks every value.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) that names the field.
     pub fn check(&self) -> Result<()> {
-        let of = "estimator";
-        check_range(of, "window", self.window, (1e-3, 100.0), "s")?;
-        let speed = (0.0, 100.0);
-        check_range(of, "standstill_speed", self.standstill_speed, speed, "m/s")?;
-        check_range(of, "low_speed", self.low_speed, speed, "m/s")?;
-        check_range(of, "max_sigma", self.max_sigma, (0.0, 10.0), "1")?;
-        check_range(of, "max_speed", self.max_speed, (1e-3, 1e3), "m/s")?;
-        check_range(of, "dropout", self.dropout, (1e-3, 1e3), "s")?;
-        let sigma = (1e-9, 1e3);
-        check_range(of, "position_sigma", self.position_sigma, sigma, "m")?;
-        check_range(of, "yaw_sigma", self.yaw_sigma, sigma, "rad")?;
-        check_range(of, "speed_sigma", self.speed_sigma, sigma, "m/s")?;
-        check_range(of, "yaw_rate_sigma", self.yaw_rate_sigma, sigma, "rad/s")?;
-        check_range(of, "lateral_sigma", self.lateral_sigma, sigma, "m/s")?;
-        check_range(of, "history", self.history as f64, (8.0, 1e6), "1")
+        check_fields("estimator", self, Self::FIELDS)?;
+        check_range("estimator", "history", self.history as f64, (8.0, 1e6), "1")
     }
 }
+
+type Row = Field<WindowSettings>;
+
+/// Limits of a standard deviation, in its unit.
+const SIGMA: (f64, f64) = (1e-9, 1e3);

@@ -4,35 +4,21 @@
 use std::f64::consts::TAU;
 
 use grouser_slip::window::WindowSettings;
-use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel, WheelRole};
 
 pub(crate) const TICKS: f64 = 4000.0;
 pub(crate) const FREE: usize = 4;
 
 pub(crate) fn encoder(bits: u32) -> Encoder {
-    Encoder {
-        shaft: Shaft::Wheel,
-        gear: 1.0,
-        ticks_per_turn: Some(TICKS),
-        counter: CounterWidth::new(bits).unwrap(),
-        reversed: false,
-        rate_step: 0.0,
-    }
+    Encoder::counting(TICKS).counter(CounterWidth::new(bits).unwrap())
 }
 
 pub(crate) fn wheel(name: &str, (x, y): (f64, f64), role: WheelRole, bits: u32) -> Wheel {
-    Wheel {
-        name: name.into(),
-        x,
-        y,
-        heading: Angle::from_deg(0.0),
-        radius: 0.1,
-        role,
-        encoder: encoder(bits),
-        width: None,
-        load: None,
-    }
+    let wheel = match role {
+        WheelRole::Powered => Wheel::powered(name),
+        WheelRole::Free => Wheel::free(name),
+    };
+    wheel.at(x, y).radius(0.1).encoder(encoder(bits))
 }
 
 pub(crate) fn robot(bits: u32) -> Robot {

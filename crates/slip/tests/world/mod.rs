@@ -8,8 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Shaft, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel};
 
 use crate::noise::Noise;
 
@@ -78,32 +77,19 @@ impl World {
     }
 
     pub(crate) fn robot(&self) -> Robot {
-        let encoder = |ticks| Encoder {
-            shaft: Shaft::Wheel,
-            gear: 1.0,
-            ticks_per_turn: Some(ticks),
-            counter: CounterWidth::new(16).unwrap(),
-            reversed: false,
-            rate_step: 0.0,
-        };
         let wheels = (0..self.wheels()).map(|i| {
             let free = i == self.powered;
             let (x, y) = self.place(i);
-            Wheel {
-                name: format!("w{i}"),
-                x,
-                y,
-                heading: Angle::from_deg(0.0),
-                radius: 0.1,
-                role: if free {
-                    WheelRole::Free
-                } else {
-                    WheelRole::Powered
-                },
-                encoder: encoder(self.ticks(i)),
-                width: None,
-                load: None,
-            }
+            let name = format!("w{i}");
+            let wheel = if free {
+                Wheel::free(name)
+            } else {
+                Wheel::powered(name)
+            };
+            wheel
+                .at(x, y)
+                .radius(0.1)
+                .encoder(Encoder::counting(self.ticks(i)).counter(CounterWidth::new(16).unwrap()))
         });
         Robot::new("world".into(), wheels.collect()).unwrap()
     }

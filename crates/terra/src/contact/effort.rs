@@ -1,5 +1,5 @@
 //! The work that the reference cases take, without a clock: nodes of an evaluation at a sinkage, evaluations of
-//! a solve under a load (by the general solver and by [`TrackedWheel`] from nothing). Compared with
+//! a solve under a load. Compared with
 //! `tests/snapshots/effort.txt` line by line: a change there is a change of the algorithm, to be reviewed.
 //! `GROUSER_UPDATE=1 cargo test -p grouser-terra effort` writes it anew.
 
@@ -7,14 +7,14 @@ use std::fmt::Write as _;
 use std::string::String;
 use std::{env, fs};
 
-use crate::{Kinematics, RigidWheel, Settings, Slip, TrackedWheel, WheelOnSoil, catalogue};
+use crate::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 
 const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/effort.txt");
 
 fn table() -> String {
     let cases = include_str!("../../tests/oracle/wheel_cases.csv");
     let mut table = String::from(
-        "# what, soil, radius_m, width_m, rebound, slip, given | nodes, or evaluations (general, tracked)\n",
+        "# what, soil, radius_m, width_m, rebound, slip, given | nodes, or evaluations\n",
     );
     for line in cases.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
@@ -31,11 +31,7 @@ fn table() -> String {
         let given = if cells[0] == "sinkage" { 7 } else { 6 };
         let effort = if given == 7 {
             let general = pair.sinkage_under(number(7), &motion).expect("a search");
-            let tracked = TrackedWheel::new(pair)
-                .portable()
-                .under_load(number(7), slip)
-                .expect("a search");
-            std::format!("{} {}", general.evaluations, tracked.evaluations)
+            std::format!("{}", general.evaluations)
         } else {
             let theta_1 = super::entry_angle(number(6), number(2));
             let contact = pair.contact(theta_1, &motion);

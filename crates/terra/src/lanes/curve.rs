@@ -5,18 +5,20 @@
 //! of the fine rule ends the search. The residual of every point is looked at; where the curve is less
 //! smooth, the fine rule goes on.
 
-use super::batch::{BatchOutcome, BatchPoints};
-use super::load::{Expected, LoadSheet, run, run_from};
-use super::plan::{CHUNK, Plan, Prepared, within};
-use super::sheet::eight;
+use crate::status::SolveStatus;
+
+use super::columns::{BatchColumns, Inputs};
+use super::load::{LoadSheet, Start};
+use super::machine::Level;
+use super::plan::{CHUNK, Chunk};
 use super::vector::Vector;
 
 /// Slips that are solved from nothing: one group.
 const NODES: usize = 8;
 /// Least number of points for which this is worth while.
-const LEAST: usize = 24;
+const LEAST: usize = if CHUNK < 24 { CHUNK } else { 24 };
 /// How far the interpolated slopes are trusted: a residual of ln W below 2e-6 is gone straight.
-const TRUST: f64 = 1e-4;
+pub(super) const TRUST: f64 = 1e-4;
 
 /// cos(π i/16) for i from 0 to 8.
 const COSINES: [f64; 9] = [
@@ -56,14 +58,13 @@ const TRANSFORM: [[f64; NODES]; NODES] = {
 };
 
 /// Four smooth functions of slip as sums of Chebyshev polynomials.
-struct Smooth {
+pub(super) struct Smooth {
     coefficients: [[f64; NODES]; 4],
     middle: f64,
     per_half: f64,
 }
 
 impl Smooth {
-    #[inline(always)]
     fn new(values: [&[f64]; 4], (low, high): (f64, f64)) -> Self {
         let mut coefficients = [[0.0; NODES]; 4];
         for (sums, values) in coefficients.iter_mut().zip(values) {
@@ -79,12 +80,58 @@ impl Smooth {
             per_half: 2.0 / (high - low),
         }
     }
-}
 
-impl Expected for Smooth {
-    /// Clenshaw's sum.
+    /// What the searches of a chunk's points end with, interpolated; `None` where it is not worth while or a
+    /// node has no solution.
+    pub(super) fn of(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, level: Level) -> Option<Self> {
+        let inputs = chunk.inputs;
+        let good = inputs
+            .slip
+            .iter()
+            .filter(|slip| (0.0..=1.0).contains(*slip));
+        let (low, high) = good.fold((1.0, 0.0), |(low, high): (f64, f64), &slip| {
+            (low.min(slip), high.max(slip))
+        });
+        if inputs.len() < LEAST || !(high - low > 1e-3) {
+            return None;
+        }
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let slip: [f64; NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
+        let [
+            mut sinkage,
+            mut vertical_force,
+            mut drawbar_pull,
+            mut torque,
+        ] = [[0.0; NODES]; 4];
+        let mut status = [SolveStatus::NotConverged; NODES];
+        let mut nodes = Chunk {
+            prepared: chunk.prepared,
+            inputs: Inputs {
+                radius: &inputs.radius[..NODES],
+                width: &inputs.width[..NODES],
+                rebound: &inputs.rebound[..NODES],
+                slip: &slip,
+                given: &inputs.given[..NODES],
+            },
+            plan: &mut *chunk.plan,
+            out: BatchColumns {
+                sinkage: &mut sinkage,
+                vertical_force: &mut vertical_force,
+                drawbar_pull: &mut drawbar_pull,
+                torque: &mut torque,
+                status: &mut status,
+            },
+        };
+        level.load(&mut nodes, sheet, Start::Keeping);
+        (status == [SolveStatus::Solved; NODES]).then(|| {
+            let values = sheet.kept.each_ref().map(|column| &column.0[..]);
+            Self::new(values, (low, high))
+        })
+    }
+
+    /// x, dx/d ln W and the slopes of DP/W and T/(r W) at eight slips, by Clenshaw's sum.
     #[inline(always)]
-    fn at<V: Vector>(&self, slip: V) -> [V; 4] {
+    pub(super) fn at<V: Vector>(&self, slip: V) -> [V; 4] {
         let t = (slip - V::from_f64(self.middle)) * V::from_f64(self.per_half);
         let twice = t + t;
         let mut out = [V::ZERO; 4];
@@ -97,47 +144,6 @@ impl Expected for Smooth {
         }
         out
     }
-}
-
-/// Solves a chunk of a curve: points that differ in nothing but slip.
-#[inline(always)]
-pub(super) fn run_curve<V: Vector>(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    load: &[f64],
-    (sheet, plan): (&mut LoadSheet, &mut Plan),
-    out: &mut [BatchOutcome],
-) {
-    let (mut low, mut high) = (V::ONE, V::ZERO);
-    for at in (0..load.len()).step_by(8) {
-        let slip: V = eight(points.slip, at);
-        let good = within(slip, 0.0, 1.0);
-        low = V::select(good & slip.lt(low), slip, low);
-        high = V::select(good & high.lt(slip), slip, high);
-    }
-    let low = low.to_array().into_iter().fold(1.0, f64::min);
-    let high = high.to_array().into_iter().fold(0.0, f64::max);
-    if load.len() < LEAST.min(CHUNK) || !(high - low > 1e-3) {
-        return run::<V, false>(prepared, points, load, (sheet, plan), out);
-    }
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    let slip: [f64; NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
-    let nodes = BatchPoints {
-        radius: &points.radius[..NODES],
-        width: &points.width[..NODES],
-        rebound: &points.rebound[..NODES],
-        slip: &slip,
-    };
-    let mut ended = [BatchOutcome::default(); NODES];
-    run::<V, true>(prepared, &nodes, &load[..NODES], (sheet, plan), &mut ended);
-    if !ended.iter().all(|end| matches!(end, BatchOutcome::Done(_))) {
-        return run::<V, false>(prepared, points, load, (sheet, plan), out);
-    }
-    let smooth = Smooth::new(
-        sheet.kept.each_ref().map(|column| &column.0[..]),
-        (low, high),
-    );
-    run_from::<V>(prepared, points, load, (sheet, plan), (&smooth, TRUST), out);
 }
 
 #[cfg(test)]

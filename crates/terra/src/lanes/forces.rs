@@ -3,8 +3,10 @@
 use crate::contact::lean::estrin;
 use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE, LeanContact, NARROW};
 
-use super::batch::{BatchForces, BatchOutcome, BatchPoints};
-use super::plan::{Plan, Prepared, SINGLE, step_of, within};
+use crate::status::SolveStatus;
+
+use super::columns::Inputs;
+use super::plan::{Chunk, Plan, Prepared, SINGLE, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -57,17 +59,17 @@ fn angle<V: Vector>(x: V) -> V {
 
 /// Computes the forces of every point that the lanes serve and leaves the others to the plan.
 #[inline(always)]
-pub(super) fn run<V: Vector>(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    sinkage: &[f64],
-    (sheet, plan): (&mut ForceSheet, &mut Plan),
-    out: &mut [BatchOutcome],
-) {
-    for at in (0..sinkage.len()).step_by(8) {
-        sort_in::<V>(prepared, points, sinkage, (sheet, plan), at);
+pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
+    let Chunk {
+        prepared,
+        inputs,
+        plan,
+        out,
+    } = chunk;
+    for at in (0..inputs.len()).step_by(8) {
+        sort_in::<V>(prepared, inputs, (sheet, plan), at);
     }
-    plan.sort(sinkage.len());
+    plan.sort(inputs.len());
     for group in plan.groups() {
         let places = group.places;
         let contact = LeanContact {
@@ -90,34 +92,32 @@ pub(super) fn run<V: Vector>(
         let (drawbar_pull, torque) = (f.drawbar_pull.to_array(), f.torque.to_array());
         for (k, &place) in group.places.iter().enumerate().take(group.count) {
             let place = usize::from(place);
-            out[place] = BatchOutcome::Done(BatchForces {
-                sinkage: sinkage[place],
-                vertical_force: vertical_force[k],
-                drawbar_pull: drawbar_pull[k],
-                torque: points.radius[place] * torque[k],
-            });
+            let numbers = [
+                inputs.given[place],
+                vertical_force[k],
+                drawbar_pull[k],
+                inputs.radius[place] * torque[k],
+            ];
+            out.set(place, SolveStatus::Solved, numbers);
         }
     }
 }
 
 /// What does not depend on the nodes, of points at a sinkage.
-pub(super) struct Placed<V> {
-    pub(super) contact: LeanContact<V>,
+struct Placed<V> {
+    contact: LeanContact<V>,
     /// r b A (L sin θ_1)ⁿ L
-    pub(super) stress: V,
+    stress: V,
     /// r b c (θ_1 − θ_2)
-    pub(super) hold: V,
+    hold: V,
     /// The step of the ladder, or [`SINGLE`].
-    pub(super) step: V,
+    step: V,
 }
 
 impl<V: Vector> Placed<V> {
     /// Points by radius, width, rebound ratio, slip and sinkage over radius.
     #[inline(always)]
-    pub(super) fn new(
-        prepared: &Prepared,
-        [radius, width, rebound, slip, z_over_r]: [V; 5],
-    ) -> Self {
+    fn new(prepared: &Prepared, [radius, width, rebound, slip, z_over_r]: [V; 5]) -> Self {
         let c = V::from_f64;
         let modulus = prepared.modulus(width);
         let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
@@ -170,20 +170,19 @@ impl<V: Vector> Placed<V> {
 #[inline(always)]
 fn sort_in<V: Vector>(
     prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    sinkage: &[f64],
+    inputs: &Inputs<'_>,
     (sheet, plan): (&mut ForceSheet, &mut Plan),
     at: usize,
 ) {
-    let radius: V = eight(points.radius, at);
+    let radius: V = eight(inputs.radius, at);
     let placed = Placed::new(
         prepared,
         [
             radius,
-            eight(points.width, at),
-            eight(points.rebound, at),
-            eight(points.slip, at),
-            eight::<V>(sinkage, at) / radius,
+            eight(inputs.width, at),
+            eight(inputs.rebound, at),
+            eight(inputs.slip, at),
+            eight::<V>(inputs.given, at) / radius,
         ],
     );
     placed.step.store(&mut plan.steps, at);

@@ -15,10 +15,12 @@ use crate::contact::lean::{
     GREATEST_SINKAGE, LEAST_SINKAGE, LeanContact, NARROW, Three, horner, versine,
 };
 use crate::quadrature::RuleView;
-use crate::sinkage::LoadStatus;
 
-use super::batch::{BatchForces, BatchOutcome, BatchPoints};
-use super::plan::{Group, Plan, Prepared, SINGLE, step_of, within};
+use crate::status::SolveStatus;
+
+use super::columns::{BatchColumns, Inputs};
+use super::curve::{Smooth, TRUST};
+use super::plan::{Chunk, Group, Plan, Prepared, SINGLE, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -34,12 +36,12 @@ const LN_SINC: [f64; 7] = [
 ];
 
 /// ln θ_1 at the least and the greatest sinkage of the lanes.
-pub(super) const LOW: f64 = -3.507;
-pub(super) const HIGH: f64 = 0.0461;
+const LOW: f64 = -3.507;
+const HIGH: f64 = 0.0461;
 
 /// Where a lane may end: residual ln(W/load) times the last step in ln θ_1. The slopes were found over that
 /// step, on which they change by no more than its own length, so this bounds the error of going straight.
-pub(super) const STRAIGHT: f64 = 2e-10;
+const STRAIGHT: f64 = 2e-10;
 /// Most further passes of the fine rule.
 const MORE: usize = 6;
 
@@ -68,9 +70,9 @@ impl LoadSheet {
 }
 
 /// Eight points without their sinkage.
-pub(super) struct Loaded<V> {
-    pub(super) q: V,
-    pub(super) r_over_k: V,
+struct Loaded<V> {
+    q: V,
+    r_over_k: V,
     /// 1 − clamp(c_1 + c_2 s, 0, 1): front over θ_1.
     ahead: V,
     /// ln of r b k (r · ahead)ⁿ · ahead/load.
@@ -81,7 +83,7 @@ pub(super) struct Loaded<V> {
 
 /// Points before their search and before their slip.
 #[derive(Clone, Copy)]
-pub(super) struct Base<V: Vector> {
+struct Base<V: Vector> {
     r_over_k: V,
     /// ln of r b k rⁿ/load
     bare: V,
@@ -91,17 +93,17 @@ pub(super) struct Base<V: Vector> {
 }
 
 /// Points before their search.
-pub(super) struct Begun<V: Vector> {
-    pub(super) loaded: Loaded<V>,
-    pub(super) sound: V::Mask,
+struct Begun<V: Vector> {
+    loaded: Loaded<V>,
+    sound: V::Mask,
     /// ln θ_1 by Bekker's closed form.
-    pub(super) x: V,
+    x: V,
 }
 
 impl<V: Vector> Base<V> {
     /// Points by radius, width, rebound ratio and load.
     #[inline(always)]
-    pub(super) fn new(prepared: &Prepared, [radius, width, rebound, load]: [V; 4]) -> Self {
+    fn new(prepared: &Prepared, [radius, width, rebound, load]: [V; 4]) -> Self {
         let c = V::from_f64;
         let n = prepared.n;
         let modulus = prepared.modulus(width);
@@ -127,7 +129,7 @@ impl<V: Vector> Base<V> {
 
     /// These points at a slip.
     #[inline(always)]
-    pub(super) fn at(&self, prepared: &Prepared, slip: V) -> Begun<V> {
+    fn at(&self, prepared: &Prepared, slip: V) -> Begun<V> {
         let c = V::from_f64;
         let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
         let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
@@ -182,7 +184,7 @@ impl<V: Vector> Loaded<V> {
 
     /// The contact at x, and the scales of friction and cohesion.
     #[inline(always)]
-    pub(super) fn contact(&self, prepared: &Prepared, x: V) -> (LeanContact<V>, V, V) {
+    fn contact(&self, prepared: &Prepared, x: V) -> (LeanContact<V>, V, V) {
         let theta_1 = x.exp();
         let front = self.ahead * theta_1;
         let contact = LeanContact {
@@ -230,20 +232,49 @@ fn held<V: Vector>(x: V) -> V {
     x.clamp(V::from_f64(LOW), V::from_f64(HIGH))
 }
 
+/// Where the searches of a chunk begin.
+#[derive(Clone, Copy)]
+pub(super) enum Start<'a> {
+    /// At Bekker's closed form.
+    ClosedForm,
+    /// There too; [`LoadSheet::kept`] is filled, and all points take one rule.
+    Keeping,
+    /// Where their neighbours on a curve say: points that differ in nothing but slip.
+    Expected(&'a Smooth),
+}
+
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
-/// given back as not converged. `KEEP`: fill
-/// [`LoadSheet::kept`], and take one rule for all.
+/// given back as not converged.
 #[inline(always)]
-pub(super) fn run<V: Vector, const KEEP: bool>(
+pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
+    let Chunk {
+        prepared,
+        inputs,
+        plan,
+        out,
+    } = chunk;
+    match start {
+        Start::Expected(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), smooth),
+        Start::ClosedForm => search::<V>(prepared, inputs, (sheet, plan), false),
+        Start::Keeping => search::<V>(prepared, inputs, (sheet, plan), true),
+    }
+    let keep = matches!(start, Start::Keeping);
+    for group in plan.groups() {
+        finish::<V>(prepared, inputs, (sheet, group), out, keep);
+    }
+}
+
+/// From Bekker's closed form to where the fine rule begins.
+#[inline(always)]
+fn search<V: Vector>(
     prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    load: &[f64],
+    inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
-    out: &mut [BatchOutcome],
+    level: bool,
 ) {
-    let n = load.len();
+    let n = inputs.len();
     for at in (0..n).step_by(8) {
-        set_up::<V>(prepared, points, load, (sheet, plan), at);
+        set_up::<V>(prepared, inputs, (sheet, plan), at);
     }
     let first = prepared.tables.first_rules();
     // Two steps; the first leaves its place and residual for the second's secant.
@@ -268,7 +299,7 @@ pub(super) fn run<V: Vector, const KEEP: bool>(
     for at in (0..n).step_by(8) {
         choose::<V>(sheet, plan, at);
     }
-    if KEEP {
+    if level {
         plan.level(n);
     }
     plan.sort(n);
@@ -290,89 +321,72 @@ pub(super) fn run<V: Vector, const KEEP: bool>(
         let found = Loaded::gather(sheet, group.places).found(prepared, rules, x);
         let [off, pull, turn, place] = &mut sheet.first;
         let step = x - place.load(group.at);
-        let told = V::from_f64(1e-10).lt(step.abs());
-        let per_step = V::select(told, V::ONE / step, V::ZERO);
+        let known = V::from_f64(1e-10).lt(step.abs());
+        let per_step = V::select(known, V::ONE / step, V::ZERO);
         let before = sheet.per_slope.gather(group.places);
         let per_slope = V::select(
-            told,
+            known,
             secant(step, found.off - off.load(group.at), before),
             before,
         );
         sheet.slopes[0].store(group.at, (found.pull - pull.load(group.at)) * per_step);
         sheet.slopes[1].store(group.at, (found.turn - turn.load(group.at)) * per_step);
-        // a step too short to tell a slope counts as a long one
-        sheet.slopes[2].store(group.at, V::select(told, step, V::ONE));
+        // a step too short for a slope counts as a long one
+        sheet.slopes[2].store(group.at, V::select(known, step, V::ONE));
         off.store(group.at, per_slope);
         place.store(group.at, held(x - found.off * per_slope));
     }
-    for group in plan.groups() {
-        finish::<V, KEEP>(prepared, points, load, (sheet, group), out);
-    }
 }
 
-/// Solves points that differ in nothing but slip from where they are expected: `expected` gives x, dx/d ln W and the slopes of DP/W and
-/// T/(r W) for eight slips, the slopes to `trust`.
+/// From the interpolated curve to where the fine rule begins.
 #[inline(always)]
-pub(super) fn run_from<V: Vector>(
+fn interpolate<V: Vector>(
     prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    load: &[f64],
+    inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
-    (expected, trust): (&impl Expected, f64),
-    out: &mut [BatchOutcome],
+    smooth: &Smooth,
 ) {
-    // points that differ in nothing but slip
-    let base = Base::<V>::new(
-        prepared,
-        [points.radius, points.width, points.rebound, load].map(|column| V::from_f64(column[0])),
-    );
-    for at in (0..load.len()).step_by(8) {
-        let slip = eight::<V>(points.slip, at);
+    let shared = [inputs.radius, inputs.width, inputs.rebound, inputs.given];
+    let base = Base::<V>::new(prepared, shared.map(|column| V::from_f64(column[0])));
+    for at in (0..inputs.len()).step_by(8) {
+        let slip = eight::<V>(inputs.slip, at);
         keep((sheet, plan), &base.at(prepared, slip), at);
-        let [x, rest @ ..] = expected.at(slip);
+        let [x, rest @ ..] = smooth.at(slip);
         sheet.x.store(at, held(x));
         for (column, x) in sheet.kept.iter_mut().zip(rest) {
             column.store(at, x);
         }
         choose::<V>(sheet, plan, at);
     }
-    plan.sort(load.len());
+    plan.sort(inputs.len());
     for group in plan.groups() {
         let (at, places) = (group.at, group.places);
         sheet.first[0].store(at, sheet.kept[0].gather::<V>(places));
         sheet.first[3].store(at, sheet.x.gather::<V>(places));
         sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
         sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
-        sheet.slopes[2].store(at, V::from_f64(trust));
-        finish::<V, false>(prepared, points, load, (sheet, group), out);
+        sheet.slopes[2].store(at, V::from_f64(TRUST));
     }
-}
-
-/// Where a search begins, by slip.
-pub(super) trait Expected {
-    /// x, dx/d ln W and the slopes of DP/W and T/(r W).
-    fn at<V: Vector>(&self, slip: V) -> [V; 4];
 }
 
 /// Eight points in their natural order: what does not depend on sinkage, and where to begin.
 #[inline(always)]
 fn set_up<V: Vector>(
     prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    load: &[f64],
+    inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
     at: usize,
 ) {
     let base = Base::<V>::new(
         prepared,
         [
-            eight(points.radius, at),
-            eight(points.width, at),
-            eight(points.rebound, at),
-            eight(load, at),
+            eight(inputs.radius, at),
+            eight(inputs.width, at),
+            eight(inputs.rebound, at),
+            eight(inputs.given, at),
         ],
     );
-    let begun = base.at(prepared, eight(points.slip, at));
+    let begun = base.at(prepared, eight(inputs.slip, at));
     keep((sheet, plan), &begun, at);
     sheet.x.store(at, held(begun.x));
     sheet.per_slope.store(at, V::from_f64(prepared.per_slope()));
@@ -414,19 +428,19 @@ fn choose<V: Vector>(sheet: &LoadSheet, plan: &mut Plan, at: usize) {
 
 /// r θ_1 max|1 − q cos θ|/K.
 #[inline(always)]
-pub(super) fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
+fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
     let fastest = V::ONE - q * (V::ONE - z_over_r);
     r_over_k * V::from_f64(core::f64::consts::LN_2) * theta_1 * fastest
 }
 
 /// The fine rule's evaluation, further ones where they are needed, and the outcomes.
 #[inline(always)]
-fn finish<V: Vector, const KEEP: bool>(
+fn finish<V: Vector>(
     prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    load: &[f64],
+    inputs: &Inputs<'_>,
     (sheet, group): (&mut LoadSheet, Group<'_>),
-    out: &mut [BatchOutcome],
+    out: &mut BatchColumns<'_>,
+    keep: bool,
 ) {
     let c = V::from_f64;
     let at = group.at;
@@ -464,7 +478,7 @@ fn finish<V: Vector, const KEEP: bool>(
         };
     }
     let dx = -found.off * per_slope;
-    if KEEP {
+    if keep {
         let ended = [x + dx, per_slope, slopes[0], slopes[1]].map(V::to_array);
         for (column, ended) in sheet.kept.iter_mut().zip(ended) {
             for (&place, x) in group.places.iter().zip(ended) {
@@ -486,17 +500,18 @@ fn finish<V: Vector, const KEEP: bool>(
     let z_over_r = z_over_r.to_array();
     for (k, &place) in group.places.iter().enumerate().take(group.count) {
         let place = usize::from(place);
-        let (radius, load) = (points.radius[place], load[place]);
-        out[place] = if fits[k] > 0.0 {
-            BatchOutcome::Done(BatchForces {
-                sinkage: z_over_r[k] * radius,
-                vertical_force: load,
-                drawbar_pull: pull[k] * load,
-                torque: turn[k] * load * radius,
-            })
+        let (radius, load) = (inputs.radius[place], inputs.given[place]);
+        if fits[k] > 0.0 {
+            let numbers = [
+                z_over_r[k] * radius,
+                load,
+                pull[k] * load,
+                turn[k] * load * radius,
+            ];
+            out.set(place, SolveStatus::Solved, numbers);
         } else {
-            BatchOutcome::NoSolution(LoadStatus::NotConverged)
-        };
+            out.set(place, SolveStatus::NotConverged, [f64::NAN; 4]);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use crate::contact::ladder::{ExponentTables, LIMITS, Step};
 use crate::pressure::Pressure;
 use crate::soil::{Soil, SoilLaws};
 
+use super::columns::{BatchColumns, Inputs};
 use super::vector::Vector;
 
 /// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
@@ -93,6 +94,14 @@ pub(super) struct Plan {
     /// Places by step, each step's from a whole group on, its last group filled up with its last place.
     order: [u16; ROOM],
     ranges: [(usize, usize); Step::COUNT],
+}
+
+/// Points that are worked on together.
+pub(super) struct Chunk<'a> {
+    pub(super) prepared: &'a Prepared,
+    pub(super) inputs: Inputs<'a>,
+    pub(super) plan: &'a mut Plan,
+    pub(super) out: BatchColumns<'a>,
 }
 
 /// Up to eight points of one step: their places, and how many count.

@@ -22,7 +22,7 @@ fn case_a() {
         (0.5, 30.018_906_23, 10.170_275_41, 33.472_124_82),
     ] {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let point = pair.under_load(130.0, &motion).unwrap().point.unwrap();
+        let point = pair.under_load(130.0, &motion).unwrap().point().unwrap();
         let close = |got: f64, expected: f64| (got / expected - 1.0).abs() < 1e-8;
         assert!(
             close(point.forces.drawbar_pull, pull),

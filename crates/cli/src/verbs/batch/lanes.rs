@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use grouser_terra::{BatchForces, BatchKernel, BatchOutcome, BatchPoints};
+use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
 use rayon::prelude::*;
 
 use super::columns::{Point, Row};
@@ -32,34 +32,66 @@ impl Columns {
         self.given.push(given);
     }
 
-    fn solve(&self, kernel: &BatchKernel, load: bool) -> Vec<BatchOutcome> {
-        let mut out = vec![BatchOutcome::default(); self.places.len()];
-        out.par_chunks_mut(PART).enumerate().for_each(|(k, out)| {
-            let range = k * PART..k * PART + out.len();
+    /// The points that the kernel solves, by their places.
+    fn solve(&self, kernel: &BatchKernel, load: bool) -> Vec<(usize, Solved)> {
+        let parts = self.places.par_chunks(PART).enumerate();
+        let solved = parts.flat_map_iter(|(k, places)| {
+            let n = places.len();
+            let range = k * PART..k * PART + n;
             let points = BatchPoints {
-                radius: &self.radius[range.clone()],
-                width: &self.width[range.clone()],
-                rebound: &self.rebound[range.clone()],
-                slip: &self.slip[range.clone()],
+                radius: (&self.radius[range.clone()]).into(),
+                width: (&self.width[range.clone()]).into(),
+                rebound: (&self.rebound[range.clone()]).into(),
+                slip: (&self.slip[range.clone()]).into(),
             };
             let given = &self.given[range];
-            // The slices are cut alike, so that neither can refuse them; a point without an outcome is
-            // solved by itself afterwards.
-            let _ = if load {
-                kernel.under_load(&points, given, out)
-            } else {
-                kernel.forces(&points, given, out)
+            let [
+                mut sinkage,
+                mut vertical_force,
+                mut drawbar_pull,
+                mut torque,
+            ] = [[f64::NAN; PART]; 4];
+            let mut status = [SolveStatus::default(); PART];
+            let mut out = BatchColumns {
+                sinkage: &mut sinkage[..n],
+                vertical_force: &mut vertical_force[..n],
+                drawbar_pull: &mut drawbar_pull[..n],
+                torque: &mut torque[..n],
+                status: &mut status[..n],
             };
+            // The columns are equally long, so that the kernel refuses none.
+            let _ = if load {
+                kernel.under_load(&points, given, &mut out)
+            } else {
+                kernel.forces(&points, given, &mut out)
+            };
+            let rows = (0..n).filter(move |&i| status[i] == SolveStatus::Solved);
+            rows.map(move |i| {
+                let solved = Solved {
+                    sinkage: sinkage[i],
+                    forces: [vertical_force[i], drawbar_pull[i], torque[i]],
+                };
+                (places[i], solved)
+            })
         });
-        out
+        solved.collect()
     }
+}
+
+/// A solved row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solved {
+    /// Sinkage, m.
+    pub(super) sinkage: f64,
+    /// Vertical force (N), drawbar pull (N) and torque (N m).
+    pub(super) forces: [f64; 3],
 }
 
 /// The answer of each row, where the lanes have one; the rest is left to the general solver and its words.
 pub(super) fn solve(
     rows: &[Row],
     kernel_of: impl Fn(&str) -> Option<BatchKernel>,
-) -> Vec<Option<BatchForces>> {
+) -> Vec<Option<Solved>> {
     let mut sorted: BTreeMap<(&str, bool), Columns> = BTreeMap::new();
     let mut kernels: BTreeMap<&str, Option<BatchKernel>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
@@ -83,10 +115,8 @@ pub(super) fn solve(
         let Some(Some(kernel)) = kernels.get(soil) else {
             continue;
         };
-        for (place, outcome) in columns.places.iter().zip(columns.solve(kernel, *load)) {
-            if let BatchOutcome::Done(forces) = outcome {
-                answers[*place] = Some(forces);
-            }
+        for (place, solved) in columns.solve(kernel, *load) {
+            answers[place] = Some(solved);
         }
     }
     answers

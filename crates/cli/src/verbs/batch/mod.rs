@@ -9,9 +9,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use grouser_terra::{
-    BatchForces, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
-};
+use grouser_terra::{BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -161,9 +159,9 @@ struct Cache(Option<(CacheKey, WheelOnSoil)>);
 type CacheKey = (String, [u64; 2], Option<u64>);
 
 /// A row that the lanes have solved, as a line.
-fn solved_line(columns: &Columns, row: &Row, forces: &BatchForces) -> String {
-    let results = [forces.vertical_force, forces.drawbar_pull, forces.torque].map(exact);
-    columns.line(row, &exact(forces.sinkage), &results, Status::Ok.key())
+fn solved_line(columns: &Columns, row: &Row, solved: &lanes::Solved) -> String {
+    let results = solved.forces.map(exact);
+    columns.line(row, &exact(solved.sinkage), &results, Status::Ok.key())
 }
 
 /// A row with its answer, as a line.

@@ -16,7 +16,7 @@ const WIDTH: usize = 4;
 const COUNT: usize = 2;
 
 // SAFETY of all below: see `lanes_of`.
-lanes_of!(Avx2, Avx2Mask, {
+lanes_of!(Avx2, Avx2Mask, [0 1], {
     splat: |x| _mm256_set1_pd(x),
     load: |p| _mm256_loadu_pd(p),
     store: |p, x| _mm256_storeu_pd(p, x),

@@ -16,7 +16,7 @@ const WIDTH: usize = 8;
 const COUNT: usize = 1;
 
 // SAFETY of all below: see `lanes_of`.
-lanes_of!(Avx512, Avx512Mask, {
+lanes_of!(Avx512, Avx512Mask, [0], {
     splat: |x| _mm512_set1_pd(x),
     load: |p| _mm512_loadu_pd(p),
     store: |p, x| _mm512_storeu_pd(p, x),

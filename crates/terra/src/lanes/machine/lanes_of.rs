@@ -1,13 +1,14 @@
 //! The number type over a kind of register: one list of instructions in, every operation out.
 
-/// Defines a lane type and its mask over `Register`, `Mask`, `WIDTH` and `COUNT` of the calling module.
+/// Defines a lane type and its mask over `Register`, `Mask`, `WIDTH` and `COUNT` of the calling module, and the
+/// places 0 to COUNT - 1: written out, since the compiler needs far longer for `array::from_fn`.
 ///
 /// SAFETY, for every `unsafe` block below: the instructions need features of the processor. A value of the
 /// type is made and used only inside the functions of `machine` that are compiled for these features, and
 /// [`Level`](super::Level) calls those only where it has found the features. `load` and `store` touch
 /// `WIDTH` numbers from the k-th part of an array of WIDTH · COUNT = 8.
 macro_rules! lanes_of {
-    ($name:ident, $mask:ident, {
+    ($name:ident, $mask:ident, [$($k:tt)*], {
         splat: |$sx:ident| $splat:expr,
         load: |$lp:ident| $load:expr,
         store: |$tp:ident, $tx:ident| $store:expr,
@@ -50,15 +51,15 @@ macro_rules! lanes_of {
         impl $name {
             #[inline(always)]
             fn each(self, f: impl Fn(Register) -> Register) -> Self {
-                Self(core::array::from_fn(|k| f(self.0[k])))
+                Self([$(f(self.0[$k])),*])
             }
             #[inline(always)]
             fn with(self, other: Self, f: impl Fn(Register, Register) -> Register) -> Self {
-                Self(core::array::from_fn(|k| f(self.0[k], other.0[k])))
+                Self([$(f(self.0[$k], other.0[$k])),*])
             }
             #[inline(always)]
             fn compare(self, other: Self, f: impl Fn(Register, Register) -> Mask) -> $mask {
-                $mask(core::array::from_fn(|k| f(self.0[k], other.0[k])))
+                $mask([$(f(self.0[$k], other.0[$k])),*])
             }
             /// A function of one number, lane by lane.
             #[inline(always)]
@@ -71,32 +72,33 @@ macro_rules! lanes_of {
             type Output = Self;
             #[inline(always)]
             fn bitand(self, other: Self) -> Self {
-                Self(core::array::from_fn(|k| {
-                    let ($ja, $jb) = (self.0[k], other.0[k]);
+                Self([$({
+                    let ($ja, $jb) = (self.0[$k], other.0[$k]);
                     #[allow(unused_unsafe, reason = "masks of some registers are plain bits")]
                     unsafe { $and }
-                }))
+                }),*])
             }
         }
         impl core::ops::BitOr for $mask {
             type Output = Self;
             #[inline(always)]
             fn bitor(self, other: Self) -> Self {
-                Self(core::array::from_fn(|k| {
-                    let ($ka, $kb) = (self.0[k], other.0[k]);
+                Self([$({
+                    let ($ka, $kb) = (self.0[$k], other.0[$k]);
                     #[allow(unused_unsafe, reason = "masks of some registers are plain bits")]
                     unsafe { $or }
-                }))
+                }),*])
             }
         }
         impl core::ops::Not for $mask {
             type Output = Self;
             #[inline(always)]
             fn not(self) -> Self {
-                Self(self.0.map(|$oa| {
+                Self([$({
+                    let $oa = self.0[$k];
                     #[allow(unused_unsafe, reason = "masks of some registers are plain bits")]
                     unsafe { $not }
-                }))
+                }),*])
             }
         }
 
@@ -178,17 +180,17 @@ macro_rules! lanes_of {
             }
             #[inline(always)]
             fn select(mask: $mask, a: Self, b: Self) -> Self {
-                Self(core::array::from_fn(|k| {
-                    let ($im, $ia, $ib) = (mask.0[k], a.0[k], b.0[k]);
+                Self([$({
+                    let ($im, $ia, $ib) = (mask.0[$k], a.0[$k], b.0[$k]);
                     unsafe { $select }
-                }))
+                }),*])
             }
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {
-                Self(core::array::from_fn(|k| {
-                    let ($fa, $fb, $fc) = (self.0[k], a.0[k], b.0[k]);
+                Self([$({
+                    let ($fa, $fb, $fc) = (self.0[$k], a.0[$k], b.0[$k]);
                     unsafe { $fused }
-                }))
+                }),*])
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -213,7 +215,11 @@ macro_rules! lanes_of {
             #[inline(always)]
             fn atan2(self, x: Self) -> Self {
                 let (y, x) = (self.to_array(), x.to_array());
-                Self::from_array(core::array::from_fn(|k| Real::atan2(y[k], x[k])))
+                let mut out = y;
+                for ((out, y), x) in out.iter_mut().zip(y).zip(x) {
+                    *out = Real::atan2(y, x);
+                }
+                Self::from_array(out)
             }
             #[inline(always)]
             fn powi(self, n: i32) -> Self {
@@ -232,18 +238,18 @@ macro_rules! lanes_of {
         impl Vector for $name {
             #[inline(always)]
             fn from_array(array: [f64; 8]) -> Self {
-                Self(core::array::from_fn(|k| {
-                    let $lp = array[k * WIDTH..].as_ptr();
+                Self([$({
+                    let $lp = array[$k * WIDTH..].as_ptr();
                     unsafe { $load }
-                }))
+                }),*])
             }
             #[inline(always)]
             fn to_array(self) -> [f64; 8] {
                 let mut array = [0.0; 8];
-                for (k, &$tx) in self.0.iter().enumerate() {
-                    let $tp = array[k * WIDTH..].as_mut_ptr();
+                $({
+                    let ($tp, $tx) = (array[$k * WIDTH..].as_mut_ptr(), self.0[$k]);
                     unsafe { $store }
-                }
+                })*
                 array
             }
             #[inline(always)]

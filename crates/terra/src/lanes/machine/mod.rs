@@ -13,11 +13,9 @@ mod lanes_of;
 use lanes_of::lanes_of;
 
 use super::Lanes;
-use super::batch::{BatchOutcome, BatchPoints, Sheet, Work};
-use super::nodes::{self, Carried, Single, Track};
-use super::plan::Prepared;
-use super::vector::Vector;
-use super::{curve, forces, load};
+use super::forces::{self, ForceSheet};
+use super::load::{self, LoadSheet, Start};
+use super::plan::Chunk;
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -63,124 +61,53 @@ impl Level {
         }
     }
 
-    /// A chunk on these instructions.
-    pub(super) fn run(
-        self,
-        prepared: &Prepared,
-        points: &BatchPoints<'_>,
-        given: &[f64],
-        work: &mut Work<'_>,
-        out: &mut [BatchOutcome],
-    ) {
+    /// The forces of a chunk at its sinkages.
+    pub(super) fn forces(self, chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
         match self {
-            Self::Portable => run::<Lanes>(prepared, points, given, work, out),
+            Self::Portable => forces::run::<Lanes>(chunk, sheet),
             // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { run_avx2(prepared, points, given, work, out) },
+            Self::Avx2 => unsafe { forces_avx2(chunk, sheet) },
             // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { run_avx512(prepared, points, given, work, out) },
+            Self::Avx512 => unsafe { forces_avx512(chunk, sheet) },
         }
     }
 
-    /// One wheel's forces on these instructions.
-    pub(super) fn single_forces(self, single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
+    /// The sinkages and forces of a chunk under its loads.
+    pub(super) fn load(self, chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
         match self {
-            Self::Portable => nodes::forces::<Lanes>(single, z_over_r),
-            // SAFETY: this value exists only where `best` found avx2 and fma on this machine.
+            Self::Portable => load::run::<Lanes>(chunk, sheet, start),
+            // SAFETY: as in `forces`.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { single_forces_avx2(single, z_over_r) },
-            // SAFETY: this value exists only where `best` found avx512f, avx512dq, avx2 and fma.
+            Self::Avx2 => unsafe { load_avx2(chunk, sheet, start) },
+            // SAFETY: as in `forces`.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { single_forces_avx512(single, z_over_r) },
+            Self::Avx512 => unsafe { load_avx512(chunk, sheet, start) },
         }
-    }
-
-    /// One wheel's sinkage on these instructions.
-    pub(super) fn single_load(
-        self,
-        single: &Single<'_>,
-        load: f64,
-        track: &mut Option<Track>,
-    ) -> Option<Carried> {
-        match self {
-            Self::Portable => nodes::under_load::<Lanes>(single, load, track),
-            // SAFETY: as in `single_forces`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { single_load_avx2(single, load, track) },
-            // SAFETY: as in `single_forces`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { single_load_avx512(single, load, track) },
-        }
-    }
-}
-
-#[inline(always)]
-fn run<V: Vector>(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    given: &[f64],
-    work: &mut Work<'_>,
-    out: &mut [BatchOutcome],
-) {
-    let plan = &mut work.plan;
-    match &mut work.sheet {
-        Sheet::Forces(sheet) => forces::run::<V>(prepared, points, given, (sheet, plan), out),
-        Sheet::Load(sheet) => {
-            load::run::<V, false>(prepared, points, given, (sheet, plan), out);
-        }
-        Sheet::Curve(sheet) => curve::run_curve::<V>(prepared, points, given, (sheet, plan), out),
     }
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma")]
-fn run_avx2(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    given: &[f64],
-    work: &mut Work<'_>,
-    out: &mut [BatchOutcome],
-) {
-    run::<avx2::Avx2>(prepared, points, given, work, out);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn run_avx512(
-    prepared: &Prepared,
-    points: &BatchPoints<'_>,
-    given: &[f64],
-    work: &mut Work<'_>,
-    out: &mut [BatchOutcome],
-) {
-    run::<avx512::Avx512>(prepared, points, given, work, out);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn single_forces_avx512(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
-    nodes::forces::<avx512::Avx512>(single, z_over_r)
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn single_load_avx512(
-    single: &Single<'_>,
-    load: f64,
-    track: &mut Option<Track>,
-) -> Option<Carried> {
-    nodes::under_load::<avx512::Avx512>(single, load, track)
+fn forces_avx2(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
+    forces::run::<avx2::Avx2>(chunk, sheet);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma")]
-fn single_forces_avx2(single: &Single<'_>, z_over_r: f64) -> Option<[f64; 3]> {
-    nodes::forces::<avx2::Avx2>(single, z_over_r)
+fn load_avx2(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
+    load::run::<avx2::Avx2>(chunk, sheet, start);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma")]
-fn single_load_avx2(single: &Single<'_>, load: f64, track: &mut Option<Track>) -> Option<Carried> {
-    nodes::under_load::<avx2::Avx2>(single, load, track)
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn forces_avx512(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
+    forces::run::<avx512::Avx512>(chunk, sheet);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn load_avx512(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
+    load::run::<avx512::Avx512>(chunk, sheet, start);
 }

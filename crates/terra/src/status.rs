@@ -1,0 +1,42 @@
+//! How a solve for an operating point ended.
+
+/// How a solve for an operating point ended; the number is the code for foreign interfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum SolveStatus {
+    /// Computed.
+    Solved = 0,
+    /// No sinkage below the hub carries the load.
+    NoSolution = 1,
+    /// The search for the sinkage ended without its result.
+    #[default]
+    NotConverged = 2,
+    /// The point is no operating point: [`WheelOnSoil`](crate::WheelOnSoil) names the reason.
+    BadInput = 3,
+}
+
+impl SolveStatus {
+    /// The code of this status.
+    ///
+    /// ```
+    /// # use grouser_terra::SolveStatus;
+    /// assert_eq!(SolveStatus::Solved.code(), 0);
+    /// assert_eq!(SolveStatus::BadInput.code(), 3);
+    /// ```
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// Its name in files and in JSON.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Solved => "ok",
+            Self::NoSolution => "no-solution",
+            Self::NotConverged => "not-converged",
+            Self::BadInput => "bad-input",
+        }
+    }
+}
