@@ -8,7 +8,7 @@
 //! reference = "free-wheel"    # or displacement, pose, speed, grip
 //! window_s = 0.5
 //!
-//! [filter]                    # all optional: what the slip filter is told beyond [estimator]
+//! [filter]                    # all optional: settings of the slip filter beyond [estimator]
 //! slip_mean = 0.1             # what is believed of the powered wheels' slip before it is measured
 //! slip_sigma = 0.2
 //!
@@ -82,7 +82,7 @@ pub struct RobotFile {
     /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
     /// not say otherwise.
     pub settings: WindowSettings,
-    /// What the slip filter is told, with what `settings` say of the same.
+    /// Settings of the slip filter, with the values of `settings` where both have one.
     pub filter: FilterSettings,
     /// The reference that the file names, if it names one.
     pub reference: Option<Reference>,

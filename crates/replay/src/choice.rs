@@ -14,7 +14,7 @@ use crate::run::Options;
 pub struct Inputs {
     /// The wheels' sensor; samples of the others are not used.
     pub wheel_sensor: WheelSensor,
-    /// What tells how fast the robot travels.
+    /// What measures how fast the robot travels.
     pub reference: Reference,
 }
 
@@ -59,12 +59,12 @@ const fn meaning(sensor: WheelSensor) -> Meaning {
     }
 }
 
-/// The sensor by which the wheels are measured: as asked, else the robot file's, else the first of
+/// The sensor by which the wheels are measured: the option's, else the robot file's, else the first of
 /// counts, angles and rates that the log holds.
-fn wheel_sensor(log: &Log, file: &RobotFile, asked: Option<WheelSensor>) -> Result<WheelSensor> {
+fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Result<WheelSensor> {
     let robot = &file.robot;
     let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
-    let sensor = asked
+    let sensor = chosen
         .or(file.wheel_sensor)
         .or_else(|| order.find(|&sensor| log.measures(meaning(sensor))))
         .ok_or_else(|| Error::NoWheels {
@@ -90,12 +90,12 @@ fn wheel_sensor(log: &Log, file: &RobotFile, asked: Option<WheelSensor>) -> Resu
     Ok(sensor)
 }
 
-/// The reference: as asked, else the robot file's, else the best that the log holds.
+/// The reference: the option's, else the robot file's, else the best that the log holds.
 fn reference(
     log: &Log,
     file: &RobotFile,
     sensor: WheelSensor,
-    asked: Option<Reference>,
+    chosen: Option<Reference>,
 ) -> Result<Reference> {
     let missing = |reference: Reference| -> Option<&'static str> {
         let needs = |meaning, what| (!log.measures(meaning)).then_some(what);
@@ -119,7 +119,7 @@ fn reference(
             _ => None,
         }
     };
-    match asked.or(file.reference) {
+    match chosen.or(file.reference) {
         Some(reference) => match missing(reference) {
             None => Ok(reference),
             Some(needs) => Err(Error::NoReference {

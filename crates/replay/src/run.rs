@@ -18,11 +18,11 @@ use crate::summary::Summary;
 /// What a run can be given beyond the files.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Which engine finds the slips; `None`: the filter where something tells how fast the robot travels.
+    /// Which engine finds the slips; `None`: the filter where the robot's speed is measured.
     pub method: Option<Method>,
     /// Runs the filter forward and backward: every slip then uses the whole log.
     pub smooth: bool,
-    /// What tells how fast the robot travels; `None`: the robot file's, else the best in the log.
+    /// What measures how fast the robot travels; `None`: the robot file's, else the best in the log.
     pub reference: Option<Reference>,
     /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
     pub wheel_sensor: Option<WheelSensor>,

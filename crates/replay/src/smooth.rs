@@ -47,7 +47,7 @@ impl Smoother {
     }
 
     /// A sample that the forward filter took.
-    pub(crate) fn hear(&mut self, sample: Sample) {
+    pub(crate) fn add(&mut self, sample: Sample) {
         self.samples.push(sample);
     }
 
@@ -166,7 +166,7 @@ pub fn smoothed(
     let (mut forward, mut done) = (Vec::new(), Vec::new());
     for (index, sample) in samples.iter().enumerate() {
         if filter.update(*sample).is_ok() {
-            smoother.hear(*sample);
+            smoother.add(*sample);
         }
         if samples
             .get(index + 1)

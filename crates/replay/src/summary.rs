@@ -108,7 +108,7 @@ pub struct Summary {
     pub method: Method,
     /// The window of means, s: of the wheels' slips by [`Method::Window`], of ways and turns always.
     pub window_s: f64,
-    /// What told how fast the robot travels.
+    /// What measured how fast the robot travels.
     pub reference: Reference,
     /// By which sensor the wheels were measured.
     pub wheel_sensor: &'static str,

@@ -1,15 +1,16 @@
-//! Do the wheels turn the robot as the gyro says? Where not, some wheel slips; which one, the turns may tell.
+//! Compares the turn by the wheels with the turn by the gyro. Where they differ a wheel slips; which one is named where
+//! the turns show it.
 
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Robot, WheelRole};
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
-const SLACK: f64 = 0.002;
+const SLACK_M_PER_S: f64 = 0.002;
 /// They have gone apart when they differ by this way beyond the slack, m: quiet runs of a Kobuki come to 0.003 m.
-const APART: f64 = 0.004;
+const APART_M: f64 = 0.004;
 /// A wheel is named when it is this much likelier than anything else: 20 to 1.
-const LIKELIER: f64 = 3.0;
+const NAMED_LOG_ODDS: f64 = 3.0;
 
 /// What turns by wheels and by gyro say together.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,8 +125,8 @@ impl TurnWatch {
         let turn: f64 = turns.iter().sum();
         let apart = turn - gyro.value;
         for (sum, sign) in self.sums.iter_mut().zip([1.0, -1.0]) {
-            *sum = (*sum + (sign * apart * self.track - SLACK) * seconds).max(0.0);
-            if *sum > APART {
+            *sum = (*sum + (sign * apart * self.track - SLACK_M_PER_S) * seconds).max(0.0);
+            if *sum > APART_M {
                 *sum = 0.0;
                 self.found.alarms += 1;
                 self.found.alarm_s.get_or_insert(time_s);
@@ -159,7 +160,7 @@ impl TurnWatch {
             found.slip = (square > 0.0).then(|| product / square);
             let is_wheel = best.1 < self.shares.len();
             let slips = found.slip.is_some_and(|slip| slip > 0.0);
-            if found.alarms > 0 && is_wheel && slips && found.likelier > LIKELIER {
+            if found.alarms > 0 && is_wheel && slips && found.likelier > NAMED_LOG_ODDS {
                 found.wheel = Some(best.1);
             }
         }

@@ -209,7 +209,7 @@ fn called(parts: &[&Run]) -> (Vec<f64>, f64) {
         }
         shift += part.rows.last().unwrap().time + 0.031;
     }
-    (out, change.greatest())
+    (out, change.max_statistic())
 }
 
 #[test]

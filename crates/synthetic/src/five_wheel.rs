@@ -10,7 +10,7 @@ use grouser_slip::{Measurement, Sample};
 use crate::drive::{Command, Leg, command};
 use crate::noise::{Noise, Wander};
 
-/// When the run begins in files that tell a date, ns since 1970: 1 September 2012.
+/// When the run begins in files with dates, ns since 1970: 1 September 2012.
 pub const START_NS: i64 = 1_346_457_600_000_000_000;
 
 /// Number of wheels.

@@ -7,7 +7,7 @@ use super::parts::Parts;
 use super::tree::Tree;
 use crate::toml_text::quoted;
 
-/// Lengths and masses are written to so many digits behind the point: a tenth of a micrometre.
+/// Lengths and masses are written to seven digits behind the point: a tenth of a micrometre.
 const DIGITS: i32 = 7;
 /// Least mass (kg) and moment of inertia (kg m²) of a robot file.
 const LEAST_MASS: f64 = 1e-3;

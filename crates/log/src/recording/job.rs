@@ -54,10 +54,10 @@ impl Job {
                 }
             }
             (Job::Acceleration([forward, left]), Some(View::Imu(imu))) => {
-                if let Some(felt) = imu.acceleration {
+                if let Some(acceleration) = imu.acceleration {
                     push(Measurement::Acceleration {
-                        forward: dot(*forward, felt),
-                        left: dot(*left, felt),
+                        forward: dot(*forward, acceleration),
+                        left: dot(*left, acceleration),
                     });
                 }
             }

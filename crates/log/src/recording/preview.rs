@@ -15,26 +15,26 @@ use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 use crate::source::Source;
 
-/// So much of a file is looked through, bytes, unless something is missing that is needed.
+/// This much of a file is read, bytes, and more only while something needed is missing.
 const LOOK_BYTES: u64 = 64 << 20;
-/// So many messages of a topic are decoded: several senders may share one.
-const MESSAGES: u64 = 64;
-/// So many joints of a topic are kept.
-const JOINTS: usize = 4096;
-/// So many messages of an IMU are decoded, for gravity.
-const ACCELERATIONS: f64 = 500.0;
+/// Messages of a topic that are decoded: several senders may share one.
+const MAX_MESSAGES: u64 = 64;
+/// Joints of a topic that are kept.
+const MAX_JOINTS: usize = 4096;
+/// Messages of an IMU that are decoded, for the mean of gravity.
+const MAX_ACCELERATIONS: f64 = 500.0;
 
-/// What the first messages of a topic say.
+/// A topic by its first messages.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
     pub(super) channel: Channel,
     pub(super) messages: u64,
-    /// What a message is, by the first that has a view.
+    /// The first message that has a view.
     pub(super) view: Option<View>,
     /// Joints, and whether they have a position, a velocity.
     pub(super) joints: BTreeMap<String, (bool, bool)>,
     pub(super) accelerations: Accelerations,
-    /// The first message, where fields of it are asked for.
+    /// The first message.
     pub(super) sample: Option<Value>,
     /// How far the first stamp is ahead of the recorder's clock, s; `None` without a stamp.
     pub(super) stamp_ahead: Option<f64>,
@@ -141,9 +141,9 @@ impl Preview {
             return;
         };
         let is_enough = match &seen.view {
-            Some(View::Imu(_)) => seen.accelerations.count() >= ACCELERATIONS,
+            Some(View::Imu(_)) => seen.accelerations.count() >= MAX_ACCELERATIONS,
             Some(View::Transforms(_)) => false,
-            _ => seen.messages > MESSAGES,
+            _ => seen.messages > MAX_MESSAGES,
         };
         if is_enough {
             return;
@@ -225,7 +225,7 @@ impl Seen {
         match view {
             View::JointState(joints) => {
                 for (index, name) in joints.names.iter().enumerate() {
-                    if self.joints.len() >= JOINTS && !self.joints.contains_key(name) {
+                    if self.joints.len() >= MAX_JOINTS && !self.joints.contains_key(name) {
                         continue;
                     }
                     let has = self.joints.entry(name.clone()).or_default();
@@ -235,7 +235,7 @@ impl Seen {
             }
             View::WheelTicks { names, .. } => {
                 let names = names.iter().map(|name| (name.clone(), (false, false)));
-                self.joints.extend(names.take(JOINTS));
+                self.joints.extend(names.take(MAX_JOINTS));
             }
             View::Imu(imu) => {
                 if let Some(acceleration) = imu.acceleration {

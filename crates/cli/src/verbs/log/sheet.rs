@@ -67,8 +67,8 @@ fn object(sheet: &Sheet) -> Object {
             ("numbers", Value::from(column.numbers)),
             ("empty", Value::from(column.empty)),
             ("others", Value::from(column.others)),
-            ("least", Value::from(bounded(column, column.least))),
-            ("greatest", Value::from(bounded(column, column.greatest))),
+            ("least", Value::from(bounded(column, column.min))),
+            ("greatest", Value::from(bounded(column, column.max))),
             (
                 "probably",
                 Value::from((!probably.is_empty()).then_some(probably)),
@@ -138,8 +138,8 @@ fn text(sheet: &Sheet) -> String {
         table.row([
             printable(&column.name),
             printable(&column.first),
-            bound(column.least),
-            bound(column.greatest),
+            bound(column.min),
+            bound(column.max),
             column.empty.to_string(),
             meaning(sheet, index),
         ]);
