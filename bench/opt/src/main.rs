@@ -15,13 +15,16 @@ mod suite;
 #[allow(dead_code, reason = "shared with the tests")]
 #[path = "../../../crates/opt/tests/fronts/problems.rs"]
 mod fronts;
+#[path = "../../../crates/opt/tests/fronts/hypervolume.rs"]
+mod hypervolume;
 
 mod basin_slsqp;
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use grouser_opt::{Method, ParetoSettings, Problem, Settings, hypervolume, pareto, solve};
+use grouser_opt::{Method, ParetoSettings, Problem, Settings, pareto, solve};
+use hypervolume::hypervolume;
 
 /// The best of several repetitions, in microseconds.
 fn microseconds(mut job: impl FnMut()) -> f64 {

@@ -1,8 +1,6 @@
 //! The paper's problem: what is known of it, and what it depends on.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::ops::ControlFlow;
-
 use grouser_campaign::paper::{PRINTED_SLIP, READINGS, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 
@@ -34,8 +32,7 @@ fn the_curve_of_the_printed_slip() {
 fn the_answer_depends_on_start_and_scaling() {
     let slips = |index: usize| -> Vec<f64> {
         let design = READINGS[index].design(12, 1).unwrap();
-        let Answer::Optimum(found) = design.solve(&mut |_| ControlFlow::Continue(())).unwrap()
-        else {
+        let Answer::Optimum(found) = design.solve().unwrap() else {
             panic!("minimax gives one point")
         };
         let best = found.utility;

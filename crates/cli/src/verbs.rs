@@ -10,18 +10,10 @@ mod identify;
 mod log;
 mod optimize;
 mod paper;
-mod paper_figures;
-mod paper_page;
-mod paper_problem;
-mod paper_run;
 mod robot;
 mod slip_model;
 mod soils;
 mod validate;
-mod validate_csv;
-mod validate_figure;
-mod validate_object;
-mod validate_text;
 mod wheel;
 
 use crate::error::Result;

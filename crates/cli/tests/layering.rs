@@ -50,6 +50,10 @@ const FLOORS: &[(&str, &[&str])] = &[
     (
         "grouser-campaign",
         &[
+            "grouser-figure",
+            "grouser-report",
+            "grouser-rover",
+            "grouser-slip",
             "grouser-terra",
             "grouser-design",
             "grouser-identify",

@@ -10,7 +10,7 @@ use grouser_real::Scalar;
 
 use crate::error::{Error, Result};
 use crate::formula::Formula;
-use crate::quantity::{Parameter, Quantity};
+use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
 
 /// What is asked of the objectives.
@@ -83,7 +83,7 @@ pub(crate) enum Slot {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WorldInputs {
     pub(crate) name: String,
-    pub(crate) fixed: [f64; Parameter::COUNT],
+    pub(crate) fixed: Fixed,
 }
 
 /// A problem file, checked and ready to be solved.
@@ -136,7 +136,7 @@ pub(crate) struct Program {
 /// The program in one world.
 struct InWorld {
     program: Arc<Program>,
-    fixed: [f64; Parameter::COUNT],
+    fixed: Fixed,
 }
 
 impl Functions for InWorld {

@@ -68,6 +68,12 @@ pub enum Error {
         /// What is wrong.
         message: String,
     },
+    /// The search for the slip to run at ended without one.
+    #[error("the slip to run at cannot be found: {reason}")]
+    NoRunningSlip {
+        /// Why.
+        reason: String,
+    },
     /// The solver refuses the problem.
     #[error("{file}: {source}")]
     Problem {

@@ -1,6 +1,5 @@
 //! Problem files: from TOML to a [`Design`].
 
-mod objectives;
 mod read;
 mod soils;
 mod variables;

@@ -4,7 +4,6 @@
 //! ```
 //! use grouser_design::{Answer, parse};
 //! use grouser_files::Document;
-//! use std::ops::ControlFlow;
 //!
 //! let text = r#"
 //! format = 1
@@ -18,7 +17,7 @@
 //! f3 = "2*exp(x2 - x1)"
 //! "#;
 //! let design = parse(&Document::from_text("cb2.toml", text.into())?)?;
-//! let Answer::Optimum(optimum) = design.solve(&mut |_| ControlFlow::Continue(()))? else {
+//! let Answer::Optimum(optimum) = design.solve()? else {
 //!     unreachable!("minimax gives one point");
 //! };
 //! // CB2 of Charalambous & Conn 1978
@@ -30,18 +29,21 @@
 //! the sinkage that carries a load is differentiated through its equation. The crate writes no files.
 #![forbid(unsafe_code)]
 
+mod builder;
 mod design;
 mod error;
 mod file;
 mod formula;
-
 mod quantity;
+mod running_slip;
 mod scope;
 mod solve;
 
+pub use builder::{DesignBuilder, ObjectiveParams, State};
 pub use design::{Design, Objective, Task};
 pub use error::{Error, Result};
 pub use file::{parse, read};
 pub use formula::{DEPTH_LIMIT, Formula, FormulaError, Names, Relation, VariableNames};
 pub use quantity::{Parameter, Place, Quantity};
+pub use running_slip::running_slip;
 pub use solve::{Answer, Compromise, Optimum, Start, Trade};

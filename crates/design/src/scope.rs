@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use grouser_real::Scalar;
 
 use crate::formula::{Formula, Names};
-use crate::quantity::{Evaluation, Inputs, NoValue, Parameter, Quantity};
+use crate::quantity::{Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity};
 
 /// Variables first, then all parameters, then all quantities: the numbers that formulas are compiled to.
 #[derive(Clone, Debug)]
@@ -54,21 +54,21 @@ impl Scope {
     }
 
     /// The parameters at `x`: the fixed ones, with variables in their places.
-    pub(crate) fn inputs<R: Scalar>(&self, x: &[R], fixed: &[f64; Parameter::COUNT]) -> Inputs<R> {
-        let mut values = fixed.map(R::from_f64);
-        for (value, variable) in values.iter_mut().zip(self.replaced) {
+    pub(crate) fn inputs<R: Scalar>(&self, x: &[R], fixed: &Fixed) -> Inputs<R> {
+        let mut inputs = Inputs::new(fixed);
+        for (value, variable) in inputs.values.iter_mut().zip(self.replaced) {
             if let Some(index) = variable {
                 *value = x[index];
             }
         }
-        Inputs { values }
+        inputs
     }
 
     /// The numbers that formulas are evaluated on. A quantity without a value is NaN.
     pub(crate) fn numbers<R: Scalar>(
         &self,
         x: &[R],
-        fixed: &[f64; Parameter::COUNT],
+        fixed: &Fixed,
         quantities: &[Quantity],
     ) -> Vec<R> {
         let inputs = self.inputs(x, fixed);
@@ -91,7 +91,7 @@ impl Scope {
     pub(crate) fn no_value(
         &self,
         x: &[f64],
-        fixed: &[f64; Parameter::COUNT],
+        fixed: &Fixed,
         quantities: &[Quantity],
     ) -> Option<(&'static str, NoValue)> {
         let inputs = self.inputs(x, fixed);
@@ -134,21 +134,19 @@ impl Names for Scope {
 /// Which of these parameters has no value, neither fixed nor by a variable.
 pub(crate) fn first_missing(
     scope: &Scope,
-    fixed: &[f64; Parameter::COUNT],
+    fixed: &Fixed,
     wanted: &[Parameter],
 ) -> Option<Parameter> {
     wanted
         .iter()
         .copied()
-        .find(|p| fixed[*p as usize].is_nan() && !scope.is_replaced(*p))
+        .find(|p| !fixed.has(*p) && !scope.is_replaced(*p))
 }
 
 /// The parameters as a map by name, for reports.
-pub(crate) fn by_name(fixed: &[f64; Parameter::COUNT]) -> BTreeMap<&'static str, f64> {
+pub(crate) fn by_name(fixed: &Fixed) -> BTreeMap<&'static str, f64> {
     Parameter::ALL
         .iter()
-        .zip(fixed)
-        .filter(|(_, value)| !value.is_nan())
-        .map(|((_, name, ..), value)| (*name, *value))
+        .filter_map(|(parameter, name, ..)| Some((*name, fixed.get(*parameter)?)))
         .collect()
 }

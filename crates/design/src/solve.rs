@@ -1,8 +1,10 @@
 //! From a checked design to its answer.
 
+use std::ops::ControlFlow;
+
 use grouser_opt::{
-    Counts, Front, Kkt, Method, MultiStart, Progress, Solution, Status, Watch, multi_start, pareto,
-    solve_watched,
+    Callback, Counts, Front, Kkt, Method, MultiStart, Progress, Solution, Status, multi_start,
+    pareto, solve_with,
 };
 
 use crate::design::{Design, Slot, SolverProblem, Task};
@@ -127,12 +129,20 @@ impl Design {
         }
     }
 
-    /// Solves it; `watch` is called once an iteration of a single solve.
+    /// Solves it.
+    ///
+    /// # Errors
+    /// As [`Design::solve_with`].
+    pub fn solve(&self) -> Result<Answer> {
+        self.solve_with(&mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Solves it; `callback` is called once an iteration of a single solve, and may stop it.
     ///
     /// # Errors
     /// [`Error::Problem`] for what the solver refuses, such as a search over an unbounded box. A solve
     /// that finds no answer is a status.
-    pub fn solve(&self, watch: &mut Watch<'_>) -> Result<Answer> {
+    pub fn solve_with(&self, callback: &mut Callback<'_>) -> Result<Answer> {
         let problem = self.problem()?;
         if self.task == Task::Pareto {
             let front = pareto(problem.problem(), &self.pareto).map_err(|e| self.refuse(e))?;
@@ -150,8 +160,8 @@ impl Design {
             .map_err(|e| self.refuse(e))?;
             self.optimum_of_many(&problem, &found)
         } else {
-            let own = &mut |progress: &Progress<'_>| watch(progress);
-            let solution = solve_watched(problem.problem(), &method, &self.settings, own)
+            let own = &mut |progress: &Progress<'_>| callback(progress);
+            let solution = solve_with(problem.problem(), &method, &self.settings, own)
                 .map_err(|e| self.refuse(e))?;
             let start = self.start(&problem, &solution);
             self.optimum(&problem, &solution, vec![start])

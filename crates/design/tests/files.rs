@@ -1,7 +1,6 @@
 //! Problem files: what they may say, what they may not, and what the shipped ones give.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use grouser_design::{Answer, Design, Optimum, Task, parse, read};
@@ -21,7 +20,7 @@ fn refused(text: &str) -> (String, Option<String>) {
 }
 
 fn optimum(design: &Design) -> Optimum {
-    match design.solve(&mut |_| ControlFlow::Continue(())).unwrap() {
+    match design.solve().unwrap() {
         Answer::Optimum(optimum) => *optimum,
         other => panic!("{other:?}"),
     }
@@ -189,9 +188,7 @@ fn many_starts_find_every_optimum_and_need_a_box() {
     assert!(found.optima.len() >= 2 && found.is_ambiguous);
     near(found.starts[found.optima[0].0].x[0].abs(), 1.0);
     let unbounded = design(&text(", lower = -2.0"));
-    let error = unbounded
-        .solve(&mut |_| ControlFlow::Continue(()))
-        .unwrap_err();
+    let error = unbounded.solve().unwrap_err();
     assert!(
         error.to_string().contains("`x` has the bounds [-2, inf]"),
         "{error}"
@@ -324,7 +321,7 @@ fn the_shipped_problems_have_answers() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let design = read(&path).unwrap_or_else(|e| panic!("{e}"));
-        match design.solve(&mut |_| ControlFlow::Continue(())).unwrap() {
+        match design.solve().unwrap() {
             Answer::Optimum(found) => {
                 assert_eq!(found.status, Status::Converged, "{}", path.display());
                 assert!(found.kkt.violation <= 1e-8);

@@ -4,12 +4,10 @@
 //! Number 13, whose optimum has no multipliers (the constraints' gradients vanish together there), is left out.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::fmt::Write as _; // writing to a string cannot fail
-use std::ops::ControlFlow;
-
 use grouser_design::{Answer, parse};
 use grouser_files::Document;
 use grouser_opt::Status;
+use std::fmt::Write as _; // writing to a string cannot fail
 
 struct Case {
     number: u32,
@@ -389,8 +387,7 @@ fn constrained_problems_reach_their_optima() {
             let _ = writeln!(text, "g{} = \"{constraint}\"", j + 1);
         }
         let design = parse(&Document::from_text("hs.toml", text).unwrap()).unwrap();
-        let Answer::Optimum(found) = design.solve(&mut |_| ControlFlow::Continue(())).unwrap()
-        else {
+        let Answer::Optimum(found) = design.solve().unwrap() else {
             panic!("minimax gives one point")
         };
         assert_eq!(found.status, Status::Converged, "HS{}", case.number);

@@ -1,8 +1,6 @@
 //! Every quantity against terra's own answer, and its derivatives against finite differences.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::ops::ControlFlow;
-
 use grouser_design::{Answer, Design, Quantity, parse};
 use grouser_files::Document;
 use grouser_terra::{
@@ -126,7 +124,7 @@ s = "s_0"
     let s = design.quantity(Quantity::S0, &[32.0]).unwrap();
     // MODEL.md, section 5.
     assert!((s + 0.2859).abs() < 5e-5, "{s}");
-    let Answer::Optimum(optimum) = design.solve(&mut |_| ControlFlow::Continue(())).unwrap() else {
+    let Answer::Optimum(optimum) = design.solve().unwrap() else {
         panic!("one point")
     };
     // |S_0| falls with θ until S_0 meets the vertical's mirror: its least is where ξ is least.

@@ -29,6 +29,7 @@
 //! nothing of wheels.
 #![forbid(unsafe_code)]
 
+mod callback;
 mod derivative;
 mod error;
 mod jacobian;
@@ -47,9 +48,9 @@ mod solution;
 mod solve;
 mod sqp;
 mod status;
-mod watch;
 mod weighted;
 
+pub use callback::{Callback, Progress};
 pub use derivative::{
     DerivativeCheck, Differences, Exact, Functions, Scheme, WrongEntry, check_derivatives,
 };
@@ -59,14 +60,12 @@ pub use method::Method;
 pub use model::Model;
 pub use multi_start::{MultiStart, Optimum, multi_start};
 pub use pareto::{
-    Algorithm, Crossover, Front, FrontPoint, Mutation, ParetoSettings, das_dennis, hypervolume,
-    inverted_generational_distance, knee, pareto,
+    Algorithm, Crossover, Front, FrontPoint, Mutation, ParetoSettings, das_dennis, knee, pareto,
 };
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
 pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};
 pub use settings::Settings;
 pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
-pub use solve::{solve, solve_watched};
+pub use solve::{solve, solve_with};
 pub use status::{Limit, Status, Violation};
-pub use watch::{Progress, Watch};

@@ -2,12 +2,12 @@
 
 use core::ops::ControlFlow;
 
+use crate::callback::Callback;
 use crate::error::Result;
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
 use crate::solution::Solution;
-use crate::watch::Watch;
 use crate::{sqp, weighted};
 
 /// Solves a problem from its start.
@@ -16,7 +16,7 @@ use crate::{sqp, weighted};
 /// The method's goals or weights do not fit the problem, or a setting is out of its range. A solve
 /// that finds no answer is no error: read [`Solution::status`].
 pub fn solve(problem: &Problem<'_>, method: &Method, settings: &Settings) -> Result<Solution> {
-    solve_watched(
+    solve_with(
         problem,
         method,
         settings,
@@ -24,20 +24,20 @@ pub fn solve(problem: &Problem<'_>, method: &Method, settings: &Settings) -> Res
     )
 }
 
-/// As [`solve`], calling `watch` once an iteration: to show progress, or to stop.
+/// As [`solve`], calling `callback` once an iteration: to show progress, or to stop.
 ///
 /// # Errors
 /// As [`solve`].
-pub fn solve_watched(
+pub fn solve_with(
     problem: &Problem<'_>,
     method: &Method,
     settings: &Settings,
-    watch: &mut Watch<'_>,
+    callback: &mut Callback<'_>,
 ) -> Result<Solution> {
     settings.check()?;
     method.check(problem)?;
     match method {
-        Method::Weighted { weights } => weighted::solve(problem, weights, settings, watch),
-        _ => Ok(sqp::solve(problem, method, settings, watch)),
+        Method::Weighted { weights } => weighted::solve(problem, weights, settings, callback),
+        _ => Ok(sqp::solve(problem, method, settings, callback)),
     }
 }

@@ -3,6 +3,7 @@
 //! Objectives that count with their absolute value get a variable each, t_i ≥ ±f_i, and Σ w_i t_i is
 //! minimised: smooth, and exact at the optimum.
 
+use crate::callback::Callback;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::method::Method;
@@ -11,7 +12,6 @@ use crate::problem::{LinearConstraint, Problem, ProblemParams, Variable};
 use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::sqp;
-use crate::watch::Watch;
 
 struct Sum<'a> {
     problem: &'a Problem<'a>,
@@ -105,7 +105,7 @@ pub(crate) fn solve(
     problem: &Problem<'_>,
     weights: &[f64],
     settings: &Settings,
-    watch: &mut Watch<'_>,
+    callback: &mut Callback<'_>,
 ) -> Result<Solution> {
     let n = problem.variables().len();
     let m = problem.objectives().len();
@@ -152,7 +152,7 @@ pub(crate) fn solve(
         }),
     })?
     .linear_after(problem.curved());
-    let mut solution = sqp::solve(&inner, &Method::Minimax, settings, watch);
+    let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
     // Back to the problem as it was asked.
     solution.x.truncate(n);
     problem.model().values(&solution.x, &mut values);

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use grouser_opt::{
     Differences, Error, Exact, Functions, Limit, LinearConstraint, Method, Problem, ProblemParams,
-    Relation, Settings, Solution, Status, Variable, solve, solve_watched,
+    Relation, Settings, Solution, Status, Variable, solve, solve_with,
 };
 use grouser_real::Scalar;
 
@@ -80,7 +80,7 @@ fn linear_constraints_and_bounds_hold_from_the_first_iterate_on() {
     };
     let problem = Problem::new(params).unwrap();
     let mut seen = 0;
-    let solution = solve_watched(
+    let solution = solve_with(
         &problem,
         &Method::Minimax,
         &Settings::default(),
@@ -159,7 +159,7 @@ fn least_infeasible_point_where_nothing_is_feasible() {
 fn a_stop_is_obeyed_at_once() {
     let problem = Problem::new(disc(0, 0)).unwrap();
     let stop = &mut |_: &grouser_opt::Progress<'_>| ControlFlow::Break(());
-    let solution = solve_watched(&problem, &Method::Minimax, &Settings::default(), stop).unwrap();
+    let solution = solve_with(&problem, &Method::Minimax, &Settings::default(), stop).unwrap();
     assert_eq!(solution.status, Status::Stopped);
     assert_eq!(solution.counts.values, 1);
 }

@@ -1,11 +1,15 @@
 //! Multi-start and fronts: what they find, and that neither seed-mates nor threads change it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "fronts/hypervolume.rs"]
+mod hypervolume;
+
 use grouser_opt::{
     Differences, Error, Exact, Functions, Method, ParetoSettings, Problem, ProblemParams, Settings,
-    Variable, das_dennis, hypervolume, knee, multi_start, pareto,
+    Variable, das_dennis, knee, multi_start, pareto,
 };
 use grouser_real::Scalar;
+use hypervolume::hypervolume;
 
 /// Two equally deep valleys at ±1, and a shallow one at 3.
 fn valleys() -> Problem<'static> {
@@ -136,6 +140,8 @@ fn hypervolume_of_three_objectives_against_inclusion_exclusion() {
             -volume
         };
     }
+    let two = [vec![1.0, 2.0], vec![2.0, 1.0]];
+    assert_eq!(hypervolume(&two, &[3.0, 3.0]), Ok(3.0));
     let got = hypervolume(&points, &reference).unwrap();
     assert!((got - expected).abs() < 1e-15, "{got} {expected}");
     assert!(hypervolume(&points, &[1.0, 1.0]).is_err());

@@ -235,16 +235,7 @@ impl Soil {
         let p = &self.params;
         let r = R::from_f64;
         SoilLaws {
-            pressure: match p.pressure {
-                Pressure::Bekker(law) => Pressure::Bekker(Bekker {
-                    k_c: r(law.k_c),
-                    k_phi: r(law.k_phi),
-                }),
-                Pressure::Reece(law) => Pressure::Reece(Reece {
-                    k_c_prime: r(law.k_c_prime),
-                    k_phi_prime: r(law.k_phi_prime),
-                }),
-            },
+            pressure: p.pressure.lifted(),
             exponent: SinkageExponent {
                 n_0: r(p.n),
                 n_1: r(p.n_1),

@@ -1,7 +1,319 @@
 //! Ani et al. (2012), J. Cent. South Univ. 19: what can be reproduced of it.
 
+mod figures;
+mod page;
 mod problem;
+mod sand_run;
+mod solved;
 mod statements;
 
+use std::fmt::Write as _; // writing to a string cannot fail
+
+use grouser_report::Table;
+use grouser_report::number::{rounded, shown};
+use serde_json::Value;
+
+use crate::error::Result;
+use page::{Block, Page};
 pub use problem::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
+use sand_run::SandRun;
+pub use solved::SEED;
+use solved::Solved;
 pub use statements::{STATEMENTS, Statement, Verdict};
+
+use crate::Object;
+
+/// A file that the campaign writes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PaperFile {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub content: String,
+    /// What it contains, in words.
+    pub about: String,
+}
+
+/// What can be reproduced of the paper: figures, their numbers, and a page about them.
+pub struct Paper {
+    files: Vec<PaperFile>,
+    solved: Vec<Solved>,
+    run: SandRun,
+}
+
+impl Paper {
+    /// Computes everything. The run on sand is `scenario`, driven by `robot` (the texts of the two files).
+    ///
+    /// # Errors
+    /// What the two files lack or what their solves refuse.
+    pub fn compute(scenario: &str, robot: &str) -> Result<Self> {
+        let mut files = Vec::new();
+        let mut add = |name: String, content: String, about: &str| {
+            files.push(PaperFile {
+                name,
+                content,
+                about: about.to_owned(),
+            });
+        };
+        for figure in figures::all() {
+            let (number, about) = (figure.number, figure.about);
+            add(
+                format!("figure-{number}.svg"),
+                figure.draw().svg(),
+                &format!("figure {number}: {about}"),
+            );
+            add(
+                format!("figure-{number}.csv"),
+                figure.csv(),
+                &format!("the numbers of figure {number}"),
+            );
+        }
+        let run = SandRun::drive(scenario, robot)?;
+        let solved = solved::solve()?;
+        for (name, content, about) in [
+            (
+                "figure-13.svg",
+                run.draw().svg(),
+                "figure 13, simulated: slip against time by the fifth wheel beside the truth",
+            ),
+            ("figure-13.csv", run.csv(), "the numbers of figure 13"),
+            (
+                "problem.svg",
+                solved::draw(&solved).svg(),
+                "the optimisation problem: solutions beside the curve of the printed slip, and by start",
+            ),
+            (
+                "problem.csv",
+                solved::csv(&solved),
+                "where every start of every reading ends",
+            ),
+            (
+                "slip-0.1146.csv",
+                solved::curve_csv(),
+                "the curve on which |S_0| is 0.1146",
+            ),
+        ] {
+            add(name.to_owned(), content, about);
+        }
+        for one in &solved {
+            let name = one.reading.name;
+            add(
+                format!("problem-{}.toml", file_name(name)),
+                one.reading.text(one.ends.len(), SEED),
+                &format!("the reading \"{name}\""),
+            );
+        }
+        let page = page(&solved, &run, &files);
+        for (name, content) in [("paper.md", page.markdown()), ("paper.html", page.html())] {
+            files.push(PaperFile {
+                name: name.to_owned(),
+                content,
+                about: "this page".to_owned(),
+            });
+        }
+        Ok(Self { files, solved, run })
+    }
+
+    /// Its files, the pages last.
+    #[must_use]
+    pub fn files(&self) -> &[PaperFile] {
+        &self.files
+    }
+
+    /// The same for programs.
+    #[must_use]
+    pub fn object(&self) -> Object {
+        let statements = STATEMENTS.iter().map(|s| {
+            Value::from(Object::from_iter([
+                ("item".to_owned(), Value::from(s.item)),
+                ("about".to_owned(), Value::from(s.about)),
+                ("verdict".to_owned(), Value::from(s.verdict.key())),
+                ("why".to_owned(), Value::from(s.why)),
+            ]))
+        });
+        Object::from_iter([
+            (
+                "files".to_owned(),
+                self.files.iter().map(|file| file.name.as_str()).collect(),
+            ),
+            ("statements".to_owned(), statements.collect()),
+            ("sand_run".to_owned(), Value::Object(self.run.object())),
+            ("printed_slip".to_owned(), Value::from(PRINTED_SLIP)),
+            ("printed_slip_claimed".to_owned(), Value::from(false)),
+            (
+                "readings".to_owned(),
+                self.solved
+                    .iter()
+                    .map(|s| Value::Object(s.object()))
+                    .collect(),
+            ),
+        ])
+    }
+
+    /// What a person reads first.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{} items of the paper are reproduced, {} in part, {} not possible\n\n",
+            count(Verdict::Reproduced),
+            count(Verdict::InPart),
+            count(Verdict::NotPossible)
+        );
+        let mut table = Table::new()
+            .text("reading of the optimisation problem")
+            .number("starts")
+            .number("equally good")
+            .text("|S_0| of those");
+        for one in &self.solved {
+            table.row([
+                one.reading.name,
+                &one.ends.len().to_string(),
+                &one.equally_good().count().to_string(),
+                &slips(one),
+            ]);
+        }
+        text.push_str(&table.render());
+        let _ = writeln!(
+            text,
+            "the printed optimum, |S_0| = {}, is not claimed: its bounds, start, scaling and utility are not printed",
+            shown(PRINTED_SLIP)
+        );
+        let _ = writeln!(
+            text,
+            "figure 13, simulated: slip by the fifth wheel is within {} (RMS) of the true one",
+            self.run
+                .error()
+                .map_or_else(|| "—".to_owned(), |error| rounded(error, 3))
+        );
+        text
+    }
+}
+
+fn file_name(words: &str) -> String {
+    let mut name = String::new();
+    for letter in words.chars() {
+        match letter {
+            'a'..='z' | 'A'..='Z' | '0'..='9' | '.' => name.push(letter.to_ascii_lowercase()),
+            _ if !name.ends_with('-') => name.push('-'),
+            _ => {}
+        }
+    }
+    name.trim_matches('-').to_owned()
+}
+
+/// |S_0| of the solutions that are equally good, in words.
+fn slips(solved: &Solved) -> String {
+    let (low, high) = Solved::range(solved.equally_good());
+    if high - low < 1e-4 {
+        rounded(low, 4)
+    } else {
+        format!("{} to {}", rounded(low, 4), rounded(high, 4))
+    }
+}
+
+fn readings(solved: &[Solved]) -> Vec<Vec<String>> {
+    solved
+        .iter()
+        .map(|one| {
+            vec![
+                one.reading.name.to_owned(),
+                one.reading.assumes.to_owned(),
+                format!("{} of {}", one.solved().count(), one.ends.len()),
+                one.equally_good().count().to_string(),
+                slips(one),
+            ]
+        })
+        .collect()
+}
+
+fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
+    let mut blocks = vec![
+        Block::Text(
+            "Ani, Xu, Xue, Liu & Zhang, \"Analytical modeling and multi-objective optimization of slippage for \
+             wheeled mobile robot in rough terrain\", J. Cent. South Univ. 19 (2012) 2458-2467. This page was \
+             computed; every number in it comes from the files beside it."
+                .to_owned(),
+        ),
+        Block::Heading(2, "What is reproduced".to_owned()),
+        Block::Table(
+            vec!["item", "about", "verdict", "how, or why not"],
+            STATEMENTS
+                .iter()
+                .map(|s| {
+                    [s.item, s.about, s.verdict.key(), s.why]
+                        .map(str::to_owned)
+                        .into()
+                })
+                .collect(),
+        ),
+        Block::Heading(2, "Figures 8 to 10".to_owned()),
+        Block::Text(
+            "S_0 is the slip at which the shear displacement returns to zero at the angle θ. It equals 1 − sec ξ with \
+             an angle ξ between θ and θ_1, so it is never positive; the paper apparently prints magnitudes, and both \
+             are drawn. It depends on θ and z/r alone. Lines are thin where θ lies outside the contact, |θ| > θ_1; a \
+             circle marks θ = θ_1, where S_0 = −z/(r − z)."
+                .to_owned(),
+        ),
+    ];
+    for figure in figures::all() {
+        blocks.push(Block::Picture(
+            format!("figure-{}.svg", figure.number),
+            format!("Figure {}: {}", figure.number, figure.about),
+        ));
+    }
+    blocks.extend([
+        Block::Heading(2, "Figure 13, simulated".to_owned()),
+        Block::Text(run.about()),
+        Block::Picture(
+            "figure-13.svg".to_owned(),
+            "Figure 13, simulated: slip of a powered wheel by the fifth wheel beside the truth (a), and where it brakes \
+             (b)"
+                .to_owned(),
+        ),
+        Block::Heading(2, "The optimisation problem".to_owned()),
+        Block::Text(format!(
+            "The paper names nine variables, three objectives (P2, P7, P19), bounds and constraints, and prints an \
+             optimum slip of {PRINTED_SLIP}. It does not print the bounds, the start, the scaling, the sense of each \
+             objective or the utility that joins them. Below are five readings of it, each solved by minimax from \
+             the same starts. The printed optimum is not claimed to be reproduced by any of them."
+        )),
+        Block::Table(
+            vec![
+                "reading",
+                "assumes",
+                "starts solved",
+                "equally good",
+                "|S_0| of those",
+            ],
+            readings(solved),
+        ),
+        Block::Picture(
+            "problem.svg".to_owned(),
+            "Solutions of the five readings beside the curve of the printed slip (a), and the slip that each start \
+             ends at (b)"
+                .to_owned(),
+        ),
+        Block::Text(
+            "In pascals the two stresses are ten thousand times the slip: they alone decide, and the slip is whatever \
+             the start leaves it at. Where the strengths and the slip are brought to one scale, the answer follows the \
+             scale. |S_0| = 0.1146 is a curve in (θ, z/r), from z/r = 0.3019 at θ = 0° to 0.1028 at θ = θ_1 = 26.2°; \
+             a solution can lie anywhere on it, and no soil parameter moves it."
+                .to_owned(),
+        ),
+        Block::Heading(2, "Files".to_owned()),
+        Block::Files(
+            written
+                .iter()
+                .map(|file| (file.name.clone(), file.about.clone()))
+                .collect(),
+        ),
+    ]);
+    Page {
+        title: "What can be reproduced of Ani et al. (2012)".to_owned(),
+        blocks,
+    }
+}
+
+fn count(verdict: Verdict) -> usize {
+    STATEMENTS.iter().filter(|s| s.verdict == verdict).count()
+}

@@ -1,13 +1,16 @@
 //! The model held against measured data.
 
 pub mod cmu;
+mod csv;
 pub mod ding;
+mod figure;
 mod fitting;
 mod on_ding;
 mod on_trials;
 mod rows;
 mod run;
 mod score;
+mod text;
 
 pub use rows::{FitReport, Found, MeasuredPoint, ModelName, Row, Series, Split, Validation};
 pub use run::{GREATEST_SLIP, PLATES, plate_tests, validate};

@@ -1,19 +1,15 @@
 //! The file as a whole.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use grouser_files::{Document, Section};
-use grouser_opt::{Algorithm, LinearConstraint, ParetoSettings, Settings};
+use grouser_opt::{Algorithm, ParetoSettings, Settings};
 
-use super::objectives::{RawConstraint, read_constraints, read_objectives};
-use super::soils::{Worlds, read_fixed, read_worlds};
-use super::variables::read_variables;
-use crate::design::{Constraint, Design, Program, Slot, Task, told_apart};
+use super::soils::{read_fixed, read_worlds};
+use super::variables::{read_constraints, read_objectives, read_variables};
+use crate::builder::DesignBuilder;
+use crate::design::{Design, Task};
 use crate::error::{Error, Result};
-use crate::formula::{Formula, Relation};
-use crate::quantity::{Parameter, Place, Quantity};
-use crate::scope::{Scope, first_missing};
 
 /// Reads a problem file.
 ///
@@ -32,212 +28,25 @@ pub fn parse(document: &Document) -> Result<Design> {
 }
 
 fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
-    let title = root.optional_text("title")?.map(str::to_owned);
+    let mut builder = DesignBuilder::new(document.name());
+    builder.title = root.optional_text("title")?.map(str::to_owned);
     root.optional_text("note")?;
-    let task = root.choice("method", &Task::ALL)?;
+    builder.task = root.choice("method", &Task::ALL)?;
     let absolute = root.flag("absolute")?;
-    let starts = whole(root, "starts", 1, (1, 1_000_000))?;
-    let seed = root.optional_integer("seed")?.unwrap_or(1);
-    let (variables, units) = root
-        .section("variables", read_variables)?
-        .unwrap_or_default();
-    if variables.is_empty() {
-        return Err(Error::Contradiction {
-            at: root.place_of("variables"),
-            message: "the problem has no variables: [variables] is missing or empty".to_owned(),
-        });
-    }
-    let scope = Scope::new(variables.iter().map(|v| v.name.clone()).collect());
-    let (soil, fixed) = read_fixed(root, &scope)?;
-    let Worlds {
-        measure,
-        list: worlds,
-        sampled,
-    } = read_worlds(root, &scope, fixed, seed.unsigned_abs())?;
-    let objectives = root
-        .section("objectives", |section| {
-            read_objectives(section, &scope, task, absolute)
-        })?
-        .unwrap_or_default();
-    if objectives.is_empty() {
-        return Err(Error::Contradiction {
-            at: root.place_of("objectives"),
-            message: "the problem has no objectives: [objectives] is missing or empty".to_owned(),
-        });
-    }
-    let raw = root
-        .section("constraints", |section| read_constraints(section, &scope))?
-        .unwrap_or_default();
-    let mut quantities = Vec::new();
-    let formulas = objectives
-        .iter()
-        .map(|(o, at)| (at, &o.name, &o.formula))
-        .chain(raw.iter().map(|c| (&c.at, &c.name, &c.formula)));
-    for (at, name, formula) in formulas {
-        for world in &worlds {
-            check_needs(at, name, &scope, &world.fixed, formula)?;
-        }
-        quantities.extend(scope.used(formula).1);
-    }
-    quantities.sort_unstable();
-    quantities.dedup();
-    let settings = root.section("settings", read_settings)?.unwrap_or_default();
-    let pareto = root.section("pareto", read_pareto)?.unwrap_or_default();
-    let objectives: Vec<_> = objectives.into_iter().map(|(o, _)| o).collect();
-    let Sorted {
-        linear,
-        constraints,
-        slots,
-    } = sort(raw, scope.count(), |name| told_apart(&objectives, name));
-    let mut design = Design {
-        file: document.name().to_owned(),
-        title,
-        task,
-        variables,
-        units,
-        objectives,
-        starts,
-        seed: seed.unsigned_abs(),
-        pareto: ParetoSettings {
-            seed: seed.unsigned_abs(),
-            solve: settings.clone(),
-            ..pareto
-        },
-        settings,
-        soil,
-        measure,
-        sampled,
-        worlds,
-        linear,
-        constraints,
-        slots,
-        program: Arc::new(Program {
-            scope,
-            rows: Vec::new(),
-            quantities,
-            plain: false,
-        }),
-    };
-    compile(&mut design);
-    Ok(design)
-}
-
-/// Puts the formulas in the solver's order.
-fn compile(design: &mut Design) {
-    let mut rows: Vec<(Formula, f64)> = design
-        .solver_order()
-        .into_iter()
-        .map(|i| {
-            let objective = &design.objectives[i];
-            (objective.formula.clone(), objective.scale)
-        })
-        .collect();
-    for equal in [false, true] {
-        let own = design.constraints.iter().filter(|c| c.equal == equal);
-        rows.extend(own.map(|c| (c.formula.clone(), 1.0)));
-    }
-    let count = design.program.scope.count();
-    let plain = rows
-        .iter()
-        .all(|(formula, _)| formula.variables().iter().all(|index| *index < count));
-    design.program = Arc::new(Program {
-        rows,
-        plain,
-        ..(*design.program).clone()
-    });
-}
-
-struct Sorted {
-    linear: Vec<LinearConstraint>,
-    constraints: Vec<Constraint>,
-    slots: Vec<(String, Slot)>,
-}
-
-/// Linear constraints apart from the others: the solver never leaves them.
-fn sort(raw: Vec<RawConstraint>, variables: usize, solver_name: impl Fn(&str) -> String) -> Sorted {
-    let mut sorted = Sorted {
-        linear: Vec::new(),
-        constraints: Vec::new(),
-        slots: Vec::new(),
-    };
-    for RawConstraint {
-        name,
-        formula,
-        relation,
-        ..
-    } in raw
-    {
-        let equal = relation == Relation::Equal;
-        let same = |c: &&Constraint| c.equal == equal;
-        let slot = if let Some(affine) = formula.affine(variables) {
-            sorted.linear.push(LinearConstraint {
-                name: solver_name(&name),
-                coefficients: affine.coefficients,
-                relation: if equal {
-                    grouser_opt::Relation::Equal
-                } else {
-                    grouser_opt::Relation::AtMost
-                },
-                bound: -affine.constant,
-            });
-            Slot::Linear(sorted.linear.len() - 1)
-        } else {
-            let place = sorted.constraints.iter().filter(same).count();
-            sorted.constraints.push(Constraint {
-                name: solver_name(&name),
-                formula,
-                equal,
-            });
-            if equal {
-                Slot::Equality(place)
-            } else {
-                Slot::Inequality(place)
-            }
-        };
-        sorted.slots.push((name, slot));
-    }
-    sorted
-}
-
-/// Everything that a formula's names need must be given.
-fn check_needs(
-    at: &grouser_files::Place,
-    name: &str,
-    scope: &Scope,
-    fixed: &[f64; Parameter::COUNT],
-    formula: &Formula,
-) -> Result<()> {
-    let missing = |quantity: &'static str, parameter: Parameter| Error::MissingParameter {
-        at: at.clone(),
-        name: name.to_owned(),
-        quantity,
-        parameter: parameter.name(),
-        section: match parameter.place() {
-            Place::Wheel => "wheel",
-            Place::Soil => "soil",
-            Place::State => "state",
-        },
-    };
-    let (parameters, quantities) = scope.used(formula);
-    if let Some(parameter) = first_missing(scope, fixed, &parameters) {
-        return Err(missing(parameter.name(), parameter));
-    }
-    let given = |p: Parameter| first_missing(scope, fixed, &[p]).is_none();
-    let loaded = given(Parameter::Load);
-    for quantity in quantities {
-        let mut needs = quantity.needs().to_vec();
-        if quantity.needs_sinkage_or_load() {
-            if loaded {
-                needs.extend_from_slice(Quantity::point_parameters());
-            } else {
-                needs.push(Parameter::Sinkage);
-            }
-        }
-        if let Some(parameter) = first_missing(scope, fixed, &needs) {
-            return Err(missing(quantity.name(), parameter));
-        }
-    }
-    Ok(())
+    builder.starts = whole(root, "starts", 1, (1, 1_000_000))?;
+    builder.seed = root.optional_integer("seed")?.unwrap_or(1).unsigned_abs();
+    root.section("variables", |section| read_variables(section, &mut builder))?;
+    read_fixed(root, &mut builder)?;
+    read_worlds(root, &mut builder)?;
+    root.section("objectives", |section| {
+        read_objectives(section, absolute, &mut builder)
+    })?;
+    root.section("constraints", |section| {
+        read_constraints(section, &mut builder)
+    })?;
+    builder.settings = root.section("settings", read_settings)?.unwrap_or_default();
+    builder.pareto = root.section("pareto", read_pareto)?.unwrap_or_default();
+    builder.build()
 }
 
 fn whole(

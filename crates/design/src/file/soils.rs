@@ -4,44 +4,29 @@ use grouser_files::{Section, nearest};
 use grouser_opt::{Measure, Uncertainty, sample};
 use grouser_terra::catalogue;
 
+use crate::builder::DesignBuilder;
 use crate::design::WorldInputs;
 use crate::error::{Error, Result};
-use crate::quantity::{Parameter, Place};
+use crate::quantity::{Fixed, Parameter, Place};
 use crate::scope::Scope;
 
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
 
-type Fixed = [f64; Parameter::COUNT];
-
-/// The soil's key and all fixed numbers; NaN where there is none.
-pub(super) fn read_fixed(root: &Section<'_>, scope: &Scope) -> Result<(Option<String>, Fixed)> {
-    let mut fixed = [f64::NAN; Parameter::COUNT];
-    for (parameter, _, _, default) in Parameter::ALL {
-        if let Some(value) = default {
-            fixed[parameter as usize] = value;
+/// The soil's key and all fixed numbers.
+pub(super) fn read_fixed(root: &Section<'_>, builder: &mut DesignBuilder) -> Result<()> {
+    let fixed = &mut builder.fixed;
+    root.section("wheel", |s| read_section(s, Place::Wheel, fixed))?;
+    let key = root.section("soil", |section| {
+        let key = section.optional_text("key")?;
+        if let Some(key) = key {
+            fill_from_catalogue(section, "key", key, fixed)?;
         }
-    }
-    root.section("wheel", |s| read_section(s, Place::Wheel, &mut fixed))?;
-    let key = root
-        .section("soil", |section| {
-            let key = section.optional_text("key")?;
-            if let Some(key) = key {
-                fill_from_catalogue(section, "key", key, &mut fixed)?;
-            }
-            read_section(section, Place::Soil, &mut fixed)?;
-            Ok::<_, Error>(key.map(str::to_owned))
-        })?
-        .flatten();
-    root.section("state", |s| read_section(s, Place::State, &mut fixed))?;
-    let has = |p: Parameter| scope.is_replaced(p) || !fixed[p as usize].is_nan();
-    if has(Parameter::Load) && has(Parameter::Sinkage) {
-        return Err(Error::Contradiction {
-            at: root.place_of("state"),
-            message: "both `load_n` and `sinkage_m` are given; exactly one of them can be"
-                .to_owned(),
-        });
-    }
-    Ok((key, fixed))
+        read_section(section, Place::Soil, fixed)?;
+        Ok::<_, Error>(key.map(str::to_owned))
+    })?;
+    builder.soil = key.flatten();
+    root.section("state", |s| read_section(s, Place::State, fixed))?;
+    Ok(())
 }
 
 fn read_section(section: &Section<'_>, place: Place, fixed: &mut Fixed) -> Result<()> {
@@ -49,7 +34,7 @@ fn read_section(section: &Section<'_>, place: Place, fixed: &mut Fixed) -> Resul
         if own == place
             && let Some(value) = section.optional_number(name, FINITE)?
         {
-            fixed[parameter as usize] = value;
+            fixed.set(parameter, value);
         }
     }
     Ok(())
@@ -82,28 +67,17 @@ fn fill_from_catalogue(
     ] {
         // What the source does not give stays as it was: the file may give it.
         if let Some(value) = value {
-            fixed[parameter as usize] = value;
+            fixed.set(parameter, value);
         }
     }
     Ok(())
 }
 
-/// The worlds that a design must stand.
-pub(super) struct Worlds {
-    pub(super) measure: Measure,
-    pub(super) list: Vec<WorldInputs>,
-    /// Are they drawn at random?
-    pub(super) sampled: bool,
-}
-
 /// `[robust]`: a measure, and several soils or ranges of numbers.
-pub(super) fn read_worlds(
-    root: &Section<'_>,
-    scope: &Scope,
-    fixed: Fixed,
-    seed: u64,
-) -> Result<Worlds> {
-    let robust = root.section("robust", |section| {
+pub(super) fn read_worlds(root: &Section<'_>, builder: &mut DesignBuilder) -> Result<()> {
+    let (fixed, seed, scope) = (builder.fixed, builder.seed, builder.scope());
+    let scope = &scope;
+    root.section("robust", |section| {
         let worst = Measure::WorstCase;
         let measure = match section.choice(
             "measure",
@@ -160,24 +134,12 @@ pub(super) fn read_worlds(
                 })
                 .collect::<Result<Vec<_>>>()?
         };
-        let sampled = soils.is_empty();
-        Ok::<_, Error>(Worlds {
-            measure,
-            list: worlds,
-            sampled,
-        })
+        builder.measure = measure;
+        builder.sampled = soils.is_empty();
+        builder.worlds = worlds;
+        Ok::<_, Error>(())
     })?;
-    Ok(robust.unwrap_or_else(|| {
-        let world = WorldInputs {
-            name: String::new(),
-            fixed,
-        };
-        Worlds {
-            measure: Measure::WorstCase,
-            list: vec![world],
-            sampled: false,
-        }
-    }))
+    Ok(())
 }
 
 /// Parameters that vary: (parameter, low, high) or (parameter, mean, deviation).
@@ -217,13 +179,10 @@ fn read_deviations(section: &Section<'_>, scope: &Scope, fixed: &Fixed) -> Resul
         .iter()
         .map(|entry| {
             let parameter = varied(entry, scope)?;
-            let mean = fixed[parameter as usize];
-            if mean.is_nan() {
-                return Err(Error::Contradiction {
-                    at: entry.place().clone(),
-                    message: format!("`{}` has a deviation but no mean", entry.name()),
-                });
-            }
+            let mean = fixed.get(parameter).ok_or_else(|| Error::Contradiction {
+                at: entry.place().clone(),
+                message: format!("`{}` has a deviation but no mean", entry.name()),
+            })?;
             let deviation = entry.number((f64::MIN_POSITIVE, f64::MAX))?;
             Ok((parameter, mean, deviation))
         })
@@ -269,7 +228,7 @@ fn sampled(
         .map(|(index, values)| {
             let mut own = fixed;
             for ((parameter, ..), value) in list.iter().zip(values) {
-                own[*parameter as usize] = value;
+                own.set(*parameter, value);
             }
             WorldInputs {
                 name: format!("sample {}", index + 1),

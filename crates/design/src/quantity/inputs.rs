@@ -2,19 +2,29 @@
 
 use grouser_real::Scalar;
 use grouser_terra::{
-    Angle, Bekker, LawChoice, MohrCoulomb, Motion, Pressure, RigidWheel, SinkageExponent, Soil,
-    SoilLaws, SoilParams, WheelSize,
+    Angle, Bekker, GrouserRule, Grousers, MohrCoulomb, Motion, Pressure, RigidWheel, ShearLaw,
+    SinkageExponent, Soil, SoilLaws, SoilParams, WheelSize,
 };
 
+use super::fixed::{Beside, Fixed};
 use super::parameter::Parameter;
 
-/// One value per parameter; NaN where there is none.
+/// One value per parameter, NaN where there is none, and what no parameter describes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inputs<R> {
     pub(crate) values: [R; Parameter::COUNT],
+    beside: Beside,
 }
 
 impl<R: Scalar> Inputs<R> {
+    /// The fixed numbers, without derivatives.
+    pub(crate) fn new(fixed: &Fixed) -> Self {
+        Self {
+            values: fixed.numbers.map(R::from_f64),
+            beside: fixed.beside,
+        }
+    }
+
     pub(super) fn get(&self, parameter: Parameter) -> R {
         self.values[parameter as usize]
     }
@@ -38,7 +48,22 @@ impl<R: Scalar> Inputs<R> {
     }
 
     pub(super) fn size(&self) -> WheelSize<R> {
-        WheelSize::smooth(self.radius(), self.get(Parameter::Width))
+        let smooth = WheelSize::smooth(self.radius(), self.get(Parameter::Width));
+        let Some(tips) = self.beside.tip_share else {
+            return smooth;
+        };
+        let rim = self.get(Parameter::Radius);
+        WheelSize {
+            shear_radius: rim,
+            rim_radius: rim,
+            tip_share: R::from_f64(tips),
+            ..smooth
+        }
+    }
+
+    /// The law that makes shear stress of displacement.
+    pub(super) fn shear_law(&self) -> ShearLaw {
+        self.beside.laws.shear.unwrap_or_default()
     }
 
     pub(super) fn motion(slip: R) -> Motion<R> {
@@ -64,9 +89,13 @@ impl<R: Scalar> Inputs<R> {
     }
 
     pub(super) fn laws(&self) -> SoilLaws<R> {
-        let k_shear = self.get(Parameter::KShear);
+        let c = R::from_f64;
+        let (k_shear, beside) = (self.get(Parameter::KShear), &self.beside);
         SoilLaws {
-            pressure: Pressure::Bekker(self.modulus()),
+            pressure: match beside.pressure {
+                Some(law) => law.lifted(),
+                None => Pressure::Bekker(self.modulus()),
+            },
             exponent: SinkageExponent {
                 n_0: self.get(Parameter::Exponent),
                 n_1: self.get(Parameter::ExponentDriving),
@@ -74,17 +103,20 @@ impl<R: Scalar> Inputs<R> {
             },
             strength: self.strength(),
             k_shear,
-            k_shear_1: R::ZERO,
-            k_shear_side: k_shear,
-            k_shear_side_1: R::ZERO,
+            k_shear_1: c(beside.k_shear_1),
+            k_shear_side: beside.k_shear_side.map_or(k_shear, c),
+            k_shear_side_1: c(match beside.k_shear_side {
+                Some(_) => beside.k_shear_side_1,
+                None => beside.k_shear_1,
+            }),
             c_1: self.get(Parameter::C1),
             c_2: self.get(Parameter::C2),
             rebound: self.get(Parameter::Rebound),
-            unit_weight: R::ZERO,
-            rear_driving: R::ZERO,
-            rear_drift: R::ZERO,
-            transport_layer: R::ZERO,
-            choice: LawChoice::default(),
+            unit_weight: c(beside.unit_weight.unwrap_or(0.0)),
+            rear_driving: c(beside.rear_driving),
+            rear_drift: c(beside.rear_drift),
+            transport_layer: c(beside.transport_layer),
+            choice: beside.laws,
         }
     }
 
@@ -92,6 +124,7 @@ impl<R: Scalar> Inputs<R> {
     pub(super) fn plain(&self) -> Inputs<f64> {
         Inputs {
             values: self.values.map(Scalar::value),
+            beside: self.beside,
         }
     }
 }
@@ -101,27 +134,46 @@ impl Inputs<f64> {
     pub(super) fn lifted<R: Scalar>(&self) -> Inputs<R> {
         Inputs {
             values: self.values.map(R::from_f64),
+            beside: self.beside,
         }
     }
 
     /// The wheel, checked.
     pub(super) fn wheel(&self) -> grouser_terra::Result<RigidWheel> {
-        RigidWheel::new(self.radius(), self.get(Parameter::Width))
+        let width = self.get(Parameter::Width);
+        match self.beside.tip_share {
+            Some(tips) => {
+                RigidWheel::new(self.get(Parameter::Radius), width)?.with_grousers(Grousers {
+                    height: self.get(Parameter::GrouserHeight),
+                    rule: GrouserRule::AreaShare { tips },
+                })
+            }
+            None => RigidWheel::new(self.radius(), width),
+        }
     }
 
     /// The soil, checked.
     pub(super) fn soil(&self) -> grouser_terra::Result<Soil> {
-        let modulus = self.modulus();
+        let beside = &self.beside;
         Soil::new(SoilParams {
+            pressure: beside.pressure.unwrap_or(Pressure::Bekker(self.modulus())),
+            n: self.get(Parameter::Exponent),
             n_1: self.get(Parameter::ExponentDriving),
             n_2: self.get(Parameter::ExponentBraking),
             cohesion: self.strength().cohesion,
             phi: Angle::from_deg(self.get(Parameter::Phi)),
             k_shear: self.get(Parameter::KShear),
+            k_shear_1: beside.k_shear_1,
+            k_shear_side: beside.k_shear_side,
+            k_shear_side_1: beside.k_shear_side_1,
             c_1: self.get(Parameter::C1),
             c_2: self.get(Parameter::C2),
             rebound: self.get(Parameter::Rebound),
-            ..SoilParams::bekker(modulus.k_c, modulus.k_phi, self.get(Parameter::Exponent))
+            unit_weight: beside.unit_weight,
+            rear_driving: beside.rear_driving,
+            rear_drift: beside.rear_drift,
+            transport_layer: beside.transport_layer,
+            laws: beside.laws,
         })
     }
 }

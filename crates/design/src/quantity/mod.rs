@@ -1,5 +1,6 @@
 //! What a formula can ask of a wheel on soil, by name.
 
+mod fixed;
 mod inputs;
 mod parameter;
 mod point;
@@ -7,6 +8,7 @@ mod point;
 use grouser_real::Scalar;
 use grouser_terra::{entry_angle, sinkage_from_entry_angle, slip_ani};
 
+pub(crate) use fixed::Fixed;
 pub(crate) use inputs::Inputs;
 pub use parameter::{Parameter, Place};
 pub(crate) use point::NoValue;
@@ -253,11 +255,8 @@ impl<'i, R: Scalar> Evaluation<'i, R> {
 
     fn pressure(&mut self, sinkage: R) -> R {
         let n = self.inputs.get(Parameter::Exponent);
-        let modulus = self
-            .inputs
-            .modulus()
-            .modulus(self.inputs.get(Parameter::Width));
-        modulus * sinkage.powf(n)
+        let width = self.inputs.get(Parameter::Width);
+        self.inputs.laws().modulus(width, n) * sinkage.powf(n)
     }
 
     /// The quantity, or why it has no value here.

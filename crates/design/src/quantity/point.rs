@@ -6,7 +6,7 @@
 
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{
-    Contact, Forces, Kinematics, Settings, ShearLaw, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
+    Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
 };
 
 use super::inputs::Inputs;
@@ -54,7 +54,7 @@ fn contact<R: Scalar>(inputs: &Inputs<R>, slip: R, theta_1: R) -> Contact<R> {
     Contact::new(
         &inputs.size(),
         &inputs.laws(),
-        ShearLaw::default(),
+        inputs.shear_law(),
         &Inputs::motion(slip),
         theta_1,
     )

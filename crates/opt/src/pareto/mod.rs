@@ -5,8 +5,6 @@
 //! multipliers.
 
 mod das_dennis;
-mod hypervolume;
-mod igd;
 mod knee;
 mod mutation;
 mod nsga2;
@@ -23,8 +21,6 @@ use crate::sobol::Sobol;
 use crate::solution::{Counts, Multipliers};
 
 pub use das_dennis::das_dennis;
-pub use hypervolume::hypervolume;
-pub use igd::inverted_generational_distance;
 pub use knee::knee;
 pub use mutation::Mutation;
 pub use sbx::Crossover;
@@ -62,8 +58,7 @@ pub struct Front {
 }
 
 impl Front {
-    /// The objectives of all points: what [`hypervolume`] and
-    /// [`inverted_generational_distance`] take.
+    /// The objectives of all points.
     #[must_use]
     pub fn objectives(&self) -> Vec<Vec<f64>> {
         self.points.iter().map(|p| p.objectives.clone()).collect()

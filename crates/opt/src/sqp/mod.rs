@@ -20,6 +20,7 @@ mod report;
 mod search;
 mod subspace;
 
+use crate::callback::{Callback, Progress};
 use crate::jacobian::Jacobian;
 use crate::method::Method;
 use crate::problem::Problem;
@@ -27,7 +28,6 @@ use crate::program::{Kind, Program};
 use crate::settings::Settings;
 use crate::solution::{Counts, Solution};
 use crate::status::{Limit, Status};
-use crate::watch::{Progress, Watch};
 
 pub(crate) use report::greatest;
 
@@ -68,7 +68,7 @@ struct Sqp<'a, 'w, 'f> {
     gradient_floor: f64,
     /// What complementarity is compared with where the level is 0.
     level_floor: f64,
-    watch: &'w mut Watch<'f>,
+    callback: &'w mut Callback<'f>,
 }
 
 /// A point with everything that the functions expand to there, to first order.
@@ -82,7 +82,7 @@ pub(crate) fn solve(
     problem: &Problem<'_>,
     method: &Method,
     settings: &Settings,
-    watch: &mut Watch<'_>,
+    callback: &mut Callback<'_>,
 ) -> Solution {
     let program = Program::new(problem, method);
     let mut evaluator = Evaluator {
@@ -111,7 +111,7 @@ pub(crate) fn solve(
         quiet: 0,
         gradient_floor: 1.0,
         level_floor: 1.0,
-        watch,
+        callback,
     }
     .run(point)
 }
@@ -160,7 +160,7 @@ impl Sqp<'_, '_, '_> {
                 violation,
                 stationarity,
             };
-            if (self.watch)(&progress).is_break() {
+            if (self.callback)(&progress).is_break() {
                 return Status::Stopped;
             }
             let feasible = violation <= self.settings.constraint_tolerance;

@@ -5,9 +5,11 @@
     reason = "a test stops at the first surprise, and prints what it measured"
 )]
 
+mod hypervolume;
 mod problems;
 
-use grouser_opt::{Front, ParetoSettings, Problem, hypervolume, pareto};
+use grouser_opt::{Front, ParetoSettings, Problem, pareto};
+use hypervolume::hypervolume;
 use problems::{dtlz2, zdt1};
 
 fn volumes((problem, settings): (Problem<'_>, ParetoSettings)) -> (f64, f64, Front) {

@@ -5,7 +5,6 @@ mod figure;
 mod object;
 mod text;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, Optimum, Trade, parse};
@@ -49,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(key) = &design.soil {
         session.used_catalogue_soil(key);
     }
-    let answer = design.solve(&mut |_| ControlFlow::Continue(()))?;
+    let answer = design.solve()?;
     let failure = match &answer {
         Answer::Optimum(optimum) => complaint(&design, optimum),
         Answer::Trade(trade) => no_front(trade),

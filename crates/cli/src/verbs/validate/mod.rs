@@ -1,10 +1,11 @@
 //! `validate`: every measured data set against the model.
 
+mod object;
+
 use std::path::PathBuf;
 
-use grouser_campaign::validate::{PLATES, Validation, cmu, validate};
+use grouser_campaign::validate::{PLATES, cmu, validate};
 
-use super::{validate_csv, validate_figure, validate_object, validate_text};
 use crate::error::{Error, Result};
 use crate::figure_file::Target;
 use crate::input::Input;
@@ -43,17 +44,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let tables = Output::begin(&arguments.output)?;
     note_inputs(arguments, session)?;
     let validation = validate(&arguments.data)?;
-    let mut text = validate_text::text(&validation);
+    let mut text = validation.text();
     for output in tables {
         text.push_str(&match output {
-            Output::Table(file) => file.write_whole(validate_csv::csv(&validation).as_bytes())?,
-            Output::Figure(target) => target.write(&validate_figure::draw(&validation))?,
+            Output::Table(file) => file.write_whole(validation.csv().as_bytes())?,
+            Output::Figure(target) => target.write(&validation.draw())?,
         });
     }
     for target in figures {
-        text.push_str(&target.write(&validate_figure::draw(&validation))?);
+        text.push_str(&target.write(&validation.draw())?);
     }
-    Ok(Report::done(validate_object::object(&validation), text))
+    Ok(Report::done(object::object(&validation), text))
 }
 
 /// Every file that the table rests on, with its digest.
@@ -90,17 +91,4 @@ impl From<grouser_identify::Error> for Error {
             error => Self::usage_without_hint(error.to_string()),
         }
     }
-}
-
-/// The fit that a model's rows rest on, in a few words.
-pub(super) fn title(model: &str, fit: &str) -> String {
-    match fit {
-        "nothing" => model.to_owned(),
-        fit => format!("{model}, fitted on {fit}"),
-    }
-}
-
-/// How many numbers the plate tests gave.
-pub(super) fn plate_numbers(validation: &Validation) -> usize {
-    validation.plates.parameters.len()
 }

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_design::running_slip;
 use grouser_files::Document;
 use grouser_rover::drive::{Drive, Frame, Pilot, Scenario, parse_scenario};
 use grouser_rover::robot::RobotModel;
@@ -11,14 +12,11 @@ use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Reference, Slip};
 use serde_json::Value;
 
-use super::drive::optimum::running_slip;
-use crate::error::Result;
-use crate::report::Object;
+use crate::Object;
+use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
 use grouser_report::number::{exact, rounded};
 
-const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
-const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");
 /// The powered wheel that is shown: the larger of the two on the fifth wheel's arm, which drives like the other four.
 const WHEEL: &str = "fifth";
 /// Slower than this a slip is the quotient of two rests and is not compared, m/s.
@@ -66,19 +64,24 @@ impl Means {
     }
 }
 
-fn scenario() -> Result<Scenario> {
-    let robot = Document::from_text("five-wheel.toml", ROBOT.to_owned())?;
+fn scenario(scenario: &str, robot: &str) -> Result<Scenario> {
+    let robot = Document::from_text("five-wheel.toml", robot.to_owned())?;
     let robot = RobotModel::parse(&robot)?;
-    let document = Document::from_text("sandbox.toml", SCENARIO.to_owned())?;
+    let document = Document::from_text("sandbox.toml", scenario.to_owned())?;
     Ok(parse_scenario(&document, "sandbox", robot)?)
 }
 
 impl SandRun {
     /// Drives the shipped sandbox. Beside the loop, a second estimator sees the same readings and does what the paper
     /// does: speed by the free wheel alone, v = r ω (P23), and from it the slip (P24).
-    pub(super) fn drive() -> Result<Self> {
-        let scenario = scenario()?;
-        let optimum = running_slip(&scenario)?;
+    pub(super) fn drive(text: &str, robot: &str) -> Result<Self> {
+        let scenario = scenario(text, robot)?;
+        let (wheel, load) = scenario.typical_wheel().ok_or(Error::NoPoweredWheel)?;
+        let optimum = running_slip(
+            &scenario.robot.wheels[wheel].wheel,
+            &scenario.ground.soils[0].soil,
+            load,
+        )?;
         let robot = &scenario.robot.robot;
         let settings = WindowSettings {
             reference: Reference::FreeWheel,

@@ -3,7 +3,7 @@
 use grouser_campaign::validate::{FitReport, Row, Validation};
 use serde_json::Value;
 
-use super::identify::text::plate_object;
+use super::super::identify::text::plate_object;
 use crate::report::Object;
 
 /// The keys that DESIGN.md names, and the fits behind the rows.

@@ -2,14 +2,20 @@
 
 use std::fmt::Write as _;
 
-use grouser_campaign::validate::{Row, Validation};
+use super::rows::{Row, Validation};
 
-use super::validate::{plate_numbers, title};
 use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
 
-/// The tables and the fits behind them.
-pub(super) fn text(validation: &Validation) -> String {
+impl Validation {
+    /// The tables and the fits behind them, for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        text(self)
+    }
+}
+
+fn text(validation: &Validation) -> String {
     let mut out = String::new();
     let plates = &validation.plates;
     let _ = writeln!(
@@ -18,7 +24,7 @@ pub(super) fn text(validation: &Validation) -> String {
         rounded(plates.n, 4),
         rounded(plates.k_c / 1e3, 4),
         rounded(plates.k_phi / 1e3, 4),
-        plate_numbers(validation),
+        plates.parameters.len(),
     );
     for (data_set, wheel) in groups(&validation.rows) {
         let rows = validation
@@ -117,4 +123,12 @@ fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
         ]);
     }
     table.render()
+}
+
+/// The fit that a model's rows rest on, in a few words.
+fn title(model: &str, fit: &str) -> String {
+    match fit {
+        "nothing" => model.to_owned(),
+        fit => format!("{model}, fitted on {fit}"),
+    }
 }

@@ -1,13 +1,20 @@
 //! The figure of `validate`: measured points with their errors, and what the models say between them.
 
-use grouser_campaign::validate::{ModelName, Series, Validation};
+use super::rows::{ModelName, Series, Validation};
 use grouser_identify::wheel::Quantity;
 
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Measured, Points, Style};
 
-/// Pull, side force and sinkage of the smooth wheel at three slip angles; the first column was fitted, the others
-/// are predicted.
-pub(super) fn draw(validation: &Validation) -> Figure {
+impl Validation {
+    /// Pull, side force and sinkage of the smooth wheel at three slip angles; the first column was fitted, the
+    /// others are predicted.
+    #[must_use]
+    pub fn draw(&self) -> Figure {
+        draw(self)
+    }
+}
+
+fn draw(validation: &Validation) -> Figure {
     let mut figure = Figure::new(
         "Drawbar pull, side force and sinkage of a wheel on dry sand against slip at slip angles of 0, 30 \
          and 60 degrees: measured, predicted by Grouser from slip angle 0, and by plain Wong-Reece",

@@ -3,35 +3,21 @@
 //!
 //! Source: Zitzler & Thiele 1998 (the indicator); Fonseca, Paquete & López-Ibáñez 2006 (dimension sweep).
 
-use crate::error::{Error, Result};
-
 /// The volume dominated by `points` (all objectives minimised) inside the box below `reference`.
 /// Points beyond the reference in any objective count for nothing.
 ///
+/// Two overlapping rectangles below (3, 3), from (1, 2) and (2, 1): 2·1 + 1·2 − 1·1 = 3.
+///
 /// # Errors
 /// Not two or three objectives, points of another length, or a number that is not finite.
-///
-/// ```
-/// use grouser_opt::hypervolume;
-/// // Two overlapping rectangles below (3, 3): 2·1 + 1·2 − 1·1.
-/// let front = [vec![1.0, 2.0], vec![2.0, 1.0]];
-/// assert_eq!(hypervolume(&front, &[3.0, 3.0])?, 3.0);
-/// # Ok::<(), grouser_opt::Error>(())
-/// ```
-pub fn hypervolume(points: &[Vec<f64>], reference: &[f64]) -> Result<f64> {
+pub(crate) fn hypervolume(points: &[Vec<f64>], reference: &[f64]) -> Result<f64, &'static str> {
     let m = reference.len();
     if !(m == 2 || m == 3) {
-        return Err(Error::OutOfRange {
-            field: "the number of objectives".to_owned(),
-            value: m as f64,
-            low: 2.0,
-            high: 3.0,
-        });
+        return Err("two or three objectives only");
     }
     for point in points.iter().map(Vec::as_slice).chain([reference]) {
-        Error::check_length("a point of the front", point.len(), m)?;
-        for &value in point {
-            Error::check_finite("objective", "front", value)?;
+        if point.len() != m || point.iter().any(|value| !value.is_finite()) {
+            return Err("a point of another length, or not finite");
         }
     }
     let mut inside: Vec<&[f64]> = points

@@ -18,4 +18,4 @@ pub struct Progress<'a> {
 }
 
 /// Called once an iteration; `Break` ends the solve with [`Status::Stopped`](crate::Status::Stopped).
-pub type Watch<'w> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'w;
+pub type Callback<'c> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'c;

@@ -2,12 +2,19 @@
 
 use std::fmt::Write as _;
 
-use grouser_campaign::validate::Validation;
+use super::rows::Validation;
 
 use grouser_report::number::exact;
 
-/// One line a row; what does not exist is empty.
-pub(super) fn csv(validation: &Validation) -> String {
+impl Validation {
+    /// The table: one line a row; what does not exist is empty.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        csv(self)
+    }
+}
+
+fn csv(validation: &Validation) -> String {
     let mut out = String::from(
         "data_set,wheel,slip_angle_deg,quantity,unit,model,fit,split,n,bias,rmse,q75,q99,max,\
          fitted_parameters,published_rmse,scatter,hub_buried\n",

@@ -1,0 +1,22 @@
+//! Why a campaign cannot be run.
+
+/// The result of a campaign.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What a campaign refuses.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file that cannot be read.
+    #[error(transparent)]
+    File(#[from] grouser_files::Error),
+    /// A reading of the paper's problem, or the slip to run at.
+    #[error(transparent)]
+    Design(#[from] grouser_design::Error),
+    /// The run on sand.
+    #[error(transparent)]
+    Rover(#[from] grouser_rover::Error),
+    /// The robot of the run on sand has no powered wheel.
+    #[error("the robot has no powered wheel")]
+    NoPoweredWheel,
+}

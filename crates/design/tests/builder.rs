@@ -1,0 +1,182 @@
+//! A design built in a program beside the same one in a file, and soils that no file describes.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_design::{Answer, Design, Error, Optimum, State, parse, running_slip};
+use grouser_files::Document;
+use grouser_opt::{Measure, Variable};
+use grouser_terra::{
+    Angle, GrouserRule, Grousers, LawChoice, RigidWheel, Settings, ShearLaw, Soil, SoilParams,
+    WheelOnSoil, catalogue,
+};
+
+fn solved(design: &Design) -> Optimum {
+    match design.solve().unwrap() {
+        Answer::Optimum(optimum) => *optimum,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn soil(key: &str) -> Soil {
+    catalogue::find(key).unwrap().soil().unwrap()
+}
+
+fn wheel() -> RigidWheel {
+    RigidWheel::new(0.125, 0.1).unwrap()
+}
+
+/// On a soil that a file can describe, file and builder give the same bits.
+#[test]
+fn a_file_and_a_builder_give_the_same_answer() {
+    let text = "format = 1
+method = \"minimax\"
+[variables]
+slip = { start = 0.2, lower = 0.01, upper = 0.8 }
+[wheel]
+radius_m = 0.125
+width_m = 0.1
+[soil]
+key = \"dry-sand\"
+[state]
+load_n = 60.0
+[objectives]
+efficiency = \"-tractive_efficiency\"
+[constraints]
+reserve = \"gradeability_deg >= 3\"
+";
+    let file = parse(&Document::from_text("running-slip.toml", text.to_owned()).unwrap()).unwrap();
+    let built = Design::builder(&wheel(), &soil("dry-sand"), State::under_load(60.0))
+        .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+        .minimise("efficiency", "-tractive_efficiency")
+        .constraint("reserve", "gradeability_deg >= 3")
+        .build()
+        .unwrap();
+    assert_eq!(solved(&file), solved(&built));
+}
+
+/// The search over slip of the wheel's own solver, which knows every law.
+fn best_slip(wheel: RigidWheel, soil: Soil, load: f64) -> f64 {
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let best = contact.slip_of_maximum_efficiency(load).unwrap().unwrap();
+    best.slip.value()
+}
+
+#[test]
+fn the_running_slip_of_a_reece_soil() {
+    let sand = *soil("dry-sand").params();
+    let reece = Soil::new(SoilParams {
+        unit_weight: Some(15e3),
+        pressure: SoilParams::reece(0.0, 900.0, 1.1, 15e3).pressure,
+        ..sand
+    })
+    .unwrap();
+    let slip = running_slip(&wheel(), &reece, 60.0).unwrap();
+    assert!(
+        (slip - best_slip(wheel(), reece, 60.0)).abs() < 1e-3,
+        "{slip}"
+    );
+}
+
+/// Rear contact, transport and a shear law change the slip, and all of them count.
+#[test]
+fn the_running_slip_counts_every_law_of_the_soil() {
+    let sand = *soil("dry-sand").params();
+    let whole = Soil::new(SoilParams {
+        rebound: 0.3,
+        rear_driving: 0.5,
+        transport_layer: 0.004,
+        laws: LawChoice {
+            shear: Some(ShearLaw::SlipVelocity),
+            ..LawChoice::default()
+        },
+        ..sand
+    })
+    .unwrap();
+    let plain = running_slip(&wheel(), &soil("dry-sand"), 60.0).unwrap();
+    let slip = running_slip(&wheel(), &whole, 60.0).unwrap();
+    assert!((slip - plain).abs() > 1e-3, "{slip} {plain}");
+    assert!(
+        (slip - best_slip(wheel(), whole, 60.0)).abs() < 1e-3,
+        "{slip}"
+    );
+}
+
+/// Grousers by either rule: the design's forces are those of the wheel.
+#[test]
+fn grousers_count_by_their_rule() {
+    for rule in [GrouserRule::Tips, GrouserRule::AreaShare { tips: 0.3 }] {
+        let wheel = wheel()
+            .with_grousers(Grousers { height: 0.01, rule })
+            .unwrap();
+        let slip = running_slip(&wheel, &soil("dry-sand"), 60.0).unwrap();
+        let best = best_slip(wheel, soil("dry-sand"), 60.0);
+        assert!((slip - best).abs() < 1e-3, "{rule:?}: {slip} {best}");
+    }
+}
+
+#[test]
+fn worlds_of_a_builder_are_all_held() {
+    let soils = [("sand", soil("dry-sand")), ("clay", soil("clayey-soil"))];
+    let robust = Design::builder(&wheel(), &soils[0].1, State::under_load(60.0))
+        .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+        .minimise("pull", "-drawbar_pull_n")
+        .worlds(Measure::WorstCase, &soils)
+        .build()
+        .unwrap();
+    let worst = solved(&robust).maximum;
+    for (_, soil) in soils {
+        let alone = Design::builder(&wheel(), &soil, State::under_load(60.0))
+            .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+            .minimise("pull", "-drawbar_pull_n")
+            .build()
+            .unwrap();
+        assert!(solved(&alone).maximum <= worst + 1e-9);
+    }
+}
+
+#[test]
+fn what_a_builder_refuses() {
+    let begin = || Design::builder(&wheel(), &soil("dry-sand"), State::under_load(60.0));
+    let slip = || Variable::bounded("slip", 0.2, 0.01, 0.8);
+    assert!(matches!(
+        begin().minimise("f", "slip").build(),
+        Err(Error::Contradiction { .. })
+    ));
+    let formula = begin().variable(slip()).minimise("f", "slip +").build();
+    assert!(matches!(formula, Err(Error::Formula { .. })));
+    let name = begin()
+        .variable(Variable::free("torque_nm", 1.0))
+        .minimise("f", "1")
+        .build();
+    assert!(matches!(name, Err(Error::Name { .. })));
+    // no slip is given, and the pull needs one
+    let missing = begin()
+        .variable(Variable::bounded("radius_m", 0.1, 0.05, 0.2))
+        .minimise("pull", "-drawbar_pull_n")
+        .build();
+    assert!(matches!(
+        missing,
+        Err(Error::MissingParameter {
+            parameter: "slip",
+            ..
+        })
+    ));
+    let both = Design::builder(
+        &wheel(),
+        &soil("dry-sand"),
+        State::under_load(60.0).slip(0.2),
+    )
+    .variable(Variable::bounded("sinkage_m", 0.01, 0.005, 0.02))
+    .minimise("f", "sinkage_m")
+    .build();
+    assert!(matches!(both, Err(Error::Contradiction { .. })));
+    let weak = Soil::new(SoilParams {
+        phi: Angle::from_deg(0.0),
+        cohesion: 0.0,
+        ..*soil("dry-sand").params()
+    })
+    .unwrap();
+    assert!(matches!(
+        running_slip(&wheel(), &weak, 60.0),
+        Err(Error::NoRunningSlip { .. })
+    ));
+}
