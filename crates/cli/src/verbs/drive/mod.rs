@@ -15,7 +15,7 @@ mod track;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use grouser_rover::drive::{Drive, Outcome as Ending, Pilot, Scenario, read_scenario};
+use grouser_rover::drive::{Outcome as Ending, Pilot, Scenario, Simulation, read_scenario};
 use rayon::prelude::*;
 
 use self::log::Log;
@@ -190,7 +190,7 @@ fn drive_all(
         .into_par_iter()
         .enumerate()
         .map(|(index, (pilot, seed))| {
-            let mut drive = Drive::new(scenario, pilot, jobs.optimum, seed)?;
+            let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
             let mut track = (seed == first).then(Track::default);
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
@@ -210,7 +210,7 @@ fn drive_all(
                     progress.drove(
                         frame.time - told,
                         frame.speed,
-                        frame.wheels.iter().find_map(|w| w.seen.slip),
+                        frame.wheels.iter().find_map(|w| w.observation.slip),
                     );
                     told = frame.time;
                 }
