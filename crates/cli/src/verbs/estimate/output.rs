@@ -10,7 +10,6 @@ use grouser_slip::Wheel;
 
 use super::figure::{Trace, draw};
 use super::mcap::Recording;
-use super::replay_error;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
 use crate::output::OutputFile;
@@ -66,7 +65,7 @@ impl Outputs {
     pub(super) fn error(&self, error: grouser_replay::Error) -> Error {
         match (&self.broken, error) {
             (Some(path), grouser_replay::Error::Sink(error)) => Error::file("write", path, &error),
-            (_, error) => replay_error(error),
+            (_, error) => error.into(),
         }
     }
 
