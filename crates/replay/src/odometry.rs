@@ -23,7 +23,7 @@ pub struct Odometry {
 }
 
 impl Odometry {
-    /// The filter's own odometry.
+    /// The filter's own odometry, without distances.
     pub(crate) fn of_filter(body: &BodyEstimate) -> Self {
         let speeds = [body.forward, body.left, body.yaw_rate];
         let place = body.odometry;
@@ -36,8 +36,8 @@ impl Odometry {
             pose_covariance: place.covariance,
             velocity: speeds.map(|speed| speed.value),
             velocity_covariance,
-            distance: body.distance,
-            distance_of_wheels: body.distance_of_wheels,
+            distance: 0.0,
+            distance_of_wheels: 0.0,
         }
     }
 
@@ -49,8 +49,6 @@ impl Odometry {
         Self {
             pose: [cos * dx + sin * dy, cos * dy - sin * dx, turn],
             pose_covariance: sandwich(&back, &self.pose_covariance),
-            distance: self.distance - origin.distance,
-            distance_of_wheels: self.distance_of_wheels - origin.distance_of_wheels,
             ..*self
         }
     }
@@ -91,9 +89,6 @@ impl Reckoning {
 
     /// The odometry after an estimate; `None` where it says nothing new, or no motion is known.
     pub(crate) fn step(&mut self, moment: &Moment) -> Option<Odometry> {
-        if let Some(odometry) = &moment.odometry {
-            return Some(odometry.since(self.origin.get_or_insert(*odometry)));
-        }
         let until_ns = moment.until_ns?;
         let motion = moment.motion?;
         let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
@@ -109,14 +104,22 @@ impl Reckoning {
             self.distances[1] += by_wheels * seconds;
             covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
         }
+        let [distance, distance_of_wheels] = self.distances;
+        if let Some(odometry) = &moment.odometry {
+            return Some(Odometry {
+                distance,
+                distance_of_wheels,
+                ..odometry.since(self.origin.get_or_insert(*odometry))
+            });
+        }
         self.advance(&motion, &covariance, seconds);
         Some(Odometry {
             pose: self.pose,
             pose_covariance: self.covariance,
             velocity: motion.velocity,
             velocity_covariance: covariance,
-            distance: self.distances[0],
-            distance_of_wheels: self.distances[1],
+            distance,
+            distance_of_wheels,
         })
     }
 
