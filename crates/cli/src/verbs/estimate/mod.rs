@@ -16,7 +16,7 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+    Method, Options, Row, Sink, SoilReading, Status, Step, Summary, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -70,7 +70,7 @@ pub(crate) struct Arguments {
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Take means over this time in s; the robot file's unless told
+    /// Sink means over this time in s; the robot file's unless told
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
@@ -122,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
     // Clocks are aligned in a pass of their own.
-    let passes = if log.unaligned_sources().is_empty() {
+    let passes = if log.unaligned_clocks().is_empty() {
         1
     } else {
         2
@@ -133,7 +133,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         progress: &progress,
         outputs: &mut outputs,
     };
-    let summary = run_with(&log, &request.robot, &request.options, &mut watched);
+    let summary = run_into(&log, &request.robot, &request.options, &mut watched);
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -175,7 +175,7 @@ struct Watched<'a> {
     outputs: &'a mut Outputs,
 }
 
-impl Take for Watched<'_> {
+impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
         self.outputs.row(row)

@@ -5,7 +5,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{Row, Step, Summary, Take};
+use grouser_replay::{Row, Sink, Step, Summary};
 use grouser_slip::Wheel;
 
 use super::figure::{Trace, draw};
@@ -94,7 +94,7 @@ impl Outputs {
     }
 }
 
-impl Take for Outputs {
+impl Sink for Outputs {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         if !self.figures.is_empty() {
             self.traces[row.wheel].add(row.time_s, row.slip, row.slip_sigma);

@@ -109,7 +109,7 @@ fn soil_text(job: &Job, found: &Identification) -> Result<String> {
     }
     let (file, remarks) = found.soil_file(job);
     let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
-    soil::text(&file, &remarks).map_err(|error| Names::Flags.error(&error))
+    soil::to_toml(&file, &remarks).map_err(|error| Names::Flags.error(&error))
 }
 
 /// The JSON schema.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns;
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
-use grouser_log::write::{ReadingWriter, Table, copy, verify, write_table};
+use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
 use grouser_report::{Fields, fields};
 use serde_json::{Value, json};
 
@@ -216,11 +216,11 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let log = Log::find(std::slice::from_ref(file), columns)?;
     let mut output = OutputFile::create(path)?;
     let written = |error| Error::file("write", path, &error);
-    let mut writer = ReadingWriter::new(&mut output, log.wheels()).map_err(written)?;
+    let mut writer = SampleWriter::new(&mut output, log.wheels()).map_err(written)?;
     let progress = Progress::of_bytes(Some(log.bytes()));
     let mut records = 0_u64;
-    for record in log.records(&[])? {
-        writer.record(&record?).map_err(written)?;
+    for sample in log.samples(&[])? {
+        writer.sample(&sample?).map_err(written)?;
         records += 1;
         progress.reach(log.bytes_read());
     }

@@ -87,8 +87,8 @@ fn column<'a>() -> Fields<'a, Column<'a>> {
         "numbers" "cells with a number" = column.of().numbers;
         "empty" "empty" .shown("") = column.of().empty;
         "others" "cells with something else" = column.of().others;
-        "least" "least" .shown("").all_digits() = column.bound(column.of().least);
-        "greatest" "greatest" .shown("").all_digits() = column.bound(column.of().greatest);
+        "least" "least" .shown("").all_digits() = column.bound(column.of().min);
+        "greatest" "greatest" .shown("").all_digits() = column.bound(column.of().max);
         "probably" "probably" .shown("").missing("") = column.meaning();
     }
 }
