@@ -5,6 +5,8 @@ mod batch;
 mod contract;
 mod drive;
 mod figures;
+mod help;
 mod hostile;
 mod interrupted;
 mod program;
+mod schemas;
