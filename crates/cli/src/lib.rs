@@ -52,3 +52,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => terminal::complain(&error),
     }
 }
+
+/// The Rust of the tutorials compiles and holds.
+#[cfg(doctest)]
+mod tutorials {
+    #[doc = include_str!("../../../docs/tutorials/5-on-the-robot.md")]
+    mod on_the_robot {}
+    #[doc = include_str!("../../../docs/tutorials/6-as-a-library.md")]
+    mod as_a_library {}
+}
