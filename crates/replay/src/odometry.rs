@@ -1,6 +1,7 @@
-//! Odometry out of the estimates: the robot's speeds, integrated, with the slip in their covariance.
+//! Odometry: the robot's pose since the beginning of the span, with the slip in its covariance.
 
 use grouser_slip::BodyMotion;
+use grouser_slip::filter::BodyEstimate;
 
 use crate::moment::Moment;
 
@@ -21,7 +22,42 @@ pub struct Odometry {
     pub distance_of_wheels: f64,
 }
 
-/// Integrates the robot's motion: by the reference, else by the wheels.
+impl Odometry {
+    /// The filter's own odometry.
+    pub(crate) fn of_filter(body: &BodyEstimate) -> Self {
+        let speeds = [body.forward, body.left, body.yaw_rate];
+        let place = body.odometry;
+        let mut velocity_covariance = [[0.0; 3]; 3];
+        for (i, speed) in speeds.iter().enumerate() {
+            velocity_covariance[i][i] = speed.variance;
+        }
+        Self {
+            pose: [place.x, place.y, place.yaw],
+            pose_covariance: place.covariance,
+            velocity: speeds.map(|speed| speed.value),
+            velocity_covariance,
+            distance: body.distance,
+            distance_of_wheels: body.distance_of_wheels,
+        }
+    }
+
+    /// The same in the robot's frame at `origin`. The covariance stays the one since the log's start, which is not less.
+    fn since(&self, origin: &Self) -> Self {
+        let (sin, cos) = origin.pose[2].sin_cos();
+        let [dx, dy, turn]: [f64; 3] = std::array::from_fn(|i| self.pose[i] - origin.pose[i]);
+        let back = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        Self {
+            pose: [cos * dx + sin * dy, cos * dy - sin * dx, turn],
+            pose_covariance: sandwich(&back, &self.pose_covariance),
+            distance: self.distance - origin.distance,
+            distance_of_wheels: self.distance_of_wheels - origin.distance_of_wheels,
+            ..*self
+        }
+    }
+}
+
+/// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
+/// wheels.
 ///
 /// What the wheels said and the reference did not follow is slip. It is put into the covariance as a
 /// whole, P_v = Σ + d dᵀ with d = (v_wheels − v, 0, 0), so that a filter which fuses this odometry trusts it
@@ -30,15 +66,17 @@ pub struct Odometry {
 ///
 /// Assumes: level ground. Speeds are means over a window, so that the pose lags by half of it.
 #[derive(Clone, Debug)]
-pub(crate) struct DeadReckoning {
+pub(crate) struct Reckoning {
     window: f64,
     until_ns: Option<i64>,
     pose: [f64; 3],
     covariance: [[f64; 3]; 3],
     distances: [f64; 2],
+    /// The filter's odometry at the first step.
+    origin: Option<Odometry>,
 }
 
-impl DeadReckoning {
+impl Reckoning {
     /// Begins at the origin; `window` is that of the estimates, s.
     pub(crate) const fn new(window: f64) -> Self {
         Self {
@@ -47,11 +85,15 @@ impl DeadReckoning {
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
             distances: [0.0; 2],
+            origin: None,
         }
     }
 
     /// The odometry after an estimate; `None` where it says nothing new, or no motion is known.
     pub(crate) fn step(&mut self, moment: &Moment) -> Option<Odometry> {
+        if let Some(odometry) = &moment.odometry {
+            return Some(odometry.since(self.origin.get_or_insert(*odometry)));
+        }
         let until_ns = moment.until_ns?;
         let motion = moment.motion?;
         let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
@@ -144,12 +186,13 @@ mod tests {
             motion: Some(motion(velocity)),
             wheels_motion: Some(motion(wheels)),
             until_ns: Some(until_s * 1_000_000_000),
+            odometry: None,
         }
     }
 
     #[test]
     fn a_circle_closes_and_slip_shows_in_the_covariance() {
-        let mut reckoning = DeadReckoning::new(1.0);
+        let mut reckoning = Reckoning::new(1.0);
         let turn = std::f64::consts::TAU / 100.0;
         let mut last = None;
         for second in 0..=100 {
@@ -172,7 +215,7 @@ mod tests {
 
     #[test]
     fn nothing_known_is_nothing_said() {
-        let mut reckoning = DeadReckoning::new(0.5);
+        let mut reckoning = Reckoning::new(0.5);
         let nothing = Moment {
             motion: None,
             ..moment(0, [0.0; 3], [0.0; 3], 1.0)
