@@ -33,15 +33,12 @@
 
 pub mod body;
 pub mod columns;
-mod columns_text;
 mod document;
 mod entries;
 mod error;
 pub mod regular;
 pub mod robot;
-mod robot_text;
 pub mod soil;
-mod soil_text;
 mod suggestion;
 mod toml_text;
 pub mod topics;

@@ -29,6 +29,8 @@
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
 //! table mean, as in a column map ([`crate::columns`]), for those who want one file.
 
+mod write;
+
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
@@ -41,8 +43,9 @@ use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
-pub use crate::robot_text::to_toml;
 use crate::topics::{Topics, put_wheels, read_topics};
+
+pub use write::to_toml;
 
 /// Which of a wheel's sensors is to be used where a log holds several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
