@@ -46,6 +46,7 @@ enum ModeState {
 }
 
 /// A decision of a mode, with the mode that follows; `None`: the same one goes on.
+#[derive(Clone, Copy)]
 struct Transition {
     next: Option<ModeState>,
     decision: Decision,
@@ -237,7 +238,7 @@ impl Supervisor {
             _ => {}
         }
         // in every mode that goes ahead soft ground comes first
-        if let Some(transition) = recovery.from_soft_ground(&view, slip, soft) {
+        if let Some(transition) = recovery.leave_soft_ground(&view, slip, soft) {
             return Some(transition);
         }
         if matches!(self.mode, ModeState::Forward)
@@ -245,7 +246,7 @@ impl Supervisor {
         {
             return Some(transition);
         }
-        if let Some(transition) = recovery.from_standstill(&view, slip, soft) {
+        if let Some(transition) = recovery.leave_standstill(&view, slip, soft) {
             return Some(transition);
         }
         match &mut self.mode {

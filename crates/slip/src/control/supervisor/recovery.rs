@@ -109,7 +109,7 @@ impl Recovery {
     }
 
     /// Softer ground than the known soil: back out before the wheels dig, and drive round it.
-    pub(super) fn from_soft_ground(
+    pub(super) fn leave_soft_ground(
         &mut self,
         view: &View<'_>,
         slip: &mut SlipMonitor,
@@ -136,7 +136,7 @@ impl Recovery {
     }
 
     /// Digging in or standing still: back out, if there are attempts left.
-    pub(super) fn from_standstill(
+    pub(super) fn leave_standstill(
         &mut self,
         view: &View<'_>,
         slip: &SlipMonitor,
