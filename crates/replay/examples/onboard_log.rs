@@ -36,9 +36,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let record = record?;
         let time_ns = record.time_ns;
         let measurement = match record.reading {
-            Reading::WheelCount { wheel, raw } => wheel_of(wheel).map(|wheel| {
-                Measurement::WheelCount { wheel, raw }
-            }),
+            Reading::WheelCount { wheel, raw } => {
+                wheel_of(wheel).map(|wheel| Measurement::WheelCount { wheel, raw })
+            }
             Reading::YawRate { rate } => Some(Measurement::YawRate { rate }),
             _ => None,
         };

@@ -112,7 +112,12 @@ impl SlipDemand {
     }
 }
 
-fn check(field: &'static str, value: f64, (low, high): (f64, f64), unit: &'static str) -> Result<()> {
+fn check(
+    field: &'static str,
+    value: f64,
+    (low, high): (f64, f64),
+    unit: &'static str,
+) -> Result<()> {
     if value >= low && value <= high {
         return Ok(());
     }
