@@ -1,14 +1,15 @@
 //! What the filter has learnt of sensors, soil and wheels, as plain numbers that outlast a restart.
 
-use super::body::{COMMON_SLIP, FORWARD_BIAS, GYRO_BIAS, LEFT_BIAS, own_slip, radius};
+use super::MAX_FILTER_WHEELS;
+use super::estimator::Core;
+use super::motion_model::{COMMON_SLIP, FORWARD_BIAS, GYRO_BIAS, LEFT_BIAS, own_slip, radius};
 use super::settings::SlipPrior;
-use super::{MAX_FILTER_WHEELS, SlipFilter};
 use crate::error::{Result, check_range};
 use crate::speed::Measured;
 
-/// A restored variance is never below this: the robot may have stood for long in between.
+/// A restored variance is at least this: the robot may have stood for long in between.
 const MIN_VARIANCE: f64 = 1e-12;
-/// Limits of a restored bias, rad/s and m/s²: more is a broken sensor, which is not to be believed again.
+/// Limits of a restored bias, rad/s and m/s²: a larger one is a broken sensor.
 const MAX_GYRO_BIAS_RAD_PER_S: f64 = 0.5;
 const MAX_ACCELEROMETER_BIAS_M_PER_S2: f64 = 5.0;
 /// Limit of a restored error of a radius, as a share.
@@ -19,34 +20,34 @@ const MAX_RADIUS_EXCESS: f64 = 0.2;
 pub struct LearntWheel {
     /// Slip of a free wheel: its skid. `None` for a powered one.
     pub free_slip: Option<SlipPrior>,
-    /// By what share the radius is described too large; `None` while torques have not told.
+    /// The share by which the described radius is too large; `None` where torques have not changed enough.
     pub radius_excess: Option<Measured>,
 }
 
-/// What [`SlipFilter::learnt`] saves and [`SlipFilter::restore`] takes back.
+/// What [`SlipFilter::learnt`](super::SlipFilter::learnt) saves and
+/// [`SlipFilter::restore`](super::SlipFilter::restore) restores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Learnt {
     /// Bias of the gyro, rad/s.
     pub gyro_bias: Measured,
     /// Bias of the accelerometer forwards and to the left, m/s².
     pub accelerometer_bias: [Measured; 2],
-    /// The powered wheels' common slip: the soil's doing.
+    /// The powered wheels' common slip, which the soil causes.
     pub common_slip: Measured,
     /// The wheels, in the robot's order.
     pub wheels: [LearntWheel; MAX_FILTER_WHEELS],
 }
 
-impl SlipFilter {
+impl Core {
     /// What has been learnt so far.
-    #[must_use]
-    pub fn learnt(&self) -> Learnt {
+    pub(super) fn learnt(&self) -> Learnt {
         let known = |i: usize| Measured {
             value: self.state.mean(i),
             variance: self.state.covariance(i, i),
         };
         let mut wheels = [LearntWheel::default(); MAX_FILTER_WHEELS];
         for (index, (wheel, slot)) in self.wheels.iter().zip(&mut wheels).enumerate() {
-            slot.radius_excess = self.checks[index].radius_excess;
+            slot.radius_excess = self.output.checks[index].radius_excess;
             slot.free_slip = wheel.free.then(|| {
                 let slip = own_slip(index);
                 SlipPrior {
@@ -64,11 +65,8 @@ impl SlipFilter {
         }
     }
 
-    /// Begins with what was learnt before a restart, in place of the settings' own beliefs.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a number outside its limits; nothing changes then.
-    pub fn restore(&mut self, learnt: &Learnt) -> Result<()> {
+    /// Sets the state to what was learnt before a restart.
+    pub(super) fn restore(&mut self, learnt: &Learnt) -> Result<()> {
         learnt.check()?;
         let states = [
             (GYRO_BIAS, learnt.gyro_bias),
@@ -78,17 +76,22 @@ impl SlipFilter {
         ];
         for (i, known) in states {
             let variance = known.variance.max(MIN_VARIANCE);
-            self.state.restart(i, known.value, variance);
+            self.state.reset(i, known.value, variance);
         }
-        for (index, wheel) in learnt.wheels.iter().enumerate().take(self.wheels.len()) {
-            if let Some(skid) = wheel.free_slip.filter(|_| self.wheels[index].free) {
+        for (index, wheel) in learnt
+            .wheels
+            .iter()
+            .enumerate()
+            .take(self.wheels.channels.len())
+        {
+            if let Some(skid) = wheel.free_slip.filter(|_| self.wheels.channels[index].free) {
                 let skid = skid.by_rim();
                 let variance = (skid.sigma * skid.sigma).max(MIN_VARIANCE);
-                self.state.restart(own_slip(index), skid.mean, variance);
+                self.state.reset(own_slip(index), skid.mean, variance);
             }
             if let Some(excess) = wheel.radius_excess {
                 let variance = excess.variance.max(MIN_VARIANCE);
-                self.state.restart(radius(index), -excess.value, variance);
+                self.state.reset(radius(index), -excess.value, variance);
             }
         }
         Ok(())

@@ -7,7 +7,7 @@ use crate::sample::{Measurement, Sample};
 
 /// A sorted queue of bounded size.
 #[derive(Clone, Debug)]
-pub(crate) struct Order {
+pub(crate) struct ReorderBuffer {
     /// The newest first, so that the oldest is taken from the end.
     queue: Box<[Sample]>,
     len: usize,
@@ -16,7 +16,7 @@ pub(crate) struct Order {
     released_ns: Option<i64>,
 }
 
-/// What became of a sample that was offered.
+/// The outcome of an offered sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Offered {
     /// It waits for its turn.
@@ -25,7 +25,7 @@ pub(crate) enum Offered {
     TooLate,
 }
 
-impl Order {
+impl ReorderBuffer {
     pub(crate) fn new(capacity: usize, horizon_ns: i64) -> Self {
         let empty = Sample {
             time_ns: 0,
@@ -50,7 +50,7 @@ impl Order {
         self.newest_ns
     }
 
-    /// Up to when samples have been used.
+    /// The time up to which samples have been used.
     pub(crate) const fn released_ns(&self) -> Option<i64> {
         self.released_ns
     }
@@ -59,7 +59,7 @@ impl Order {
         self.len == self.queue.len()
     }
 
-    /// Takes a sample in; the caller makes room first ([`Order::release`] while [`Order::is_full`]).
+    /// Puts a sample in its place; the caller makes room first ([`ReorderBuffer::release`] while [`ReorderBuffer::is_full`]).
     pub(crate) fn offer(&mut self, sample: Sample) -> Offered {
         if self
             .released_ns

@@ -1,4 +1,4 @@
-//! One wheel in the filter: its readings, windows and state.
+//! One wheel in the filter: its readings, its windows, and what is learnt of it.
 
 use grouser_real::Real;
 
@@ -10,69 +10,70 @@ use crate::wheel_estimate::WheelEstimate;
 use crate::wheel_track::{TrackSettings, WheelTrack};
 
 use super::carrier::Carrier;
-use super::free_wheel::Rolling;
-use super::pulses::Pulses;
-use super::radius::Radius;
+use super::monitor::Monitor;
+use super::motion_model::{COMMON_SLIP, own_slip};
+use super::pulse_check::PulseCheck;
+use super::radius_check::RadiusCheck;
+use super::rolling_history::RollingHistory;
 use super::settings::FilterSettings;
-use super::watch::Watch;
 
-/// Fewer ticks than this do not end a window before its time.
-const FEW_TICKS: f64 = 4.0;
-/// A window ends after this long however few ticks it has, in windows.
-pub(super) const LONGEST: f64 = 4.0;
-/// Share of a new window in the smoothed rim speed.
-const SMOOTHING: f64 = 0.3;
+/// A window is extended until it has this many ticks: fewer say little of the speed.
+const MIN_WINDOW_TICKS: f64 = 4.0;
+/// A window ends after this many times its length, however few ticks it has.
+pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
+/// Weight of a new window in the smoothed rim speed.
+const RIM_SMOOTHING: f64 = 0.3;
+/// Readings kept of each wheel: more than the longest window holds at 100 Hz.
+const HISTORY_ENTRIES: usize = 64;
 
-/// What is kept of a wheel.
+/// The state of one wheel beside the numbers in the Kalman filter.
 #[derive(Clone, Debug)]
-pub(super) struct Tracked {
+pub(super) struct WheelChannel {
     pub(super) row: [f64; 3],
-    /// Where it stands (m), and the direction in which it drives when it does not steer (rad).
+    /// Position of its centre (m), and its heading at no steering angle (rad).
     place: [f64; 2],
     heading: f64,
     pub(super) carrier: Carrier,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
+    /// Rim travel of one tick, m; 0 without ticks.
     pub(super) tick: f64,
-    /// Where the open window began.
+    /// The beginning of the open window.
     from_ns: Option<i64>,
-    /// Which of the two remainders is that of the open window's beginning; `None` where it is not known.
+    /// Which of the two tick remainders belongs to the beginning of the open window; `None` where neither does.
     pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
-    /// Its rim speed smoothed over a few windows, the last one left out; and that one.
-    usual: f64,
+    /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
+    smoothed_rim: f64,
     last_rim: f64,
-    /// The rim has not moved since.
+    /// The time since which the rim has not moved.
     pub(super) still_since_ns: Option<i64>,
-    /// It has turned against the robot's way since.
+    /// The time since which it turns against the robot's travel.
     pub(super) against_since_ns: Option<i64>,
-    /// Its last reading was far from what was expected.
+    /// Was its last window beyond the gate?
     pub(super) was_off: bool,
-    pub(super) torque: Option<(i64, f64)>,
-    pub(super) watch: Watch,
-    /// Mean of its residuals, in sigma.
-    pub(super) pull: f64,
-    pub(super) rolling: Rolling,
-    pub(super) pulses: Pulses,
-    pub(super) radius: Radius,
-    /// How many of its readings wait for earlier samples.
-    pub(super) waiting: u16,
-    /// Silent for longer than this, it says nothing, s.
+    /// Trust in a free wheel.
+    pub(super) monitor: Monitor,
+    /// Mean of its innovations, in sigma.
+    pub(super) mean_innovation: f64,
+    pub(super) rolling: RollingHistory,
+    pub(super) pulses: PulseCheck,
+    pub(super) radius: RadiusCheck,
     dropout: f64,
-    /// How much more its slip wanders than was told, as a share of that variance.
-    pub(super) unrest: f64,
+    /// Variance of its own slip as a multiple of the configured one.
+    pub(super) noise_scale: f64,
     pub(super) estimate: WheelEstimate,
 }
 
-impl Tracked {
+impl WheelChannel {
     /// The wheels of `robot`.
     pub(super) fn all(robot: &Robot, settings: &FilterSettings) -> impl Iterator<Item = Self> {
         let windows = TrackSettings {
-            window: LONGEST * settings.wheel_window,
+            window: MAX_WINDOW_FACTOR * settings.wheel_window,
             max_speed: settings.max_speed,
             dropout: settings.dropout,
-            history: 64,
+            history: HISTORY_ENTRIES,
         };
         robot
             .wheels()
@@ -89,40 +90,44 @@ impl Tracked {
                 from_ns: None,
                 remainder: None,
                 rim: None,
-                usual: 0.0,
+                smoothed_rim: 0.0,
                 last_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
                 was_off: false,
-                torque: None,
-                watch: Watch::default(),
-                pull: 0.0,
-                rolling: Rolling::default(),
-                pulses: Pulses::new(
+                monitor: Monitor::default(),
+                mean_innovation: 0.0,
+                rolling: RollingHistory::default(),
+                pulses: PulseCheck::new(
                     wheel.travel_per_tick().map_or(1.0, f64::abs),
                     wheel.encoder.ticks_per_turn.unwrap_or(0.0),
                 ),
-                radius: Radius::default(),
-                waiting: 0,
+                radius: RadiusCheck::default(),
                 dropout: settings.dropout,
-                unrest: 1.0,
+                noise_scale: 1.0,
                 estimate: WheelEstimate::NOTHING,
             })
     }
 
-    /// It is steered by `angle` (rad) now.
+    /// Sets the steering angle, rad.
     pub(super) fn steer(&mut self, angle: f64) {
         let (sin, cos) = Real::sin_cos(self.heading + angle);
         self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
     }
 
-    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p), as the row of its speed along it.
+    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p).
     pub(super) fn across(&self) -> [f64; 3] {
         let [cos, sin, _] = self.row;
         [-sin, cos, cos * self.place[0] + sin * self.place[1]]
     }
 
-    /// Ends the window at the reading of `now_ns` if it is long enough; gives its rim speed and its beginning.
+    /// Its slip, as a row of the state: the wheel at `index` shares the common slip unless it is free.
+    pub(super) fn slip_row(&self, index: usize) -> [(usize, f64); 2] {
+        let common = if self.free { 0.0 } else { 1.0 };
+        [(COMMON_SLIP, common), (own_slip(index), 1.0)]
+    }
+
+    /// Ends the window at the reading of `now_ns` if it is long enough; returns its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
         if self.from_ns.is_none() {
             self.carrier.mark();
@@ -139,14 +144,14 @@ impl Tracked {
             return None;
         }
         let Some(rim) = self.track.speed(from, now_ns) else {
-            // a sensor that began anew, or fell silent
+            // the sensor was reset, or has been silent
             self.from_ns = Some(now_ns);
             self.carrier.mark();
             self.remainder = None;
             return None;
         };
-        let few = (rim.value * age).abs() < FEW_TICKS * self.tick;
-        if few && age < LONGEST * window {
+        let few = (rim.value * age).abs() < MIN_WINDOW_TICKS * self.tick;
+        if few && age < MAX_WINDOW_FACTOR * window {
             return None;
         }
         self.from_ns = Some(now_ns);
@@ -171,14 +176,14 @@ impl Tracked {
         Some((rim, from))
     }
 
-    /// The rim speed as it was before the last window, m/s: the last one shares a tick with the present one.
-    pub(super) const fn usual_rim(&self) -> f64 {
-        self.usual
+    /// The smoothed rim speed before the last window, m/s: the last one shares a tick with the present one.
+    pub(super) const fn smoothed_rim(&self) -> f64 {
+        self.smoothed_rim
     }
 
-    /// One more window's rim speed, m/s.
-    pub(super) fn remember(&mut self, rim: f64) {
-        self.usual += SMOOTHING * (self.last_rim - self.usual);
+    /// Adds a window's rim speed (m/s) to the smoothed one.
+    pub(super) fn smooth(&mut self, rim: f64) {
+        self.smoothed_rim += RIM_SMOOTHING * (self.last_rim - self.smoothed_rim);
         self.last_rim = rim;
     }
 
@@ -189,7 +194,13 @@ impl Tracked {
             .map(|last| seconds_between(last, now_ns))
     }
 
-    /// Has a window just ended, or is nothing said of it so far?
+    /// Is it received: has it read within the dropout time?
+    pub(super) fn is_received(&self, now_ns: i64, dropout_s: f64) -> bool {
+        self.silence(now_ns)
+            .is_some_and(|silence| silence <= dropout_s)
+    }
+
+    /// Has a window just ended, or does it have no estimate so far?
     pub(super) fn has_news(&self, now_ns: i64) -> bool {
         let ended = self.rim.is_some_and(|(_, to)| to == now_ns);
         let said = !matches!(
@@ -204,32 +215,29 @@ impl Tracked {
         self.still_since_ns.is_none() && self.rim.is_some()
     }
 
-    /// Seconds since its rim last moved; 0 where it moves, and where it is silent: that is not standing.
+    /// Seconds since its rim last moved; 0 where it moves, and where it is silent: silence is not standing.
     pub(super) fn stillness(&self, now_ns: i64) -> f64 {
-        let heard = self
-            .silence(now_ns)
-            .is_some_and(|silence| silence <= self.dropout);
         match self.still_since_ns {
-            Some(since) if heard => seconds_between(since, now_ns).max(0.0),
+            Some(since) if self.is_received(now_ns, self.dropout) => {
+                seconds_between(since, now_ns).max(0.0)
+            }
             _ => 0.0,
         }
     }
 
-    /// Time begins anew: what was counted in it is forgotten, what was learnt is not.
+    /// The clock was set: what was counted is forgotten, what was learnt is not.
     pub(super) fn restart_clock(&mut self) {
         self.track.restart_clock();
         self.carrier.restart_clock();
-        self.pulses.restart();
+        self.pulses.restart_clock();
         self.from_ns = None;
         self.remainder = None;
         self.rim = None;
         self.still_since_ns = None;
         self.against_since_ns = None;
-        self.torque = None;
-        self.pull = 0.0;
-        self.waiting = 0;
-        self.rolling = Rolling::default();
-        self.watch = Watch::default();
+        self.mean_innovation = 0.0;
+        self.rolling = RollingHistory::default();
+        self.monitor = Monitor::default();
         self.estimate = WheelEstimate::NOTHING;
     }
 }

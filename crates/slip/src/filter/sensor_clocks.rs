@@ -1,70 +1,71 @@
-//! The clocks of all sensors together: what is late, what was set, what is missing.
+//! The clocks of all sensors: late samples, clocks that were set, and missing samples.
 
 use alloc::{boxed::Box, vec};
 
-use super::CLOCK_STEP;
+use super::CLOCK_STEP_S;
 use crate::fault::Fault;
 use crate::history::{seconds_between, whole};
 use crate::sample::{Measurement, Sample};
 
-/// A sensor whose own time goes back by more than this has another clock; by less it is waited for, s.
-const SET_BACK: f64 = 0.1;
+/// A sensor whose own time goes back by more than this has had its clock set, s; by less its samples are out of order.
+const SET_BACK_S: f64 = 0.1;
 /// Sensors that are not a wheel's.
-const OTHERS: usize = 5;
-/// A wheel's: its rotation, its torque, its carrier.
-const PER_WHEEL: usize = 3;
-/// A gap longer than this many usual periods lacks samples.
-const GAP: f64 = 1.5;
-/// How fast the usual period is learnt, a sample.
-const USUAL: f64 = 0.05;
+const ROBOT_SENSORS: usize = 5;
+/// Sensors of a wheel: rotation, torque, carrier.
+const WHEEL_SENSORS: usize = 3;
+/// A gap longer than this many periods of the sensor lacks samples.
+const GAP_PERIODS: f64 = 1.5;
+/// Weight of a new period in the sensor's usual one.
+const PERIOD_WEIGHT: f64 = 0.05;
 /// No gap counts for more samples than this.
-const MOST: f64 = 1e6;
+const MAX_MISSING: f64 = 1e6;
 
-/// What a sample's time means.
+/// The meaning of a sample's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Told {
-    /// It goes on from the samples before.
-    GoesOn,
-    /// The clock has been set: all begins anew with this sample.
+pub(super) enum ClockOutcome {
+    /// It continues the samples before.
+    Continues,
+    /// The clock has been set: time restarts with this sample.
     Set,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Sensor {
     last_ns: Option<i64>,
-    /// A time that did not fit: the clock was set if this sensor's next one follows it.
+    /// A refused time: the clock was set if this sensor's next time follows it.
     refused_ns: Option<i64>,
-    /// Between two samples, s; 0 where not known.
+    /// The usual period, s; 0 before two samples.
     period: f64,
 }
 
-/// One clock for each sensor.
+/// The clock of each sensor.
 #[derive(Clone, Debug)]
-pub(super) struct Clocks {
+pub(super) struct SensorClocks {
     wheels: usize,
     sensors: Box<[Sensor]>,
-    /// Samples that should have come between those that did.
+    /// Number of missing samples.
     pub(super) dropped: u64,
-    /// How often the clock was set.
+    /// Number of clock steps followed.
     pub(super) steps: u64,
 }
 
-impl Clocks {
+impl SensorClocks {
     pub(super) fn new(wheels: usize) -> Self {
         Self {
             wheels,
-            sensors: vec![Sensor::default(); OTHERS + PER_WHEEL * wheels].into_boxed_slice(),
+            sensors: vec![Sensor::default(); ROBOT_SENSORS + WHEEL_SENSORS * wheels]
+                .into_boxed_slice(),
             dropped: 0,
             steps: 0,
         }
     }
 
-    /// Which sensor gave it, and does it come at regular times?
+    /// The sensor of a measurement, and whether it has a regular period.
     fn sensor(&mut self, measurement: &Measurement) -> Result<(&mut Sensor, bool), Fault> {
         let wheels = self.wheels;
         let of = |wheel: usize, part: usize| {
             if wheel < wheels {
-                Ok(OTHERS + PER_WHEEL * wheel + part)
+                Ok(ROBOT_SENSORS + WHEEL_SENSORS * wheel + part)
             } else {
                 Err(Fault::UnknownWheel {
                     index: wheel,
@@ -91,16 +92,16 @@ impl Clocks {
         Ok((&mut self.sensors[index], regular))
     }
 
-    /// Looks at a sample's time beside the newest of all sensors' and that up to which samples have been used.
+    /// Checks a sample's time against the newest of all sensors and the time up to which samples have been used.
     ///
-    /// A time that does not fit is refused. The second one of the same sensor that follows it is a clock that was set, if
-    /// nothing that fits came in between.
-    pub(super) fn take(
+    /// A time that does not fit is refused. A second one of the same sensor that follows it is a clock that was set, if
+    /// no sample that fits came in between.
+    pub(super) fn check(
         &mut self,
         sample: &Sample,
         newest_ns: Option<i64>,
         used_ns: Option<i64>,
-    ) -> Result<Told, Fault> {
+    ) -> Result<ClockOutcome, Fault> {
         let time_ns = sample.time_ns;
         let (sensor, regular) = self.sensor(&sample.measurement)?;
         let Some(newest) = newest_ns else {
@@ -109,9 +110,9 @@ impl Clocks {
                 refused_ns: None,
                 period: sensor.period,
             };
-            return Ok(Told::GoesOn);
+            return Ok(ClockOutcome::Continues);
         };
-        let far = seconds_between(newest, time_ns).abs() > CLOCK_STEP;
+        let far = seconds_between(newest, time_ns).abs() > CLOCK_STEP_S;
         let late = used_ns.is_some_and(|used| time_ns < used);
         if !far && !late {
             let passed = sensor
@@ -121,32 +122,32 @@ impl Clocks {
             let mut missing = 0.0;
             if regular && passed > 0.0 {
                 if sensor.period > 0.0 {
-                    if passed > GAP * sensor.period {
-                        missing = (passed / sensor.period - 0.5).min(MOST);
+                    if passed > GAP_PERIODS * sensor.period {
+                        missing = (passed / sensor.period - 0.5).min(MAX_MISSING);
                     }
-                    sensor.period += USUAL * (passed - sensor.period);
+                    sensor.period += PERIOD_WEIGHT * (passed - sensor.period);
                 } else {
                     sensor.period = passed;
                 }
             }
             self.dropped = self.dropped.saturating_add(whole(missing).unsigned_abs());
-            // all sensors share one clock: what fits says that it was not set
+            // all sensors share one clock: a sample that fits shows that it was not set
             for sensor in &mut self.sensors {
                 sensor.refused_ns = None;
             }
-            return Ok(Told::GoesOn);
+            return Ok(ClockOutcome::Continues);
         }
         let back = sensor
             .last_ns
-            .is_some_and(|last| seconds_between(time_ns, last) > SET_BACK);
+            .is_some_and(|last| seconds_between(time_ns, last) > SET_BACK_S);
         if far || back {
             let follows = sensor.refused_ns.is_some_and(|refused| {
                 let step = seconds_between(refused, time_ns);
-                step > 0.0 && step <= CLOCK_STEP
+                step > 0.0 && step <= CLOCK_STEP_S
             });
             if follows {
                 self.restart(time_ns, &sample.measurement);
-                return Ok(Told::Set);
+                return Ok(ClockOutcome::Set);
             }
             if sensor.refused_ns != Some(time_ns) {
                 sensor.refused_ns = Some(time_ns);

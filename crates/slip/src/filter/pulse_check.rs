@@ -35,7 +35,7 @@ const TURNS: (f32, f32) = (8.0, 64.0);
 
 /// One wheel's pulses.
 #[derive(Clone, Debug)]
-pub(super) struct Pulses {
+pub(super) struct PulseCheck {
     /// Rim travel of a tick (m), and ticks of a turn.
     tick: f64,
     turn: f64,
@@ -57,7 +57,7 @@ pub(super) struct Pulses {
     part: usize,
 }
 
-impl Pulses {
+impl PulseCheck {
     pub(super) fn new(tick: f64, turn: f64) -> Self {
         Self {
             tick,
@@ -79,7 +79,7 @@ impl Pulses {
     }
 
     /// The counter begins anew.
-    pub(super) fn restart(&mut self) {
+    pub(super) fn restart_clock(&mut self) {
         *self = Self::new(self.tick, self.turn);
     }
 
@@ -97,7 +97,7 @@ impl Pulses {
     }
 
     /// The rim has run `travel` (m) in all by `time_ns`.
-    pub(super) fn take(&mut self, time_ns: i64, travel: f64) {
+    pub(super) fn update(&mut self, time_ns: i64, travel: f64) {
         let Some((last_ns, last)) = self.last.replace((time_ns, travel)) else {
             return;
         };
@@ -222,11 +222,11 @@ fn by_whole_ticks(alpha: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Pulses, by_whole_ticks};
+    use super::{PulseCheck, by_whole_ticks};
 
     /// A counter at `speed` ticks a reading, which loses ticks by `lost`.
-    fn run(speed: f64, mut lost: impl FnMut(i64) -> bool) -> Pulses {
-        let mut pulses = Pulses::new(1.0, 960.0);
+    fn run(speed: f64, mut lost: impl FnMut(i64) -> bool) -> PulseCheck {
+        let mut pulses = PulseCheck::new(1.0, 960.0);
         let (mut true_ticks, mut shown) = (0, 0_i64);
         for row in 0..6000_i64 {
             let now = super::whole(speed * row as f64 + 0.1234);
@@ -234,7 +234,7 @@ mod tests {
                 true_ticks += 1;
                 shown += i64::from(!lost(true_ticks));
             }
-            pulses.take(row * 10_000_000, shown as f64);
+            pulses.update(row * 10_000_000, shown as f64);
         }
         pulses
     }
