@@ -171,6 +171,13 @@ fn imports_between_modules_of_slip_form_no_cycle() {
 }
 
 #[test]
+fn imports_between_modules_of_rover_form_no_cycle() {
+    let graph = imports("rover");
+    assert!(graph.len() > 6, "the imports are not found: {graph:?}");
+    assert_eq!(cycle(&graph), None);
+}
+
+#[test]
 fn a_cycle_is_found() {
     let arrows = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
     let mut graph = Graph::new();
