@@ -178,6 +178,18 @@ fn imports_between_modules_of_rover_form_no_cycle() {
 }
 
 #[test]
+fn imports_between_modules_of_logs_and_files_form_no_cycle() {
+    for folder in ["files", "log", "replay", "synthetic"] {
+        let graph = imports(folder);
+        assert!(
+            graph.len() > 2,
+            "the imports of {folder} are not found: {graph:?}"
+        );
+        assert_eq!(cycle(&graph), None, "{folder}");
+    }
+}
+
+#[test]
 fn a_cycle_is_found() {
     let arrows = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
     let mut graph = Graph::new();

@@ -8,10 +8,9 @@
 use std::path::Path;
 
 use grouser_files::{columns, robot};
-use grouser_log::{Log, Reading};
+use grouser_log::Log;
 use grouser_slip::control::Request;
 use grouser_slip::onboard::{OnBoard, OnBoardSettings};
-use grouser_slip::{Measurement, Sample};
 
 /// The control loop runs at 50 Hz, as the log's rows come.
 const PERIOD_NS: i64 = 20_000_000;
@@ -21,9 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = robot::read(&folder.join("robot.toml"))?;
     let map = columns::read(&folder.join("columns.toml"))?;
     let log = Log::find(&[folder.join("log.csv")], map)?;
-    // the log numbers its wheels by its own columns
-    let wheel_of = |index: usize| file.robot.wheel_index(&log.wheels()[index]);
 
+    // samples name their wheels by the log's columns, which here have the robot's order
+    let names = file.robot.wheels().iter().map(|wheel| &wheel.name);
+    assert!(names.eq(log.wheels()), "the columns have another order");
     let mut settings = OnBoardSettings::new(&file.robot);
     settings.filter = file.filter;
     let mut on_board = OnBoard::new(&file.robot, settings)?;
@@ -32,30 +32,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         heading: 0.0,
     };
     let mut next_tick = None;
-    for record in log.records(&[])? {
-        let record = record?;
-        let time_ns = record.time_ns;
-        let measurement = match record.reading {
-            Reading::WheelCount { wheel, raw } => {
-                wheel_of(wheel).map(|wheel| Measurement::WheelCount { wheel, raw })
-            }
-            Reading::YawRate { rate } => Some(Measurement::YawRate { rate }),
-            _ => None,
-        };
-        let due = *next_tick.get_or_insert(time_ns);
-        if time_ns > due {
+    for sample in log.samples(&[])? {
+        let sample = sample?;
+        let due = *next_tick.get_or_insert(sample.time_ns);
+        if sample.time_ns > due {
             on_board.tick(due, request);
             next_tick = Some(due + PERIOD_NS);
             if due % 2_000_000_000 == 0 {
                 show(&file.robot, &on_board, due);
             }
         }
-        if let Some(measurement) = measurement {
-            on_board.update(Sample {
-                time_ns,
-                measurement,
-            });
-        }
+        on_board.update(sample);
     }
     let slip = on_board.observations()[0].slip;
     println!("slip of the first wheel at the end: {slip:?}");

@@ -11,9 +11,9 @@ use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Slip};
 use serde_json::Value;
 
-use crate::Object;
 use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::Object;
 use grouser_report::number::{exact, rounded};
 
 /// The powered wheel that is shown: the larger of the two on the fifth wheel's arm, which drives like the other four.

@@ -3,15 +3,15 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::Path;
 
-use grouser_report::Table;
 use grouser_report::number::{parse_finite, rounded};
+use grouser_report::{Fields, Table, fields};
 use grouser_rover::robot::RobotModel;
-use grouser_rover::statics::{Footing, PostureLimits, StabilityMargins, Standing};
-use serde_json::{Value, json};
+use grouser_rover::statics::{
+    Edge, Footing, Posture, PostureLimits, StabilityMargins, Stance, Standing,
+};
 
-use crate::error::{Error, Result};
-use crate::input::Input;
-use crate::report::{Object, Report};
+use crate::error::Result;
+use crate::report::Report;
 use crate::session::Session;
 
 #[derive(clap::Args, Debug)]
@@ -41,10 +41,7 @@ impl Arguments {
 }
 
 pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let mut input = Input::open(path)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", path, &error))?;
-    session.used_input(input);
+    session.used_file(path)?;
     let model = RobotModel::read(path)?;
     let footing = (!arguments.heights_m.is_empty()).then_some(Footing {
         heights: &arguments.heights_m,
@@ -57,7 +54,7 @@ pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> 
     let limits = PostureLimits::default();
     let standing = Standing::new(&model, slope, &limits, footing.as_ref())?;
     Ok(Report::done(
-        object(&model, arguments, &standing),
+        fields().object((&model, arguments, &standing)),
         text(&model, &standing),
     ))
 }
@@ -105,60 +102,68 @@ fn text(model: &RobotModel, standing: &Standing) -> String {
     out
 }
 
-fn object(model: &RobotModel, arguments: &Arguments, standing: &Standing) -> Object {
-    let name = |wheel: usize| &model.wheels[wheel].name;
-    let margins = |margins: &StabilityMargins| {
-        let edges = margins.edges.iter().map(|edge| {
-            json!({
-                "wheels": edge.wheels.map(name),
-                "tip_over_deg": edge.tip_over.to_degrees(),
-                "horizontal_m": edge.horizontal,
-                "vertical_m": edge.vertical,
-            })
-        });
-        json!({
-            "tip_over_deg": margins.tip_over.to_degrees(),
-            "horizontal_m": margins.horizontal,
-            "vertical_m": margins.vertical,
-            "edges": edges.collect::<Vec<_>>(),
-        })
-    };
-    let by_wheel = |values: &[f64]| {
-        let pairs = values.iter().enumerate();
-        let pairs = pairs.map(|(wheel, value)| (name(wheel).clone(), Value::from(*value)));
-        Value::Object(pairs.collect())
-    };
-    let posture = &standing.posture;
-    let stance = standing.stance.as_ref().map(|stance| {
-        json!({
-            "loads_n": by_wheel(&stance.loads),
-            "sinkages_m": by_wheel(&stance.sinkages),
-            "pitch_deg": stance.pitch.to_degrees(),
-            "roll_deg": stance.roll.to_degrees(),
-            "margins": margins(&stance.margins),
-            "settled": stance.settled,
-        })
-    });
-    Object::from_iter([
-        ("name".to_owned(), Value::from(model.robot.name())),
-        ("pitch_deg".to_owned(), Value::from(arguments.pitch_deg)),
-        ("roll_deg".to_owned(), Value::from(arguments.roll_deg)),
-        ("loads_n".to_owned(), by_wheel(&standing.loads.loads)),
-        ("stands".to_owned(), Value::from(standing.loads.stands)),
-        ("margins".to_owned(), margins(&standing.margins)),
-        (
-            "posture".to_owned(),
-            json!({
-                "forward_m": posture.moved[0],
-                "left_m": posture.moved[1],
-                "down_m": posture.moved[2],
-                "wheelbase_factor": posture.factors[0],
-                "stance_factor": posture.factors[1],
-                "tip_over_deg": posture.tip_over[1].to_degrees(),
-                "load_unevenness": posture.unevenness[1],
-                "load_unevenness_before": posture.unevenness[0],
-            }),
-        ),
-        ("on_heights".to_owned(), stance.unwrap_or(Value::Null)),
-    ])
+/// The robot at rest, and how it was asked for.
+type Rest<'a> = (&'a RobotModel, &'a Arguments, &'a Standing);
+
+pub(super) fn fields<'a>() -> Fields<'a, Rest<'a>> {
+    fields! { |rest: Rest<'a>|
+        "name" "name of the robot" = rest.0.robot.name();
+        "pitch_deg" "slope under the robot, nose up" = rest.1.pitch_deg;
+        "roll_deg" "slope across the robot, left side up" = rest.1.roll_deg;
+        "loads_n" "load of each wheel" values = Some(by_wheel(rest.0, &rest.2.loads.loads));
+        "stands" "does no wheel need to be held down" = rest.2.loads.stands;
+        "margins" "margins against tipping over" group(margins()) = (rest.0, &rest.2.margins);
+        "posture" "the chassis adjusted for the slope" group(posture()) = &rest.2.posture;
+        "on_heights" "the robot on the given heights" group(on_heights()) =
+            rest.2.stance.as_ref().map(|stance| (rest.0, stance));
+    }
+}
+
+fn by_wheel<'a>(model: &'a RobotModel, values: &'a [f64]) -> impl Iterator<Item = (&'a str, f64)> {
+    let names = model.wheels.iter().map(|mount| mount.name.as_str());
+    names.zip(values.iter().copied())
+}
+
+fn margins<'a>() -> Fields<'a, (&'a RobotModel, &'a StabilityMargins)> {
+    fields! { |of: (&'a RobotModel, &'a StabilityMargins)|
+        "tip_over_deg" "angle by which the ground may tilt further" = of.1.tip_over.to_degrees();
+        "horizontal_m" "least distance of the plumb line from the support's edges" = of.1.horizontal;
+        "vertical_m" "least height to which the centre of gravity must be raised" = of.1.vertical;
+        "edges" "the edges of the support" rows(edge()) =
+            of.1.edges.iter().map(move |edge| (of.0, edge));
+    }
+}
+
+fn edge<'a>() -> Fields<'a, (&'a RobotModel, &'a Edge)> {
+    fields! { |of: (&'a RobotModel, &'a Edge)|
+        "wheels" "the wheels at its ends" =
+            of.1.wheels.map(|wheel| of.0.wheels[wheel].name.clone()).to_vec();
+        "tip_over_deg" "angle to tipping over it" = of.1.tip_over.to_degrees();
+        "horizontal_m" "distance of the plumb line from it" = of.1.horizontal;
+        "vertical_m" "height to which the centre of gravity must be raised" = of.1.vertical;
+    }
+}
+
+fn posture<'a>() -> Fields<'a, &'a Posture> {
+    fields! { |posture: &'a Posture|
+        "forward_m" "way of the centre of gravity forwards" = posture.moved[0];
+        "left_m" "to the left" = posture.moved[1];
+        "down_m" "and down" = posture.moved[2];
+        "wheelbase_factor" "factor of the wheelbase" = posture.factors[0];
+        "stance_factor" "factor of the stance" = posture.factors[1];
+        "tip_over_deg" "angle to tipping over" = posture.tip_over[1].to_degrees();
+        "load_unevenness" "standard deviation of the loads over their mean" = posture.unevenness[1];
+        "load_unevenness_before" "the same before" = posture.unevenness[0];
+    }
+}
+
+fn on_heights<'a>() -> Fields<'a, (&'a RobotModel, &'a Stance)> {
+    fields! { |of: (&'a RobotModel, &'a Stance)|
+        "loads_n" "load of each wheel" values = Some(by_wheel(of.0, &of.1.loads));
+        "sinkages_m" "sinkage of each wheel; negative: it hangs" values = Some(by_wheel(of.0, &of.1.sinkages));
+        "pitch_deg" "pitch of the chassis, nose up" = of.1.pitch.to_degrees();
+        "roll_deg" "roll of the chassis, left side up" = of.1.roll.to_degrees();
+        "margins" "margins against tipping over" group(margins()) = (of.0, &of.1.margins);
+        "settled" "do all forces balance" = of.1.settled;
+    }
 }
