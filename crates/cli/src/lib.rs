@@ -33,7 +33,7 @@ mod wheel_choice;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, Parser as _};
 
 use crate::command::Command;
 use crate::session::Session;
@@ -49,7 +49,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let command_json = command.json;
     let mut session = Session::new(command_json);
-    let ended = verbs::run(command.verb, &mut session).and_then(|report| session.print(report));
+    let ended = verbs::run(command.verb, Command::command(), &mut session)
+        .and_then(|report| session.print(report));
     match ended {
         Ok(outcome) => outcome.exit_code(),
         Err(error) => terminal::complain(&error, command_json),
