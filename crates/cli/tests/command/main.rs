@@ -8,3 +8,4 @@ mod figures;
 mod hostile;
 mod interrupted;
 mod program;
+mod stance;
