@@ -10,3 +10,4 @@ mod hostile;
 mod interrupted;
 mod program;
 mod schemas;
+mod stance;

@@ -70,7 +70,7 @@ fn fault(value: &Value, schema: &Value, place: &str) -> Option<String> {
         Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
         _ => return None,
     };
-    let fits = |kind: &&str| match **kind {
+    let fits = |kind: &&str| match *kind {
         "null" => value.is_null(),
         "number" => value.is_number(),
         "integer" => value.is_i64() || value.is_u64(),
