@@ -9,6 +9,7 @@ mod request;
 mod text;
 
 use std::ffi::OsString;
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::io;
 use std::path::PathBuf;
 
@@ -16,7 +17,8 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, Sink, SoilReading, Status, Step, Summary, run_into, soil_readings,
+    Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, check_start,
+    run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -70,7 +72,7 @@ pub(crate) struct Arguments {
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Sink means over this time in s; the robot file's unless told
+    /// Take means over this time in s; the robot file's unless told
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
@@ -79,6 +81,9 @@ pub(crate) struct Arguments {
     /// Leave out what comes after this time in s
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     to_s: Option<f64>,
+    /// Check units, signs and axes of the sensors against each other; exit code 3 where they disagree
+    #[arg(long)]
+    check: bool,
     /// Write the robot file with the radius at which these logs, runs without slip, show none
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil"])]
     calibrate_radius: Option<PathBuf>,
@@ -139,6 +144,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for file in log.files() {
         session.used_file(file)?;
     }
+    let start = arguments
+        .check
+        .then(|| check_start(&log, &request.robot, &request.options))
+        .transpose()?;
     let readings = match &soil {
         Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
@@ -149,10 +158,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
+    if let Some(start) = &start {
+        let _ = writeln!(text, "sensors: {}", start_words(start));
+    }
     text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&request.robot, &summary)?);
     Ok(Report {
         outcome: match summary.status {
+            Status::Done if matches!(start, Some(StartOutcome::Implausible { .. })) => {
+                Outcome::Doubtful
+            }
             Status::Done => Outcome::Done,
             _ => Outcome::NoResult,
         },
@@ -160,6 +175,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             summary: &summary,
             log: &log,
             readings: &readings,
+            start,
         }),
         text,
         is_aside: false,
@@ -238,6 +254,15 @@ fn topics(log: &Log) -> String {
         String::new()
     } else {
         format!("\n{}", lines.concat())
+    }
+}
+
+fn start_words(start: &StartOutcome) -> String {
+    match start {
+        StartOutcome::Plausible => "units, signs and axes agree".to_owned(),
+        StartOutcome::Implausible { fault, time_s } => format!("{fault} (at {time_s:.1} s)"),
+        _ => "not every sensor was seen at work: the robot has to rest, drive, turn and speed up"
+            .to_owned(),
     }
 }
 

@@ -15,6 +15,7 @@ use crate::report::Report;
 use crate::session::Session;
 
 #[derive(clap::Args, Debug)]
+#[group(skip)]
 pub(super) struct Arguments {
     /// Print how the robot stands: loads, margins, tip-over and the adjusted posture
     #[arg(long, conflicts_with = "output")]
