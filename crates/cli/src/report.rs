@@ -1,13 +1,8 @@
 //! What a verb hands back: one JSON object, and the same as text.
 
-use serde_json::{Map, Value};
+use grouser_report::Object;
 
-use crate::error::Outcome;
-
-/// A JSON object that keeps the order of its keys.
-///
-/// Numbers that are NaN or infinite become `null` on their way in (`Value::from(f64)`).
-pub(crate) type Object = Map<String, Value>;
+use crate::exit::Outcome;
 
 /// The result of a verb.
 #[derive(Debug)]
@@ -18,6 +13,8 @@ pub(crate) struct Report {
     pub(crate) object: Object,
     /// What a person reads.
     pub(crate) text: String,
+    /// Whether standard output holds the result itself, so that the text goes to standard error.
+    pub(crate) is_aside: bool,
     /// Why there is no result: said as an error, although the report is printed.
     pub(crate) failure: Option<String>,
     /// What is doubtful in it: said on standard error.
@@ -31,6 +28,7 @@ impl Report {
             outcome: Outcome::Done,
             object,
             text,
+            is_aside: false,
             failure: None,
             warnings: Vec::new(),
         }

@@ -1,13 +1,17 @@
 //! One run of the command: what was read, and how the result is printed.
 
+use std::io;
+use std::path::Path;
+
 use grouser_files::Document;
+use grouser_report::{Fields, Object, fields};
 use grouser_terra::catalogue;
 use serde_json::Value;
 
-use crate::error::{Outcome, Result};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::input::{self, Input};
-use crate::report::{Object, Report};
-use crate::soil_choice::{Chosen, Overrides};
+use crate::report::Report;
 use crate::terminal;
 
 /// The run: remembers what went into the result.
@@ -30,6 +34,11 @@ impl Session {
         }
     }
 
+    /// Is the result one JSON object on standard output?
+    pub(crate) fn is_json(&self) -> bool {
+        self.json
+    }
+
     /// A file was read to its end.
     pub(crate) fn used_input(&mut self, input: Input) {
         let (path, digest) = input.digest();
@@ -48,29 +57,27 @@ impl Session {
             .insert(document.name().to_owned(), Value::from(digest));
     }
 
+    /// A file was read by a library: its digest is of what it holds now.
+    pub(crate) fn used_file(&mut self, path: &Path) -> Result<()> {
+        let mut input = Input::open(path)?;
+        io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
+        self.used_input(input);
+        Ok(())
+    }
+
     /// A soil of the catalogue entered the result, named by a file.
     pub(crate) fn used_catalogue_soil(&mut self, key: &str) {
         let source = catalogue::find(key).map(|entry| entry.source);
+        self.used_soil(key, source, None);
+    }
+
+    /// A soil entered the result, with the numbers that complete or override it.
+    pub(crate) fn used_soil(&mut self, key: &str, source: Option<&str>, given: Option<Object>) {
         self.soil = Some(Object::from_iter([
             ("key".to_owned(), Value::from(key)),
             ("source".to_owned(), Value::from(source)),
-            ("overrides".to_owned(), Value::Null),
+            ("overrides".to_owned(), Value::from(given)),
         ]));
-    }
-
-    /// A soil entered the result, with what completes or overrides it.
-    pub(crate) fn used_soil(&mut self, chosen: &Chosen, overrides: &Overrides) {
-        let given = overrides
-            .given()
-            .map(|(column, value)| (column.to_owned(), Value::from(value)));
-        self.soil = Some(Object::from_iter([
-            ("key".to_owned(), Value::from(chosen.name.as_str())),
-            ("source".to_owned(), Value::from(chosen.source.as_str())),
-            ("overrides".to_owned(), given.collect::<Object>().into()),
-        ]));
-        if let Some(document) = &chosen.document {
-            self.used_document(document);
-        }
     }
 
     /// Prints the report, as JSON or as text, and its warnings.
@@ -79,12 +86,15 @@ impl Session {
             outcome,
             mut object,
             text,
+            is_aside,
             failure,
             warnings,
         } = report;
         if self.json {
             object.insert("provenance".to_owned(), Value::Object(self.provenance()));
             terminal::print(&format!("{:#}\n", Value::Object(object)))?;
+        } else if is_aside {
+            terminal::remark(&text);
         } else {
             terminal::print(&text)?;
         }
@@ -99,18 +109,22 @@ impl Session {
 
     /// Version, commit, seed, inputs and soil, as the JSON has them.
     pub(crate) fn provenance(&self) -> Object {
-        Object::from_iter([
-            ("version".to_owned(), Value::from(env!("CARGO_PKG_VERSION"))),
-            (
-                "commit".to_owned(),
-                Value::from(option_env!("GROUSER_COMMIT")),
-            ),
-            ("seed".to_owned(), Value::from(self.seed)),
-            (
-                "input_sha256".to_owned(),
-                Value::Object(self.input_sha256.clone()),
-            ),
-            ("soil".to_owned(), Value::from(self.soil.clone())),
-        ])
+        fields().object(self)
+    }
+}
+
+/// Version, commit, seed, inputs and soil.
+pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
+    let soil = fields! { |soil: &'a Object|
+        "key" "key of the catalogue, or the file" = soil["key"].clone();
+        "source" "where its numbers come from" = soil["source"].clone();
+        "overrides" "numbers that complete or override it" = soil["overrides"].clone();
+    };
+    fields! { |session: &'a Session|
+        "version" "version of the program" = env!("CARGO_PKG_VERSION");
+        "commit" "commit that it was built from" = option_env!("GROUSER_COMMIT");
+        "seed" "seed of random numbers" = session.seed;
+        "input_sha256" "files that were read, with their SHA-256" values = Some(session.input_sha256.clone());
+        "soil" "the soil" group(soil) = session.soil.as_ref();
     }
 }

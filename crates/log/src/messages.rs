@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::order::Ordered;
 
 /// How many messages a message may stand from its place in time.
@@ -67,10 +67,8 @@ impl LeftOut {
     }
 }
 
-/// Says whether a channel is wanted, and what is added to its times, ns.
-type Wanted = Box<dyn FnMut(&Channel) -> Option<i64> + Send>;
-/// How a channel is decoded, and what is added to its times, ns.
-type Decoding = (SharedDecoder, i64);
+/// Is a channel wanted?
+type Wanted = Box<dyn FnMut(&Channel) -> bool + Send>;
 
 /// The messages of an MCAP file or a bag, decoded by the definitions it holds, in the order of time.
 ///
@@ -82,9 +80,8 @@ pub struct Messages {
     wanted: Wanted,
     clock: Clock,
     /// By channel; `None`: not wanted.
-    decoders: BTreeMap<usize, Option<Decoding>>,
+    decoders: BTreeMap<usize, Option<SharedDecoder>>,
     shared: Decoders,
-    spare: Spare,
     ordered: Ordered<Stamped>,
     held: usize,
     left_out: LeftOut,
@@ -99,16 +96,7 @@ impl Messages {
     pub fn open(
         path: &Path,
         clock: Clock,
-        mut wanted: impl FnMut(&Channel) -> bool + Send + 'static,
-    ) -> Result<Self> {
-        Self::open_shifted(path, clock, move |channel| wanted(channel).then_some(0))
-    }
-
-    /// As [`Messages::open`]; `wanted` says what is added to the times of a channel, ns.
-    pub(crate) fn open_shifted(
-        path: &Path,
-        clock: Clock,
-        wanted: impl FnMut(&Channel) -> Option<i64> + Send + 'static,
+        wanted: impl FnMut(&Channel) -> bool + Send + 'static,
     ) -> Result<Self> {
         Ok(Self {
             container: Container::open(path)?,
@@ -116,7 +104,6 @@ impl Messages {
             clock,
             decoders: BTreeMap::new(),
             shared: Decoders::default(),
-            spare: Spare::default(),
             ordered: Ordered::new(LOOK_AHEAD),
             held: 0,
             left_out: LeftOut::default(),
@@ -148,17 +135,6 @@ impl Messages {
         self.container.offset()
     }
 
-    /// Takes back a message that is done with: a later one of its channel is decoded into its place.
-    pub fn give_back(&mut self, message: Stamped) {
-        let Stamped {
-            channel,
-            size,
-            value,
-            ..
-        } = message;
-        self.spare.keep(channel, size, value);
-    }
-
     /// Reads one message of the file into the ordering.
     fn take(&mut self) {
         let message = match self.container.next() {
@@ -173,14 +149,14 @@ impl Messages {
             }
             Some(Event::Message(message)) => {
                 let (wanted, shared) = (&mut self.wanted, &mut self.shared);
-                let decoder = self.decoders.entry(message.channel).or_insert_with(|| {
-                    let shift_ns = wanted(message.of)?;
-                    Some((shared.of(message.of), shift_ns))
-                });
-                let Some((decoder, shift_ns)) = decoder else {
+                let decoder = self
+                    .decoders
+                    .entry(message.channel)
+                    .or_insert_with(|| wanted(message.of).then(|| shared.of(message.of)));
+                let Some(decoder) = decoder else {
                     return;
                 };
-                let mut value = self.spare.take(message.channel);
+                let mut value = Value::Null;
                 let decoded = match &**decoder {
                     Ok(decoder) => decoder
                         .decode_into(message.data, &mut value)
@@ -195,10 +171,7 @@ impl Messages {
                 let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
                 let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
                 Stamped {
-                    time_ns: stamp
-                        .flatten()
-                        .unwrap_or(recorded)
-                        .saturating_add(*shift_ns),
+                    time_ns: stamp.flatten().unwrap_or(recorded),
                     log_time_ns: message.log_time_ns,
                     channel: message.channel,
                     size: message.data.len(),
@@ -211,7 +184,7 @@ impl Messages {
             return;
         }
         self.held += message.size;
-        self.ordered.push(message.time_ns, message);
+        self.ordered.push(message);
     }
 }
 
@@ -222,7 +195,7 @@ impl Iterator for Messages {
         while !self.done && !self.ordered.is_ripe() && self.held <= HELD_LIMIT {
             self.take();
         }
-        let (_, message) = self.ordered.pop()?;
+        let message = self.ordered.pop()?;
         self.held -= message.size;
         Some(message)
     }

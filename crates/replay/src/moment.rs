@@ -4,6 +4,8 @@ use grouser_slip::filter::BodyEstimate;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
+use crate::odometry::Odometry;
+
 /// What is known at one time, on its way to whoever takes it.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
@@ -16,6 +18,8 @@ pub(crate) struct Moment {
     pub(crate) wheels_motion: Option<BodyMotion>,
     /// Up to when the motions are known.
     pub(crate) until_ns: Option<i64>,
+    /// The filter's own odometry.
+    pub(crate) odometry: Option<Odometry>,
 }
 
 impl Moment {
@@ -32,6 +36,7 @@ impl Moment {
             motion: body.motion.or(body.wheels_motion),
             wheels_motion: body.wheels_motion,
             until_ns: body.until_ns,
+            odometry: None,
         }
     }
 
@@ -57,21 +62,23 @@ impl Moment {
             }),
             wheels_motion: body.wheels_motion,
             until_ns: Some(time_ns),
+            odometry: Some(Odometry::of_filter(fused)),
         }
     }
 }
 
 /// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π, π], rad; `None` where the
-/// centre is slower than `least` (m/s). As the filter's own, but of smoothed motions and of windows too.
+/// centre is slower than `min_speed` (m/s); `cos` and `sin` are of the wheel's heading. As the filter's own angle, but of
+/// smoothed motions and of windows too.
 pub(crate) fn side_slip_angle(
     wheel: &Wheel,
+    (cos, sin): (f64, f64),
     motion: Option<&BodyMotion>,
-    least: f64,
+    min_speed: f64,
 ) -> Option<f64> {
     let [v_x, v_y, turn] = motion?.velocity;
     let (along_x, along_y) = (v_x - turn * wheel.y, v_y + turn * wheel.x);
-    let (cos, sin) = (wheel.heading.cos(), wheel.heading.sin());
     let along = cos * along_x + sin * along_y;
     let aside = cos * along_y - sin * along_x;
-    (along.hypot(aside) > least).then(|| aside.atan2(along))
+    (along.hypot(aside) > min_speed).then(|| aside.atan2(along))
 }

@@ -133,6 +133,49 @@ pub enum Measurement {
 }
 
 impl Measurement {
+    /// The wheel that it belongs to, as an index in the robot's description.
+    #[must_use]
+    pub const fn wheel(&self) -> Option<usize> {
+        match *self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::MotorCurrent { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => Some(wheel),
+            _ => None,
+        }
+    }
+
+    /// The same measurement of another wheel; without effect on measurements of the robot.
+    #[must_use]
+    pub const fn with_wheel(mut self, index: usize) -> Self {
+        match &mut self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::MotorCurrent { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => *wheel = index,
+            _ => {}
+        }
+        self
+    }
+
+    /// Does it tell how far or how fast a wheel turns?
+    #[must_use]
+    pub const fn is_rotation(&self) -> bool {
+        matches!(
+            self,
+            Self::WheelCount { .. }
+                | Self::WheelEdge { .. }
+                | Self::WheelAngle { .. }
+                | Self::WheelRate { .. }
+        )
+    }
+
     /// Is it raw, so that an estimator takes only what [`OnBoard`](crate::onboard::OnBoard) makes of it?
     pub(crate) const fn is_raw(&self) -> bool {
         matches!(

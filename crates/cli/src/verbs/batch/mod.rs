@@ -7,24 +7,25 @@ mod stream;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use grouser_terra::{BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 use rayon::prelude::*;
-use serde_json::Value;
 
 use self::columns::{Columns, Row};
 use self::sink::TableSink;
 use crate::error::{Error, Result, shown};
-use crate::input::Input;
+use crate::exit::Outcome;
+use crate::input::{Input, STANDARD};
 use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use grouser_report::number::exact;
+use grouser_report::{Fields, fields};
 
 /// Soils kept at a time: a table may name any number of files.
 const SOILS: usize = 256;
@@ -37,13 +38,13 @@ const SOILS: usize = 256;
         exactly one is filled in each row. Every column of the input is kept; sinkage_m is filled in place, and \
         vertical_force_n, drawbar_pull_n, torque_nm and status are added. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
-    after_help = "Example:\n  grouser batch points.csv -o solved.csv"
+    after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
 )]
 pub(crate) struct Arguments {
     /// The table, or `-` for standard input
     #[arg(value_name = "IN.csv")]
     input: PathBuf,
-    /// Where the completed table goes
+    /// Where the completed table goes, or `-` for standard output; the report then goes to standard error
     #[arg(short, long, value_name = "OUT.csv")]
     output: PathBuf,
     #[command(flatten)]
@@ -60,10 +61,41 @@ struct Counts {
     bad_input: u64,
 }
 
+/// The table and what became of its rows.
+#[derive(Clone, Copy)]
+struct Solved<'a> {
+    counts: &'a Counts,
+    soils: &'a BTreeMap<String, String>,
+    output: &'a Path,
+}
+
+fn fields<'a>() -> Fields<'a, Solved<'a>> {
+    fields! { |solved: Solved<'a>|
+        "rows" "rows" = solved.counts.rows;
+        "ok" "rows that were solved" = solved.counts.ok;
+        "no_solution" "rows whose load no sinkage carries" = solved.counts.no_solution;
+        "not_converged" "rows whose search did not converge" = solved.counts.not_converged;
+        "bad_input" "rows with a bad value" = solved.counts.bad_input;
+        "soils" "the soils and their sources" values = Some(solved.soils.clone());
+        "output" "the table that was written" = solved.output.display().to_string();
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    fields().schema()
+}
+
 /// The soils met so far: each soil and its source.
 type Soils = BTreeMap<String, (Soil, String)>;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    if session.is_json() && arguments.output == Path::new(STANDARD) {
+        return Err(Error::usage(
+            "`--output -` and `--json` both need standard output",
+            "write the table into a file",
+        ));
+    }
     let input = Input::open_table(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
     let mut lines = Lines::of(input);
@@ -74,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     output.line(&columns.header())?;
     let mut counts = Counts::default();
     let mut soils = Soils::new();
-    let mut used = Object::new();
+    let mut used: BTreeMap<String, String> = BTreeMap::new();
     let solve = |chunk: Vec<Line>, bytes: u64| {
         let rows: Vec<Row> = chunk.par_iter().map(|line| columns.row(line)).collect();
         for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
@@ -82,7 +114,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         }
         for (name, (_, source)) in &soils {
             if used.len() < SOILS && !used.contains_key(name) {
-                used.insert(name.clone(), Value::from(source.as_str()));
+                used.insert(name.clone(), source.clone());
             }
         }
         let kernel_of = |name: &str| soils.get(name).map(|(soil, _)| BatchKernel::new(*soil));
@@ -109,24 +141,31 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let lines = stream::solve_lines(lines, solve, |line| output.line(line))?;
     if counts.rows == 0 {
-        return Err(Error::Content {
-            path: arguments.input.clone(),
-            message: "line 2: there is a header but no row".to_owned(),
-            hint: None,
-        });
+        return Err(Error::content(
+            &arguments.input,
+            "line 2: there is a header but no row",
+            None,
+        ));
     }
     session.used_input(lines.into_input());
     output.finish()?;
     drop(progress);
 
-    let mut object = counts.object();
-    object.insert("soils".to_owned(), Value::Object(used));
-    object.insert("output".to_owned(), Value::from(path.display().to_string()));
-    let mut report = Report::done(
-        object,
-        format!("wrote {}: {}\n", shown(&path), counts.words()),
-    );
+    let solved = Solved {
+        counts: &counts,
+        soils: &used,
+        output: &path,
+    };
+    let text = format!("wrote {}: {}\n", shown(&path), counts.words());
+    let mut report = Report::done(fields().object(solved), text);
+    report.is_aside = arguments.output == Path::new(STANDARD);
     report.warnings = columns.warnings();
+    if counts.ok == 0 {
+        report.outcome = Outcome::NoResult;
+        report.failure = Some("no row could be solved; `status` says why".to_owned());
+    } else if counts.ok < counts.rows {
+        report.outcome = Outcome::Doubtful;
+    }
     Ok(report)
 }
 
@@ -242,19 +281,6 @@ impl Counts {
             Ending::Solved(Status::NotConverged) => &mut self.not_converged,
             Ending::BadInput => &mut self.bad_input,
         } += 1;
-    }
-
-    fn object(&self) -> Object {
-        [
-            ("rows", self.rows),
-            ("ok", self.ok),
-            ("no_solution", self.no_solution),
-            ("not_converged", self.not_converged),
-            ("bad_input", self.bad_input),
-        ]
-        .into_iter()
-        .map(|(key, count)| (key.to_owned(), Value::from(count)))
-        .collect()
     }
 
     fn words(&self) -> String {

@@ -17,11 +17,16 @@
 //! ]
 //! ```
 
+mod write;
+
 use std::path::Path;
 
 use crate::document::{Document, Section};
 use crate::error::{Error, Place, Result};
 use crate::unit::Quantity;
+
+pub use write::to_toml;
+pub(crate) use write::{meaning, write_table};
 
 /// What a column means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,7 +197,7 @@ impl Table {
 }
 
 /// What a column map says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     /// Its tables.
     pub tables: Vec<Table>,

@@ -1,27 +1,12 @@
-//! Odometry out of the estimates: the robot's speeds, integrated, with the slip in their covariance.
+//! Odometry step by step: the filter's own, or the motion integrated.
 
 use grouser_slip::BodyMotion;
 
 use crate::moment::Moment;
+use crate::odometry::{Odometry, sandwich};
 
-/// A pose from the beginning of the log, with the speeds that led there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Odometry {
-    /// x and y, m, and yaw, rad.
-    pub pose: [f64; 3],
-    /// Covariance of the three.
-    pub pose_covariance: [[f64; 3]; 3],
-    /// Forwards m/s, to the left m/s, turning left rad/s.
-    pub velocity: [f64; 3],
-    /// Covariance of the three.
-    pub velocity_covariance: [[f64; 3]; 3],
-    /// The way that led there, m, forwards and back counted as ways.
-    pub distance: f64,
-    /// The same by the powered wheels alone, without compensation of slip, m.
-    pub distance_of_wheels: f64,
-}
-
-/// Integrates the robot's motion: by the reference, else by the wheels.
+/// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
+/// wheels.
 ///
 /// What the wheels said and the reference did not follow is slip. It is put into the covariance as a
 /// whole, P_v = Σ + d dᵀ with d = (v_wheels − v, 0, 0), so that a filter which fuses this odometry trusts it
@@ -30,15 +15,17 @@ pub struct Odometry {
 ///
 /// Assumes: level ground. Speeds are means over a window, so that the pose lags by half of it.
 #[derive(Clone, Debug)]
-pub(crate) struct DeadReckoning {
+pub(crate) struct Reckoning {
     window: f64,
     until_ns: Option<i64>,
     pose: [f64; 3],
     covariance: [[f64; 3]; 3],
     distances: [f64; 2],
+    /// The filter's odometry at the first step.
+    origin: Option<Odometry>,
 }
 
-impl DeadReckoning {
+impl Reckoning {
     /// Begins at the origin; `window` is that of the estimates, s.
     pub(crate) const fn new(window: f64) -> Self {
         Self {
@@ -47,6 +34,7 @@ impl DeadReckoning {
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
             distances: [0.0; 2],
+            origin: None,
         }
     }
 
@@ -67,14 +55,22 @@ impl DeadReckoning {
             self.distances[1] += by_wheels * seconds;
             covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
         }
+        let [distance, distance_of_wheels] = self.distances;
+        if let Some(odometry) = &moment.odometry {
+            return Some(Odometry {
+                distance,
+                distance_of_wheels,
+                ..odometry.since(self.origin.get_or_insert(*odometry))
+            });
+        }
         self.advance(&motion, &covariance, seconds);
         Some(Odometry {
             pose: self.pose,
             pose_covariance: self.covariance,
             velocity: motion.velocity,
             velocity_covariance: covariance,
-            distance: self.distances[0],
-            distance_of_wheels: self.distances[1],
+            distance,
+            distance_of_wheels,
         })
     }
 
@@ -113,21 +109,6 @@ fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
     }
 }
 
-/// A P Aᵀ.
-fn sandwich(a: &[[f64; 3]; 3], p: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let mut out = [[0.0; 3]; 3];
-    for (i, row) in out.iter_mut().enumerate() {
-        for (j, cell) in row.iter_mut().enumerate() {
-            for k in 0..3 {
-                for l in 0..3 {
-                    *cell += a[i][k] * p[k][l] * a[j][l];
-                }
-            }
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,12 +125,13 @@ mod tests {
             motion: Some(motion(velocity)),
             wheels_motion: Some(motion(wheels)),
             until_ns: Some(until_s * 1_000_000_000),
+            odometry: None,
         }
     }
 
     #[test]
     fn a_circle_closes_and_slip_shows_in_the_covariance() {
-        let mut reckoning = DeadReckoning::new(1.0);
+        let mut reckoning = Reckoning::new(1.0);
         let turn = std::f64::consts::TAU / 100.0;
         let mut last = None;
         for second in 0..=100 {
@@ -172,7 +154,7 @@ mod tests {
 
     #[test]
     fn nothing_known_is_nothing_said() {
-        let mut reckoning = DeadReckoning::new(0.5);
+        let mut reckoning = Reckoning::new(0.5);
         let nothing = Moment {
             motion: None,
             ..moment(0, [0.0; 3], [0.0; 3], 1.0)

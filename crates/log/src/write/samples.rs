@@ -1,11 +1,12 @@
-//! Typed readings as messages of ROS 2: a table becomes an MCAP file.
+//! Samples as messages of ROS 2: a table becomes an MCAP file.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use grouser_slip::{Measurement, Sample};
+
 use super::{McapWriter, Topic};
 use crate::message::{Value, build, known};
-use crate::record::{Reading, Record};
 
 /// Topic and type of each kind of message.
 const TICKS: (&str, &str) = ("/wheel_ticks", known::WHEEL_TICKS);
@@ -16,23 +17,23 @@ const POSE: (&str, &str) = ("/pose", "geometry_msgs/PoseStamped");
 const SPEED: (&str, &str) = ("/ground_speed", "geometry_msgs/TwistStamped");
 const COMMAND: (&str, &str) = ("/cmd_vel", "geometry_msgs/TwistStamped");
 
-/// Writes records as messages: counters as `grouser_msgs/WheelTicks`, angles and rates as
+/// Writes samples as messages: counters as `grouser_msgs/WheelTicks`, angles and rates as
 /// `sensor_msgs/JointState` with the wheels' names as joints (torques as their efforts), yaw rate and acceleration as
 /// `sensor_msgs/Imu`, a pose as
 /// `geometry_msgs/PoseStamped`, speed over ground and command as `geometry_msgs/TwistStamped`, ways as
-/// `grouser_msgs/Displacement`. Wheels of one time and one source stand in one message.
+/// `grouser_msgs/Displacement`. Wheels of one time share one message.
 ///
 /// Read again, the log is the same, but that a speed to the left that was not measured is 0.
-pub struct ReadingWriter<W: Write> {
+pub struct SampleWriter<W: Write> {
     writer: McapWriter<W>,
     topics: BTreeMap<&'static str, Topic>,
     wheels: Vec<String>,
-    group: Vec<Record>,
+    group: Vec<Sample>,
     messages: u64,
 }
 
-impl<W: Write> ReadingWriter<W> {
-    /// Begins a file; `wheels` are the names to which records refer.
+impl<W: Write> SampleWriter<W> {
+    /// Begins a file; `wheels` are the names to which samples refer.
     ///
     /// # Errors
     /// What the system refuses.
@@ -46,17 +47,21 @@ impl<W: Write> ReadingWriter<W> {
         })
     }
 
-    /// One record more, later than those before.
+    /// Writes a sample, not earlier than those before.
     ///
     /// # Errors
     /// What the system refuses; `InvalidInput` for times before 1970.
-    pub fn record(&mut self, record: &Record) -> io::Result<()> {
-        let same =
-            |first: &Record| first.time_ns == record.time_ns && first.source == record.source;
-        if !self.group.first().is_none_or(same) {
+    pub fn sample(&mut self, sample: &Sample) -> io::Result<()> {
+        let follows = |other: &Sample| {
+            let (a, b) = (&other.measurement, &sample.measurement);
+            let same_kind = std::mem::discriminant(a) == std::mem::discriminant(b);
+            other.time_ns != sample.time_ns || (same_kind && a.wheel() == b.wheel())
+        };
+        // A sensor that has two samples of one time gets two messages.
+        if self.group.iter().any(follows) {
             self.flush()?;
         }
-        self.group.push(*record);
+        self.group.push(*sample);
         Ok(())
     }
 
@@ -77,21 +82,21 @@ impl<W: Write> ReadingWriter<W> {
 
     fn flush(&mut self) -> io::Result<()> {
         let group = std::mem::take(&mut self.group);
-        let Some(time_ns) = group.first().map(|record| record.time_ns) else {
+        let Some(time_ns) = group.first().map(|sample| sample.time_ns) else {
             return Ok(());
         };
         let header = || build::header(time_ns, "base_link");
         let (mut ticks, mut joints) = (Vec::new(), [const { Vec::new() }; 3]);
         let (mut yaw_rate, mut acceleration) = (None, None);
-        for record in &group {
-            match record.reading {
-                Reading::WheelCount { wheel, raw } => ticks.push((wheel, raw)),
-                Reading::WheelAngle { wheel, angle } => joints[0].push((wheel, angle)),
-                Reading::WheelRate { wheel, rate } => joints[1].push((wheel, rate)),
-                Reading::WheelTorque { wheel, torque } => joints[2].push((wheel, torque)),
-                Reading::YawRate { rate } => yaw_rate = Some(rate),
-                Reading::Acceleration { forward, left } => acceleration = Some([forward, left]),
-                Reading::Displacement {
+        for sample in &group {
+            match sample.measurement {
+                Measurement::WheelCount { wheel, raw } => ticks.push((wheel, raw)),
+                Measurement::WheelAngle { wheel, angle } => joints[0].push((wheel, angle)),
+                Measurement::WheelRate { wheel, rate } => joints[1].push((wheel, rate)),
+                Measurement::WheelTorque { wheel, torque } => joints[2].push((wheel, torque)),
+                Measurement::YawRate { rate } => yaw_rate = Some(rate),
+                Measurement::Acceleration { forward, left } => acceleration = Some([forward, left]),
+                Measurement::Displacement {
                     forward,
                     left,
                     turn,
@@ -99,21 +104,23 @@ impl<W: Write> ReadingWriter<W> {
                     let value = build::displacement(header(), forward, left, turn);
                     self.send(WAY, time_ns, &value)?;
                 }
-                Reading::Pose { x, y, yaw } => {
+                Measurement::Pose { x, y, yaw } => {
                     let pose = build::pose(x, y, yaw);
                     let value = build::message([("header", header()), ("pose", pose)]);
                     self.send(POSE, time_ns, &value)?;
                 }
-                Reading::Speed { forward, left } => {
+                Measurement::Speed { forward, left } => {
                     let linear = [forward, left.unwrap_or(0.0), 0.0];
                     let value = build::twist_stamped(header(), linear, [0.0; 3]);
                     self.send(SPEED, time_ns, &value)?;
                 }
-                Reading::Command { forward, left } => {
+                Measurement::Command { forward, left } => {
                     let linear = [forward, left, 0.0];
                     let value = build::twist_stamped(header(), linear, [0.0; 3]);
                     self.send(COMMAND, time_ns, &value)?;
                 }
+                // No log holds edges or carriers.
+                _ => {}
             }
         }
         if yaw_rate.is_some() || acceleration.is_some() {

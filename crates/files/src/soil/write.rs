@@ -1,0 +1,80 @@
+//! A soil as the text of a soil file.
+
+use grouser_terra::{LawChoice, Pressure};
+
+use super::SoilFile;
+use crate::toml_text::TomlText;
+
+/// The text of a soil file that reads back to the same numbers, bit for bit.
+///
+/// `remarks` stand above it as comments, one line each: what the numbers were identified from. A number that
+/// is open (NaN) is left out. Keys whose value is the usual one are left out too.
+///
+/// ```
+/// use grouser_files::{Document, soil};
+/// use grouser_terra::catalogue;
+/// let lunar = catalogue::find("lunar").expect("in the catalogue");
+/// let file = soil::SoilFile::new("Lunar", "Lunar Sourcebook", *lunar.soil()?.params());
+/// let text = soil::to_toml(&file, &["copied from the catalogue"])?;
+/// let again = soil::parse(&Document::from_text("lunar.toml", text.into())?)?;
+/// assert_eq!(again, file);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`grouser_terra::Error::Missing`] for Reece's moduli, for which soil files have no keys.
+pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terra::Error> {
+    let params = file.params();
+    let Pressure::Bekker(modulus) = params.pressure else {
+        return Err(grouser_terra::Error::Missing {
+            field: "k_phi",
+            needed_by: "a soil file",
+        });
+    };
+    let mut out = TomlText::new(remarks);
+    out.optional_text("key", file.key.as_deref());
+    out.text("name", &file.name);
+    for (key, value) in [("source", &file.source), ("note", &file.note)] {
+        out.optional_text(key, (!value.is_empty()).then_some(value));
+    }
+    out.number("n", params.n);
+    out.scaled("k_c_kn_per_m_n1", modulus.k_c, 1e3);
+    out.scaled("k_phi_kn_per_m_n2", modulus.k_phi, 1e3);
+    out.scaled("cohesion_kpa", params.cohesion, 1e3);
+    out.degrees("phi_deg", params.phi.rad());
+    for (key, value) in [
+        ("k_shear_m", params.k_shear),
+        ("c_1", params.c_1),
+        ("c_2", params.c_2),
+    ] {
+        out.optional_number(key, (!value.is_nan()).then_some(value));
+    }
+    for (key, value) in [
+        ("n_1", params.n_1),
+        ("n_2", params.n_2),
+        ("rebound", params.rebound),
+        ("rear_driving", params.rear_driving),
+        ("rear_drift", params.rear_drift),
+        ("transport_layer_m", params.transport_layer),
+        ("k_shear_1_m_per_rad", params.k_shear_1),
+        ("k_shear_side_1_m_per_rad", params.k_shear_side_1),
+    ] {
+        out.nonzero(key, value);
+    }
+    out.optional_number("k_shear_side_m", params.k_shear_side);
+    out.optional_number("unit_weight_n_per_m3", params.unit_weight);
+    laws(&mut out, params.laws);
+    Ok(out.finish())
+}
+
+fn laws(out: &mut TomlText, laws: LawChoice) {
+    let usual = LawChoice::default();
+    if laws.slip_sinkage != usual.slip_sinkage {
+        out.text("slip_sinkage", laws.slip_sinkage.key());
+    }
+    if laws.stress_position != usual.stress_position {
+        out.text("stress_position", laws.stress_position.key());
+    }
+    out.optional_text("shear", laws.shear.map(|law| law.key()));
+    out.optional_text("bulldozing", laws.bulldozing.map(|law| law.key()));
+}
