@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::report::Report;
 use crate::session::Session;
 
+// No group: it would have the name of the group of the verb's own arguments.
 #[derive(clap::Args, Debug)]
 #[group(skip)]
 pub(super) struct Arguments {
