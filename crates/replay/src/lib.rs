@@ -28,6 +28,7 @@
 
 mod align;
 mod calibration;
+mod checks;
 mod choice;
 mod consistency;
 mod engine;
@@ -54,6 +55,7 @@ mod unreferenced;
 mod ways;
 
 pub use calibration::{Calibration, calibrate_radius};
+pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::Inputs;
 pub use consistency::Consistency;
 pub use engine::Engine;

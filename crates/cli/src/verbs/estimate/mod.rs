@@ -70,7 +70,7 @@ pub(crate) struct Arguments {
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Sink means over this time in s; the robot file's unless told
+    /// Take means over this time in s; the robot file's unless told
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
