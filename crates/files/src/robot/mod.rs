@@ -34,7 +34,6 @@ mod write;
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::settings::Field;
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
@@ -43,6 +42,7 @@ use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
+use crate::fields::read_fields;
 use crate::topics::{Topics, put_wheels, read_topics};
 
 pub use write::to_toml;
@@ -211,22 +211,6 @@ fn read_estimator(
     read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
     section.optional_choice("reference", &references)
-}
-
-/// Sets every field that the section has a key for; the settings themselves check the limits.
-fn read_fields<S: Copy>(
-    section: &Section<'_>,
-    settings: &mut S,
-    fields: &[Field<S>],
-) -> Result<()> {
-    for field in fields {
-        if let Some(key) = field.key
-            && let Some(value) = section.optional_number(key, (-1e12, 1e12))?
-        {
-            field.set_from_file(settings, value);
-        }
-    }
-    Ok(())
 }
 
 /// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.
