@@ -58,7 +58,12 @@ pub(super) fn text(
         let [x, y, yaw] = odometry.pose;
         let _ = writeln!(
             text,
-            "odometry: {:.3} m driven, {:.3} m without compensation; ends at x {} m, y {} m, {}°",
+            "{}: {:.3} m driven, {:.3} m without compensation; ends at x {} m, y {} m, {}°",
+            if summary.reference == Reference::Grip {
+                "odometry by the wheel that grips best"
+            } else {
+                "odometry"
+            },
             odometry.distance,
             odometry.distance_of_wheels,
             number(Some(x), 3),
@@ -116,7 +121,7 @@ pub(super) fn beside_truth(errors: &[TruthError]) -> String {
     for column in ["rmse", "bias", "nees", "in 90 %", "lag s"] {
         table = table.number(column);
     }
-    for error in errors {
+    for error in errors.iter().filter(|error| error.count > 0) {
         let cells = [
             (error.rmse, 4),
             (error.bias, 4),

@@ -60,7 +60,8 @@ impl Choosing<'_> {
                 .filter(|axes| agree(axes[2], up)),
         };
         let Some([forward, left, _]) = axes else {
-            if imu.acceleration.is_some() && !imu.acceleration_trust.contains(&Trust::DoNotUse) {
+            // Drivers without an accelerometer leave zeros.
+            if seen.accelerations.up().is_some() {
                 let topic = &seen.channel.topic;
                 let why = match self.topics.imu_forward {
                     Some(_) => "`imu_forward` in the robot file is not level",
