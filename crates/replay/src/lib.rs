@@ -28,6 +28,7 @@
 
 mod align;
 mod calibration;
+mod checks;
 mod choice;
 mod consistency;
 mod engine;
@@ -50,11 +51,13 @@ mod soil_reading;
 mod start;
 mod summary;
 mod tally;
+mod truth;
 mod turn_watch;
 mod unreferenced;
 mod ways;
 
 pub use calibration::{Calibration, calibrate_radius};
+pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::Inputs;
 pub use consistency::Consistency;
 pub use engine::Engine;
@@ -71,5 +74,6 @@ pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use start::{StartOutcome, check_start};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
+pub use truth::{Compared, Truth, TruthError};
 pub use turn_watch::TurnCheck;
 pub use unreferenced::{KnownGround, SlipRange, Stretch, roller_ripple, slip_without_reference};

@@ -15,17 +15,18 @@ use std::path::PathBuf;
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
+use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, check_start,
-    run_into, soil_readings,
+    Compared, Doubt, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
+    Truth, check_start, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
 use self::object::Found;
 use self::output::Outputs;
 use self::request::Request;
-use self::text::text;
+use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
@@ -84,6 +85,9 @@ pub(crate) struct Arguments {
     /// Check units, signs and axes of the sensors against each other; exit code 3 where they disagree
     #[arg(long)]
     check: bool,
+    /// Compare with true slips: a CSV table (`time_s`, `NAME_slip` of each wheel), or a topic of the log
+    #[arg(long, value_name = "FILE.csv|/TOPIC")]
+    truth: Option<PathBuf>,
     /// Write the robot file with the radius at which these logs, runs without slip, show none
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil"])]
     calibrate_radius: Option<PathBuf>,
@@ -137,8 +141,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         log: &log,
         progress: &progress,
         outputs: &mut outputs,
+        compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
+    let errors = watched.compared.map(|compared| compared.errors());
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -161,14 +167,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(start) = &start {
         let _ = writeln!(text, "sensors: {}", start_words(start));
     }
+    if let Some(errors) = &errors {
+        text.push_str(&beside_truth(errors));
+    }
     text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&request.robot, &summary)?);
+    let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
-            Status::Done if matches!(start, Some(StartOutcome::Implausible { .. })) => {
-                Outcome::Doubtful
-            }
-            Status::Done => Outcome::Done,
+            Status::Done if doubts(&summary).is_empty() && !is_implausible => Outcome::Done,
+            Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
         object: object::fields().object(Found {
@@ -176,11 +184,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             log: &log,
             readings: &readings,
             start,
+            errors: errors.as_deref(),
         }),
         text,
         is_aside: false,
         failure: failure(&summary),
-        warnings: warnings(&summary, &log, &arguments.logs, &readings),
+        warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
     })
 }
 
@@ -189,17 +198,53 @@ struct Watched<'a> {
     log: &'a Log,
     progress: &'a Progress,
     outputs: &'a mut Outputs,
+    compared: Option<Compared>,
 }
 
 impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
+        if let Some(compared) = &mut self.compared {
+            compared.row(row)?;
+        }
         self.outputs.row(row)
     }
 
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        if let Some(compared) = &mut self.compared {
+            compared.step(step)?;
+        }
         self.outputs.step(step)
     }
+}
+
+/// The true slips to compare with: a file, else a topic of the log.
+fn truth(
+    arguments: &Arguments,
+    log: &Log,
+    robot: &RobotFile,
+    session: &mut Session,
+) -> Result<Option<Truth>> {
+    let Some(source) = &arguments.truth else {
+        return Ok(None);
+    };
+    if source.is_file() {
+        session.used_file(source)?;
+        return Ok(Some(Truth::read(source, &robot.robot)?));
+    }
+    let topic = source.to_string_lossy();
+    let recordings = log
+        .files()
+        .filter(|file| matches!(Container::kind(file), Ok(Some(_))));
+    Ok(Some(Truth::read_topic(recordings, &topic, &robot.robot)?))
+}
+
+/// Why the result is doubtful.
+fn doubts(summary: &Summary) -> &[Doubt] {
+    summary
+        .fused
+        .as_ref()
+        .map_or(&[], |fused| fused.doubts.as_slice())
 }
 
 fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
@@ -278,15 +323,24 @@ fn failure(summary: &Summary) -> Option<String> {
 fn warnings(
     summary: &Summary,
     log: &Log,
+    request: &Request,
     named: &[PathBuf],
     readings: &[SoilReading],
 ) -> Vec<String> {
     let mut out = Vec::new();
+    out.extend(doubts(summary).iter().map(ToString::to_string));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"
                 .to_owned(),
         );
+    } else if request.robot.reference == Some(Reference::Grip)
+        && request.options.reference.is_none()
+    {
+        out.push(format!(
+            "the robot file names `grip`, but the log measures the robot's motion: `{}` is used",
+            summary.reference.name()
+        ));
     }
     if summary.rejected.total() > 0 {
         out.push(format!(
@@ -313,6 +367,13 @@ fn warnings(
         out.push(format!(
             "{} messages came more than {LOOK_AHEAD} messages too late and were left out",
             left_out.late
+        ));
+    }
+    if left_out.excluded > 0 {
+        out.push(format!(
+            "{} readings are not used: {}",
+            left_out.excluded,
+            left_out.exclusion.unwrap_or_default()
         ));
     }
     // What else lies in a folder is no matter.
