@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    Callback, Counts, Front, Kkt, Method, MultiStart, Progress, Solution, Status, multi_start,
+    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Progress, Solution, Status, multi_start,
     pareto, solve_with,
 };
 
@@ -135,6 +135,17 @@ impl Design {
     /// As [`Design::solve_with`].
     pub fn solve(&self) -> Result<Answer> {
         self.solve_with(&mut |_| ControlFlow::Continue(()))
+    }
+
+    /// What a solve would minimise at `x` (the variables of the file), and the worst violation there.
+    ///
+    /// # Errors
+    /// [`Error::Problem`] for a point of the wrong length; a measure over worlds that has helper variables of
+    /// its own has no merit at a point.
+    pub fn merit(&self, x: &[f64]) -> Result<Merit> {
+        let problem = self.problem()?;
+        let method = self.method(&problem);
+        grouser_opt::evaluate(problem.problem(), &method, x).map_err(|e| self.refuse(e))
     }
 
     /// Solves it; `callback` is called once an iteration of a single solve, and may stop it.

@@ -16,6 +16,9 @@ pub struct Settings {
     pub max_iterations: usize,
     /// At most so many evaluations of the functions (an evaluation with derivatives counts once here too).
     pub max_values: usize,
+    /// Random probes around a point before it is called a solution, beside those along each variable and each
+    /// gradient; 0 for no probes at all. From a probe that lowers the level the search starts again.
+    pub probes: usize,
 }
 
 impl Default for Settings {
@@ -26,6 +29,7 @@ impl Default for Settings {
             step_tolerance: 1e-14,
             max_iterations: 1000,
             max_values: 10_000,
+            probes: 64,
         }
     }
 }

@@ -93,6 +93,7 @@ fn read_settings(section: &Section<'_>) -> Result<Settings> {
             default.max_values,
             (1, 1_000_000_000),
         )?,
+        ..default
     })
 }
 

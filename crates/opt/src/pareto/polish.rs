@@ -35,6 +35,8 @@ pub(super) fn polish(
     // A point that is near needs few steps; one that does not get there is kept as the search left it.
     let settings = &Settings {
         max_iterations: settings.max_iterations.min(LONGEST),
+        // a point of the front is held against its neighbours instead
+        probes: 0,
         ..settings.clone()
     };
     let ends = ends(problem, settings, front, counts)?;
