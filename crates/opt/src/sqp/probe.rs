@@ -7,6 +7,7 @@
 
 use super::point::{Evaluator, Point};
 use super::subspace::dot;
+use crate::program::Program;
 use crate::random::Random;
 use crate::settings::Settings;
 use crate::solution::Counts;
@@ -16,6 +17,8 @@ const PROBE_LENGTH: f64 = 1e-4;
 /// A decrease of the level beyond this · (1 + |level|) refutes a point. The optimality conditions themselves
 /// leave 1e-8 of the level open (`Settings::optimality_tolerance`).
 const REFUTING_DECREASE: f64 = 1e-7;
+/// Passes over the linear constraints that a probe violates.
+const LINEAR_SWEEPS: usize = 4;
 /// Objectives within this · (1 + |level|) of the level hold it.
 const HOLDING_SLACK: f64 = 1e-6;
 
@@ -31,12 +34,12 @@ pub(super) fn improvement(
     let mut best = level - REFUTING_DECREASE * (1.0 + level.abs());
     let mut found = None;
     for direction in directions(evaluator, settings.probes, point) {
-        let x: Vec<f64> = direction
-            .iter()
-            .zip(&point.x)
-            .zip(program.lower.iter().zip(&program.upper))
-            .map(|((d, x), (low, high))| (x + d).clamp(*low, *high))
-            .collect();
+        let mut x: Vec<f64> = direction.iter().zip(&point.x).map(|(d, x)| x + d).collect();
+        into_bounds(program, &mut x);
+        for _ in 0..LINEAR_SWEEPS {
+            onto_linear(program, &mut x);
+            into_bounds(program, &mut x);
+        }
         let linear = program.linear.iter().all(|row| {
             let off = |x: &[f64]| dot(&row.coefficients, x) - row.bound;
             let rounding = 1e-14 * (1.0 + row.bound.abs());
@@ -59,6 +62,25 @@ pub(super) fn improvement(
         }
     }
     found
+}
+
+fn into_bounds(program: &Program<'_>, x: &mut [f64]) {
+    for (x, (low, high)) in x.iter_mut().zip(program.lower.iter().zip(&program.upper)) {
+        *x = x.clamp(*low, *high);
+    }
+}
+
+/// Puts a point back onto each linear constraint that it violates.
+fn onto_linear(program: &Program<'_>, x: &mut [f64]) {
+    for row in &program.linear {
+        let off = dot(&row.coefficients, x) - row.bound;
+        let size = dot(&row.coefficients, &row.coefficients);
+        if (off > 0.0 || row.equal) && size > 0.0 {
+            for (x, a) in x.iter_mut().zip(&row.coefficients) {
+                *x -= off / size * a;
+            }
+        }
+    }
 }
 
 fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Vec<Vec<f64>> {
@@ -113,8 +135,10 @@ fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Ve
     list.push(sum.iter().zip(&lengths).map(|(d, l)| d * l).collect());
     let mut stream = Random::new(1);
     for _ in 0..random {
-        let direction = lengths.iter();
-        list.push(direction.map(|l| l * (2.0 * stream.uniform() - 1.0)).collect());
+        let lengths = lengths.iter();
+        let direction: Vec<f64> = lengths.map(|l| l * (2.0 * stream.uniform() - 1.0)).collect();
+        list.push(direction.iter().map(|d| -d).collect());
+        list.push(direction);
     }
     list
 }
