@@ -1,4 +1,4 @@
-//! The controller whatever it is told: every order finite and bounded, every decision with a number.
+//! The controller under any input: every command finite and bounded, every decision with a number.
 #![no_main]
 
 mod bytes;
@@ -6,7 +6,7 @@ mod stream;
 
 use bytes::Bytes;
 use grouser_slip::filter::SlipPrior;
-use grouser_slip::control::{ControlInput, ControlSettings, Controller, WheelSeen};
+use grouser_slip::control::{ControlInput, ControlSettings, Controller, Request, WheelObservation};
 use grouser_slip::{Degraded, Health, Invalid, Motion};
 use libfuzzer_sys::fuzz_target;
 
@@ -31,14 +31,12 @@ fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
     let wheels = 3 + bytes.u8() % 4;
     let robot = stream::robot(16, wheels);
-    let settings = ControlSettings {
-        optimum: bytes.within(0.01, 0.95),
-        decides: bytes.u8() % 4 > 0,
-        high_slip_time: bytes.within(0.0, 1.0),
-        dig_time: bytes.within(0.0, 1.0),
-        ..ControlSettings::default()
-    };
-    let most_traction = settings.most_traction;
+    let mut settings = ControlSettings::default();
+    settings.optimum = bytes.within(0.01, 0.95);
+    settings.decides = bytes.u8() % 4 > 0;
+    settings.high_slip_time = bytes.within(0.0, 1.0);
+    settings.dig_time = bytes.within(0.0, 1.0);
+    let max_traction = settings.max_traction;
     let Ok(mut controller) = Controller::new(&robot, settings) else {
         return;
     };
@@ -50,7 +48,7 @@ fuzz_target!(|bytes: &[u8]| {
         let told = if bytes.u8() % 16 == 0 { bytes.u8() % 8 } else { wheels };
         for _ in 0..told {
             let kind = bytes.u8();
-            seen.push(WheelSeen {
+            seen.push(WheelObservation {
                 slip: number(&mut bytes, -1.0, 1.0),
                 sigma: number(&mut bytes, 0.0, 0.5),
                 health: HEALTH[usize::from(kind) % HEALTH.len()],
@@ -69,17 +67,19 @@ fuzz_target!(|bytes: &[u8]| {
             heading: number(&mut bytes, -4.0, 4.0),
             pitch: number(&mut bytes, -0.7, 0.7),
             roll: number(&mut bytes, -0.7, 0.7),
-            asked_speed: number(&mut bytes, -2.0, 2.0).unwrap_or(0.0),
-            asked_heading: number(&mut bytes, -4.0, 4.0).unwrap_or(0.0),
-            demanded: number(&mut bytes, -1.0, 1.0)
+            request: Request {
+                speed: number(&mut bytes, -2.0, 2.0).unwrap_or(0.0),
+                heading: number(&mut bytes, -4.0, 4.0).unwrap_or(0.0),
+            },
+            slip_demand: number(&mut bytes, -1.0, 1.0)
                 .zip(number(&mut bytes, 0.0, 0.5))
                 .map(|(mean, sigma)| SlipPrior { mean, sigma }),
         };
         let output = controller.step(&input);
-        assert_eq!(output.orders.len(), usize::from(wheels));
-        for order in output.orders {
-            assert!(order.rim_speed.is_finite(), "{order:?} of {input:?}");
-            assert!((0.0..=most_traction).contains(&order.traction), "{order:?} of {input:?}");
+        assert_eq!(output.commands.len(), usize::from(wheels));
+        for command in output.commands {
+            assert!(command.rim_speed.is_finite(), "{command:?} of {input:?}");
+            assert!((0.0..=max_traction).contains(&command.traction), "{command:?} of {input:?}");
         }
         assert!(output.heading.is_finite(), "{output:?} of {input:?}");
         assert!((-1.0..=1.0).contains(&output.slip), "{output:?} of {input:?}");

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use grouser_files::{Document, columns};
-use grouser_log::{Log, Reading};
+use grouser_log::Log;
+use grouser_slip::Measurement;
 use libfuzzer_sys::fuzz_target;
 
 const OPTIONS: [&str; 6] = [
@@ -44,7 +45,7 @@ fuzz_target!(|bytes: &[u8]| {
         let Ok(log) = Log::find(std::slice::from_ref(file), map) else {
             return;
         };
-        let Ok(records) = log.records(&[]) else { return };
+        let Ok(records) = log.samples(&[]) else { return };
         let Ok(records) = records.collect::<Result<Vec<_>, _>>() else {
             return;
         };
@@ -53,7 +54,7 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(records.len() <= 2 * rows);
         }
         for record in records {
-            if let Reading::YawRate { rate } = record.reading {
+            if let Measurement::YawRate { rate } = record.measurement {
                 assert!(rate.is_finite());
             }
         }

@@ -12,7 +12,7 @@ pub fn run(scene: &Scene, step: f64) -> Seen {
     let (force, moment, time) = scene.push;
     let pushed = (time / step).round() as u64;
     for number in 0..steps {
-        let mut forces = [0.0; grouser_rover::dynamics::MAX_SPEEDS];
+        let mut forces = [0.0; grouser_rover::body::MAX_SPEEDS];
         if number < pushed {
             // at the centre of the chassis' mass
             let at = linkage.bodies()[0].centre;

@@ -9,6 +9,4 @@ pub mod paper;
 pub mod validate;
 
 pub use error::{Error, Result};
-
-/// A JSON object that keeps the order of its keys; NaN and infinite numbers become `null` on their way in.
-pub type Object = serde_json::Map<String, serde_json::Value>;
+pub use grouser_report::Object;

@@ -1,132 +1,165 @@
-//! What can go wrong, and the exit codes.
+//! Bad usage and bad input: one error for all of them.
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::fmt;
+use std::path::Path;
 
-/// The result of whatever may fail in the command.
+use serde_json::Value;
+
+/// The result of an operation of the command that may fail.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// A bad usage or input: exit code 2, told on standard error, nothing on standard output.
+/// A bad usage or input: exit code 2, reported on standard error; under `--json` as an object on standard output too.
 ///
 /// Wording: lower case, no full stop, names in backticks; what, where, the value and the limit.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub(crate) enum Error {
-    /// A flag, a combination of flags, or a value that no law accepts.
-    #[error("{message}")]
-    Usage {
-        /// What is wrong, with the flag, the value and the limit.
-        message: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
-    /// A file whose content is wrong.
-    #[error("{}: {message}", shown(.path))]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, with the line and the column.
-        message: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
-    /// A file that cannot be read or written.
-    #[error("cannot {action} {}: {reason}", shown(.path))]
-    File {
-        /// `read`, `write`, …
-        action: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        reason: String,
-        /// What to do about it.
-        hint: Option<String>,
-    },
-    /// One of our own files says something wrong; its message begins with the place.
-    #[error("{0}")]
-    Described(#[source] grouser_files::Error),
+#[derive(Clone, Debug)]
+pub(crate) struct Error {
+    kind: Kind,
+    message: String,
+    hint: Option<String>,
+    details: Box<Details>,
 }
 
-impl From<grouser_files::Error> for Error {
-    fn from(error: grouser_files::Error) -> Self {
-        use grouser_files::Error as FileError;
-        match error {
-            FileError::Unreadable { file, source } => Self::file("read", Path::new(&file), &source),
-            FileError::NotAFile { file, what } => Self::File {
-                action: "read",
-                path: PathBuf::from(file),
-                reason: format!("it is {what}"),
-                hint: (what == "a pipe")
-                    .then(|| "`-` reads standard input where a verb takes it".to_owned()),
-            },
-            error => Self::Described(error),
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A flag, or a combination of flags.
+    Usage,
+    /// A value that lies outside its limits.
+    Value,
+    /// The content of a file.
+    Content,
+    /// A file that cannot be read or written.
+    File,
+}
+
+/// The parts of a message, for programs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Details {
+    pub(crate) field: Option<String>,
+    pub(crate) value: Value,
+    /// A number, or the least and the greatest value.
+    pub(crate) limit: Value,
+    pub(crate) unit: Option<String>,
+    pub(crate) file: Option<String>,
+    /// From 1.
+    pub(crate) line: Option<u64>,
+}
+
+impl Kind {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Usage => "usage",
+            Self::Value => "value",
+            Self::Content => "content",
+            Self::File => "file",
         }
     }
 }
 
 impl Error {
-    /// A wrong flag or value, with a hint.
-    pub(crate) fn usage(message: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self::Usage {
+    pub(crate) fn new(kind: Kind, message: impl Into<String>, hint: Option<String>) -> Self {
+        Self {
+            kind,
             message: message.into(),
-            hint: Some(hint.into()),
+            hint,
+            details: Box::default(),
         }
     }
 
-    /// A wrong flag or value about which there is nothing more to say.
+    /// A wrong flag or value, with a hint.
+    pub(crate) fn usage(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self::new(Kind::Usage, message, Some(hint.into()))
+    }
+
+    /// A wrong flag or value without a hint.
     pub(crate) fn usage_without_hint(message: impl Into<String>) -> Self {
-        Self::Usage {
-            message: message.into(),
-            hint: None,
-        }
+        Self::new(Kind::Usage, message, None)
+    }
+
+    /// A flag whose value lies outside its limits, as the message says them.
+    pub(crate) fn out_of_range(
+        flag: &str,
+        value: f64,
+        limit: [f64; 2],
+        limits: impl fmt::Display,
+    ) -> Self {
+        let told = grouser_report::number::told(value);
+        let message = format!("`{flag}` is {told}, but must {limits}");
+        Self::new(Kind::Value, message, None).with(Details {
+            field: Some(flag.to_owned()),
+            value: value.into(),
+            limit: limit.to_vec().into(),
+            ..Details::default()
+        })
+    }
+
+    /// A file whose content is wrong; the message names the line and the column.
+    pub(crate) fn content(path: &Path, message: impl fmt::Display, hint: Option<String>) -> Self {
+        Self::new(Kind::Content, format!("{}: {message}", shown(path)), hint).at(path)
     }
 
     /// An operation on a file that the system refused.
-    pub(crate) fn file(action: &'static str, path: &Path, reason: &std::io::Error) -> Self {
-        Self::File {
-            action,
-            path: path.to_owned(),
-            reason: system_reason(reason),
-            hint: None,
-        }
+    pub(crate) fn file(action: &str, path: &Path, reason: &std::io::Error) -> Self {
+        Self::refused_file(action, path, &system_reason(reason), None)
     }
 
-    /// What to do about it, where there is something to say.
-    pub(crate) fn hint(&self) -> Option<String> {
-        match self {
-            Self::Described(error) => error.hint(),
-            Self::Usage { hint, .. } | Self::Content { hint, .. } | Self::File { hint, .. } => {
-                hint.clone()
-            }
-        }
+    /// An operation on a file that this program refuses.
+    pub(crate) fn refused_file(
+        action: &str,
+        path: &Path,
+        reason: &str,
+        hint: Option<String>,
+    ) -> Self {
+        let message = format!("cannot {action} {}: {reason}", shown(path));
+        Self::new(Kind::File, message, hint).at(path)
     }
-}
 
-/// How a job ended that was not refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub(crate) enum Outcome {
-    /// With its result.
-    Done,
-    /// Without its result: no solution, not converged, infeasible.
-    NoResult,
-    /// With a part of its result.
-    Partial,
-}
+    pub(crate) fn with(mut self, details: Details) -> Self {
+        *self.details = details;
+        self
+    }
 
-impl Outcome {
-    /// 0, 1 or 3.
-    pub(crate) fn exit_code(self) -> ExitCode {
-        ExitCode::from(match self {
-            Self::Done => 0,
-            Self::NoResult => 1,
-            Self::Partial => 3,
+    fn at(self, path: &Path) -> Self {
+        self.with(Details {
+            file: Some(path.display().to_string()),
+            ..Details::default()
         })
     }
+
+    /// What to do about it, where that is known.
+    pub(crate) fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
+    }
+
+    /// The error for programs.
+    pub(crate) fn object(&self) -> Value {
+        let Details {
+            field,
+            value,
+            limit,
+            unit,
+            file,
+            line,
+        } = &*self.details;
+        serde_json::json!({"error": {
+            "kind": self.kind.name(),
+            "message": self.message,
+            "hint": self.hint,
+            "field": field,
+            "value": value,
+            "limit": limit,
+            "unit": unit,
+            "file": file,
+            "line": line,
+        }})
+    }
 }
 
-/// The exit code of every [`Error`].
-pub(crate) const BAD_INPUT: u8 = 2;
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
 
 /// A path as messages show it; bytes that are not text become U+FFFD.
 pub(crate) fn shown(path: &Path) -> String {

@@ -2,8 +2,9 @@
 //! radians.
 
 use grouser_terra::Error as LawError;
+use serde_json::Value;
 
-use crate::error::Error;
+use crate::error::{Details, Error, Kind};
 use grouser_report::number::told;
 
 /// Whose names a message uses.
@@ -51,7 +52,33 @@ impl Names {
 
     /// What the laws refuse, as an error of the command.
     pub(crate) fn error(self, error: &LawError) -> Error {
-        Error::usage_without_hint(self.message(error))
+        let details = match *error {
+            LawError::OutOfRange {
+                value,
+                low,
+                high,
+                unit,
+                ..
+            } => {
+                let (scale, unit) = in_degrees(unit);
+                let limit = vec![low * scale, high * scale].into();
+                details((value * scale).into(), limit, &unit)
+            }
+            LawError::NotAbove {
+                value, limit, unit, ..
+            } => {
+                let (scale, unit) = in_degrees(unit);
+                details((value * scale).into(), (limit * scale).into(), &unit)
+            }
+            LawError::HubBuried { sinkage, radius } => details(sinkage.into(), radius.into(), " m"),
+            _ => Details::default(),
+        };
+        Error::new(Kind::Value, self.message(error), None).with(Details {
+            field: error
+                .field()
+                .map(|field| self.of(field).trim_matches('`').to_owned()),
+            ..details
+        })
     }
 
     /// What the laws refuse: the name, the value, the limit and the unit.
@@ -119,6 +146,15 @@ impl Names {
             ),
             ref other => other.to_string(),
         }
+    }
+}
+
+fn details(value: Value, limit: Value, unit: &str) -> Details {
+    Details {
+        value,
+        limit,
+        unit: Some(unit.trim_start().to_owned()).filter(|unit| !unit.is_empty()),
+        ..Details::default()
     }
 }
 

@@ -9,10 +9,12 @@
 mod command;
 mod csv_line;
 mod error;
+mod exit;
 mod figure_file;
 mod input;
 mod interrupt;
 mod law_error;
+mod library_error;
 mod lines;
 mod operation;
 mod output;
@@ -45,10 +47,20 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(command) => command,
         Err(error) => return usage::answer(&error, &arguments),
     };
-    let mut session = Session::new(command.json);
+    let command_json = command.json;
+    let mut session = Session::new(command_json);
     let ended = verbs::run(command.verb, &mut session).and_then(|report| session.print(report));
     match ended {
         Ok(outcome) => outcome.exit_code(),
-        Err(error) => terminal::complain(&error),
+        Err(error) => terminal::complain(&error, command_json),
     }
+}
+
+/// The Rust of the tutorials compiles and holds.
+#[cfg(doctest)]
+mod tutorials {
+    #[doc = include_str!("../../../docs/tutorials/5-on-the-robot.md")]
+    mod on_the_robot {}
+    #[doc = include_str!("../../../docs/tutorials/6-as-a-library.md")]
+    mod as_a_library {}
 }

@@ -52,11 +52,11 @@ impl Lines {
         self.number += 1;
         self.bytes += count as u64;
         if bytes.last() != Some(&b'\n') && bytes.len() as u64 > LONGEST {
-            return Err(Error::Content {
-                path: self.reader.get_ref().path().to_owned(),
-                message: format!("line {} is longer than the limit of 1 MiB", self.number),
-                hint: None,
-            });
+            return Err(Error::content(
+                self.reader.get_ref().path(),
+                format!("line {} is longer than the limit of 1 MiB", self.number),
+                None,
+            ));
         }
         while bytes
             .last()

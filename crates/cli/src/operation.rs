@@ -1,9 +1,8 @@
 //! One operating point of a wheel, asked for by its load or by its sinkage, and its keys.
 
+use grouser_report::number::{shown, told};
+use grouser_report::{Fields, fields};
 use grouser_terra::{Error as LawError, Kinematics, LoadOutcome, OperatingPoint, WheelOnSoil};
-use serde_json::Value;
-
-use crate::report::Object;
 
 /// What an operating point is asked for by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +19,14 @@ impl Asked {
         match self {
             Self::Load(load) => Some(load),
             Self::Sinkage(_) => None,
+        }
+    }
+
+    /// The sinkage, if it is asked for by one.
+    pub(crate) fn sinkage(self) -> Option<f64> {
+        match self {
+            Self::Load(_) => None,
+            Self::Sinkage(sinkage) => Some(sinkage),
         }
     }
 }
@@ -54,13 +61,12 @@ impl Status {
 
     /// Why there is no point; `None` where there is one.
     pub(crate) fn complaint(self, asked: Asked) -> Option<String> {
-        use grouser_report::number::told;
         match (self, asked) {
             (Self::Ok, _) => None,
             (Self::NoSolution(most), Asked::Load(load)) => Some(format!(
                 "no sinkage carries {} N; the most that was found to be carried is {} N",
                 told(load),
-                grouser_report::number::shown(most)
+                shown(most)
             )),
             _ => Some("the search for the sinkage did not converge".to_owned()),
         }
@@ -98,66 +104,57 @@ pub(crate) fn solve(
 }
 
 impl Answer {
-    /// The keys of an operating point; `null` where there is none.
-    pub(crate) fn object(&self) -> Object {
-        let number = |f: &dyn Fn(&OperatingPoint) -> Option<f64>| {
-            Value::from(self.point.as_ref().and_then(f))
-        };
-        let max_load = match self.status {
-            Status::NoSolution(most) => Some(most),
+    /// The greatest load that some sinkage carries, where the load is greater, N.
+    fn max_load(&self) -> Option<f64> {
+        match self.status {
+            Status::NoSolution(max_load) => Some(max_load),
             _ => None,
-        };
+        }
+    }
+
+    fn cautions(&self) -> Vec<&'static str> {
         let cautions = self.point.iter().flat_map(|point| point.cautions.iter());
-        [
-            ("status", Value::from(self.status.key())),
-            ("sinkage_m", number(&|p| Some(p.sinkage))),
-            (
-                "theta_1_deg",
-                number(&|p| Some(p.angles.theta_1.to_degrees())),
-            ),
-            (
-                "theta_2_deg",
-                number(&|p| Some(p.angles.theta_2.to_degrees())),
-            ),
-            (
-                "theta_m_deg",
-                number(&|p| Some(p.angles.theta_m.to_degrees())),
-            ),
-            (
-                "vertical_force_n",
-                number(&|p| Some(p.forces.vertical_force)),
-            ),
-            ("drawbar_pull_n", number(&|p| Some(p.forces.drawbar_pull))),
-            ("side_force_n", number(&|p| Some(p.side_force))),
-            ("torque_nm", number(&|p| Some(p.forces.torque))),
-            (
-                "tractive_efficiency",
-                number(&OperatingPoint::tractive_efficiency),
-            ),
-            ("energy_j_per_m", number(&OperatingPoint::energy_per_metre)),
-            (
-                "pull_coefficient",
-                number(&OperatingPoint::pull_coefficient),
-            ),
-            (
-                "compaction_resistance_n",
-                number(&|p| Some(p.forces.compaction_resistance)),
-            ),
-            ("residual", Value::from(self.residual)),
-            (
-                "energy_residual_nm",
-                number(&|p| Some(p.forces.energy_residual)),
-            ),
-            ("error_estimate_n", number(&|p| Some(p.error_estimate))),
-            ("evaluations", Value::from(self.evaluations)),
-            ("max_load_n", Value::from(max_load)),
-            (
-                "cautions",
-                cautions.map(|caution| Value::from(caution.key())).collect(),
-            ),
-        ]
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect()
+        cautions.map(|caution| caution.key()).collect()
+    }
+}
+
+/// The quantities of an operating point; without a value where there is none.
+pub(crate) fn fields<'a>() -> Fields<'a, &'a Answer> {
+    let shown = |angle: f64| shown(angle.to_degrees());
+    fields! { |answer: &'a Answer|
+        "status" "status" .shown("") = answer.status.key();
+        join(point()) = answer.point.as_ref();
+        remark "entry, greatest stress, exit" = answer.point.map(|point| {
+            let [entry, greatest, exit] =
+                [point.angles.theta_1, point.angles.theta_m, point.angles.theta_2].map(shown);
+            format!("{entry} / {greatest} / {exit}")
+        }).unwrap_or_default();
+        "residual" "difference between the load and the vertical force" = answer.residual;
+        "energy_residual_nm" "torque that the energy balance leaves" =
+            answer.point.map(|point| point.forces.energy_residual);
+        "error_estimate_n" "error of the integrals at most" .shown("N") =
+            answer.point.map(|point| point.error_estimate);
+        "evaluations" "evaluations of the forces" = answer.evaluations;
+        "max_load_n" "the greatest load that was found to be carried" = answer.max_load();
+        "cautions" "cautions" = answer.cautions();
+    }
+}
+
+fn point<'a>() -> Fields<'a, Option<&'a OperatingPoint>> {
+    fields! { |point: Option<&'a OperatingPoint>|
+        "sinkage_m" "sinkage" .shown("mm") = point.map(|p| p.sinkage);
+        "theta_1_deg" "entry angle" = point.map(|p| p.angles.theta_1.to_degrees());
+        "theta_2_deg" "exit angle" = point.map(|p| p.angles.theta_2.to_degrees());
+        "theta_m_deg" "angle of the greatest stress" = point.map(|p| p.angles.theta_m.to_degrees());
+        "vertical_force_n" "vertical force" .shown("N") = point.map(|p| p.forces.vertical_force);
+        "drawbar_pull_n" "drawbar pull" .shown("N") = point.map(|p| p.forces.drawbar_pull);
+        "side_force_n" "side force" .shown("N") = point.map(|p| p.side_force);
+        "torque_nm" "torque" .shown("N m") = point.map(|p| p.forces.torque);
+        "tractive_efficiency" "tractive efficiency" .shown("%").missing("none") =
+            point.and_then(OperatingPoint::tractive_efficiency);
+        "energy_j_per_m" "energy" .shown("J/m").missing("none") = point.and_then(OperatingPoint::energy_per_metre);
+        "pull_coefficient" "drawbar pull over vertical force" = point.and_then(OperatingPoint::pull_coefficient);
+        "compaction_resistance_n" "compaction resistance" .shown("N") =
+            point.map(|p| p.forces.compaction_resistance);
     }
 }

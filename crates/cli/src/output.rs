@@ -24,15 +24,15 @@ impl OutputFile {
         // A link stays a link: the file it points to is replaced.
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         match fs::metadata(&target) {
-            Ok(found) if found.is_dir() => Err(Error::File {
-                action: "write",
-                path: path.to_owned(),
-                reason: "it is a directory".to_owned(),
-                hint: Some(format!(
+            Ok(found) if found.is_dir() => Err(Error::refused_file(
+                "write",
+                path,
+                "it is a directory",
+                Some(format!(
                     "give a file name in it, such as {}",
                     shown(&path.join("out.csv"))
                 )),
-            }),
+            )),
             Ok(found) if is_character_device(&found) => {
                 let file = OpenOptions::new()
                     .write(true)
@@ -45,12 +45,12 @@ impl OutputFile {
                 })
             }
             // A pipe nobody reads would hang, and a disk would be overwritten.
-            Ok(found) if !found.is_file() => Err(Error::File {
-                action: "write",
-                path: path.to_owned(),
-                reason: "it is not a regular file".to_owned(),
-                hint: None,
-            }),
+            Ok(found) if !found.is_file() => Err(Error::refused_file(
+                "write",
+                path,
+                "it is not a regular file",
+                None,
+            )),
             _ => {
                 let Some(name) = target.file_name() else {
                     return Err(Error::usage_without_hint(format!(

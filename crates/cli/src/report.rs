@@ -1,13 +1,8 @@
 //! What a verb hands back: one JSON object, and the same as text.
 
-use serde_json::{Map, Value};
+use grouser_report::Object;
 
-use crate::error::Outcome;
-
-/// A JSON object that keeps the order of its keys.
-///
-/// Numbers that are NaN or infinite become `null` on their way in (`Value::from(f64)`).
-pub(crate) type Object = Map<String, Value>;
+use crate::exit::Outcome;
 
 /// The result of a verb.
 #[derive(Debug)]

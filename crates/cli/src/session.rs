@@ -1,13 +1,17 @@
 //! One run of the command: what was read, and how the result is printed.
 
+use std::io;
+use std::path::Path;
+
 use grouser_files::Document;
+use grouser_report::Object;
 use grouser_terra::catalogue;
 use serde_json::Value;
 
-use crate::error::{Outcome, Result};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::input::{self, Input};
-use crate::report::{Object, Report};
-use crate::soil_choice::{Chosen, Overrides};
+use crate::report::Report;
 use crate::terminal;
 
 /// The run: remembers what went into the result.
@@ -48,29 +52,27 @@ impl Session {
             .insert(document.name().to_owned(), Value::from(digest));
     }
 
+    /// A file was read by a library: its digest is of what it holds now.
+    pub(crate) fn used_file(&mut self, path: &Path) -> Result<()> {
+        let mut input = Input::open(path)?;
+        io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
+        self.used_input(input);
+        Ok(())
+    }
+
     /// A soil of the catalogue entered the result, named by a file.
     pub(crate) fn used_catalogue_soil(&mut self, key: &str) {
         let source = catalogue::find(key).map(|entry| entry.source);
+        self.used_soil(key, source, None);
+    }
+
+    /// A soil entered the result, with the numbers that complete or override it.
+    pub(crate) fn used_soil(&mut self, key: &str, source: Option<&str>, given: Option<Object>) {
         self.soil = Some(Object::from_iter([
             ("key".to_owned(), Value::from(key)),
             ("source".to_owned(), Value::from(source)),
-            ("overrides".to_owned(), Value::Null),
+            ("overrides".to_owned(), Value::from(given)),
         ]));
-    }
-
-    /// A soil entered the result, with what completes or overrides it.
-    pub(crate) fn used_soil(&mut self, chosen: &Chosen, overrides: &Overrides) {
-        let given = overrides
-            .given()
-            .map(|(column, value)| (column.to_owned(), Value::from(value)));
-        self.soil = Some(Object::from_iter([
-            ("key".to_owned(), Value::from(chosen.name.as_str())),
-            ("source".to_owned(), Value::from(chosen.source.as_str())),
-            ("overrides".to_owned(), given.collect::<Object>().into()),
-        ]));
-        if let Some(document) = &chosen.document {
-            self.used_document(document);
-        }
     }
 
     /// Prints the report, as JSON or as text, and its warnings.

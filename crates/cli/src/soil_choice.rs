@@ -84,8 +84,21 @@ impl SoilArguments {
     /// The soil, its source noted in the session.
     pub(crate) fn choose(&self, session: &mut Session) -> Result<Chosen> {
         let chosen = choose(&self.soil, &self.overrides)?;
-        session.used_soil(&chosen, &self.overrides);
+        chosen.note(&self.overrides, session);
         Ok(chosen)
+    }
+}
+
+impl Chosen {
+    /// Notes in the session that the soil entered the result.
+    pub(crate) fn note(&self, overrides: &Overrides, session: &mut Session) {
+        let given = overrides
+            .given()
+            .map(|(column, value)| (column.to_owned(), value.into()));
+        session.used_soil(&self.name, Some(&self.source), Some(given.collect()));
+        if let Some(document) = &self.document {
+            session.used_document(document);
+        }
     }
 }
 

@@ -4,7 +4,8 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::error::{BAD_INPUT, Error, Result};
+use crate::error::{Error, Result};
+use crate::exit::BAD_INPUT;
 
 /// Writes `text` to standard output at once. A reader that has gone away is no error.
 pub(crate) fn print(text: &str) -> Result<()> {
@@ -17,11 +18,16 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// `error: …` and `hint: …` on standard error, and the exit code that goes with them.
-pub(crate) fn complain(error: &Error) -> ExitCode {
+/// `error: …` and `hint: …` on standard error, under `json` an object on standard output too, and the exit code that
+/// goes with them.
+pub(crate) fn complain(error: &Error, json: bool) -> ExitCode {
+    if json {
+        // Where standard output fails, standard error still says what is wrong.
+        let _ = print(&format!("{:#}\n", error.object()));
+    }
     say("error", RED, &error.to_string());
     if let Some(hint) = error.hint() {
-        say("hint", CYAN, &hint);
+        say("hint", CYAN, hint);
     }
     ExitCode::from(BAD_INPUT)
 }

@@ -12,14 +12,15 @@ use crate::terminal;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
 pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+    let json = arguments.iter().any(|argument| argument == "--json");
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             match terminal::print(&error.render().to_string()) {
                 Ok(()) => ExitCode::SUCCESS,
-                Err(error) => terminal::complain(&error),
+                Err(error) => terminal::complain(&error, json),
             }
         }
-        _ => terminal::complain(&Error::usage(message(error), hint(error, arguments))),
+        _ => terminal::complain(&Error::usage(message(error), hint(error, arguments)), json),
     }
 }
 

@@ -14,7 +14,7 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("grouser-opt", &["grouser-real"]),
     ("grouser-slip", &["grouser-real", "grouser-terra"]),
     ("grouser-files", &["grouser-terra", "grouser-slip"]),
-    ("grouser-log", &["grouser-files"]),
+    ("grouser-log", &["grouser-slip", "grouser-files"]),
     (
         "grouser-replay",
         &[

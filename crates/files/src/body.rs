@@ -31,8 +31,8 @@
 //! gear_efficiency = 0.85
 //!
 //! [[wheel]]                    # beside what the estimator reads
-//! on = "left_rocker"           # the chassis unless told
-//! z_m = 0.15                   # centre above the ground; its radius unless told
+//! on = "left_rocker"           # the chassis by default
+//! z_m = 0.15                   # centre above the ground; its radius by default
 //! mass_kg = 0.7
 //! spin_inertia_kg_m2 = 0.008
 //! motor = "drive"
@@ -189,7 +189,7 @@ fn read_link(section: &Section<'_>) -> Result<LinkFile> {
     } else {
         pivot
     };
-    // a rod of 0.3 m unless told: the wheels at its ends weigh more
+    // a rod of 0.3 m by default: the wheels at its ends weigh more
     let inertia = if section.has("inertia_xx_kg_m2") {
         inertia(section)?
     } else {

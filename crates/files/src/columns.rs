@@ -23,6 +23,8 @@ use crate::document::{Document, Section};
 use crate::error::{Error, Place, Result};
 use crate::unit::Quantity;
 
+pub use crate::columns_text::to_toml;
+
 /// What a column means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -192,7 +194,7 @@ impl Table {
 }
 
 /// What a column map says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     /// Its tables.
     pub tables: Vec<Table>,

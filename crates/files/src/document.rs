@@ -13,9 +13,9 @@ use crate::suggestion::nearest;
 
 /// The newest format of our files.
 pub const FORMAT: i64 = 1;
-/// The greatest size of a TOML file, bytes.
+/// The maximum size of a TOML file, bytes.
 pub const SIZE_LIMIT: u64 = 1 << 20;
-/// The greatest nesting of a TOML file.
+/// The maximum nesting of a TOML file.
 pub const DEPTH_LIMIT: usize = 64;
 
 /// The text of a file.
@@ -167,8 +167,8 @@ impl Document {
     }
 }
 
-/// A table of a document. Every key that is asked for becomes known; whatever
-/// else the table holds is refused at its end.
+/// A table of a document. Every key that is read becomes known; other keys
+/// are refused when the section ends.
 #[derive(Debug)]
 pub struct Section<'a> {
     document: &'a Document,
@@ -505,7 +505,7 @@ impl<'a> Section<'a> {
         Ok(out)
     }
 
-    /// Refuses a key that was never asked for.
+    /// Refuses a key that was never read.
     pub(crate) fn finish(&self) -> Result<()> {
         if self.open.get() {
             return Ok(());

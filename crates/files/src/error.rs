@@ -126,9 +126,9 @@ pub enum Error {
         key: String,
         /// What was given.
         value: f64,
-        /// The least value allowed.
+        /// The minimum value allowed.
         low: f64,
-        /// The greatest value allowed.
+        /// The maximum value allowed.
         high: f64,
     },
     /// A word that is none of those allowed.

@@ -33,14 +33,17 @@
 
 pub mod body;
 pub mod columns;
+mod columns_text;
 mod document;
 mod entries;
 mod error;
 pub mod regular;
 pub mod robot;
+mod robot_text;
 pub mod soil;
 mod soil_text;
 mod suggestion;
+mod toml_text;
 pub mod topics;
 pub mod unit;
 pub mod urdf;
@@ -49,3 +52,4 @@ pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;
 pub use error::{Error, Place, Result};
 pub use suggestion::nearest;
+pub use toml_text::TomlText;

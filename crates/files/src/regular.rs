@@ -9,7 +9,7 @@ use crate::error::{Error, Place, Result};
 /// Opens a regular file for reading.
 ///
 /// # Errors
-/// [`Error::NotAFile`] for a directory, a pipe, a device or a socket (asked before opening: to open a
+/// [`Error::NotAFile`] for a directory, a pipe, a device or a socket (checked before opening: to open a
 /// pipe may wait for ever); [`Error::Unreadable`] for whatever the system refuses, a loop of links
 /// included.
 pub fn open(path: &Path) -> Result<File> {

@@ -8,7 +8,7 @@
 //! reference = "free-wheel"    # or displacement, pose, speed, grip
 //! window_s = 0.5
 //!
-//! [filter]                    # all optional: what the slip filter is told beyond [estimator]
+//! [filter]                    # all optional: settings of the slip filter beyond [estimator]
 //! slip_mean = 0.1             # what is believed of the powered wheels' slip before it is measured
 //! slip_sigma = 0.2
 //!
@@ -41,7 +41,8 @@ use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
-use crate::topics::{Topics, Track, put_wheels, read_topics};
+pub use crate::robot_text::to_toml;
+use crate::topics::{Topics, put_wheels, read_topics};
 
 /// Which of a wheel's sensors is to be used where a log holds several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +82,7 @@ pub struct RobotFile {
     /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
     /// not say otherwise.
     pub settings: WindowSettings,
-    /// What the slip filter is told, with what `settings` say of the same.
+    /// Settings of the slip filter, with the values of `settings` where both have one.
     pub filter: FilterSettings,
     /// The reference that the file names, if it names one.
     pub reference: Option<Reference>,
@@ -126,7 +127,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             .check()
             .map_err(|source| Error::Robot { at, source })?;
         let filter = read_filter(root, &settings)?;
-        let (mut topics, track, columns) = read_meanings(root)?;
+        let (mut topics, columns) = read_meanings(root)?;
         let mut joints = Vec::new();
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
@@ -138,7 +139,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             at: root.place_of("wheel"),
             source,
         })?;
-        put_wheels(&mut topics, track, &robot, joints).map_err(|message| Error::Contradiction {
+        put_wheels(&mut topics, &robot, joints).map_err(|message| Error::Contradiction {
             at: root.place_of("topics"),
             message,
         })?;
@@ -156,11 +157,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
 }
 
 /// What the file says of topics and of columns.
-fn read_meanings(root: &Section<'_>) -> Result<(Topics, Track, Option<ColumnMap>)> {
-    let (topics, track) = root.section("topics", read_topics)?.unwrap_or_default();
+fn read_meanings(root: &Section<'_>) -> Result<(Topics, Option<ColumnMap>)> {
+    let topics = root.section("topics", read_topics)?.unwrap_or_default();
     let tables = root.sections("table", read_table)?;
     let columns = (!tables.is_empty()).then_some(ColumnMap { tables });
-    Ok((topics, track, columns))
+    Ok((topics, columns))
 }
 
 /// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre;
@@ -225,9 +226,9 @@ fn read_fields<S: Copy>(
     Ok(())
 }
 
-/// The settings of the slip filter: the preset, then the values of `[estimator]`, then those of `[filter]`.
-fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSettings> {
-    let mut filter = FilterSettings {
+/// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.
+pub(crate) fn filter_of(settings: &WindowSettings) -> FilterSettings {
+    FilterSettings {
         position_sigma: settings.position_sigma,
         speed_sigma: settings.speed_sigma,
         yaw_rate_sigma: settings.yaw_rate_sigma,
@@ -238,7 +239,11 @@ fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSe
         max_speed: settings.max_speed,
         dropout: settings.dropout,
         ..FilterSettings::any_ground()
-    };
+    }
+}
+
+fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSettings> {
+    let mut filter = filter_of(settings);
     root.section("filter", |section| {
         read_fields(section, &mut filter, FilterSettings::FIELDS)
     })?;

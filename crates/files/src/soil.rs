@@ -20,7 +20,7 @@
 //! # bulldozing = "scaled", "full", "chord" or "off"
 //! ```
 //!
-//! [`text`] writes such a file.
+//! [`to_toml`] writes such a file.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ use grouser_terra::{
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 
-pub use crate::soil_text::text;
+pub use crate::soil_text::to_toml;
 
 /// Any finite number; the soil itself checks more closely.
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);

@@ -65,6 +65,8 @@ pub struct OdometryWheel {
 pub struct WheelOdometry {
     /// The topic.
     pub topic: String,
+    /// The distance of left and right wheels that it was made with, m.
+    pub track: f64,
     /// Its wheels: the powered ones.
     pub wheels: Vec<OdometryWheel>,
 }
@@ -115,7 +117,7 @@ impl Topics {
     }
 }
 
-const UP: [(&str, [f64; 3]); 6] = [
+pub(crate) const UP: [(&str, [f64; 3]); 6] = [
     ("x", [1.0, 0.0, 0.0]),
     ("y", [0.0, 1.0, 0.0]),
     ("z", [0.0, 0.0, 1.0]),
@@ -124,11 +126,8 @@ const UP: [(&str, [f64; 3]); 6] = [
     ("-z", [0.0, 0.0, -1.0]),
 ];
 
-/// The track that the section names beside its wheel odometry; the wheels are put in later, when the
-/// robot is known.
-pub(crate) type Track = Option<f64>;
-
-pub(crate) fn read_topics(section: &Section<'_>) -> Result<(Topics, Track)> {
+/// Reads the section; the robot's wheels are put in later, when they are known.
+pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
     let text = |key| Ok::<_, Error>(section.optional_text(key)?.map(str::to_owned));
     let wheel_odometry = text("wheel_odometry")?;
     let track = section.optional_number("wheel_odometry_track_m", (1e-3, 100.0))?;
@@ -172,10 +171,13 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<(Topics, Track)> {
         pose: text("pose")?,
         speed: text("speed")?,
         command: text("command")?,
-        wheel_odometry: wheel_odometry.map(|topic| WheelOdometry {
-            topic,
-            wheels: Vec::new(),
-        }),
+        wheel_odometry: wheel_odometry
+            .zip(track)
+            .map(|(topic, track)| WheelOdometry {
+                topic,
+                track,
+                wheels: Vec::new(),
+            }),
         recorder_clock: section.optional_choice("time", &clocks)?.unwrap_or(false),
         align_clock: section.flag("align_clock")?,
         ignore: ignore.into_iter().map(str::to_owned).collect(),
@@ -191,14 +193,13 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<(Topics, Track)> {
             message: format!("`{ignored}` is named for a use and under `ignore`"),
         });
     }
-    Ok((topics, track))
+    Ok(topics)
 }
 
 /// Puts the robot's wheels into the section: its joints, and the rates that an odometry of the wheels
 /// says: v_i = v − Ω · t/2 on the left, v + Ω · t/2 on the right.
 pub(crate) fn put_wheels(
     topics: &mut Topics,
-    track: Track,
     robot: &Robot,
     joints: Vec<Option<String>>,
 ) -> std::result::Result<(), String> {
@@ -211,7 +212,7 @@ pub(crate) fn put_wheels(
             joint,
         })
         .collect();
-    let (Some(odometry), Some(track)) = (&mut topics.wheel_odometry, track) else {
+    let Some(odometry) = &mut topics.wheel_odometry else {
         return Ok(());
     };
     for wheel in wheels
@@ -231,7 +232,7 @@ pub(crate) fn put_wheels(
         odometry.wheels.push(OdometryWheel {
             wheel: wheel.name.clone(),
             per_speed: per_metre,
-            per_turn: -0.5 * track * wheel.y.signum() * per_metre,
+            per_turn: -0.5 * odometry.track * wheel.y.signum() * per_metre,
         });
     }
     Ok(())

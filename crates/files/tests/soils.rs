@@ -91,7 +91,7 @@ fn what_is_written_reads_back_to_the_same_bits() {
     };
     let mut file = soil::SoilFile::new("a \"quoted\" \\ name", "plate tests", params);
     file.note = "two\nlines".to_owned();
-    let text = soil::text(&file, &["made by a test", "of two lines\nand more"]).unwrap();
+    let text = soil::to_toml(&file, &["made by a test", "of two lines\nand more"]).unwrap();
     assert_eq!(parse(&text).unwrap(), file);
     let wrong = parse(&text.replace("\"whole\"", "\"hole\"")).unwrap_err();
     assert!(wrong.to_string().contains("slip_sinkage"), "{wrong}");

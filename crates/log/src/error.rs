@@ -145,7 +145,7 @@ pub enum Error {
         /// The file.
         file: String,
     },
-    /// A topic that is asked for is not there, or has no messages.
+    /// A topic that was requested is not there, or has no messages.
     #[error("{file}: there are no messages of topic `{topic}`")]
     NoTopic {
         /// The file.
@@ -155,7 +155,7 @@ pub enum Error {
         /// The topic that was probably meant.
         meant: Option<String>,
     },
-    /// A field that is asked for is not in the messages of its topic.
+    /// A field that was requested is not in the messages of its topic.
     #[error("{file}: messages of `{topic}` have no number at `{field}`")]
     NoField {
         /// The file.

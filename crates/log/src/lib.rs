@@ -1,4 +1,4 @@
-//! Robot logs as typed records in the order of time, whatever they were written as: MCAP files, ROS 1 bags,
+//! Robot logs as samples of the slip estimator in the order of time, whatever they were written as: MCAP files, ROS 1 bags,
 //! and tables of text (CSV and its relatives, plain or gzip) read through a column map.
 //!
 //! Reading streams: memory does not grow with the file; rows may stand up to 1024 places from where their
@@ -8,14 +8,15 @@
 //!
 //! ```
 //! use grouser_files::columns;
-//! use grouser_log::{Log, Reading};
+//! use grouser_log::Log;
+//! use grouser_slip::Measurement;
 //!
 //! let example = std::path::Path::new("../../examples/five-wheel");
 //! let map = columns::read(&example.join("columns.toml"))?;
 //! let log = Log::find(&[example.join("log.csv")], map)?;
 //! let mut turn = 0.0;
-//! for record in log.records(&[])? {
-//!     if let Reading::YawRate { rate } = record?.reading {
+//! for sample in log.samples(&[])? {
+//!     if let Measurement::YawRate { rate } = sample?.measurement {
 //!         turn += rate * 0.02; // 50 Hz
 //!     }
 //! }
@@ -40,11 +41,13 @@
 pub mod container;
 pub mod csv;
 mod error;
+mod find;
+mod intake;
 mod log;
+mod merge;
 pub mod message;
 mod messages;
 mod order;
-mod record;
 mod recording;
 mod series;
 mod sheet;
@@ -55,10 +58,11 @@ mod survey;
 pub mod write;
 
 pub use error::{Cell, Error, Result};
-pub use log::{Log, Records};
+pub use intake::Intake;
+pub use log::Log;
+pub use merge::Samples;
 pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
-pub use record::{Reading, Record};
-pub use recording::UsedTopic;
+pub use recording::{Preview, UsedTopic};
 pub use series::{Series, series};
 pub use sheet::{Guess, Sheet, SheetColumn, SheetTime};
 pub use suggest::{suggest_for_sheet, suggest_for_survey};

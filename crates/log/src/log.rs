@@ -1,27 +1,28 @@
 //! A log: the files of one run, merged.
 
-use std::fs;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use grouser_files::columns::{ColumnMap, Meaning};
+use grouser_files::columns::{Column, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
 
 use crate::container::Container;
 use crate::csv::CsvReader;
 use crate::error::{Error, Result};
+use crate::find::expand;
+use crate::merge::Samples;
 use crate::messages::LeftOut;
-use crate::record::Record;
 use crate::recording::{Recording, RecordingReader, UsedTopic};
-use crate::source;
+use crate::source::Source;
 
 /// The files of one run with what their columns or topics mean.
 #[derive(Clone, Debug)]
 pub struct Log {
     map: ColumnMap,
     /// Tables, each with the table of the map that describes it.
-    files: Vec<(PathBuf, usize)>,
+    files: Vec<(Source, usize)>,
     /// Bags and MCAP files.
     recording: Option<Recording>,
     unused: Vec<PathBuf>,
@@ -53,12 +54,11 @@ impl Log {
         for path in paths {
             expand(path, &mut found)?;
         }
-        if found.iter().any(|path| is_recording(path)) {
+        let found: Vec<Source> = found.into_iter().map(Source::file).collect();
+        if found.iter().any(is_recording) {
             return Ok(false);
         }
-        for path in &found {
-            source::refuse_database(path)?;
-        }
+        found.iter().try_for_each(Source::refuse_database)?;
         Ok(true)
     }
 
@@ -69,69 +69,103 @@ impl Log {
     /// As [`Log::find`]; [`Error::NoNamedTopic`], [`Error::UnfitTopic`], [`Error::NoJoints`] where
     /// `topics` does not fit what the files hold.
     pub fn find_any(paths: &[PathBuf], map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
-        let map = map.unwrap_or(ColumnMap { tables: Vec::new() });
-        let (mut found, mut recordings) = (Vec::new(), Vec::new());
+        let map = map.unwrap_or_default();
+        let (mut tables, mut recordings) = (Vec::new(), Vec::new());
         for path in paths {
             let mut here = Vec::new();
             expand(path, &mut here)?;
-            let (bags, others): (Vec<PathBuf>, Vec<PathBuf>) =
-                here.into_iter().partition(|path| is_recording(path));
-            let is_table = |path: &PathBuf| {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                map.tables.iter().any(|table| table.describes(&name))
-            };
+            let here = here.into_iter().map(Source::file);
+            let (bags, others): (Vec<Source>, Vec<Source>) = here.partition(is_recording);
             // A run that was written in two formats would count twice.
-            if !bags.is_empty() && others.iter().any(is_table) {
+            if !bags.is_empty() && others.iter().any(|file| table_of(&map, file).is_some()) {
                 return Err(Error::Mixed {
                     path: path.display().to_string(),
                 });
             }
             recordings.extend(bags);
-            found.extend(others);
+            tables.extend(others);
         }
+        let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+        Self::of(&log.join(", "), (tables, recordings), map, topics)
+    }
+
+    /// A log of one input that can be read from any place, such as bytes in memory: an MCAP file, a bag, or a table
+    /// that fits the column map by `name`. Errors call it `name`.
+    ///
+    /// ```
+    /// use grouser_files::{columns, topics::Topics};
+    /// use grouser_log::Log;
+    ///
+    /// let map = columns::read(std::path::Path::new("../../examples/five-wheel/columns.toml"))?;
+    /// let table = "time_ms,front_left_ticks,front_right_ticks,rear_left_ticks,rear_right_ticks,fifth_ticks,\
+    ///     gyro_z_rad_per_s\n0,0,0,0,0,0,0.1\n20,1,1,1,1,1,0.2\n";
+    /// let bytes = std::io::Cursor::new(table.as_bytes());
+    /// let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default())?;
+    /// assert_eq!(log.samples(&[])?.count(), 12);
+    /// # Ok::<(), grouser_log::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Log::find_any`].
+    pub fn over(
+        name: &Path,
+        source: impl Read + Seek + Send + 'static,
+        map: Option<ColumnMap>,
+        topics: &Topics,
+    ) -> Result<Self> {
+        let source = Source::over(name, source);
+        let name = source.name();
+        let files = if is_recording(&source) {
+            (Vec::new(), vec![source])
+        } else {
+            (vec![source], Vec::new())
+        };
+        Self::of(&name, files, map.unwrap_or_default(), topics)
+    }
+
+    fn of(
+        log: &str,
+        (tables, recordings): (Vec<Source>, Vec<Source>),
+        map: ColumnMap,
+        topics: &Topics,
+    ) -> Result<Self> {
         let recording = if recordings.is_empty() {
             None
         } else {
             Some(Recording::open(recordings, topics)?)
         };
-        let mut files: Vec<(PathBuf, usize)> = Vec::new();
+        let mut files: Vec<(Source, usize)> = Vec::new();
         let mut unused = Vec::new();
-        for path in found {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let Some(table) = map.tables.iter().position(|table| table.describes(&name)) else {
-                unused.push(path);
+        for file in tables {
+            let Some(table) = table_of(&map, &file) else {
+                unused.push(file);
                 continue;
             };
             if let Some((first, _)) = files.iter().find(|(_, other)| *other == table) {
                 return Err(Error::TwoFiles {
-                    first: first.display().to_string(),
-                    second: path.display().to_string(),
+                    first: first.name(),
+                    second: file.name(),
                     pattern: pattern(&map, table),
                 });
             }
-            files.push((path, table));
+            files.push((file, table));
         }
         if files.is_empty() && recording.is_none() {
-            for file in &unused {
-                source::refuse_database(file)?;
-            }
-            let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+            unused.iter().try_for_each(Source::refuse_database)?;
             let patterns: Vec<String> = (0..map.tables.len()).map(|t| pattern(&map, t)).collect();
             return Err(Error::NoTable {
-                log: log.join(", "),
+                log: log.to_owned(),
                 patterns: patterns.join(", "),
             });
         }
         let mut wheels = recording
             .as_ref()
-            .map_or_else(Vec::new, |recording| recording.wheels.clone());
-        for column in files
+            .map_or_else(Vec::new, |recording| recording.choice.wheels.clone());
+        let columns = files
             .iter()
-            .flat_map(|(_, table)| &map.tables[*table].columns)
-        {
-            if let Some(wheel) = &column.wheel
-                && !wheels.contains(wheel)
-            {
+            .flat_map(|(_, table)| &map.tables[*table].columns);
+        for wheel in columns.filter_map(|column| column.wheel.as_ref()) {
+            if !wheels.contains(wheel) {
                 wheels.push(wheel.clone());
             }
         }
@@ -139,35 +173,38 @@ impl Log {
             map,
             files,
             recording,
-            unused,
+            unused: unused.iter().map(|file| file.path().to_owned()).collect(),
             wheels,
             read: Arc::default(),
         })
     }
 
-    /// The files that are read.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let tables = self.files.iter().map(|(path, _)| path);
-        let recordings = self.recording.iter().flat_map(|all| &all.files);
-        tables.chain(recordings).map(PathBuf::as_path)
+    fn all_files(&self) -> impl Iterator<Item = &Source> {
+        let tables = self.files.iter().map(|(file, _)| file);
+        tables.chain(self.recording.iter().flat_map(|all| &all.files))
     }
 
-    /// How many sources records may come from ([`Record::source`]): every table is one, and every topic
-    /// that is used.
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.all_files().map(Source::path)
+    }
+
+    /// How many clocks the log has: every table has one, and every topic that is used.
     #[must_use]
-    pub fn sources(&self) -> usize {
-        self.files.len() + self.recording.as_ref().map_or(0, Recording::sources)
+    pub fn clocks(&self) -> usize {
+        let topics = self.recording.as_ref();
+        self.files.len() + topics.map_or(0, |all| all.choice.topics.len())
     }
 
     /// The topics that are used of bags and MCAP files.
     pub fn topics(&self) -> impl Iterator<Item = UsedTopic> {
-        self.recording.iter().flat_map(Recording::used)
+        self.recording.iter().flat_map(|all| all.choice.used())
     }
 
     /// What is to be known of how topics were chosen.
     #[must_use]
     pub fn notes(&self) -> &[String] {
-        self.recording.as_ref().map_or(&[], |all| &all.notes)
+        self.recording.as_ref().map_or(&[], |all| &all.choice.notes)
     }
 
     /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
@@ -181,8 +218,7 @@ impl Log {
     /// How many bytes the files hold, as they stand (compressed or not).
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let sizes = self.files().filter_map(|path| fs::metadata(path).ok());
-        sizes.map(|file| file.len()).sum()
+        self.all_files().map(Source::bytes).sum()
     }
 
     /// How many of them have been read since the log was found, twice if it was read twice.
@@ -197,180 +233,89 @@ impl Log {
         &self.unused
     }
 
-    /// The wheels that the log measures; records name them by their index here.
+    /// The wheels that the log measures; samples name them by their index here.
     #[must_use]
     pub fn wheels(&self) -> &[String] {
         &self.wheels
     }
 
-    /// Does any column of the log have that meaning?
+    fn columns(&self) -> impl Iterator<Item = &Column> {
+        let tables = self.files.iter().map(|(_, table)| &self.map.tables[*table]);
+        tables.flat_map(|table| &table.columns)
+    }
+
+    /// Does the log measure a quantity of that meaning?
     #[must_use]
     pub fn measures(&self, meaning: Meaning) -> bool {
         let recording = self.recording.as_ref();
-        recording.is_some_and(|all| all.measures(meaning))
-            || self.files.iter().any(|(_, table)| {
-                self.map.tables[*table]
-                    .columns
-                    .iter()
-                    .any(|c| c.meaning == meaning)
-            })
+        recording.is_some_and(|all| all.choice.measures(meaning))
+            || self.columns().any(|column| column.meaning == meaning)
     }
 
-    /// Does any column of the log have that meaning for that wheel?
+    /// Does the log measure a quantity of that meaning for that wheel?
     #[must_use]
     pub fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
-        let mut columns = self
-            .files
-            .iter()
-            .flat_map(|(_, table)| &self.map.tables[*table].columns);
         let recording = self.recording.as_ref();
-        recording.is_some_and(|all| all.measures_wheel(meaning, wheel))
-            || columns.any(|c| c.meaning == meaning && c.wheel.as_deref() == Some(wheel))
+        let of_wheel = |column: &Column| column.wheel.as_deref() == Some(wheel);
+        recording.is_some_and(|all| all.choice.measures_wheel(meaning, wheel))
+            || self
+                .columns()
+                .any(|column| column.meaning == meaning && of_wheel(column))
     }
 
-    /// The sources ([`Record::source`]) whose clock is to be aligned with the others'.
+    /// The clocks (of [`Log::clocks`]) that differ from the others by an unknown constant.
     #[must_use]
-    pub fn unaligned_sources(&self) -> Vec<usize> {
-        let tables = self.files.len();
-        let recording = self.recording.iter().flat_map(Recording::unaligned);
-        (0..tables)
-            .filter(|&source| self.map.tables[self.files[source].1].align_clock)
-            .chain(recording.map(|topic| tables + topic))
+    pub fn unaligned_clocks(&self) -> Vec<usize> {
+        let tables = self
+            .files
+            .iter()
+            .map(|(_, table)| self.map.tables[*table].align_clock);
+        let topics = self.recording.iter().flat_map(|all| &all.choice.topics);
+        let unaligned = tables.chain(topics.map(|topic| topic.align)).enumerate();
+        unaligned
+            .filter_map(|(clock, unaligned)| unaligned.then_some(clock))
             .collect()
     }
 
-    /// Opens the files and gives their records in the order of time. `shift_ns` is added to the times
-    /// of each source.
+    /// Opens the files and returns their samples in the order of time. `shift_ns` is added to the times of each clock
+    /// (of [`Log::clocks`]).
     ///
     /// # Errors
     /// What is wrong with a file's header.
-    pub fn records(&self, shift_ns: &[i64]) -> Result<Records> {
-        let mut readers = Vec::new();
-        for (source, (path, table)) in self.files.iter().enumerate() {
-            let reader = CsvReader::open(
-                path,
-                &self.map.tables[*table],
-                source,
-                (&self.wheels, &self.read),
-            )?;
-            readers.push(Shifted {
-                reader: Box::new(reader),
-                shift_ns: shift_ns.get(source).copied().unwrap_or(0),
-                next: None,
-            });
+    pub fn samples(&self, shift_ns: &[i64]) -> Result<Samples> {
+        let mut samples = Samples::new();
+        for (clock, (file, table)) in self.files.iter().enumerate() {
+            let table = &self.map.tables[*table];
+            let reader = CsvReader::open(file, table, (&self.wheels, &self.read))?;
+            samples.add(reader, shift_ns.get(clock).copied().unwrap_or(0));
         }
         if let Some(recording) = &self.recording {
             recording.begin();
-            let first_source = self.files.len();
-            for path in &recording.files {
-                let reader =
-                    RecordingReader::open(path, recording, first_source, (shift_ns, &self.read))?;
-                readers.push(Shifted {
-                    reader: Box::new(reader),
-                    // Its topics have clocks of their own: it shifts them itself.
-                    shift_ns: 0,
-                    next: None,
-                });
+            let of_topics = shift_ns.get(self.files.len()..).unwrap_or_default();
+            for file in &recording.files {
+                let reader = RecordingReader::open(file, recording, of_topics, &self.read)?;
+                samples.add(reader, 0);
             }
         }
-        Ok(Records {
-            readers,
-            failed: false,
-        })
+        Ok(samples)
     }
 }
 
-/// Is it an MCAP file or a bag? What cannot be opened is left to whoever opens it.
-fn is_recording(path: &Path) -> bool {
-    matches!(Container::kind(path), Ok(Some(_)))
+/// Is it an MCAP file or a bag? An error of the system is left to the reader that opens the file.
+fn is_recording(file: &Source) -> bool {
+    matches!(Container::kind_of(file), Ok(Some(_)))
+}
+
+/// The table of the map that describes a file.
+fn table_of(map: &ColumnMap, file: &Source) -> Option<usize> {
+    let name = file
+        .path()
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    map.tables.iter().position(|table| table.describes(&name))
 }
 
 fn pattern(map: &ColumnMap, table: usize) -> String {
     map.tables[table].file.clone().unwrap_or_else(|| "*".into())
-}
-
-/// The files that a path of the command line means, by name.
-fn expand(path: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
-    let file = || path.display().to_string();
-    let unreadable = |source| grouser_files::Error::Unreadable {
-        file: file(),
-        source,
-    };
-    let mut inside = Vec::new();
-    match fs::metadata(path) {
-        Ok(kind) if kind.is_dir() => {
-            for entry in fs::read_dir(path).map_err(unreadable)? {
-                let entry = entry.map_err(unreadable)?.path();
-                if entry.is_file() {
-                    inside.push(entry);
-                }
-            }
-        }
-        Ok(_) => inside.push(path.to_path_buf()),
-        Err(error) => {
-            // Not there: perhaps the beginning of several names.
-            let folder = match path.parent() {
-                Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
-                Some(parent) => parent,
-                None => return Err(unreadable(error).into()),
-            };
-            let start = path.file_name().unwrap_or_default().to_string_lossy();
-            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-                let name = entry.file_name();
-                let own = name.to_string_lossy();
-                if !start.is_empty() && own.starts_with(&*start) && entry.path().is_file() {
-                    inside.push(entry.path());
-                }
-            }
-            if inside.is_empty() {
-                return Err(unreadable(error).into());
-            }
-        }
-    }
-    inside.sort();
-    found.extend(inside);
-    Ok(())
-}
-
-/// The records of a log in the order of time. The first error ends it.
-pub struct Records {
-    readers: Vec<Shifted>,
-    failed: bool,
-}
-
-struct Shifted {
-    reader: Box<dyn Iterator<Item = Result<Record>> + Send>,
-    shift_ns: i64,
-    next: Option<Record>,
-}
-
-impl Iterator for Records {
-    type Item = Result<Record>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.failed {
-            return None;
-        }
-        for source in &mut self.readers {
-            if source.next.is_none() {
-                match source.reader.next() {
-                    Some(Ok(mut record)) => {
-                        record.time_ns = record.time_ns.saturating_add(source.shift_ns);
-                        source.next = Some(record);
-                    }
-                    Some(Err(error)) => {
-                        self.failed = true;
-                        return Some(Err(error));
-                    }
-                    None => {}
-                }
-            }
-        }
-        let earliest = self
-            .readers
-            .iter_mut()
-            .filter(|source| source.next.is_some())
-            .min_by_key(|source| source.next.as_ref().map(|record| record.time_ns))?;
-        earliest.next.take().map(Ok)
-    }
 }

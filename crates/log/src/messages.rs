@@ -67,10 +67,8 @@ impl LeftOut {
     }
 }
 
-/// Says whether a channel is wanted, and what is added to its times, ns.
-type Wanted = Box<dyn FnMut(&Channel) -> Option<i64> + Send>;
-/// How a channel is decoded, and what is added to its times, ns.
-type Decoding = (SharedDecoder, i64);
+/// Is a channel wanted?
+type Wanted = Box<dyn FnMut(&Channel) -> bool + Send>;
 
 /// The messages of an MCAP file or a bag, decoded by the definitions it holds, in the order of time.
 ///
@@ -82,7 +80,7 @@ pub struct Messages {
     wanted: Wanted,
     clock: Clock,
     /// By channel; `None`: not wanted.
-    decoders: BTreeMap<usize, Option<Decoding>>,
+    decoders: BTreeMap<usize, Option<SharedDecoder>>,
     shared: Decoders,
     spare: Spare,
     ordered: Ordered<Stamped>,
@@ -99,16 +97,7 @@ impl Messages {
     pub fn open(
         path: &Path,
         clock: Clock,
-        mut wanted: impl FnMut(&Channel) -> bool + Send + 'static,
-    ) -> Result<Self> {
-        Self::open_shifted(path, clock, move |channel| wanted(channel).then_some(0))
-    }
-
-    /// As [`Messages::open`]; `wanted` says what is added to the times of a channel, ns.
-    pub(crate) fn open_shifted(
-        path: &Path,
-        clock: Clock,
-        wanted: impl FnMut(&Channel) -> Option<i64> + Send + 'static,
+        wanted: impl FnMut(&Channel) -> bool + Send + 'static,
     ) -> Result<Self> {
         Ok(Self {
             container: Container::open(path)?,
@@ -173,11 +162,11 @@ impl Messages {
             }
             Some(Event::Message(message)) => {
                 let (wanted, shared) = (&mut self.wanted, &mut self.shared);
-                let decoder = self.decoders.entry(message.channel).or_insert_with(|| {
-                    let shift_ns = wanted(message.of)?;
-                    Some((shared.of(message.of), shift_ns))
-                });
-                let Some((decoder, shift_ns)) = decoder else {
+                let decoder = self
+                    .decoders
+                    .entry(message.channel)
+                    .or_insert_with(|| wanted(message.of).then(|| shared.of(message.of)));
+                let Some(decoder) = decoder else {
                     return;
                 };
                 let mut value = self.spare.take(message.channel);
@@ -195,10 +184,7 @@ impl Messages {
                 let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
                 let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
                 Stamped {
-                    time_ns: stamp
-                        .flatten()
-                        .unwrap_or(recorded)
-                        .saturating_add(*shift_ns),
+                    time_ns: stamp.flatten().unwrap_or(recorded),
                     log_time_ns: message.log_time_ns,
                     channel: message.channel,
                     size: message.data.len(),
@@ -211,7 +197,7 @@ impl Messages {
             return;
         }
         self.held += message.size;
-        self.ordered.push(message.time_ns, message);
+        self.ordered.push(message);
     }
 }
 
@@ -222,7 +208,7 @@ impl Iterator for Messages {
         while !self.done && !self.ordered.is_ripe() && self.held <= HELD_LIMIT {
             self.take();
         }
-        let (_, message) = self.ordered.pop()?;
+        let message = self.ordered.pop()?;
         self.held -= message.size;
         Some(message)
     }

@@ -1,101 +1,103 @@
 //! Putting rows and messages into the order of time with a bounded look-ahead.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::VecDeque;
 
-/// Holds the newest rows back until `look_ahead` others have come, and gives records out by time;
+/// Holds the newest rows back until `look_ahead` others have come, and returns their records by time;
 /// records of equal time keep their order.
+///
+/// Rows come nearly in order, so each is sorted in from the back.
 pub(crate) struct Ordered<T> {
     look_ahead: usize,
-    heap: BinaryHeap<Reverse<Held<T>>>,
-    rows: BinaryHeap<Reverse<i64>>,
-    sequence: u64,
+    /// By time, the earliest first.
+    rows: VecDeque<Row<T>>,
+    /// The row that was announced last.
+    open: usize,
+    records: usize,
+    /// Emptied rows, whose memory is used again.
+    spare: Vec<VecDeque<T>>,
     given_ns: Option<i64>,
 }
 
-struct Held<T> {
-    key: (i64, u64),
-    held: T,
-}
-
-impl<T> PartialEq for Held<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.key == other.key
-    }
-}
-
-impl<T> Eq for Held<T> {}
-
-impl<T> PartialOrd for Held<T> {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<T> Ord for Held<T> {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.key.cmp(&other.key)
-    }
+struct Row<T> {
+    time_ns: i64,
+    records: VecDeque<T>,
 }
 
 impl<T> Ordered<T> {
-    pub(crate) fn new(look_ahead: usize) -> Self {
+    pub(crate) const fn new(look_ahead: usize) -> Self {
         Self {
             look_ahead,
-            heap: BinaryHeap::new(),
-            rows: BinaryHeap::new(),
-            sequence: 0,
+            rows: VecDeque::new(),
+            open: 0,
+            records: 0,
+            spare: Vec::new(),
             given_ns: None,
         }
     }
 
-    /// Announces a row. Its age in seconds if newer ones have already been given out.
+    /// Announces a row. Its age in seconds if newer ones have already been returned.
     pub(crate) fn begin_row(&mut self, time_ns: i64) -> Result<(), f64> {
         if let Some(given) = self.given_ns
             && time_ns < given
         {
             return Err(given.saturating_sub(time_ns) as f64 * 1e-9);
         }
-        self.rows.push(Reverse(time_ns));
         // Rows without a record must not pile up.
-        if self.heap.is_empty() && self.rows.len() > self.look_ahead {
-            self.rows.pop();
+        if self.records == 0 && self.rows.len() >= self.look_ahead {
+            self.drop_front();
+        }
+        let row = Row {
+            time_ns,
+            records: self.spare.pop().unwrap_or_default(),
+        };
+        if self.rows.back().is_none_or(|last| last.time_ns <= time_ns) {
+            self.open = self.rows.len();
+            self.rows.push_back(row);
+        } else {
+            self.open = self.rows.partition_point(|other| other.time_ns <= time_ns);
+            self.rows.insert(self.open, row);
         }
         Ok(())
     }
 
-    pub(crate) fn push(&mut self, time_ns: i64, held: T) {
-        self.heap.push(Reverse(Held {
-            key: (time_ns, self.sequence),
-            held,
-        }));
-        self.sequence += 1;
+    /// A record of the row that was announced last.
+    pub(crate) fn push(&mut self, record: T) {
+        if let Some(row) = self.rows.get_mut(self.open) {
+            row.records.push_back(record);
+            self.records += 1;
+        }
     }
 
     /// Are enough rows held that the first record may go?
     pub(crate) fn is_ripe(&self) -> bool {
-        self.rows.len() > self.look_ahead && !self.heap.is_empty()
+        self.rows.len() > self.look_ahead && self.records > 0
     }
 
-    /// The earliest, with its time.
-    pub(crate) fn pop(&mut self) -> Option<(i64, T)> {
-        let Reverse(Held {
-            key: (time_ns, _),
-            held,
-        }) = self.heap.pop()?;
-        self.given_ns = Some(time_ns);
-        let next_is_later = self
-            .heap
-            .peek()
-            .is_none_or(|Reverse(next)| next.key.0 > time_ns);
-        while next_is_later && self.rows.peek().is_some_and(|Reverse(row)| *row <= time_ns) {
-            self.rows.pop();
+    /// The earliest record.
+    pub(crate) fn pop(&mut self) -> Option<T> {
+        while self.records > 0 {
+            let row = self.rows.front_mut()?;
+            if let Some(record) = row.records.pop_front() {
+                self.records -= 1;
+                self.given_ns = Some(row.time_ns);
+                if row.records.is_empty() {
+                    self.drop_front();
+                }
+                return Some(record);
+            }
+            self.drop_front();
         }
-        Some((time_ns, held))
+        None
+    }
+
+    fn drop_front(&mut self) {
+        if let Some(row) = self.rows.pop_front() {
+            self.spare.push(row.records);
+        }
     }
 
     pub(crate) fn clear(&mut self) {
-        self.heap.clear();
         self.rows.clear();
+        self.records = 0;
     }
 }

@@ -1,8 +1,8 @@
-//! From the numbers of a row or a message to typed readings.
+//! From the numbers of a row or a message to measurements.
 
 use grouser_files::columns::{Column, Meaning};
 
-use crate::record::Reading;
+use grouser_slip::Measurement;
 
 /// The readings that a set of columns gives.
 #[derive(Clone, Debug)]
@@ -73,31 +73,31 @@ impl Slots {
         &self,
         number: impl Fn(Part) -> Result<Option<f64>, E>,
         count: impl Fn(Part) -> Result<Option<u64>, E>,
-        mut take: impl FnMut(Reading),
+        mut take: impl FnMut(Measurement),
     ) -> Result<(), E> {
         let optional = |part: Option<Part>| part.map_or(Ok(None), &number);
         for slot in &self.0 {
             let reading = match *slot {
                 Slot::Wheel(Meaning::WheelCount, wheel, part) => {
-                    count(part)?.map(|raw| Reading::WheelCount { wheel, raw })
+                    count(part)?.map(|raw| Measurement::WheelCount { wheel, raw })
                 }
                 Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
-                    number(part)?.map(|angle| Reading::WheelAngle { wheel, angle })
+                    number(part)?.map(|angle| Measurement::WheelAngle { wheel, angle })
                 }
                 Slot::Wheel(Meaning::WheelTorque, wheel, part) => {
-                    number(part)?.map(|torque| Reading::WheelTorque { wheel, torque })
+                    number(part)?.map(|torque| Measurement::WheelTorque { wheel, torque })
                 }
                 Slot::Wheel(_, wheel, part) => {
-                    number(part)?.map(|rate| Reading::WheelRate { wheel, rate })
+                    number(part)?.map(|rate| Measurement::WheelRate { wheel, rate })
                 }
-                Slot::YawRate(part) => number(part)?.map(|rate| Reading::YawRate { rate }),
+                Slot::YawRate(part) => number(part)?.map(|rate| Measurement::YawRate { rate }),
                 Slot::Acceleration(forward, left) => number(forward)?
                     .zip(number(left)?)
-                    .map(|(forward, left)| Reading::Acceleration { forward, left }),
+                    .map(|(forward, left)| Measurement::Acceleration { forward, left }),
                 Slot::Displacement(forward, left, turn) => {
                     let turn = optional(turn)?;
                     number(forward)?.zip(number(left)?).map(|(forward, left)| {
-                        Reading::Displacement {
+                        Measurement::Displacement {
                             forward,
                             left,
                             turn,
@@ -107,14 +107,14 @@ impl Slots {
                 Slot::Pose(x, y, yaw) => number(x)?
                     .zip(number(y)?)
                     .zip(number(yaw)?)
-                    .map(|((x, y), yaw)| Reading::Pose { x, y, yaw }),
+                    .map(|((x, y), yaw)| Measurement::Pose { x, y, yaw }),
                 Slot::Speed(forward, left) => {
                     let left = optional(left)?;
-                    number(forward)?.map(|forward| Reading::Speed { forward, left })
+                    number(forward)?.map(|forward| Measurement::Speed { forward, left })
                 }
                 Slot::Command(forward, left) => {
                     let left = optional(left)?.unwrap_or(0.0);
-                    number(forward)?.map(|forward| Reading::Command { forward, left })
+                    number(forward)?.map(|forward| Measurement::Command { forward, left })
                 }
             };
             reading.into_iter().for_each(&mut take);

@@ -1,75 +1,157 @@
-//! A file as a stream of bytes, decompressed where it is compressed.
+//! What a log is read from: a file, or anything that can be read from any place.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
-use std::sync::Arc;
+use std::fs;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use flate2::bufread::MultiGzDecoder;
 use grouser_files::regular;
 
 use crate::error::{Cell, Error, Result};
 
-const BUFFER: usize = 1 << 16;
-const GZIP: [u8; 2] = [0x1f, 0x8b];
-const DATABASE: &[u8] = b"SQLite format 3\0";
+const BUFFER_BYTES: usize = 1 << 16;
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// A file whose bytes are counted as they are read.
+/// Anything that can be read from any place.
+pub(crate) trait ReadSeek: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> ReadSeek for T {}
+
+/// One input under several readers, each of which has its own position.
+#[derive(Clone)]
+pub(crate) struct Shared(Arc<Mutex<Box<dyn ReadSeek>>>);
+
+impl Shared {
+    pub(crate) fn new(source: impl ReadSeek + 'static) -> Self {
+        Self(Arc::new(Mutex::new(Box::new(source))))
+    }
+
+    /// How many bytes it holds.
+    pub(crate) fn length(&self) -> io::Result<u64> {
+        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        source.seek(SeekFrom::End(0))
+    }
+
+    /// Reads at `offset`, as much as comes at once.
+    pub(crate) fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        source.seek(SeekFrom::Start(offset))?;
+        loop {
+            match source.read(buffer) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                done => return done,
+            }
+        }
+    }
+}
+
+/// A file of a log: opened whenever it is read, or held open by the caller.
+#[derive(Clone)]
+pub(crate) struct Source {
+    path: PathBuf,
+    held: Option<Shared>,
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Source").field(&self.path).finish()
+    }
+}
+
+impl Source {
+    pub(crate) const fn file(path: PathBuf) -> Self {
+        Self { path, held: None }
+    }
+
+    pub(crate) fn over(name: &Path, source: impl ReadSeek + 'static) -> Self {
+        Self {
+            path: name.to_owned(),
+            held: Some(Shared::new(source)),
+        }
+    }
+
+    /// Its path, or the name that the caller gave it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(crate) fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// Opens it for reading at any place.
+    pub(crate) fn open(&self) -> Result<Shared> {
+        Ok(match &self.held {
+            Some(held) => held.clone(),
+            None => Shared::new(regular::open(&self.path)?),
+        })
+    }
+
+    /// How many bytes it holds, compressed or not.
+    pub(crate) fn bytes(&self) -> u64 {
+        match &self.held {
+            Some(held) => held.length().unwrap_or(0),
+            None => fs::metadata(&self.path).map_or(0, |file| file.len()),
+        }
+    }
+
+    /// Refuses what ROS 2 recorded before MCAP: a database. What cannot be opened is left to the reader that opens it.
+    pub(crate) fn refuse_database(&self) -> Result<()> {
+        let mut start = [0; SQLITE_MAGIC.len()];
+        let starts = |shared: Shared| {
+            shared
+                .read_at(0, &mut start)
+                .is_ok_and(|_| start == SQLITE_MAGIC)
+        };
+        if self.open().is_ok_and(starts) {
+            return Err(Error::Database { file: self.name() });
+        }
+        Ok(())
+    }
+
+    /// Opens it as text; gzip is known by its first bytes, whatever the name. Bytes that are read are added to `count`.
+    pub(crate) fn text(&self, count: &Arc<AtomicU64>) -> Result<Box<dyn BufRead + Send>> {
+        self.refuse_database()?;
+        let counted = Counted {
+            source: self.open()?,
+            offset: 0,
+            count: Arc::clone(count),
+        };
+        let mut file = BufReader::with_capacity(BUFFER_BYTES, counted);
+        let start = first_bytes(&mut file).map_err(|source| Error::Unreadable {
+            at: Cell {
+                file: self.name(),
+                line: 1,
+                column: None,
+                name: None,
+            },
+            source,
+        })?;
+        if start == GZIP_MAGIC {
+            let decoder = MultiGzDecoder::new(file);
+            Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, decoder)))
+        } else {
+            Ok(Box::new(file))
+        }
+    }
+}
+
+/// A source from its beginning, whose bytes are counted as they are read.
 struct Counted {
-    file: File,
+    source: Shared,
+    offset: u64,
     count: Arc<AtomicU64>,
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.file.read(buffer)?;
+        let length = self.source.read_at(self.offset, buffer)?;
+        self.offset += length as u64;
         self.count.fetch_add(length as u64, Ordering::Relaxed);
         Ok(length)
-    }
-}
-
-/// Refuses what ROS 2 recorded before MCAP: a database, neither text nor messages in a row. What cannot
-/// be opened is left to whoever opens it.
-pub(crate) fn refuse_database(path: &Path) -> Result<()> {
-    let mut start = Vec::new();
-    if let Ok(file) = regular::open(path)
-        && file
-            .take(DATABASE.len() as u64)
-            .read_to_end(&mut start)
-            .is_ok()
-        && start == DATABASE
-    {
-        return Err(Error::Database {
-            file: path.display().to_string(),
-        });
-    }
-    Ok(())
-}
-
-/// Opens a regular file; gzip is known by its first bytes, whatever the name. What is read of it is
-/// added to `count`.
-pub(crate) fn open(path: &Path, count: &Arc<AtomicU64>) -> Result<Box<dyn BufRead + Send>> {
-    refuse_database(path)?;
-    let file = Counted {
-        file: regular::open(path)?,
-        count: Arc::clone(count),
-    };
-    let mut file = BufReader::with_capacity(BUFFER, file);
-    let start = first_bytes(&mut file).map_err(|source| Error::Unreadable {
-        at: Cell {
-            file: path.display().to_string(),
-            line: 1,
-            column: None,
-            name: None,
-        },
-        source,
-    })?;
-    if start == GZIP {
-        let decoder = MultiGzDecoder::new(file);
-        Ok(Box::new(BufReader::with_capacity(BUFFER, decoder)))
-    } else {
-        Ok(Box::new(file))
     }
 }
 

@@ -1,7 +1,6 @@
 //! A robot file to start from, by what a log holds.
 //!
-//! What a log cannot tell (radii, places, ticks per turn) stands in it as a round number and a comment that
-//! says to measure it.
+//! Values that no log holds (radii, places, ticks per turn) are round numbers with a comment to measure them.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 

@@ -12,7 +12,7 @@ use crate::messages::stamp_of;
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
 const BINS: usize = 512;
-/// An interval of more than about five times the median is a gap: so many bins above it, 8 log2 5.
+/// An interval of more than about five times the median is a gap, which is this many bins above it: 8 log2 5.
 const GAP_BINS: usize = 19;
 /// A clock that goes back by more than this jumps, ns: less is the order in which topics were recorded.
 const JUMP_NS: u64 = 100_000_000;
@@ -118,7 +118,7 @@ struct Tally {
 }
 
 impl Survey {
-    /// Reads a whole file; `progress` is told how many bytes of it have been read.
+    /// Reads a whole file; `progress` receives the number of bytes read.
     ///
     /// # Errors
     /// What does not let the file be opened. Damage inside is no error: it is listed.

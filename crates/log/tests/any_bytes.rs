@@ -17,7 +17,7 @@ fn survives(options: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
         let rows = bytes.split(|byte| *byte == b'\n').count();
         prop_assert!(records.len() <= 2 * rows);
         for record in records {
-            if let grouser_log::Reading::YawRate { rate } = record.reading {
+            if let grouser_slip::Measurement::YawRate { rate } = record.measurement {
                 prop_assert!(rate.is_finite());
             }
         }

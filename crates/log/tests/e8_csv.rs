@@ -12,7 +12,8 @@ mod scratch;
 use std::io::Write;
 
 use grouser_log::csv::LINE_LIMIT;
-use grouser_log::{Cell, Error, Reading};
+use grouser_log::{Cell, Error};
+use grouser_slip::Measurement;
 use scratch::{Folder, map, read};
 
 const GOOD: &str = "t,n,g\n0,1,0.5\n0.1,2,0.25\n";
@@ -35,14 +36,14 @@ fn at(error: &Error) -> (u64, Option<usize>) {
 #[test]
 fn the_good_one_is_read() {
     let records = read("good", "", GOOD.as_bytes()).unwrap();
-    let readings: Vec<_> = records.iter().map(|r| (r.time_ns, r.reading)).collect();
+    let readings: Vec<_> = records.iter().map(|r| (r.time_ns, r.measurement)).collect();
     assert_eq!(
         readings,
         [
-            (0, Reading::WheelCount { wheel: 0, raw: 1 }),
-            (0, Reading::YawRate { rate: 0.5 }),
-            (100_000_000, Reading::WheelCount { wheel: 0, raw: 2 }),
-            (100_000_000, Reading::YawRate { rate: 0.25 }),
+            (0, Measurement::WheelCount { wheel: 0, raw: 1 }),
+            (0, Measurement::YawRate { rate: 0.5 }),
+            (100_000_000, Measurement::WheelCount { wheel: 0, raw: 2 }),
+            (100_000_000, Measurement::YawRate { rate: 0.25 }),
         ]
     );
 }
@@ -166,7 +167,7 @@ fn e8_a_line_of_100_mb_is_not_held() {
     drop(file);
     let log = grouser_log::Log::find(&[path], map("")).unwrap();
     let before = allocation_counter::measure(|| {
-        let error = log.records(&[]).unwrap().find_map(Result::err).unwrap();
+        let error = log.samples(&[]).unwrap().find_map(Result::err).unwrap();
         assert!(matches!(
             error,
             Error::LongLine {

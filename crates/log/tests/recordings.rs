@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns::Meaning;
 use grouser_files::{Document, robot};
 use grouser_log::message::{Value, build};
-use grouser_log::write::{McapWriter, ReadingWriter};
-use grouser_log::{Error, Log, Reading, Record};
+use grouser_log::write::{McapWriter, SampleWriter};
+use grouser_log::{Error, Log};
+use grouser_slip::{Measurement, Sample};
 use scratch::Folder;
 
 const WHEELS: &str = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
@@ -40,8 +41,8 @@ fn write(path: &Path, messages: &[(&str, &str, i64, Value)]) -> PathBuf {
     path.to_owned()
 }
 
-fn readings(log: &Log) -> Vec<Record> {
-    log.records(&[]).unwrap().map(Result::unwrap).collect()
+fn readings(log: &Log) -> Vec<Sample> {
+    log.samples(&[]).unwrap().map(Result::unwrap).collect()
 }
 
 fn joints(
@@ -91,31 +92,34 @@ fn joints_are_read_by_their_wheels_names() {
     assert!(log.measures_wheel(Meaning::WheelAngle, "left"));
     assert!(log.measures_wheel(Meaning::WheelRate, "right"));
     assert!(!log.measures(Meaning::YawRate));
-    let found: Vec<Reading> = readings(&log).iter().map(|record| record.reading).collect();
+    let found: Vec<Measurement> = readings(&log)
+        .iter()
+        .map(|record| record.measurement)
+        .collect();
     assert_eq!(
         found,
         [
-            Reading::WheelAngle {
+            Measurement::WheelAngle {
                 wheel: 0,
                 angle: 0.5
             },
-            Reading::WheelRate {
+            Measurement::WheelRate {
                 wheel: 0,
                 rate: 1.0
             },
-            Reading::WheelAngle {
+            Measurement::WheelAngle {
                 wheel: 1,
                 angle: -0.5
             },
-            Reading::WheelRate {
+            Measurement::WheelRate {
                 wheel: 1,
                 rate: 2.0
             },
-            Reading::WheelAngle {
+            Measurement::WheelAngle {
                 wheel: 0,
                 angle: 0.6
             },
-            Reading::WheelAngle {
+            Measurement::WheelAngle {
                 wheel: 1,
                 angle: -0.4
             },
@@ -140,7 +144,7 @@ fn an_imu_with_y_up_still_gives_the_yaw_rate() {
     assert!(
         readings(&log)
             .iter()
-            .all(|r| r.reading == Reading::YawRate { rate: 0.4 })
+            .all(|r| r.measurement == Measurement::YawRate { rate: 0.4 })
     );
     assert_eq!(
         log.topics().next().unwrap().used_for,
@@ -177,7 +181,7 @@ fn static_transforms_tell_the_mounting_too() {
     let [record] = readings(&log)[..] else {
         panic!("one reading")
     };
-    let Reading::YawRate { rate } = record.reading else {
+    let Measurement::YawRate { rate } = record.measurement else {
         panic!("{record:?}")
     };
     assert!((rate - 0.4).abs() < 1e-15, "{rate}");
@@ -191,7 +195,7 @@ fn static_transforms_tell_the_mounting_too() {
     let [_, record] = readings(&log)[..] else {
         panic!("two readings")
     };
-    let Reading::Acceleration { forward, left } = record.reading else {
+    let Measurement::Acceleration { forward, left } = record.measurement else {
         panic!("{record:?}")
     };
     assert!(
@@ -217,12 +221,12 @@ fn efforts_are_torques_of_wheels() {
     .unwrap();
     let torques: Vec<_> = readings(&log)
         .iter()
-        .map(|record| record.reading)
-        .filter(|reading| matches!(reading, Reading::WheelTorque { .. }))
+        .map(|record| record.measurement)
+        .filter(|reading| matches!(reading, Measurement::WheelTorque { .. }))
         .collect();
     assert_eq!(
         torques,
-        [Reading::WheelTorque {
+        [Measurement::WheelTorque {
             wheel: 0,
             torque: 0.3
         }]
@@ -239,7 +243,10 @@ fn the_robot_file_decides_over_gravity() {
         imu(5, [0.3, 0.0, 0.0], [0.0, 0.0, 9.8], [0.0; 3]),
     )];
     let log = log(&folder, "[topics]\nimu_up = \"-x\"", &messages).unwrap();
-    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: -0.3 });
+    assert_eq!(
+        readings(&log)[0].measurement,
+        Measurement::YawRate { rate: -0.3 }
+    );
 }
 
 #[test]
@@ -263,8 +270,8 @@ fn c2_a_covariance_says_what_may_be_used() {
     ] {
         let log = log(&folder, "", &of(usable)).unwrap();
         assert_eq!(
-            readings(&log)[0].reading,
-            Reading::YawRate { rate: 0.3 },
+            readings(&log)[0].measurement,
+            Measurement::YawRate { rate: 0.3 },
             "{usable:?}"
         );
     }
@@ -282,14 +289,20 @@ fn a_gyro_of_one_axis_needs_no_mounting() {
     let folder = Folder::new("one-axis");
     let gyro = build::planar_imu(build::header(5, "base_link"), Some(0.25), None);
     let log = log(&folder, "", &[("/gyro", IMU, 5, gyro)]).unwrap();
-    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: 0.25 });
+    assert_eq!(
+        readings(&log)[0].measurement,
+        Measurement::YawRate { rate: 0.25 }
+    );
     let none = imu(5, [0.0, 0.3, 0.0], [0.0; 3], [f64::MAX, 0.0, f64::MAX]);
     let other = Folder::new("one-axis-y");
     let path = write(&other.0.join("log.mcap"), &[("/gyro", IMU, 5, none)]);
     let text = format!("format = 1\nname = \"cart\"\n{WHEELS}");
     let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
     let log = Log::find_any(&[path], None, &robot.topics).unwrap();
-    assert_eq!(readings(&log)[0].reading, Reading::YawRate { rate: 0.3 });
+    assert_eq!(
+        readings(&log)[0].measurement,
+        Measurement::YawRate { rate: 0.3 }
+    );
     assert!(log.notes().is_empty(), "{:?}", log.notes());
 }
 
@@ -316,12 +329,12 @@ fn odometry_of_unknown_origin_is_named_not_believed() {
     let wheels = log(&folder, "", &odometry("/odom")).unwrap();
     assert!(readings(&wheels).is_empty() && wheels.notes()[0].contains("`/odom` is not used"));
     let camera = log(&folder, "", &odometry("/zed/odom")).unwrap();
-    let found: Vec<Reading> = readings(&camera)
+    let found: Vec<Measurement> = readings(&camera)
         .iter()
-        .map(|record| record.reading)
+        .map(|record| record.measurement)
         .collect();
     let yaw = match found[0] {
-        Reading::Pose {
+        Measurement::Pose {
             x: 1.0,
             y: 2.0,
             yaw,
@@ -331,7 +344,7 @@ fn odometry_of_unknown_origin_is_named_not_believed() {
     assert!((yaw - 0.5).abs() < 1e-15);
     assert_eq!(
         found[1],
-        Reading::Speed {
+        Measurement::Speed {
             forward: 0.7,
             left: Some(0.0)
         }
@@ -341,8 +354,8 @@ fn odometry_of_unknown_origin_is_named_not_believed() {
     let wheels = log(&folder, topics, &odometry("/odom")).unwrap();
     let rates: Vec<f64> = readings(&wheels)
         .iter()
-        .map(|record| match record.reading {
-            Reading::WheelRate { rate, .. } => rate,
+        .map(|record| match record.measurement {
+            Measurement::WheelRate { rate, .. } => rate,
             other => panic!("{other:?}"),
         })
         .collect();
@@ -368,8 +381,8 @@ fn any_number_of_any_message_can_be_a_wheels_count() {
     };
     let topics = field(1, "left") + &field(0, "right");
     let found = readings(&log(&folder, &topics, &messages).unwrap());
-    let found: Vec<_> = found.iter().map(|r| (r.time_ns, r.reading)).collect();
-    let count = |time, wheel, raw| (time, Reading::WheelCount { wheel, raw });
+    let found: Vec<_> = found.iter().map(|r| (r.time_ns, r.measurement)).collect();
+    let count = |time, wheel, raw| (time, Measurement::WheelCount { wheel, raw });
     assert_eq!(
         found,
         [
@@ -459,42 +472,41 @@ fn stamps_of_two_clocks_give_way_to_the_recorders() {
 #[test]
 fn typed_readings_written_as_messages_are_the_same_again() {
     let folder = Folder::new("again");
-    let at = |time_ns, reading| Record {
+    let at = |time_ns, measurement| Sample {
         time_ns,
-        source: 0,
-        reading,
+        measurement,
     };
     let (rates, torques) = ([0.5, -0.25], [0.125, 3.0]);
     let mut all = Vec::new();
     for time_ns in [1_000_000, 2_000_000] {
         for wheel in 0..2 {
             let rate = rates[wheel];
-            all.push(at(time_ns, Reading::WheelRate { wheel, rate }));
+            all.push(at(time_ns, Measurement::WheelRate { wheel, rate }));
             let torque = torques[wheel];
-            all.push(at(time_ns, Reading::WheelTorque { wheel, torque }));
+            all.push(at(time_ns, Measurement::WheelTorque { wheel, torque }));
         }
-        all.push(at(time_ns, Reading::YawRate { rate: 0.2 }));
+        all.push(at(time_ns, Measurement::YawRate { rate: 0.2 }));
         let (forward, left) = (0.4, -0.1);
-        all.push(at(time_ns, Reading::Acceleration { forward, left }));
+        all.push(at(time_ns, Measurement::Acceleration { forward, left }));
     }
     // An angle of one wheel alone: it shares no message with the rates of both.
     let (wheel, angle) = (1, 7.5);
-    all.push(at(3_000_000, Reading::WheelAngle { wheel, angle }));
+    all.push(at(3_000_000, Measurement::WheelAngle { wheel, angle }));
     let path = folder.0.join("again.mcap");
     let names = ["left", "right"].map(String::from);
-    let mut writer = ReadingWriter::new(File::create(&path).unwrap(), &names).unwrap();
+    let mut writer = SampleWriter::new(File::create(&path).unwrap(), &names).unwrap();
     for record in &all {
-        writer.record(record).unwrap();
+        writer.sample(record).unwrap();
     }
     let (_, messages) = writer.finish().unwrap();
     assert_eq!(messages, 2 * 2 + 1);
     let text = format!("format = 1\nname = \"cart\"\n{WHEELS}");
     let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
     let log = Log::find_any(&[path], None, &robot.topics).unwrap();
-    let plain = |records: &[Record]| -> Vec<String> {
+    let plain = |records: &[Sample]| -> Vec<String> {
         let mut out: Vec<_> = records
             .iter()
-            .map(|record| format!("{} {:?}", record.time_ns, record.reading))
+            .map(|record| format!("{} {:?}", record.time_ns, record.measurement))
             .collect();
         out.sort();
         out

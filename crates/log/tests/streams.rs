@@ -13,7 +13,8 @@ use std::io::Write as _;
 
 use flate2::{Compression, write::GzEncoder};
 use grouser_files::{Document, columns};
-use grouser_log::{Error, Log, Reading, Record};
+use grouser_log::{Error, Log};
+use grouser_slip::{Measurement, Sample};
 use scratch::{Folder, map, read};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
@@ -75,7 +76,7 @@ fn a_bomb_is_read_in_constant_memory() {
     let folder = Folder::new("bomb");
     let log = Log::find(&[folder.file("log.csv", &bomb)], map("")).unwrap();
     let used = allocation_counter::measure(|| {
-        let error = log.records(&[]).unwrap().find_map(Result::err).unwrap();
+        let error = log.samples(&[]).unwrap().find_map(Result::err).unwrap();
         assert!(matches!(error, Error::LongLine { .. }));
     });
     assert!(used.bytes_max < 8 << 20, "{}", used.bytes_max);
@@ -88,7 +89,7 @@ fn memory_does_not_grow_with_the_log() {
         let file = folder.file("log.csv", rows(0..count).as_bytes());
         let log = Log::find(&[file], map("")).unwrap();
         let used = allocation_counter::measure(|| {
-            let records = log.records(&[]).unwrap();
+            let records = log.samples(&[]).unwrap();
             assert_eq!(records.map(Result::unwrap).count() as u64, 2 * count);
         });
         used.bytes_max
@@ -141,13 +142,13 @@ fn several_files_are_one_log_by_folder_by_name_or_by_beginning() {
         vec![folder.0.join("run7")],
     ] {
         let log = Log::find(&paths, two_tables()).unwrap();
-        let records: Vec<Record> = log.records(&[]).unwrap().map(Result::unwrap).collect();
+        let records: Vec<Sample> = log.samples(&[]).unwrap().map(Result::unwrap).collect();
         let times: Vec<i64> = records
             .iter()
             .map(|record| record.time_ns / 1_000_000)
             .collect();
         assert_eq!(times, [0, 100, 200, 300]);
-        let Reading::YawRate { rate } = records[1].reading else {
+        let Measurement::YawRate { rate } = records[1].measurement else {
             panic!("{records:?}");
         };
         assert!((rate - std::f64::consts::PI).abs() < 1e-15);
@@ -191,6 +192,6 @@ fn e12_logs_that_are_no_files() {
     );
     for path in [pipe, "/dev/zero".into()] {
         let log = Log::find(&[path], map("")).unwrap();
-        assert!(matches!(log.records(&[]).map(|_| ()), Err(Error::File(_))));
+        assert!(matches!(log.samples(&[]).map(|_| ()), Err(Error::File(_))));
     }
 }

@@ -56,7 +56,7 @@ proptest! {
         // And where there are wheels, the log is read with it.
         if joints.iter().any(|joint| !joint.is_empty()) {
             let log = Log::find_any(&[path], None, &file.topics);
-            prop_assert!(log.unwrap().records(&[]).unwrap().count() > 0);
+            prop_assert!(log.unwrap().samples(&[]).unwrap().count() > 0);
         }
     }
 

@@ -6,24 +6,24 @@ use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 use crate::error::Result;
-use crate::samples::{sample, wheel_of};
+use crate::samples::{is_used, of_robot, rotating_wheel};
 
 /// Turns are compared over this time, s: long against a sample, short against a manoeuvre.
-const WINDOW: f64 = 0.2;
+const WINDOW_S: f64 = 0.2;
 /// Offsets are looked for up to this, s.
-const RANGE: f64 = 0.5;
+const RANGE_S: f64 = 0.5;
 /// First step of the search, s; the second is a tenth of it.
-const STEP: f64 = 0.01;
-/// At most so many readings of each sensor are compared: the first of the log.
-const READINGS: usize = 1 << 16;
-/// The turns of a log that never turns say nothing: their mean size must exceed this, rad.
-const LEAST_TURN: f64 = 0.002;
+const STEP_S: f64 = 0.01;
+/// Maximum number of readings of each sensor that are compared: the first of the log.
+const MAX_READINGS: usize = 1 << 16;
+/// Minimum mean size of a turn, rad: a log that hardly turns holds no offset.
+const MIN_TURN_RAD: f64 = 0.002;
 
 /// How much later the gyro's clock stamps the same moment than the encoders', in seconds: the offset
 /// with the least mean |turn by encoders − turn by gyro| over windows of 0.2 s.
 ///
 /// The mean of absolute values, not of squares: slip is the outlier here. `None` where the log does not
-/// turn enough to tell, or the best offset stands at the end of the range (±0.5 s).
+/// turn enough, or the best offset stands at the end of the range (±0.5 s).
 ///
 /// # Errors
 /// What is wrong with the log.
@@ -35,7 +35,7 @@ pub(crate) fn gyro_offset(
 ) -> Result<Option<f64>> {
     let (encoders, gyro) = turns(log, &file.robot, wheels, sensor)?;
     let size = encoders.iter().map(|turn| turn.1.abs()).sum::<f64>() / encoders.len().max(1) as f64;
-    if gyro.len() < 2 || !(size * WINDOW > LEAST_TURN) {
+    if gyro.len() < 2 || !(size * WINDOW_S > MIN_TURN_RAD) {
         return Ok(None);
     }
     let cost = |offset: f64| disagreement(&encoders, &gyro, offset);
@@ -53,11 +53,11 @@ pub(crate) fn gyro_offset(
         }
         least.1
     };
-    let coarse = best(0.0, RANGE, STEP);
-    if coarse.abs() > RANGE - 1.5 * STEP {
+    let coarse = best(0.0, RANGE_S, STEP_S);
+    if coarse.abs() > RANGE_S - 1.5 * STEP_S {
         return Ok(None);
     }
-    Ok(Some(best(coarse, STEP, 0.1 * STEP)))
+    Ok(Some(best(coarse, STEP_S, 0.1 * STEP_S)))
 }
 
 /// Yaw rate by the wheels in windows around a time, and yaw by the gyro at a time; s, rad/s, rad.
@@ -66,7 +66,7 @@ type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
 fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Result<Turns> {
     let settings = WindowSettings {
         reference: Reference::Grip,
-        window: WINDOW,
+        window: WINDOW_S,
         ..WindowSettings::default()
     };
     let mut estimator = WindowEstimator::new(robot, settings)?;
@@ -78,32 +78,32 @@ fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Res
     let mut start_ns = None;
     let mut last: Option<(f64, f64)> = None;
     let mut yaw = 0.0;
-    for record in log.records(&[])? {
-        let record = record?;
-        let start = *start_ns.get_or_insert(record.time_ns);
-        let time = record.time_ns.saturating_sub(start) as f64 * 1e-9;
-        let Some(sample) = sample(&record, wheels, sensor) else {
+    for sample in log.samples(&[])? {
+        let sample = of_robot(sample?, wheels);
+        let start = *start_ns.get_or_insert(sample.time_ns);
+        let time = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
+        if !is_used(&sample.measurement, sensor) {
             continue;
-        };
+        }
         if let Measurement::YawRate { rate } = sample.measurement {
             if let Some((before, rate_before)) = last {
                 yaw += 0.5 * (rate + rate_before) * (time - before);
             }
             last = Some((time, rate));
-            if gyro.len() < READINGS {
+            if gyro.len() < MAX_READINGS {
                 gyro.push((time, yaw));
             }
-        } else if let Some(wheel) = wheel_of(&sample.measurement) {
+        } else if let Some(wheel) = rotating_wheel(&sample.measurement) {
             // Only the wheels are shown to this estimator: a refused sample is no matter here.
             if let Ok(estimate) = estimator.update(sample)
                 && Some(wheel) == last_powered
                 && let Some(rate) = estimate.body.wheels_yaw_rate
-                && encoders.len() < READINGS
+                && encoders.len() < MAX_READINGS
             {
-                encoders.push((time - 0.5 * WINDOW, rate.value));
+                encoders.push((time - 0.5 * WINDOW_S, rate.value));
             }
         }
-        if encoders.len() >= READINGS && gyro.len() >= READINGS {
+        if encoders.len() >= MAX_READINGS && gyro.len() >= MAX_READINGS {
             break;
         }
     }
@@ -116,16 +116,16 @@ fn disagreement(encoders: &[(f64, f64)], gyro: &[(f64, f64)], offset: f64) -> f6
         return f64::INFINITY;
     };
     // The same windows for every offset, or the ends of the log would choose it.
-    let margin = RANGE + STEP + 0.5 * WINDOW;
+    let margin = RANGE_S + STEP_S + 0.5 * WINDOW_S;
     let mut sum = 0.0;
     let mut count = 0.0;
     for &(time, rate) in encoders {
         if time < first.0 + margin || time > last.0 - margin {
             continue;
         }
-        let from = yaw_at(gyro, time + offset - 0.5 * WINDOW);
-        let to = yaw_at(gyro, time + offset + 0.5 * WINDOW);
-        sum += (rate * WINDOW - (to - from)).abs();
+        let from = yaw_at(gyro, time + offset - 0.5 * WINDOW_S);
+        let to = yaw_at(gyro, time + offset + 0.5 * WINDOW_S);
+        sum += (rate * WINDOW_S - (to - from)).abs();
         count += 1.0;
     }
     if count > 0.0 {

@@ -7,9 +7,34 @@ use grouser_log::Log;
 use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
+use crate::run::Options;
+
+/// By which sensors a robot is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inputs {
+    /// The wheels' sensor; samples of the others are not used.
+    pub wheel_sensor: WheelSensor,
+    /// What measures how fast the robot travels.
+    pub reference: Reference,
+}
+
+impl Inputs {
+    /// The inputs that a log offers: the options' choice, else the robot file's, else the best.
+    ///
+    /// # Errors
+    /// [`Error::NoWheels`], [`Error::WheelNotMeasured`], [`Error::NoTicks`] and [`Error::NoReference`] where the log does
+    /// not hold what was chosen.
+    pub fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
+        let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
+        Ok(Self {
+            wheel_sensor,
+            reference: reference(log, file, wheel_sensor, options.reference)?,
+        })
+    }
+}
 
 /// For every wheel of the log the robot's wheel.
-pub(crate) fn wheel_indices(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
+pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
     let robot = &file.robot;
     log.wheels()
         .iter()
@@ -34,16 +59,12 @@ const fn meaning(sensor: WheelSensor) -> Meaning {
     }
 }
 
-/// The sensor by which the wheels are measured: as asked, else the robot file's, else the first of
+/// The sensor by which the wheels are measured: the option's, else the robot file's, else the first of
 /// counts, angles and rates that the log holds.
-pub(crate) fn wheel_sensor(
-    log: &Log,
-    file: &RobotFile,
-    asked: Option<WheelSensor>,
-) -> Result<WheelSensor> {
+fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Result<WheelSensor> {
     let robot = &file.robot;
     let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
-    let sensor = asked
+    let sensor = chosen
         .or(file.wheel_sensor)
         .or_else(|| order.find(|&sensor| log.measures(meaning(sensor))))
         .ok_or_else(|| Error::NoWheels {
@@ -69,12 +90,12 @@ pub(crate) fn wheel_sensor(
     Ok(sensor)
 }
 
-/// The reference: as asked, else the robot file's, else the best that the log holds.
-pub(crate) fn reference(
+/// The reference: the option's, else the robot file's, else the best that the log holds.
+fn reference(
     log: &Log,
     file: &RobotFile,
     sensor: WheelSensor,
-    asked: Option<Reference>,
+    chosen: Option<Reference>,
 ) -> Result<Reference> {
     let missing = |reference: Reference| -> Option<&'static str> {
         let needs = |meaning, what| (!log.measures(meaning)).then_some(what);
@@ -98,7 +119,7 @@ pub(crate) fn reference(
             _ => None,
         }
     };
-    match asked.or(file.reference) {
+    match chosen.or(file.reference) {
         Some(reference) => match missing(reference) {
             None => Ok(reference),
             Some(needs) => Err(Error::NoReference {

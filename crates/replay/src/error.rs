@@ -57,7 +57,7 @@ pub enum Error {
         /// The wheel.
         wheel: String,
     },
-    /// The soil cannot be asked without the wheel's size and load.
+    /// The soil model needs the wheel's size and load.
     #[error("wheel `{wheel}` has no `{key}` in the robot file, which the soil model needs")]
     NoWheelSize {
         /// The wheel.

@@ -9,12 +9,12 @@ use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sa
 use crate::consistency::{Consistency, Kind, Residuals};
 use crate::error::Result;
 use crate::gather::Gather;
-use crate::method::is_heard;
+use crate::method::reaches_filter;
 use crate::moment::Moment;
 use crate::smooth::Smoother;
 
-/// At most so many changes of events are kept: the first of the log.
-const EVENTS: usize = 10_000;
+/// Maximum number of events that are kept: the first of the log.
+const MAX_EVENTS: usize = 10_000;
 
 /// What the filter says of itself after a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Fusion {
 
     /// A sample of the time at hand: which of them stands first in the log must not matter.
     pub(crate) fn update(&mut self, sample: Sample) {
-        if is_heard(&sample.measurement, self.reference, &self.robot) {
+        if reaches_filter(&sample.measurement, self.reference, &self.robot) {
             self.waiting.extend(self.gather.take(sample));
         }
     }
@@ -110,7 +110,7 @@ impl Fusion {
             self.residuals.add(kind, known.body.nis);
         }
         if let Some(smoother) = &mut self.smoother {
-            smoother.hear(sample);
+            smoother.add(sample);
         }
     }
 
@@ -133,7 +133,7 @@ impl Fusion {
         if read != 0 {
             let changes = self.detector.update(now_ns, known.wheels, &self.torques);
             for change in changes {
-                if self.events.len() < EVENTS {
+                if self.events.len() < MAX_EVENTS {
                     self.events.push(EventAt {
                         time_s: now_ns.saturating_sub(start_ns) as f64 * 1e-9,
                         change,
@@ -145,7 +145,7 @@ impl Fusion {
         }
         for (index, wheel) in moment.wheels.iter_mut().enumerate() {
             if self.reference == Reference::Grip && wheel.health == Health::Ok {
-                // what told the speed was a standstill, and that is over
+                // the speed was known from a standstill, which is over
                 wheel.health = Health::Degraded(Degraded::Relative);
             }
             wheel.motion = self.detector.motion(index, wheel.motion);

@@ -17,13 +17,13 @@ const CHANGED: f64 = 200.0;
 /// T² = n dᵀ S⁻¹ d,   d = mean of the last 1.5 s − mean of the 4 s before, S the covariance in these 4 s
 /// ```
 ///
-/// Currents alone do not tell two soft grounds apart, and neither do rates: a motor that is pulled down runs slower. Off
-/// that line together they move only if the ground is another one, or the command is: tell it of that by
+/// Currents alone do not distinguish two soft grounds, and neither do rates: a motor that is pulled down runs slower. Off
+/// that line together they move only if the ground is another one, or the command is: announce that by
 /// [`GroundChange::begin`]. Memory: one row of each reading of 5.5 s.
 #[derive(Clone, Debug)]
 pub struct GroundChange {
     rows: VecDeque<(f64, Vec<f64>)>,
-    greatest: f64,
+    max_statistic: f64,
 }
 
 impl Default for GroundChange {
@@ -38,7 +38,7 @@ impl GroundChange {
     pub const fn new() -> Self {
         Self {
             rows: VecDeque::new(),
-            greatest: 0.0,
+            max_statistic: 0.0,
         }
     }
 
@@ -47,10 +47,10 @@ impl GroundChange {
         self.rows.clear();
     }
 
-    /// The greatest statistic so far.
+    /// The maximum statistic so far.
     #[must_use]
-    pub const fn greatest(&self) -> f64 {
-        self.greatest
+    pub const fn max_statistic(&self) -> f64 {
+        self.max_statistic
     }
 
     /// Takes the readings at `time_s` (s), always as many in the same order; is the ground another one now?
@@ -76,7 +76,7 @@ impl GroundChange {
             return false;
         }
         let statistic = self.statistic(usual, readings.len());
-        self.greatest = self.greatest.max(statistic);
+        self.max_statistic = self.max_statistic.max(statistic);
         if statistic <= CHANGED {
             return false;
         }

@@ -28,8 +28,8 @@ impl Method {
         }
     }
 
-    /// The filter where something tells how fast the robot travels, up to the number of wheels that it takes. Where
-    /// nothing does, its slip would be what was believed before, and means over windows at least compare the wheels.
+    /// The filter where the robot's speed is measured, up to the filter's number of wheels. Without a measured speed its
+    /// slip would be its prior, while means over windows at least compare the wheels.
     #[must_use]
     pub fn of(robot: &Robot, reference: Reference) -> Self {
         if reference != Reference::Grip && robot.wheels().len() <= MAX_FILTER_WHEELS {
@@ -40,9 +40,13 @@ impl Method {
     }
 }
 
-/// Is the filter to hear this, where `reference` tells how fast the robot travels? Free wheels are heard beside a
-/// measured motion; where the wheels alone are to tell, neither.
-pub(crate) fn is_heard(measurement: &Measurement, reference: Reference, robot: &Robot) -> bool {
+/// Does the filter use a measurement, where `reference` measures the robot's speed? Free wheels are used beside a
+/// measured motion, and not where the powered wheels are the only source.
+pub(crate) fn reaches_filter(
+    measurement: &Measurement,
+    reference: Reference,
+    robot: &Robot,
+) -> bool {
     match *measurement {
         Measurement::WheelCount { wheel, .. }
         | Measurement::WheelEdge { wheel, .. }

@@ -4,6 +4,8 @@ use grouser_slip::filter::BodyEstimate;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
+use crate::odometry::Odometry;
+
 /// What is known at one time, on its way to whoever takes it.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
@@ -16,6 +18,8 @@ pub(crate) struct Moment {
     pub(crate) wheels_motion: Option<BodyMotion>,
     /// Up to when the motions are known.
     pub(crate) until_ns: Option<i64>,
+    /// The filter's own odometry.
+    pub(crate) odometry: Option<Odometry>,
 }
 
 impl Moment {
@@ -32,6 +36,7 @@ impl Moment {
             motion: body.motion.or(body.wheels_motion),
             wheels_motion: body.wheels_motion,
             until_ns: body.until_ns,
+            odometry: None,
         }
     }
 
@@ -57,6 +62,7 @@ impl Moment {
             }),
             wheels_motion: body.wheels_motion,
             until_ns: Some(time_ns),
+            odometry: Some(Odometry::of_filter(fused)),
         }
     }
 }

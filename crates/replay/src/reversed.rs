@@ -3,7 +3,7 @@
 use grouser_slip::{MAX_WHEELS, Measurement, Sample};
 
 /// The samples as a robot would give them that drives the same way back: times count from the end (`end_ns`), speeds and
-/// turns have the other sign, accelerations, slips and places the same. What tells of the time since the reading
+/// turns have the other sign, accelerations, slips and places the same. What measures the time since the reading
 /// before it (rates, displacements) takes that reading's time; `latency_ns` is how late measured motions come.
 pub(crate) fn reversed(samples: &[Sample], end_ns: i64, latency_ns: i64) -> Vec<Sample> {
     let mut last_rate = [None; MAX_WHEELS];

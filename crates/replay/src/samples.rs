@@ -1,63 +1,34 @@
-//! From the log's records to the estimator's samples.
+//! Which of a log's samples are used.
 
 use grouser_files::robot::WheelSensor;
-use grouser_log::{Reading, Record};
 use grouser_slip::{Measurement, Sample};
 
-/// What a record says to the estimator, if it is used: wheels by the chosen sensor only.
-pub(crate) fn sample(record: &Record, wheels: &[usize], sensor: WheelSensor) -> Option<Sample> {
-    let measurement = match record.reading {
-        Reading::WheelCount { wheel, raw } if sensor == WheelSensor::Count => {
-            Measurement::WheelCount {
-                wheel: wheels[wheel],
-                raw,
-            }
-        }
-        Reading::WheelAngle { wheel, angle } if sensor == WheelSensor::Angle => {
-            Measurement::WheelAngle {
-                wheel: wheels[wheel],
-                angle,
-            }
-        }
-        Reading::WheelRate { wheel, rate } if sensor == WheelSensor::Rate => {
-            Measurement::WheelRate {
-                wheel: wheels[wheel],
-                rate,
-            }
-        }
-        Reading::WheelTorque { wheel, torque } => Measurement::WheelTorque {
-            wheel: wheels[wheel],
-            torque,
+/// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`.
+pub(crate) fn of_robot(sample: Sample, wheels: &[usize]) -> Sample {
+    match sample.measurement.wheel() {
+        Some(wheel) => Sample {
+            measurement: sample.measurement.with_wheel(wheels[wheel]),
+            ..sample
         },
-        Reading::Acceleration { forward, left } => Measurement::Acceleration { forward, left },
-        Reading::YawRate { rate } => Measurement::YawRate { rate },
-        Reading::Displacement {
-            forward,
-            left,
-            turn,
-        } => Measurement::Displacement {
-            forward,
-            left,
-            turn,
-        },
-        Reading::Pose { x, y, yaw } => Measurement::Pose { x, y, yaw },
-        Reading::Speed { forward, left } => Measurement::Speed { forward, left },
-        Reading::Command { forward, left } => Measurement::Command { forward, left },
-        _ => return None,
-    };
-    Some(Sample {
-        time_ns: record.time_ns,
-        measurement,
-    })
+        None => sample,
+    }
 }
 
-/// The wheel that a measurement is of.
-pub(crate) const fn wheel_of(measurement: &Measurement) -> Option<usize> {
-    match *measurement {
-        Measurement::WheelCount { wheel, .. }
-        | Measurement::WheelEdge { wheel, .. }
-        | Measurement::WheelAngle { wheel, .. }
-        | Measurement::WheelRate { wheel, .. } => Some(wheel),
-        _ => None,
+/// Is the sample used where wheels are measured by `sensor`? One sensor of the wheels is, and everything else.
+pub(crate) const fn is_used(measurement: &Measurement, sensor: WheelSensor) -> bool {
+    match measurement {
+        Measurement::WheelCount { .. } => matches!(sensor, WheelSensor::Count),
+        Measurement::WheelAngle { .. } => matches!(sensor, WheelSensor::Angle),
+        Measurement::WheelRate { .. } => matches!(sensor, WheelSensor::Rate),
+        _ => true,
+    }
+}
+
+/// The wheel whose rotation is measured.
+pub(crate) const fn rotating_wheel(measurement: &Measurement) -> Option<usize> {
+    if measurement.is_rotation() {
+        measurement.wheel()
+    } else {
+        None
     }
 }

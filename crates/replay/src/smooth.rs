@@ -47,12 +47,14 @@ impl Smoother {
     }
 
     /// A sample that the forward filter took.
-    pub(crate) fn hear(&mut self, sample: Sample) {
+    pub(crate) fn add(&mut self, sample: Sample) {
         self.samples.push(sample);
     }
 
     /// What the forward filter knew; gives moments that are done.
-    pub(crate) fn push(&mut self, moment: Moment) -> Result<Vec<Moment>> {
+    pub(crate) fn push(&mut self, mut moment: Moment) -> Result<Vec<Moment>> {
+        // what the forward filter integrated is not smooth
+        moment.odometry = None;
         self.moments.push_back(moment);
         if self.samples.len() < BLOCK + BEYOND {
             return Ok(Vec::new());
@@ -164,7 +166,7 @@ pub fn smoothed(
     let (mut forward, mut done) = (Vec::new(), Vec::new());
     for (index, sample) in samples.iter().enumerate() {
         if filter.update(*sample).is_ok() {
-            smoother.hear(*sample);
+            smoother.add(*sample);
         }
         if samples
             .get(index + 1)

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
-use crate::dead_reckoning::Odometry;
 use crate::fusion::FusedSummary;
 use crate::method::Method;
+use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
 use crate::turn_watch::TurnCheck;
 
@@ -108,7 +108,7 @@ pub struct Summary {
     pub method: Method,
     /// The window of means, s: of the wheels' slips by [`Method::Window`], of ways and turns always.
     pub window_s: f64,
-    /// What told how fast the robot travels.
+    /// What measured how fast the robot travels.
     pub reference: Reference,
     /// By which sensor the wheels were measured.
     pub wheel_sensor: &'static str,

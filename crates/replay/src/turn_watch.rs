@@ -1,15 +1,16 @@
-//! Do the wheels turn the robot as the gyro says? Where not, some wheel slips; which one, the turns may tell.
+//! Compares the turn by the wheels with the turn by the gyro. Where they differ a wheel slips; which one is named where
+//! the turns show it.
 
 use grouser_slip::window::WindowBody;
-use grouser_slip::{Robot, WheelEstimate, WheelRole};
+use grouser_slip::{Robot, WheelRole};
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
-const SLACK: f64 = 0.002;
+const SLACK_M_PER_S: f64 = 0.002;
 /// They have gone apart when they differ by this way beyond the slack, m: quiet runs of a Kobuki come to 0.003 m.
-const APART: f64 = 0.004;
+const APART_M: f64 = 0.004;
 /// A wheel is named when it is this much likelier than anything else: 20 to 1.
-const LIKELIER: f64 = 3.0;
+const NAMED_LOG_ODDS: f64 = 3.0;
 
 /// What turns by wheels and by gyro say together.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,30 +98,35 @@ impl TurnWatch {
         })
     }
 
-    /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start.
-    pub(crate) fn take(&mut self, time_s: f64, wheels: &[WheelEstimate], body: &WindowBody) {
+    /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start; `rim` gives each
+    /// wheel's rim speed over it, m/s.
+    pub(crate) fn take(&mut self, time_s: f64, body: &WindowBody, rim: impl Fn(usize) -> f64) {
         let (Some(until_ns), Some(gyro)) = (body.until_ns, body.yaw_rate) else {
             return;
         };
         let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
         let seconds = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(self.window);
-        let rims = wheels
-            .iter()
-            .map(|wheel| wheel.rim_speed.map_or(0.0, |rim| rim.value));
-        let turns: Vec<f64> = rims.clone().zip(&self.shares).map(|(u, a)| u * a).collect();
+        if !(seconds > 0.0) {
+            return;
+        }
+        let rims: Vec<f64> = (0..self.shares.len()).map(rim).collect();
+        let turns: Vec<f64> = rims.iter().zip(&self.shares).map(|(u, a)| u * a).collect();
         let powered = self.shares.iter().filter(|share| **share != 0.0).count();
-        let of_powered = rims.zip(&self.shares).filter(|(_, share)| **share != 0.0);
+        let of_powered = rims
+            .iter()
+            .zip(&self.shares)
+            .filter(|(_, share)| **share != 0.0);
         let speed = of_powered.map(|(rim, _)| rim).sum::<f64>() / powered as f64;
         // a robot that turns on the spot scrubs its wheels
-        if !(seconds > 0.0 && speed.abs() > self.least) {
+        if !(speed.abs() > self.least) {
             return;
         }
         self.found.first_motion_s.get_or_insert(time_s);
         let turn: f64 = turns.iter().sum();
         let apart = turn - gyro.value;
         for (sum, sign) in self.sums.iter_mut().zip([1.0, -1.0]) {
-            *sum = (*sum + (sign * apart * self.track - SLACK) * seconds).max(0.0);
-            if *sum > APART {
+            *sum = (*sum + (sign * apart * self.track - SLACK_M_PER_S) * seconds).max(0.0);
+            if *sum > APART_M {
                 *sum = 0.0;
                 self.found.alarms += 1;
                 self.found.alarm_s.get_or_insert(time_s);
@@ -154,7 +160,7 @@ impl TurnWatch {
             found.slip = (square > 0.0).then(|| product / square);
             let is_wheel = best.1 < self.shares.len();
             let slips = found.slip.is_some_and(|slip| slip > 0.0);
-            if found.alarms > 0 && is_wheel && slips && found.likelier > LIKELIER {
+            if found.alarms > 0 && is_wheel && slips && found.likelier > NAMED_LOG_ODDS {
                 found.wheel = Some(best.1);
             }
         }

@@ -12,7 +12,7 @@ const LEAST_SPREAD: f64 = 0.2;
 /// On one ground the same robot draws the same current within this share of it, and slips the same within this.
 const CURRENT: f64 = 0.1;
 const SLIP: f64 = 0.05;
-/// A ground that was never seen draws anything between these, as shares of the greatest and least current of those that
+/// A ground that was never seen draws anything between these, as shares of the maximum and minimum current of those that
 /// were.
 const UNSEEN: f64 = 2.0;
 /// Points of the distribution over slip in (0, 1).
@@ -53,7 +53,7 @@ pub struct SlipRange {
     pub high: f64,
 }
 
-/// The strongest ripple (Hz, from 0.25 to 2.4) in a series of (s, value): the greatest of its periodogram, its straight line
+/// The strongest ripple (Hz, from 0.25 to 2.4) in a series of (s, value): the maximum of its periodogram, its straight line
 /// taken out. `None` of less than 6 s.
 ///
 /// An omni wheel that stands across the way hardly turns, but its rollers roll at the robot's own speed, and no motor drives

@@ -9,9 +9,8 @@
 mod shipped;
 
 use grouser_files::robot::WheelSensor;
-use grouser_log::Reading;
 use grouser_replay::{Options, Summary};
-use grouser_slip::{Counter, CounterWidth};
+use grouser_slip::{Counter, CounterWidth, Measurement};
 use shipped::{data, example};
 
 fn summary(run: &str, sensor: Option<WheelSensor>) -> Option<Summary> {
@@ -63,14 +62,14 @@ fn sixteen_bit_counters_unwrap_to_the_joint_angles() {
     let mut wraps = 0;
     let mut last_raw = None;
     let mut angle_span = (f64::INFINITY, f64::NEG_INFINITY);
-    for record in log.records(&[]).unwrap() {
-        match record.unwrap().reading {
-            Reading::WheelCount { wheel: 0, raw } => {
+    for record in log.samples(&[]).unwrap() {
+        match record.unwrap().measurement {
+            Measurement::WheelCount { wheel: 0, raw } => {
                 wraps += u32::from(last_raw.is_some_and(|last: u64| last.abs_diff(raw) > 32_768));
                 last_raw = Some(raw);
                 counter.advance(raw);
             }
-            Reading::WheelAngle { wheel: 0, angle } => {
+            Measurement::WheelAngle { wheel: 0, angle } => {
                 angle_span = (angle_span.0.min(angle), angle_span.1.max(angle));
             }
             _ => {}

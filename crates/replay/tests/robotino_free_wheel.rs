@@ -16,8 +16,9 @@ use std::path::Path;
 use grouser_files::Document;
 use grouser_files::columns;
 use grouser_files::robot;
-use grouser_log::{Log, Reading};
-use grouser_replay::{Method, Options, Row, Step, Summary, Take, run_with};
+use grouser_log::Log;
+use grouser_replay::{Method, Options, Row, Sink, Step, Summary, run_into};
+use grouser_slip::Measurement;
 use shipped::{ROBOTINO, data, example, root};
 
 const CUT: Options = Options {
@@ -60,19 +61,19 @@ fn with_free_wheels(folder: &Path, name: &str) -> (Log, robot::RobotFile) {
         let [along, across] = way.map(|way| ticks(way / (TAU * RADIUS), TICKS));
         writeln!(text, "{time_ns},{m1},{m2},{m3},{along},{across}").unwrap();
     };
-    for record in log.records(&[]).unwrap() {
+    for record in log.samples(&[]).unwrap() {
         let record = record.unwrap();
         if let Some(last) = last_ns.filter(|&last| last != record.time_ns) {
             row(last, turned, way);
             since = (record.time_ns - last) as f64 * 1e-9;
         }
         last_ns = Some(record.time_ns);
-        match record.reading {
-            Reading::WheelRate { wheel, rate } => turned[wheel] += rate * since,
-            Reading::Command { forward, left } => {
+        match record.measurement {
+            Measurement::WheelRate { wheel, rate } => turned[wheel] += rate * since,
+            Measurement::Command { forward, left } => {
                 heading.get_or_insert(left.atan2(forward));
             }
-            Reading::Displacement { forward, left, .. } => {
+            Measurement::Displacement { forward, left, .. } => {
                 let (sin, cos) = heading.unwrap_or(0.0).sin_cos();
                 way[0] += cos * forward + sin * left;
                 way[1] += cos * left - sin * forward;
@@ -109,7 +110,7 @@ struct Along {
     slips: Vec<f64>,
 }
 
-impl Take for Along {
+impl Sink for Along {
     fn row(&mut self, _row: &Row<'_>) -> std::io::Result<()> {
         Ok(())
     }
@@ -138,7 +139,7 @@ fn along(log: &Log, robot: &robot::RobotFile) -> (f64, Summary) {
         last: None,
         slips: Vec::new(),
     };
-    let summary = run_with(log, robot, &CUT, &mut along).unwrap();
+    let summary = run_into(log, robot, &CUT, &mut along).unwrap();
     (median(along.slips), summary)
 }
 

@@ -9,8 +9,9 @@
 mod shipped;
 
 use grouser_files::{Document, columns};
-use grouser_log::{Log, Reading};
+use grouser_log::Log;
 use grouser_replay::{GroundChange, KnownGround, Stretch, roller_ripple, slip_without_reference};
+use grouser_slip::Measurement;
 use shipped::{ROBOTINO, data, example, root};
 
 /// The robot stands and starts before this, s.
@@ -57,7 +58,7 @@ fn run(name: &str) -> Option<Run> {
     let mut rows: Vec<Row> = Vec::new();
     let mut heading: Option<f64> = None;
     let mut start_ns = None;
-    for record in log.records(&[]).unwrap() {
+    for record in log.samples(&[]).unwrap() {
         let record = record.unwrap();
         let start = *start_ns.get_or_insert(record.time_ns);
         let time = (record.time_ns - start) as f64 * 1e-9;
@@ -68,13 +69,13 @@ fn run(name: &str) -> Option<Run> {
             });
         }
         let row = rows.last_mut().unwrap();
-        match record.reading {
-            Reading::WheelRate { wheel, rate } => row.rate[wheel] = rate,
-            Reading::WheelTorque { wheel, torque } => row.current[wheel] = torque,
-            Reading::Command { forward, left } => {
+        match record.measurement {
+            Measurement::WheelRate { wheel, rate } => row.rate[wheel] = rate,
+            Measurement::WheelTorque { wheel, torque } => row.current[wheel] = torque,
+            Measurement::Command { forward, left } => {
                 heading.get_or_insert(left.atan2(forward));
             }
-            Reading::Displacement { forward, left, .. } => {
+            Measurement::Displacement { forward, left, .. } => {
                 let (sin, cos) = heading.unwrap_or(0.0).sin_cos();
                 row.passed = cos * forward + sin * left;
             }
@@ -208,7 +209,7 @@ fn called(parts: &[&Run]) -> (Vec<f64>, f64) {
         }
         shift += part.rows.last().unwrap().time + 0.031;
     }
-    (out, change.greatest())
+    (out, change.max_statistic())
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::ground::TerrainFault;
+use crate::terrain_fault::TerrainFault;
 
 /// The result of everything that checks a description.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

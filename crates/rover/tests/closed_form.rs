@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_rover::dynamics::{Vehicle, WheelCommand};
+use grouser_rover::dynamics::Vehicle;
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{gradeability, stability_margins, wheel_loads};
@@ -40,21 +40,13 @@ fn go_on(
 ) {
     let end = vehicle.time() + seconds;
     while vehicle.time() < end - 0.5 * step {
-        let commands: Vec<WheelCommand> = vehicle
-            .wheels()
-            .iter()
-            .zip(&vehicle.model().wheels)
-            .zip(integrals.iter_mut())
-            .map(|((wheel, mount), integral)| {
-                let off = speed / mount.wheel.radius() - wheel.encoder_rate;
-                *integral += 20.0 * off * step;
-                WheelCommand {
-                    torque: 2.0 * off + *integral,
-                    steer: 0.0,
-                }
-            })
-            .collect();
-        vehicle.advance(ground, &commands);
+        for (wheel, integral) in integrals.iter_mut().enumerate() {
+            let radius = vehicle.model().wheels[wheel].wheel.radius();
+            let off = speed / radius - vehicle.wheels()[wheel].encoder_rate;
+            *integral += 20.0 * off * step;
+            vehicle.set_input(wheel, 2.0 * off + *integral, 0.0);
+        }
+        vehicle.advance(ground);
     }
 }
 
@@ -198,7 +190,7 @@ fn the_same_run_has_the_same_bits() {
 fn margins_and_gradeability_of_a_simple_robot_are_those_of_the_books() {
     let model = robot("skid-steer");
     let margins = stability_margins(&model, 0.0, 0.0);
-    let state = grouser_rover::dynamics::BodyState::at(
+    let state = grouser_rover::body::BodyState::at(
         grouser_rover::vector::Vector::ZERO,
         grouser_rover::vector::Attitude::LEVEL,
     );

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use grouser_rover::drive::{Drive, DriveResult, Outcome, Pilot, Scenario, read_scenario};
+use grouser_rover::drive::{DriveResult, Outcome, Pilot, Scenario, Simulation, read_scenario};
 use grouser_slip::control::{Action, Ending, Reason};
 
 /// Near what the running-slip problem gives for the robot on dry sand.
@@ -19,7 +19,7 @@ fn scenario(name: &str) -> Scenario {
 }
 
 fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
-    let result = Drive::new(scenario, pilot, OPTIMUM, seed)
+    let result = Simulation::new(scenario, pilot, OPTIMUM, seed)
         .unwrap()
         .run(|_| true);
     println!(
@@ -68,7 +68,7 @@ fn the_controller_goes_round_the_soft_patch() {
                 .iter()
                 .any(|named| named.decision.reason == reason)
         };
-        assert!(tells(Reason::SoftGround) && tells(Reason::Aside));
+        assert!(tells(Reason::SoftGround) && tells(Reason::ClearedSoftGround));
     }
 }
 
@@ -80,7 +80,7 @@ fn c11_it_stops_when_its_sensors_fall_silent() {
     assert_eq!(result.outcome, Outcome::SensorsLost);
     let last = result.decisions.last().unwrap();
     assert_eq!(last.decision.action, Action::End(Ending::SensorsLost));
-    assert_eq!(last.decision.reason, Reason::Blind);
+    assert_eq!(last.decision.reason, Reason::SensorTimeout);
     let silent = scenario
         .faults
         .windows()

@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use grouser_files::Document;
-use grouser_rover::dynamics::{GRAVITY, Vehicle, WheelCommand};
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{Footing, stability_margins, stance, wheel_loads};
+use grouser_rover::{body::GRAVITY, dynamics::Vehicle};
 use grouser_terra::catalogue;
 
 /// Ground that hardly yields: what remains of its spring is 1e-6 of a wheel's load.
@@ -237,9 +237,8 @@ fn the_simulated_machine_rests_as_the_statics_say() {
         .unwrap();
         let mut ground = Ground::new(map, vec![soil]).unwrap();
         let mut vehicle = Vehicle::new(model.clone(), &ground, (at.0, at.1, 0.0), 1e-3).unwrap();
-        let commands = vec![WheelCommand::default(); places.len()];
         for _ in 0..6000 {
-            vehicle.advance(&mut ground, &commands);
+            vehicle.advance(&mut ground);
         }
         let wheels = vehicle.wheels();
         let state = vehicle.state();

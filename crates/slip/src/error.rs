@@ -47,6 +47,14 @@ pub enum Error {
         /// The name.
         name: String,
     },
+    /// The laws of wheel and soil refuse a number.
+    #[error("{of}: {source}")]
+    Law {
+        /// Of which wheel.
+        of: String,
+        /// What they refuse.
+        source: grouser_terra::Error,
+    },
     /// A counter width that no counter has.
     #[error("counter width is {bits} bits, but must lie in [8, 64] bits")]
     CounterWidth {

@@ -58,7 +58,13 @@ impl<const K: usize> History<K> {
     }
 
     fn entry(&self, index: usize) -> &Entry<K> {
-        &self.ring[(self.start + index) % self.ring.len()]
+        let slot = self.start + index;
+        let capacity = self.ring.len();
+        &self.ring[if slot < capacity {
+            slot
+        } else {
+            slot - capacity
+        }]
     }
 
     pub(crate) fn clear(&mut self) {
@@ -101,8 +107,36 @@ impl<const K: usize> History<K> {
         if time_ns == newest {
             return Some(totals);
         }
-        // First entry later than time_ns; it exists and is not the first.
-        let (mut low, mut high) = (0, self.len - 1);
+        let low = self.before(time_ns);
+        let (a, b) = (self.entry(low), self.entry(low + 1));
+        let share = seconds_between(a.time_ns, time_ns) / seconds_between(a.time_ns, b.time_ns);
+        let mut out = [0.0; K];
+        for (value, (&from, &to)) in out.iter_mut().zip(a.totals.iter().zip(&b.totals)) {
+            *value = from + share * (to - from);
+        }
+        Some(out)
+    }
+
+    /// The last entry at or before `time_ns`, which lies between the oldest entry and the newest.
+    ///
+    /// Samples come at nearly equal intervals, so the search begins where the entry would be if they were equal, and
+    /// widens from there.
+    fn before(&self, time_ns: i64) -> usize {
+        let last = self.len - 1;
+        let oldest = self.entry(0).time_ns;
+        let span = seconds_between(oldest, self.entry(last).time_ns);
+        let guess = whole(seconds_between(oldest, time_ns) / span * last as f64);
+        let mut low = usize::try_from(guess).unwrap_or(0).min(last - 1);
+        let mut high = low + 1;
+        let mut step = 1;
+        while self.entry(low).time_ns > time_ns {
+            (high, low) = (low, low.saturating_sub(step));
+            step *= 2;
+        }
+        while high < last && self.entry(high).time_ns <= time_ns {
+            (low, high) = (high, (high + step).min(last));
+            step *= 2;
+        }
         while high - low > 1 {
             let middle = usize::midpoint(low, high);
             if self.entry(middle).time_ns > time_ns {
@@ -111,13 +145,7 @@ impl<const K: usize> History<K> {
                 low = middle;
             }
         }
-        let (a, b) = (self.entry(low), self.entry(high));
-        let share = seconds_between(a.time_ns, time_ns) / seconds_between(a.time_ns, b.time_ns);
-        let mut out = [0.0; K];
-        for (value, (&from, &to)) in out.iter_mut().zip(a.totals.iter().zip(&b.totals)) {
-            *value = from + share * (to - from);
-        }
-        Some(out)
+        low
     }
 
     /// What was added between two times.
@@ -144,6 +172,24 @@ mod tests {
         assert_eq!(history.between(250, 750), Some([3.0]));
         assert_eq!(history.at(-1), None);
         assert_eq!(history.at(1001), None);
+    }
+
+    #[test]
+    fn uneven_samples_are_found_as_by_a_linear_search() {
+        let mut history = History::<1>::new(40, 0);
+        let mut time = 0;
+        for index in 0..100_i64 {
+            // bursts and gaps
+            time += if index % 7 == 0 { 1_000 } else { 1 + index % 3 };
+            history.push(time, [index as f64]);
+            let oldest = history.entry(0).time_ns;
+            for at in oldest..time.min(oldest + 3_000) {
+                let low = (0..history.len)
+                    .rev()
+                    .find(|i| history.entry(*i).time_ns <= at);
+                assert_eq!(Some(history.before(at)), low, "{at}");
+            }
+        }
     }
 
     #[test]

@@ -56,6 +56,7 @@ pub mod filter;
 pub mod ground;
 mod history;
 mod measured_slip;
+pub mod onboard;
 pub mod prior;
 mod reference;
 mod robot;

@@ -81,6 +81,28 @@ pub enum Measurement {
         /// To the left.
         left: f64,
     },
+    /// An inertial unit's own reading in the robot's frame: forwards, to the left, up. [`OnBoard`](crate::onboard::OnBoard)
+    /// makes [`Measurement::Acceleration`] and [`Measurement::YawRate`] of it, which the filter takes.
+    Inertial {
+        /// Specific force, m/s².
+        force: [f64; 3],
+        /// Angular rate, rad/s.
+        rate: [f64; 3],
+    },
+    /// The angle of a joint of the suspension (a rocker, an arm) from its rest, for [`OnBoard`](crate::onboard::OnBoard).
+    JointAngle {
+        /// The joint's index.
+        joint: usize,
+        /// rad, nose down positive.
+        angle: f64,
+    },
+    /// A motor's current, for [`OnBoard`](crate::onboard::OnBoard).
+    MotorCurrent {
+        /// The wheel's index.
+        wheel: usize,
+        /// Current over its greatest, signed by the torque, 1.
+        share: f64,
+    },
     /// How what carries a wheel (a rocker, an arm) moves beside the level robot, its pitching included. A wheel's sensor
     /// counts against its carrier, and on curved ground no two wheels travel alike.
     Carrier {
@@ -108,4 +130,57 @@ pub enum Measurement {
         /// To the left, m/s.
         left: f64,
     },
+}
+
+impl Measurement {
+    /// The wheel that it belongs to, as an index in the robot's description.
+    #[must_use]
+    pub const fn wheel(&self) -> Option<usize> {
+        match *self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::MotorCurrent { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => Some(wheel),
+            _ => None,
+        }
+    }
+
+    /// The same measurement of another wheel; without effect on measurements of the robot.
+    #[must_use]
+    pub const fn with_wheel(mut self, index: usize) -> Self {
+        match &mut self {
+            Self::WheelCount { wheel, .. }
+            | Self::WheelEdge { wheel, .. }
+            | Self::WheelAngle { wheel, .. }
+            | Self::WheelRate { wheel, .. }
+            | Self::Carrier { wheel, .. }
+            | Self::MotorCurrent { wheel, .. }
+            | Self::WheelTorque { wheel, .. } => *wheel = index,
+            _ => {}
+        }
+        self
+    }
+
+    /// Does it tell how far or how fast a wheel turns?
+    #[must_use]
+    pub const fn is_rotation(&self) -> bool {
+        matches!(
+            self,
+            Self::WheelCount { .. }
+                | Self::WheelEdge { .. }
+                | Self::WheelAngle { .. }
+                | Self::WheelRate { .. }
+        )
+    }
+
+    /// Is it raw, so that an estimator takes only what [`OnBoard`](crate::onboard::OnBoard) makes of it?
+    pub(crate) const fn is_raw(&self) -> bool {
+        matches!(
+            self,
+            Self::Inertial { .. } | Self::JointAngle { .. } | Self::MotorCurrent { .. }
+        )
+    }
 }

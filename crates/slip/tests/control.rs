@@ -6,8 +6,8 @@
 )]
 
 use grouser_slip::control::{
-    Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, WheelOrder,
-    WheelSeen,
+    Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, Request,
+    WheelCommand, WheelObservation,
 };
 use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Wheel};
 use proptest::prelude::*;
@@ -30,8 +30,8 @@ fn robot() -> Robot {
     Robot::new("four wheels".into(), wheels).unwrap()
 }
 
-fn rolling(rim: f64) -> WheelSeen {
-    WheelSeen {
+fn rolling(rim: f64) -> WheelObservation {
+    WheelObservation {
         slip: Some(0.1),
         sigma: Some(0.01),
         health: Health::Ok,
@@ -44,7 +44,7 @@ fn rolling(rim: f64) -> WheelSeen {
     }
 }
 
-fn input(time_s: f64, wheels: &[WheelSeen]) -> ControlInput<'_> {
+fn input(time_s: f64, wheels: &[WheelObservation]) -> ControlInput<'_> {
     ControlInput {
         time_ns: (time_s * 1e9) as i64,
         wheels,
@@ -52,42 +52,44 @@ fn input(time_s: f64, wheels: &[WheelSeen]) -> ControlInput<'_> {
         heading: Some(0.0),
         pitch: Some(0.0),
         roll: Some(0.0),
-        demanded: None,
-        asked_speed: 0.2,
-        asked_heading: 0.0,
+        slip_demand: None,
+        request: Request {
+            speed: 0.2,
+            heading: 0.0,
+        },
     }
 }
 
-/// Runs at 100 Hz from `from` to `to` (s); gives orders and decisions of every step.
+/// Runs at 100 Hz from `from` to `to` (s); gives commands and decisions of every step.
 fn run(
     controller: &mut Controller,
     (from, to): (u32, u32),
-    seen: impl Fn(f64, &[WheelOrder]) -> [WheelSeen; 4],
-) -> Vec<(f64, Vec<WheelOrder>, Option<Decision>)> {
-    let mut orders = vec![WheelOrder::default(); 4];
+    seen: impl Fn(f64, &[WheelCommand]) -> [WheelObservation; 4],
+) -> Vec<(f64, Vec<WheelCommand>, Option<Decision>)> {
+    let mut commands = vec![WheelCommand::default(); 4];
     let mut out = Vec::new();
     for step in 100 * from..100 * to {
         let time = f64::from(step) * 0.01;
-        let wheels = seen(time, &orders);
+        let wheels = seen(time, &commands);
         let output = controller.step(&input(time, &wheels));
-        orders = output.orders.to_vec();
-        out.push((time, orders.clone(), output.decision));
+        commands = output.commands.to_vec();
+        out.push((time, commands.clone(), output.decision));
     }
     out
 }
 
-fn following(orders: &[WheelOrder]) -> [WheelSeen; 4] {
-    [0, 1, 2, 3].map(|index| rolling(orders[index].rim_speed))
+fn following(commands: &[WheelCommand]) -> [WheelObservation; 4] {
+    [0, 1, 2, 3].map(|index| rolling(commands[index].rim_speed))
 }
 
 #[test]
 fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
     let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
-    let log = run(&mut controller, (0, 6), |time, orders| {
-        let mut seen = following(orders);
+    let log = run(&mut controller, (0, 6), |time, commands| {
+        let mut seen = following(commands);
         if time >= 3.0 {
             // it pushes forwards, and its encoder says backwards
-            seen[1].rim_speed = Some(-orders[1].rim_speed.abs());
+            seen[1].rim_speed = Some(-commands[1].rim_speed.abs());
             seen[1].torque_share = Some(1.0);
         }
         seen
@@ -97,12 +99,12 @@ fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
     assert!(
         after
             .iter()
-            .all(|(_, orders, _)| orders[1].traction <= 0.11 * full)
+            .all(|(_, commands, _)| commands[1].traction <= 0.11 * full)
     );
     assert!(
         after
             .iter()
-            .all(|(_, orders, _)| orders[0].traction == full)
+            .all(|(_, commands, _)| commands[0].traction == full)
     );
     let told = log.iter().find_map(|(time, _, d)| {
         d.filter(|d| d.reason == Reason::EncoderReversed)
@@ -115,8 +117,8 @@ fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
 #[test]
 fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
     let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
-    let log = run(&mut controller, (0, 8), |time, orders| {
-        let mut seen = following(orders);
+    let log = run(&mut controller, (0, 8), |time, commands| {
+        let mut seen = following(commands);
         if (3.0..5.0).contains(&time) {
             seen[2].rim_speed = Some(0.0);
             seen[2].torque_share = Some(0.98);
@@ -126,7 +128,7 @@ fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
     let full = log[200].1[2].traction;
     let shed = log
         .iter()
-        .find(|(_, orders, _)| orders[2].traction <= 0.11 * full)
+        .find(|(_, commands, _)| commands[2].traction <= 0.11 * full)
         .unwrap();
     assert!(shed.0 - 3.0 <= 0.05, "{} s", shed.0 - 3.0);
     assert!(
@@ -141,11 +143,11 @@ fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
 fn c11_without_any_sensor_it_stops_within_the_declared_time() {
     let settings = ControlSettings::default();
     let mut controller = Controller::new(&robot(), settings).unwrap();
-    run(&mut controller, (0, 3), |_, orders| following(orders));
+    run(&mut controller, (0, 3), |_, commands| following(commands));
     let mut ended = None;
-    let mut last = vec![WheelOrder {
+    let mut last = vec![WheelCommand {
         rim_speed: f64::NAN,
-        ..WheelOrder::default()
+        ..WheelCommand::default()
     }];
     for step in 300..700_u32 {
         let time = f64::from(step) * 0.01;
@@ -161,12 +163,12 @@ fn c11_without_any_sensor_it_stops_within_the_declared_time() {
         {
             ended = Some(time);
         }
-        last = output.orders.to_vec();
+        last = output.commands.to_vec();
     }
     let ended = ended.unwrap();
     assert!(ended - 3.0 <= settings.blind_time + 0.03, "{ended}");
     assert_eq!(controller.mode(), Mode::Stopped);
-    assert!(last.iter().all(|order| order.rim_speed == 0.0));
+    assert!(last.iter().all(|command| command.rim_speed == 0.0));
 }
 
 #[test]
@@ -202,16 +204,16 @@ fn a_step_allocates_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
 
-    /// Whatever the numbers are, orders are finite and rims stay below what can be asked.
+    /// Whatever the numbers are, commands are finite.
     #[test]
-    fn any_input_gives_finite_orders(
+    fn any_input_gives_finite_commands(
         times in prop::collection::vec(any::<i64>(), 1..20),
         numbers in prop::array::uniform12(any::<f64>()),
     ) {
         let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
-        let [slip, sigma, forward, rim, torque, load, speed, heading, pitch, roll, asked, course] =
+        let [slip, sigma, forward, rim, torque, load, speed, heading, pitch, roll, requested_speed, requested_heading] =
             numbers;
-        let seen = WheelSeen {
+        let seen = WheelObservation {
             slip: Some(slip),
             sigma: Some(sigma),
             forward_speed: Some(forward),
@@ -228,13 +230,15 @@ proptest! {
                 heading: Some(heading),
                 pitch: Some(pitch),
                 roll: Some(roll),
-                demanded: None,
-                asked_speed: asked,
-                asked_heading: course,
+                slip_demand: None,
+                request: Request {
+                    speed: requested_speed,
+                    heading: requested_heading,
+                },
             });
-            for order in output.orders {
-                prop_assert!(order.rim_speed.is_finite() && order.traction.is_finite());
-                prop_assert!(order.steer.is_finite());
+            for command in output.commands {
+                prop_assert!(command.rim_speed.is_finite() && command.traction.is_finite());
+                prop_assert!(command.steering_angle.is_finite());
             }
         }
     }

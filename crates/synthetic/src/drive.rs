@@ -1,4 +1,4 @@
-//! What the robot is told to do: speed and yaw rate over time.
+//! The robot's command: speed and yaw rate over time.
 
 /// A stretch of time at whose end the robot has this speed and this yaw rate; in between both change
 /// smoothly (3u² − 2u³).

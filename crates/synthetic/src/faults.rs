@@ -4,7 +4,7 @@ use grouser_slip::{Measurement, Sample};
 
 use crate::noise::Noise;
 
-/// What goes wrong with the sensors. Wheels are told by index; everything else is for all sensors of its kind.
+/// What goes wrong with the sensors. Wheels are given by index; everything else is for all sensors of its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
@@ -34,7 +34,7 @@ pub enum Fault {
     Jitter(i64),
     /// Nothing arrives; at the end all of it at once, with the right stamps.
     Burst,
-    /// Only every so many rows arrive.
+    /// Only every n-th row arrives.
     RowsLost(usize),
     /// Nothing arrives at all.
     AllSilent,
@@ -42,7 +42,7 @@ pub enum Fault {
     ImuSilent,
     /// The gyro and the accelerometer repeat their last values to the bit.
     ImuStuck,
-    /// The accelerometer shows its greatest value forwards, m/s².
+    /// The accelerometer shows its maximum forwards, m/s².
     AccelerometerSaturated(f64),
     /// The accelerometer has this much more bias forwards, m/s².
     AccelerometerBias(f64),

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::io;
 
-use grouser_log::write::ReadingWriter;
-use grouser_log::{Reading, Record};
+use grouser_log::write::SampleWriter;
+use grouser_slip::{Measurement, Sample};
 
 use crate::drive::{Command, Leg, command};
 use crate::noise::{Noise, Wander};
 
-/// When the run begins in files that tell a date, ns since 1970: 1 September 2012.
+/// When the run begins in files with dates, ns since 1970: 1 September 2012.
 pub const START_NS: i64 = 1_346_457_600_000_000_000;
 
 /// Number of wheels.
@@ -308,21 +308,20 @@ impl Run {
     /// # Errors
     /// None for a run that [`FiveWheel::generate`] made.
     pub fn log_mcap(&self) -> io::Result<Vec<u8>> {
-        let mut writer = ReadingWriter::new(Vec::new(), &NAMES.map(str::to_owned))?;
+        let mut writer = SampleWriter::new(Vec::new(), &NAMES.map(str::to_owned))?;
         for row in &self.rows {
             let time_ns = START_NS + i64::try_from(row.time_ms).unwrap_or(0) * 1_000_000;
-            let mut record = |reading| {
-                writer.record(&Record {
+            let mut write = |measurement| {
+                writer.sample(&Sample {
                     time_ns,
-                    source: 0,
-                    reading,
+                    measurement,
                 })
             };
             for (wheel, count) in row.counts.into_iter().enumerate() {
                 let raw = u64::from(count);
-                record(Reading::WheelCount { wheel, raw })?;
+                write(Measurement::WheelCount { wheel, raw })?;
             }
-            record(Reading::YawRate { rate: row.yaw_rate })?;
+            write(Measurement::YawRate { rate: row.yaw_rate })?;
         }
         Ok(writer.finish()?.0)
     }

@@ -11,11 +11,11 @@ use crate::noise::{Noise, Wander};
 /// A sensor of the robot's own displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// It speaks every so many rows.
+    /// Rows between two samples.
     pub every: usize,
     /// Standard deviation of each displacement, m.
     pub sigma: f64,
-    /// A sample comes this many rows after what it tells of, with the later stamp.
+    /// A sample comes this many rows after the moment it measures, with the later stamp.
     pub late: usize,
 }
 
@@ -38,7 +38,7 @@ pub struct Sensors {
     pub torque_sigma: f64,
     /// A camera, if it has one.
     pub camera: Option<Camera>,
-    /// Standard deviation of each powered wheel's rim speed about what was told, as a share of it. The slip of a real
+    /// Standard deviation of each powered wheel's rim speed about its command, as a share of it. The slip of a real
     /// rover shows 0.071 with a correlation of 0.48 from one tenth of a second to the next (data set corenav-GP).
     pub rim_noise: f64,
     /// How long that noise remembers, s.
@@ -74,7 +74,7 @@ impl Sensors {
         let mut wander = [Wander::default(); WHEELS];
         let mut turned: [f64; WHEELS] = std::array::from_fn(|_| noise.uniform());
         let (mut way, mut yaw) = (0.0, 0.0);
-        let mut told = (0.0, 0.0);
+        let mut reported = (0.0, 0.0);
         let mut trail = Vec::new();
         let mut last_speed = 0.0;
         let mut out = Vec::with_capacity(course.steps.len() * 12);
@@ -119,11 +119,11 @@ impl Sensors {
                 let (forward, left) =
                     (camera.sigma * noise.normal(), camera.sigma * noise.normal());
                 say(Measurement::Displacement {
-                    forward: seen.0 - told.0 + forward,
+                    forward: seen.0 - reported.0 + forward,
                     left,
-                    turn: Some(seen.1 - told.1 + 0.002 * noise.normal()),
+                    turn: Some(seen.1 - reported.1 + 0.002 * noise.normal()),
                 });
-                told = seen;
+                reported = seen;
             }
             for (wheel, turned) in turned.iter_mut().enumerate() {
                 let share = 1.0 / (rate * self.rim_memory);

@@ -1,4 +1,4 @@
-//! The drive on which the filter is tried, and the robot as the filter is told of it.
+//! The drive on which the filter is tried, and the filter's description of the robot.
 
 use grouser_slip::{CounterWidth, Encoder, Result, Robot, Wheel};
 

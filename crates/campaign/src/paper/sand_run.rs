@@ -5,16 +5,15 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_design::running_slip;
 use grouser_files::Document;
-use grouser_rover::drive::{Drive, Frame, Pilot, Scenario, parse_scenario};
+use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
-use grouser_rover::sensors::Reading;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
-use grouser_slip::{Reference, Slip};
+use grouser_slip::{Measurement, Reference, Slip};
 use serde_json::Value;
 
-use crate::Object;
 use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
+use grouser_report::Object;
 use grouser_report::number::{exact, rounded};
 
 /// The powered wheel that is shown: the larger of the two on the fifth wheel's arm, which drives like the other four.
@@ -93,11 +92,15 @@ impl SandRun {
         let mut means = Means::default();
         let mut points = Vec::new();
         let mut before = 0.0;
-        let mut drive = Drive::new(&scenario, Pilot::Controller, optimum, scenario.seed)?;
+        let mut drive = Simulation::new(&scenario, Pilot::Controller, optimum, scenario.seed)?;
         drive.run(|frame: &Frame<'_>| {
-            for reading in frame.readings {
-                if let Reading::Sample(sample) = reading {
-                    // what it refuses it counts; the figure shows what it makes of the rest
+            for sample in frame.samples {
+                let raw = matches!(
+                    sample.measurement,
+                    Measurement::JointAngle { .. } | Measurement::MotorCurrent { .. }
+                );
+                if !raw {
+                    // refused samples are counted; the figure shows the estimate from the rest
                     let _ = estimator.update(*sample);
                 }
             }
@@ -109,7 +112,7 @@ impl SandRun {
                 .and_then(|estimate| estimate.wheels.get(wheel));
             points.push(Point {
                 time: frame.time,
-                asked: frame.asked_speed,
+                asked: frame.requested_speed,
                 truth: means.add(frame.wheels[wheel].speeds, window),
                 measured: seen.and_then(|seen| seen.slip).map(Slip::value),
                 sigma: seen.and_then(|seen| seen.sigma),

@@ -8,8 +8,9 @@ use serde_json::Value;
 
 use crate::error::{Error, Result, shown as shown_path};
 use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
+use grouser_report::Object;
 
 const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
 const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");
@@ -50,16 +51,4 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         shown_path(folder)
     );
     Ok(Report::done(object, text))
-}
-
-impl From<grouser_campaign::Error> for Error {
-    fn from(error: grouser_campaign::Error) -> Self {
-        use grouser_campaign::Error as Campaign;
-        match error {
-            Campaign::File(error) => error.into(),
-            Campaign::Design(error) => error.into(),
-            Campaign::Rover(error) => error.into(),
-            error => Self::usage_without_hint(error.to_string()),
-        }
-    }
 }

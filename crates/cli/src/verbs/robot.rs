@@ -4,15 +4,13 @@ use std::path::PathBuf;
 
 use grouser_files::robot::RobotFile;
 use grouser_files::{Document, regular, robot, urdf};
-use serde_json::Value;
+use grouser_slip::{Wheel, WheelRole};
 
 use crate::error::{Error, Result};
-use crate::input::Input;
 use crate::output::OutputFile;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
-use grouser_report::Table;
-use grouser_report::number::rounded;
+use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -34,15 +32,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let path = &arguments.description;
     let text = regular::read_text(path, urdf::SIZE_LIMIT)?;
-    let mut input = Input::open(path)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", path, &error))?;
-    session.used_input(input);
-    let made = urdf::robot_file(&text).map_err(|error| Error::Content {
-        path: path.clone(),
-        message: error.to_string(),
-        hint: error.hint(),
-    })?;
+    session.used_file(path)?;
+    let made =
+        urdf::robot_file(&text).map_err(|error| Error::content(path, &error, error.hint()))?;
     // what was made is read as any robot file is, so that nothing wrong is written
     let name = arguments
         .output
@@ -63,65 +55,48 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             said.extend(["note: ", note, "\n"]);
         }
     }
-    Ok(Report::done(object(&robot, &made), said))
+    Ok(Report::done(fields().object((&robot, &made)), said))
+}
+
+type Made<'a> = (&'a RobotFile, &'a urdf::Converted);
+
+fn fields<'a>() -> Fields<'a, Made<'a>> {
+    fields! { |made: Made<'a>|
+        "name" "name of the robot" = made.1.name.as_str();
+        "wheels" "its wheels" named(wheel()) =
+            made.0.robot.wheels().iter().map(|wheel| (wheel.name.as_str(), wheel));
+        "robot_file" "the robot file" = made.1.text.as_str();
+        "notes" "what must be added or checked by hand" = made.1.notes.clone();
+    }
+}
+
+fn wheel<'a>() -> Fields<'a, &'a Wheel> {
+    fields! { |wheel: &'a Wheel|
+        "x_m" "x" .shown("m").digits(4) = wheel.x;
+        "y_m" "y" .shown("m").digits(4) = wheel.y;
+        "heading_deg" "heading" = wheel.heading.deg();
+        "radius_m" "radius" .shown("m").digits(4) = wheel.radius;
+        "width_m" "width" .shown("m").digits(4).missing("—") = wheel.width;
+        "drive" "drive" .shown("") = drive(wheel.role);
+    }
 }
 
 fn table(robot: &RobotFile) -> String {
-    let mut table = Table::new()
-        .text("wheel")
-        .number("x, m")
-        .number("y, m")
-        .number("radius, m")
-        .number("width, m")
-        .text("drive");
-    for wheel in robot.robot.wheels() {
-        let width = wheel
-            .width
-            .map_or_else(|| "—".to_owned(), |width| rounded(width, 4));
-        table.row([
-            wheel.name.as_str(),
-            &rounded(wheel.x, 4),
-            &rounded(wheel.y, 4),
-            &rounded(wheel.radius, 4),
-            &width,
-            drive(wheel.role),
-        ]);
-    }
-    table.render()
+    let columns = fields! { |wheel: &'_ Wheel|
+        remark "wheel" = wheel.name.as_str();
+        join(self::wheel()) = wheel;
+    };
+    columns.table(robot.robot.wheels())
 }
 
-const fn drive(drive: grouser_slip::WheelRole) -> &'static str {
+const fn drive(drive: WheelRole) -> &'static str {
     match drive {
-        grouser_slip::WheelRole::Powered => "powered",
-        grouser_slip::WheelRole::Free => "free",
+        WheelRole::Powered => "powered",
+        WheelRole::Free => "free",
     }
 }
 
-fn object(robot: &RobotFile, made: &urdf::Converted) -> Object {
-    let wheels: Object = robot
-        .robot
-        .wheels()
-        .iter()
-        .map(|wheel| {
-            let values = [
-                ("x_m", Value::from(wheel.x)),
-                ("y_m", Value::from(wheel.y)),
-                ("heading_deg", Value::from(wheel.heading.deg())),
-                ("radius_m", Value::from(wheel.radius)),
-                ("width_m", Value::from(wheel.width)),
-                ("drive", Value::from(drive(wheel.role))),
-            ];
-            let values = values.map(|(key, value)| (key.to_owned(), value));
-            (wheel.name.clone(), Value::Object(Object::from_iter(values)))
-        })
-        .collect();
-    Object::from_iter([
-        ("name".to_owned(), Value::from(made.name.as_str())),
-        ("wheels".to_owned(), Value::Object(wheels)),
-        ("robot_file".to_owned(), Value::from(made.text.as_str())),
-        (
-            "notes".to_owned(),
-            made.notes.iter().map(String::as_str).collect(),
-        ),
-    ])
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    fields().schema()
 }

@@ -67,7 +67,7 @@ pub enum UrdfError {
         value: f64,
         /// The least value allowed.
         low: f64,
-        /// The greatest value allowed.
+        /// The maximum value allowed.
         high: f64,
         /// The unit of all three.
         unit: &'static str,
@@ -104,7 +104,7 @@ pub enum UrdfError {
         /// Its continuous joints.
         turning: Vec<String>,
     },
-    /// A wheel's shape is a mesh alone, whose radius is not told.
+    /// A wheel's shape is a mesh alone, whose radius is not given.
     #[error(
         "link \"{link}\" of the joint \"{joint}\" is a mesh alone, which does not tell a wheel's radius"
     )]

@@ -54,7 +54,7 @@ impl Mass {
         dot(axis, self.inertia.map(|row| dot(row, axis)))
     }
 
-    /// The greatest of its products of inertia over the least of its moments: a robot file has no products.
+    /// The maximum of its products of inertia over the minimum of its moments: a robot file has no products.
     pub(super) fn skewness(&self) -> f64 {
         let i = &self.inertia;
         let product = i[0][1].abs().max(i[0][2].abs()).max(i[1][2].abs());

@@ -53,7 +53,7 @@ pub struct Converted {
 ///
 /// # Errors
 /// [`UrdfError`] for what is no URDF, for macros that were not expanded, for links that make no tree, and where no
-/// joint is a wheel or a wheel's radius is not told.
+/// joint is a wheel or a wheel's radius is not given.
 pub fn robot_file(urdf: &str) -> Result<Converted, UrdfError> {
     let tree = tree::Tree::parse(urdf)?;
     let parts = parts::Parts::of(&tree)?;

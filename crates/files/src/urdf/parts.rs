@@ -171,7 +171,7 @@ impl Parts {
         let weightless = of(|wheel| !(wheel.mass.kilograms > 0.0));
         if !weightless.is_empty() {
             say(format!(
-                "no <inertial>, so 0.5 kg unless told: {}",
+                "no <inertial>, so 0.5 kg is assumed: {}",
                 list(weightless)
             ));
         }

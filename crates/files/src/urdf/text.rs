@@ -5,9 +5,9 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use super::mass::Mass;
 use super::parts::Parts;
 use super::tree::Tree;
-use crate::soil_text::quoted;
+use crate::toml_text::quoted;
 
-/// Lengths and masses are written to so many digits behind the point: a tenth of a micrometre.
+/// Lengths and masses are written to seven digits behind the point: a tenth of a micrometre.
 const DIGITS: i32 = 7;
 /// Least mass (kg) and moment of inertia (kg m²) of a robot file.
 const LEAST_MASS: f64 = 1e-3;

@@ -63,7 +63,7 @@ pub(super) struct Joint {
     /// Of the joint's own frame, of unit length.
     axis: Vector,
     origin: Frame,
-    /// Lower and upper limit, rad, and greatest rate, rad/s.
+    /// Lower and upper limit, rad, and maximum rate, rad/s.
     pub(super) limits: Option<[f64; 3]>,
     /// N m s/rad.
     pub(super) damping: f64,

@@ -17,9 +17,9 @@ const INDEX: u8 = 4;
 const CHUNK: u8 = 5;
 const CHUNK_INFO: u8 = 6;
 pub(super) const CONNECTION: u8 = 7;
-/// The greatest header of a record, bytes.
+/// The maximum size of a record's header, bytes.
 const HEADER_LIMIT: u64 = 1 << 20;
-/// Bytes of an entry of an index, and of one in what is told of a chunk.
+/// Bytes of an entry of an index, and of an entry of a chunk's information.
 const INDEX_ENTRY: u64 = 12;
 const CHUNK_INFO_ENTRY: u64 = 8;
 /// How long the header of a chunk may be for it to be found after damage, bytes.
@@ -95,14 +95,14 @@ impl Container {
         }
         let length = u64::from(Fields(&head).u32().unwrap_or(0));
         let left = self.scan.left();
-        let cut = length > left;
+        let truncated = length > left;
         if op == CHUNK {
-            self.bag_chunk(offset, &header, length.min(left), cut)?;
+            self.bag_chunk(offset, &header, length.min(left), truncated)?;
             // One that declares too much swallows its neighbours, which shows behind it.
             self.passed_over = Some(offset);
             return Ok(None);
         }
-        if cut || (length > CHUNK_LIMIT && matches!(op, MESSAGE | CONNECTION)) {
+        if truncated || (length > CHUNK_LIMIT && matches!(op, MESSAGE | CONNECTION)) {
             let what = format!(
                 "a record declares {length} bytes; {left} are left, the limit is {CHUNK_LIMIT}"
             );
@@ -185,9 +185,15 @@ impl Container {
         Ok(None)
     }
 
-    fn bag_chunk(&mut self, offset: u64, header: &[u8], length: u64, cut: bool) -> io::Result<()> {
+    fn bag_chunk(
+        &mut self,
+        offset: u64,
+        header: &[u8],
+        length: u64,
+        truncated: bool,
+    ) -> io::Result<()> {
         self.settle();
-        self.tell_orphans();
+        self.report_orphans();
         self.chunks += 1;
         let packing = field(header, b"compression").and_then(Packing::named);
         let (Some(packing), Some(declared)) = (packing, number(header, b"size")) else {
@@ -220,10 +226,10 @@ impl Container {
             content,
             offset,
             bytes: self.scan.offset() - offset,
-            cut,
+            truncated,
             ..Chunk::default()
         };
-        if cut {
+        if truncated {
             // A length that lies looks like a cut: what stands behind it is looked for.
             self.scan
                 .find(offset + 1..u64::MAX, CHUNK_HEADER, is_chunk)?;
@@ -232,7 +238,7 @@ impl Container {
         } else if let Err(what) = unpacked {
             if packing == Packing::None {
                 // Only its size contradicts: its messages are there.
-                self.chunk.cut = true;
+                self.chunk.truncated = true;
             } else {
                 // Where it is wrong is not known: none of it is believed.
                 self.chunk.content.clear();

@@ -45,7 +45,7 @@ pub struct Message<'a> {
     pub of: &'a Channel,
     /// When it was recorded, ns.
     pub log_time_ns: u64,
-    /// When it was published, ns, where the file tells; else as recorded.
+    /// When it was published, ns, where the file states it; else as recorded.
     pub publish_time_ns: u64,
     /// Its number, where the file counts.
     pub sequence: u32,
@@ -60,7 +60,7 @@ pub struct Damage {
     pub offset: u64,
     /// How many bytes of the file are lost there.
     pub bytes: u64,
-    /// How many messages are lost there, where the file tells: a chunk's index does, which stands behind it.
+    /// How many messages are lost there, where the chunk's index follows and states it.
     pub messages: Option<u64>,
     /// What is wrong.
     pub what: String,

@@ -92,7 +92,7 @@ impl Container {
             self.settle();
         }
         if opcode == CHUNK {
-            self.tell_orphans();
+            self.report_orphans();
             (self.passed_over, self.section) = (None, Section::Indexes);
             return self
                 .mcap_chunk(offset, length.min(here), length > here)
@@ -237,7 +237,7 @@ impl Container {
         Ok(())
     }
 
-    fn mcap_chunk(&mut self, offset: u64, length: u64, cut: bool) -> io::Result<()> {
+    fn mcap_chunk(&mut self, offset: u64, length: u64, truncated: bool) -> io::Result<()> {
         let mut record = std::mem::take(&mut self.record);
         let whole = self.scan.read(length, &mut record);
         self.record = record;
@@ -250,7 +250,7 @@ impl Container {
             Some((declared, crc, packing, fields.u64()?))
         })();
         let Some((declared, crc, name, packed)) = head else {
-            if cut {
+            if truncated {
                 self.lose(
                     offset,
                     HEAD + length,
@@ -269,7 +269,7 @@ impl Container {
             return self.mcap_pass_chunk(offset, length, &what);
         };
         let rest = fields.0;
-        if packed > rest.len() as u64 && !cut {
+        if packed > rest.len() as u64 && !truncated {
             let what = format!(
                 "the chunk holds {} bytes, but declares {packed}",
                 rest.len()
@@ -290,10 +290,10 @@ impl Container {
             content,
             offset,
             bytes: HEAD + length,
-            cut,
+            truncated,
             ..Chunk::default()
         };
-        let wrong = if cut {
+        let wrong = if truncated {
             // A length that lies looks like a cut: what stands behind it is looked for.
             let next = self.scan.find(offset + 1..u64::MAX, 64, is_chunk)?;
             self.chunk.bytes = next.unwrap_or(self.scan.offset()) - offset;
@@ -312,7 +312,7 @@ impl Container {
         } else {
             None
         };
-        if surplus > 0 && !cut {
+        if surplus > 0 && !truncated {
             self.scan.go_to(offset + HEAD + length - surplus);
             self.chunk.bytes -= surplus;
         }

@@ -14,23 +14,24 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::source::Source;
 pub use event::{Channel, Damage, Encoding, Event, Format, Message};
 use fields::Fields;
 use scan::Scan;
 use spare::Spare;
 use unpack::{Packing, Unpacker};
 
-/// The greatest size of a record, and of a chunk that is not compressed, bytes.
+/// The maximum size of a record, and of a chunk that is not compressed, bytes.
 pub const CHUNK_LIMIT: u64 = 48 << 20;
 /// How many channels or schemas a file may declare.
 pub(crate) const CHANNEL_LIMIT: usize = 8192;
-/// The greatest length of a topic, or of a name of a type, an encoding or a language, bytes.
+/// The maximum length of a topic, or of a name of a type, an encoding or a language, bytes.
 pub(crate) const NAME_LIMIT: usize = 1024;
 /// How long all different definitions and the names of all channels may be together, bytes.
 pub(crate) const DECLARED_LIMIT: usize = 4 << 20;
 
-/// The greatest size of a chunk out of its compression, bytes, in a file of so many bytes: a small file
-/// may not unfold far. Beside it stand the packed chunk and what a message is decoded to, and all is to
+/// The maximum size of a chunk out of its compression, bytes, in a file of `file_bytes`: a small file
+/// must not unfold far. Beside it stand the packed chunk and what a message is decoded to, and all is to
 /// stay below 64 MiB and twice the file.
 #[must_use]
 pub const fn unpacked_limit(file_bytes: u64) -> u64 {
@@ -46,7 +47,7 @@ pub const fn unpacked_limit(file_bytes: u64) -> u64 {
 /// 64 MiB: a file of many small bombs would take minutes. Logs unfold to less than a hundred.
 const UNFOLDING: u64 = 256;
 
-/// What is told where a record's length made the reading pass over others.
+/// The report where a record's length made the reader pass over others.
 const SWALLOWED: &str = "a record declares more bytes than it has";
 
 /// A message whose bytes stand in a buffer of the container.
@@ -67,8 +68,8 @@ struct Chunk {
     at: usize,
     offset: u64,
     bytes: u64,
-    /// Cut short: that its last record is too is no news.
-    cut: bool,
+    /// The chunk is truncated, so a truncated last record is expected and not reported again.
+    truncated: bool,
     /// How many of its messages were met.
     met: u64,
 }
@@ -145,7 +146,13 @@ impl Container {
     /// # Errors
     /// What the system refuses.
     pub fn kind(path: &Path) -> Result<Option<Format>> {
-        kind(&mut Scan::open(path)?).map_err(|source| unreadable(path, source))
+        Self::kind_of(&Source::file(path.to_owned()))
+    }
+
+    pub(crate) fn kind_of(source: &Source) -> Result<Option<Format>> {
+        let scan = Scan::over(source.open()?);
+        scan.and_then(|mut scan| kind(&mut scan))
+            .map_err(|error| unreadable(source.path(), error))
     }
 
     /// Opens a file.
@@ -153,7 +160,7 @@ impl Container {
     /// # Errors
     /// [`Error::Version`] for another version of the format, [`Error::NotALog`] for another kind of file.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::begin(path, Scan::open(path)?)
+        Self::of(&Source::file(path.to_owned()))
     }
 
     /// Reads from anything that can be read from any place, such as bytes in memory; `name` is what errors
@@ -162,13 +169,13 @@ impl Container {
     /// # Errors
     /// As [`Container::open`].
     pub fn over(name: &Path, source: impl Read + Seek + Send + 'static) -> Result<Self> {
-        let scan = Scan::over(source).map_err(|source| unreadable(name, source))?;
-        Self::begin(name, scan)
+        Self::of(&Source::over(name, source))
     }
 
-    fn begin(path: &Path, mut scan: Scan) -> Result<Self> {
-        let file = || path.display().to_string();
-        let failed = |source| unreadable(path, source);
+    pub(crate) fn of(source: &Source) -> Result<Self> {
+        let file = || source.name();
+        let failed = |error| unreadable(source.path(), error);
+        let mut scan = Scan::over(source.open()?).map_err(failed)?;
         let Some(format) = kind(&mut scan).map_err(failed)? else {
             return Err(Error::NotALog { file: file() });
         };
@@ -273,7 +280,7 @@ impl Container {
             }
             if self.ended {
                 self.settle();
-                self.tell_orphans();
+                self.report_orphans();
                 if self.damages.is_empty() {
                     return None;
                 }
@@ -310,7 +317,7 @@ impl Container {
     /// Another file begins at `offset`: nothing that was declared holds there.
     fn begin_file(&mut self, offset: u64) {
         self.settle();
-        self.tell_orphans();
+        self.report_orphans();
         self.ids.clear();
         self.base = offset;
         self.spare = None;
@@ -372,7 +379,7 @@ impl Container {
         });
     }
 
-    /// The index of the chunk names so many more messages.
+    /// The index of the chunk names `messages` more.
     fn indexed(&mut self, messages: u64) {
         if let Some(waiting) = &mut self.waiting {
             let before = waiting.indexed.unwrap_or(0);
@@ -398,7 +405,7 @@ impl Container {
         self.orphans.entry(id).or_insert((offset, 0)).1 += 1;
     }
 
-    fn tell_orphans(&mut self) {
+    fn report_orphans(&mut self) {
         for (id, (offset, count)) in std::mem::take(&mut self.orphans) {
             self.damages.push_back(Damage {
                 offset,
@@ -412,7 +419,7 @@ impl Container {
     /// Gives up the rest of the chunk.
     fn lose_chunk(&mut self, what: impl Into<String>) {
         self.chunk.at = self.chunk.content.len();
-        if !self.chunk.cut {
+        if !self.chunk.truncated {
             self.lose_of_chunk(what);
         }
     }
@@ -477,7 +484,7 @@ impl Container {
     }
 }
 
-/// How many bytes the chunk that was just read may unfold to, if it is packed and declares so many;
+/// How many bytes the chunk that was just read may unfold to, if it is packed and declares `declared`;
 /// `unfolded` counts them over the file.
 fn room_for(declared: u64, packing: Packing, scan: &Scan, unfolded: &mut u64) -> u64 {
     if packing == Packing::None {

@@ -1,37 +1,10 @@
 //! A file read from front to back with its offsets, never trusting a declared length.
 
-use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::io;
 
-use grouser_files::regular;
-
-use crate::error::Result;
+use crate::source::Shared;
 
 const WINDOW: usize = 1 << 16;
-
-/// What a log is read from: a file, or anything that can be read from any place.
-pub(super) trait Source: Read + Seek + Send {}
-
-impl<T: Read + Seek + Send> Source for T {}
-
-/// One source under several readers, each of which knows its own place.
-#[derive(Clone)]
-struct Shared(Arc<Mutex<Box<dyn Source>>>);
-
-impl Shared {
-    /// What stands at `offset`, as much as comes at once.
-    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        source.seek(SeekFrom::Start(offset))?;
-        loop {
-            match source.read(buffer) {
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                done => return done,
-            }
-        }
-    }
-}
 
 /// Where the reading stands, how far the file goes, and the CRC of what went by.
 pub(super) struct Scan {
@@ -46,22 +19,13 @@ pub(super) struct Scan {
 }
 
 impl Scan {
-    pub(super) fn open(path: &Path) -> Result<Self> {
-        let file = regular::open(path)?;
-        Self::over(file).map_err(|source| {
-            let file = path.display().to_string();
-            grouser_files::Error::Unreadable { file, source }.into()
-        })
-    }
-
-    pub(super) fn over(mut source: impl Source + 'static) -> io::Result<Self> {
-        let length = source.seek(SeekFrom::End(0))?;
+    pub(super) fn over(source: Shared) -> io::Result<Self> {
         Ok(Self {
-            source: Shared(Arc::new(Mutex::new(Box::new(source)))),
+            length: source.length()?,
+            source,
             window: Vec::new(),
             start: 0,
             offset: 0,
-            length,
             crc: None,
         })
     }

@@ -21,7 +21,7 @@ impl Container {
         let found = self.spare.as_mut();
         // Taken out, so that a schema is not looked for again and again.
         if let Some(content) = found.and_then(|spare| spare.remove(&(opcode, id.into()))) {
-            // What is wrong with a copy is no news: the chunk's loss has been told.
+            // An error in a copy is not reported: the loss of its chunk has been.
             let _ = self.mcap_content(opcode, &content, (0, false));
         }
     }

@@ -3,9 +3,10 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use crate::error::{Cell, Error, Result};
-use crate::source;
+use crate::source::Source;
 
 /// The maximum length of a line, bytes.
 pub const LINE_LIMIT: usize = 1 << 20;
@@ -36,8 +37,12 @@ impl Lines {
     /// # Errors
     /// What the system refuses.
     pub fn open(path: &Path) -> Result<Self> {
-        let input = source::open(path, &Arc::default())?;
-        Ok(Self::over(input, &path.display().to_string()))
+        Self::of(&Source::file(path.to_owned()), &Arc::default())
+    }
+
+    /// Bytes that are read of the file are added to `count`.
+    pub(crate) fn of(source: &Source, count: &Arc<AtomicU64>) -> Result<Self> {
+        Ok(Self::over(source.text(count)?, &source.name()))
     }
 }
 

@@ -1,6 +1,5 @@
 //! The reader of one table.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
@@ -13,15 +12,15 @@ use super::number::NotANumber;
 use super::row::{BadField, Plan};
 use crate::error::{Cell, Error, Result};
 use crate::order::Ordered;
-use crate::record::Record;
-use crate::source;
+use crate::source::Source;
+use grouser_slip::Sample;
 
 /// How many rows a row may stand from its place in time.
 pub(crate) const LOOK_AHEAD: usize = 1024;
 /// A message shows this much of a bad field.
 const SHOWN: usize = 64;
 
-/// Records of one table in the order of time.
+/// Samples of one table in the order of time.
 ///
 /// It reads line by line: memory does not grow with the file. The first error ends it.
 pub(crate) struct CsvReader {
@@ -30,30 +29,27 @@ pub(crate) struct CsvReader {
     plan: Plan,
     separator: u8,
     fields: Vec<Field>,
-    source: usize,
-    ordered: Ordered<Record>,
+    ordered: Ordered<Sample>,
     rows: u64,
     done: bool,
 }
 
 impl CsvReader {
-    /// Opens a table and reads its header. `source` becomes [`Record::source`]; `wheels` are the
-    /// log's wheels, to which the records' indices refer; bytes read are added to `count`.
+    /// Opens a table and reads its header. `wheels` are the log's wheels, to which the samples' indices refer; bytes
+    /// read are added to `count`.
     pub(crate) fn open(
-        path: &Path,
+        source: &Source,
         table: &Table,
-        source: usize,
         (wheels, count): (&[String], &Arc<AtomicU64>),
     ) -> Result<Self> {
-        let file = path.display().to_string();
-        let mut lines = Lines::over(source::open(path, count)?, &file);
+        let mut lines = Lines::of(source, count)?;
         let mut names: Vec<String> = Vec::new();
         let mut header = lines.cell();
         let mut fields = Vec::new();
         for number in 1..=table.header_lines {
             if !lines.advance()? {
                 return Err(Error::Empty {
-                    file,
+                    file: source.name(),
                     what: if number == 1 {
                         "nothing"
                     } else {
@@ -84,7 +80,6 @@ impl CsvReader {
             names,
             separator: table.separator,
             fields,
-            source,
             ordered: Ordered::new(LOOK_AHEAD),
             rows: 0,
             done: false,
@@ -127,17 +122,13 @@ impl CsvReader {
                 by_s,
                 look_ahead: LOOK_AHEAD,
             })?;
-        let (source, ordered) = (self.source, &mut self.ordered);
+        let ordered = &mut self.ordered;
         self.plan
-            .readings(field, |reading| {
-                ordered.push(
+            .readings(field, |measurement| {
+                ordered.push(Sample {
                     time_ns,
-                    Record {
-                        time_ns,
-                        source,
-                        reading,
-                    },
-                );
+                    measurement,
+                });
             })
             .map_err(bad)?;
         self.rows += 1;
@@ -146,7 +137,7 @@ impl CsvReader {
 }
 
 impl Iterator for CsvReader {
-    type Item = Result<Record>;
+    type Item = Result<Sample>;
 
     fn next(&mut self) -> Option<Self::Item> {
         while !self.done && !self.ordered.is_ripe() {
@@ -160,7 +151,7 @@ impl Iterator for CsvReader {
                 }
             }
         }
-        self.ordered.pop().map(|(_, record)| Ok(record))
+        self.ordered.pop().map(Ok)
     }
 }
 

@@ -3,8 +3,8 @@
 use grouser_files::columns::Table;
 
 use super::number::{self, NotANumber};
-use crate::record::Reading;
 use crate::slots::{Part, Slots};
+use grouser_slip::Measurement;
 
 /// Where in a row the parts of each reading stand.
 pub(crate) struct Plan {
@@ -50,7 +50,7 @@ impl Plan {
     pub(crate) fn readings<'a>(
         &self,
         field: impl Fn(usize) -> &'a str,
-        take: impl FnMut(Reading),
+        take: impl FnMut(Measurement),
     ) -> Result<(), BadField> {
         // The text of a part with its field; `None` where there is no value.
         let given = |part: Part| {

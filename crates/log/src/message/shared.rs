@@ -24,7 +24,7 @@ struct Known {
 impl Decoders {
     /// The decoder of a channel: that of an earlier one which is laid out alike, or a new one.
     pub(crate) fn of(&mut self, channel: &Channel) -> SharedDecoder {
-        // A file's equal definitions are held once, so that their place tells them apart.
+        // A file's equal definitions are held once, so that their addresses identify them.
         let alike = |known: &&Known| {
             Arc::ptr_eq(&known.definition, &channel.definition)
                 && known.encoding == channel.encoding

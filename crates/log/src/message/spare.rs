@@ -4,10 +4,15 @@ use std::collections::BTreeMap;
 
 use super::Value;
 
-/// Only messages up to this size are kept, bytes: larger ones would keep their memory.
-const SIZE: usize = 1 << 12;
-/// Only for so many channels: a robot has fewer that matter, a hostile file may declare thousands.
-const CHANNELS: usize = 64;
+/// Maximum size of a message whose value is kept, bytes: larger ones would keep their memory.
+const MAX_BYTES: usize = 1 << 12;
+/// Maximum number of channels with a spare value: a hostile file may declare thousands.
+const MAX_CHANNELS: usize = 64;
+
+/// Is the value of a message of this size kept for the next of its channel?
+pub(crate) const fn is_spare(channel: usize, size: usize) -> bool {
+    size <= MAX_BYTES && channel < MAX_CHANNELS
+}
 
 /// One value for each channel, to decode into without allocating.
 #[derive(Clone, Debug, Default)]
@@ -19,9 +24,9 @@ impl Spare {
         self.0.remove(&channel).unwrap_or(Value::Null)
     }
 
-    /// Keeps a value that was decoded from so many bytes.
+    /// Keeps a value that was decoded from `size` bytes.
     pub(crate) fn keep(&mut self, channel: usize, size: usize, value: Value) {
-        if size <= SIZE && (self.0.len() < CHANNELS || self.0.contains_key(&channel)) {
+        if size <= MAX_BYTES && (self.0.len() < MAX_CHANNELS || self.0.contains_key(&channel)) {
             self.0.insert(channel, value);
         }
     }

@@ -1,20 +1,21 @@
-//! Bags and MCAP files as a part of a log: their topics as typed readings.
+//! Bags and MCAP files as a part of a log: their topics as samples.
 
 mod choose;
+mod job;
 mod mounting;
-mod peek;
+mod preview;
 mod reader;
 
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use grouser_files::columns::Meaning;
 use grouser_files::topics::Topics;
 
 use crate::error::Result;
-use crate::messages::{Clock, LeftOut};
-use choose::{Chosen, choose};
-use peek::Peek;
+use crate::messages::LeftOut;
+use crate::source::Source;
+pub(crate) use choose::Choice;
+pub use preview::Preview;
 pub(crate) use reader::RecordingReader;
 
 /// A topic that a log uses, and what for.
@@ -28,41 +29,7 @@ pub struct UsedTopic {
     pub used_for: String,
 }
 
-/// The bags and MCAP files of one run, with what their topics mean.
-#[derive(Clone, Debug)]
-pub(crate) struct Recording {
-    pub(crate) files: Vec<PathBuf>,
-    pub(crate) wheels: Vec<String>,
-    pub(crate) notes: Vec<String>,
-    topics: Arc<[Chosen]>,
-    clock: Clock,
-    left_out: Arc<Mutex<LeftOut>>,
-}
-
-impl Recording {
-    /// Looks into the files and chooses their topics.
-    pub(crate) fn open(files: Vec<PathBuf>, topics: &Topics) -> Result<Self> {
-        let peek = Peek::read(&files, topics)?;
-        let names: Vec<String> = files
-            .iter()
-            .map(|file| file.display().to_string())
-            .collect();
-        let choice = choose(&peek, topics, &names.join(", "))?;
-        Ok(Self {
-            files,
-            wheels: choice.wheels,
-            notes: choice.notes,
-            topics: choice.topics.into(),
-            clock: choice.clock,
-            left_out: Arc::default(),
-        })
-    }
-
-    /// How many topics are used: each is a source of its own.
-    pub(crate) fn sources(&self) -> usize {
-        self.topics.len()
-    }
-
+impl Choice {
     pub(crate) fn measures(&self, meaning: Meaning) -> bool {
         let mut all = self.topics.iter().flat_map(|chosen| &chosen.measures);
         all.any(|(own, _)| *own == meaning)
@@ -74,19 +41,34 @@ impl Recording {
         index.is_some() && all.any(|(own, of)| *own == meaning && *of == index)
     }
 
-    /// Which topics' clocks are to be aligned with the others'.
-    pub(crate) fn unaligned(&self) -> impl Iterator<Item = usize> {
-        let topics = self.topics.iter().enumerate();
-        topics
-            .filter(|(_, chosen)| chosen.align)
-            .map(|(index, _)| index)
-    }
-
     pub(crate) fn used(&self) -> impl Iterator<Item = UsedTopic> {
         self.topics.iter().map(|chosen| UsedTopic {
             topic: chosen.topic.clone(),
             type_name: chosen.type_name.clone(),
             used_for: chosen.words.join(", "),
+        })
+    }
+}
+
+/// The bags and MCAP files of one run, with the meaning of their topics.
+#[derive(Clone, Debug)]
+pub(crate) struct Recording {
+    pub(crate) files: Vec<Source>,
+    pub(crate) choice: Arc<Choice>,
+    left_out: Arc<Mutex<LeftOut>>,
+}
+
+impl Recording {
+    /// Looks into the files and chooses their topics.
+    pub(crate) fn open(files: Vec<Source>, topics: &Topics) -> Result<Self> {
+        let mut preview = Preview::new(topics);
+        for file in &files {
+            preview.read_source(file)?;
+        }
+        Ok(Self {
+            files,
+            choice: Arc::new(preview.choose()?),
+            left_out: Arc::default(),
         })
     }
 
@@ -96,6 +78,10 @@ impl Recording {
 
     pub(crate) fn left_out(&self) -> LeftOut {
         self.lock().clone()
+    }
+
+    fn add(&self, left_out: &LeftOut) {
+        self.lock().add(left_out);
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, LeftOut> {

@@ -1,22 +1,23 @@
-//! How an IMU is mounted: which directions of its own frame point forwards, to the left and up.
+//! The mounting of an IMU: the directions of its own frame that point forwards, to the left and up.
 //!
-//! The yaw rate needs only the last, Ω = u · ω. Two things tell it: the static transforms from the robot's base to
-//! the IMU's frame, and gravity, which an accelerometer at rest shows upwards. Forwards is told by transforms alone.
+//! The yaw rate needs only the last, Ω = u · ω. It follows from the static transforms between the robot's base and the
+//! IMU's frame, or from gravity, which an accelerometer at rest measures upwards. The forward axis follows from
+//! transforms, or from the robot file.
 
 use std::collections::BTreeMap;
 
 use crate::message::Transform;
 
 /// Standard gravity, m/s².
-const GRAVITY: f64 = 9.806_65;
-/// A mean acceleration further from gravity than this share tells no direction.
-const FAR_FROM_GRAVITY: f64 = 0.15;
+const GRAVITY_M_PER_S2: f64 = 9.806_65;
+/// A mean acceleration that differs from gravity by more than this share has no direction: the robot accelerates.
+const MAX_GRAVITY_ERROR: f64 = 0.15;
 /// An up this near to an axis is that axis, cos 20°: IMUs are mounted square, but ground is not level.
-const SQUARE: f64 = 0.94;
+const SQUARE_COS: f64 = 0.94;
 /// Transforms and gravity that are further apart than this contradict each other, cos 30°.
-const AGREE: f64 = 0.866;
-/// A chain of transforms longer than this is a circle.
-const CHAIN: usize = 64;
+const AGREE_COS: f64 = 0.866;
+/// A longer chain of transforms is a circle.
+const MAX_CHAIN: usize = 64;
 
 /// The transforms of a tree of frames, by child: its parent and its rotation there.
 pub(super) type Tree = BTreeMap<String, (String, [f64; 4])>;
@@ -49,7 +50,7 @@ pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 
     while !is_base(frame) {
         let (parent, rotation) = tree.get(frame)?;
         rotations.push(*rotation);
-        if rotations.len() > CHAIN {
+        if rotations.len() > MAX_CHAIN {
             return None;
         }
         frame = parent;
@@ -88,7 +89,7 @@ impl Accelerations {
     pub(super) fn up(&self) -> Option<[f64; 3]> {
         let mean = self.sum.map(|sum| sum / self.count);
         let size = dot(mean, mean).sqrt();
-        if !((size / GRAVITY - 1.0).abs() < FAR_FROM_GRAVITY) {
+        if !((size / GRAVITY_M_PER_S2 - 1.0).abs() < MAX_GRAVITY_ERROR) {
             return None;
         }
         Some(squared(mean.map(|a| a / size)))
@@ -97,7 +98,7 @@ impl Accelerations {
 
 /// The axis that a direction is near to, or the direction itself.
 fn squared(up: [f64; 3]) -> [f64; 3] {
-    match up.iter().position(|u| u.abs() > SQUARE) {
+    match up.iter().position(|u| u.abs() > SQUARE_COS) {
         Some(axis) => {
             let mut square = [0.0; 3];
             square[axis] = up[axis].signum();
@@ -108,7 +109,7 @@ fn squared(up: [f64; 3]) -> [f64; 3] {
 }
 
 pub(super) fn agree(a: [f64; 3], b: [f64; 3]) -> bool {
-    dot(a, b) > AGREE
+    dot(a, b) > AGREE_COS
 }
 
 pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

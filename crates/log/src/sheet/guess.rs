@@ -84,10 +84,10 @@ pub(super) fn time_unit(column: &SheetColumn, median: Option<f64>) -> &'static s
         }
     }
     // Since 1970, in any unit; else robots write ten to a thousand rows a second.
-    match (column.greatest, median) {
-        (greatest, _) if greatest > 1e17 => "ns",
-        (greatest, _) if greatest > 1e14 => "us",
-        (greatest, _) if greatest > 1e11 => "ms",
+    match (column.max, median) {
+        (max, _) if max > 1e17 => "ns",
+        (max, _) if max > 1e14 => "us",
+        (max, _) if max > 1e11 => "ms",
         (_, Some(median)) if median >= 1e5 => "ns",
         (_, Some(median)) if median >= 500.0 => "us",
         (_, Some(median)) if median >= 1.0 => "ms",

@@ -5,13 +5,13 @@ use std::path::Path;
 use crate::csv::{Lines, finite, split};
 use crate::error::{Error, Result};
 
-/// So many lines are looked at.
-const LINES: usize = 64;
-/// A header of more lines is none.
-const HEADER: usize = 20;
+/// The layout is read from this many lines.
+const LAYOUT_LINES: usize = 64;
+/// The maximum number of header lines.
+const MAX_HEADER_LINES: usize = 20;
 const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
 
-/// How a table is laid out.
+/// The layout of a table.
 pub(super) struct Layout {
     pub(super) separator: u8,
     pub(super) decimal: u8,
@@ -27,7 +27,7 @@ impl Layout {
         let file = path.display().to_string();
         let mut lines = Lines::open(path)?;
         let mut first = Vec::new();
-        while first.len() < LINES && lines.advance()? {
+        while first.len() < LAYOUT_LINES && lines.advance()? {
             first.push(lines.text()?.to_owned());
         }
         let empty = |what| Error::Empty {
@@ -67,7 +67,7 @@ impl Layout {
             numbers > 0 && 3 * numbers >= fields.iter().filter(|field| !field.is_empty()).count()
         };
         let header_lines = first.iter().position(is_data).unwrap_or(first.len());
-        if header_lines == 0 || header_lines > HEADER {
+        if header_lines == 0 || header_lines > MAX_HEADER_LINES {
             return Err(empty("no header line that names its columns"));
         }
         if header_lines == first.len() {

@@ -11,17 +11,17 @@ use grouser_files::columns::Meaning;
 
 use crate::csv::{Lines, finite, split};
 use crate::error::Result;
-use crate::source;
+use crate::source::Source;
 pub use guess::Guess;
 use guess::{guess, time_rank, time_unit};
 use layout::Layout;
 
-/// More columns than this are not listed.
-const COLUMNS: usize = 1024;
+/// The maximum number of columns that are listed.
+const MAX_COLUMNS: usize = 1024;
 /// An interval of more than this many medians is a gap.
-const GAP: f64 = 5.0;
-/// So many intervals are kept for their median; then every second one, and so on.
-const INTERVALS: usize = 1 << 16;
+const GAP_MEDIANS: f64 = 5.0;
+/// This many intervals are kept for their median; beyond it every second one, then every fourth.
+const MAX_INTERVALS: usize = 1 << 16;
 
 /// One column of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,16 +36,16 @@ pub struct SheetColumn {
     pub empty: u64,
     /// Fields that are something else.
     pub others: u64,
-    /// The least number.
-    pub least: f64,
-    /// The greatest number.
-    pub greatest: f64,
+    /// The minimum.
+    pub min: f64,
+    /// The maximum.
+    pub max: f64,
     /// Are all numbers whole?
     pub whole: bool,
     /// How often a number is less than the one before.
     pub falls: u64,
-    /// The greatest difference between a number and the one before.
-    pub greatest_step: f64,
+    /// The maximum difference between a number and the one before.
+    pub max_step: f64,
     /// What it probably means.
     pub guess: Option<Guess>,
 }
@@ -57,7 +57,7 @@ pub struct SheetTime {
     pub column: usize,
     /// Its unit, as column maps name it.
     pub unit: &'static str,
-    /// From the least time to the greatest, s.
+    /// From the first time to the latest, s.
     pub duration_s: f64,
     /// Rows per second, by the median interval.
     pub rate_hz: Option<f64>,
@@ -91,14 +91,14 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Reads a whole table; `progress` is told how many bytes of it have been read.
+    /// Reads a whole table; `progress` receives the number of bytes read.
     ///
     /// # Errors
     /// What does not let it be read as text in lines.
     pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
         let layout = Layout::of(path)?;
         let count = Arc::default();
-        let mut lines = Lines::over(source::open(path, &count)?, &path.display().to_string());
+        let mut lines = Lines::of(&Source::file(path.to_owned()), &count)?;
         let mut sheet = Self {
             separator: layout.separator,
             decimal: layout.decimal,
@@ -107,7 +107,7 @@ impl Sheet {
             columns: layout
                 .names
                 .iter()
-                .take(COLUMNS)
+                .take(MAX_COLUMNS)
                 .map(|name| SheetColumn::new(name))
                 .collect(),
             rows: 0,
@@ -204,7 +204,7 @@ fn time_candidates(names: &[String]) -> Vec<usize> {
     let mut ranked: Vec<(u8, usize)> = names
         .iter()
         .enumerate()
-        .take(COLUMNS)
+        .take(MAX_COLUMNS)
         .filter_map(|(index, name)| Some((time_rank(name)?, index)))
         .collect();
     ranked.sort_unstable();
@@ -248,8 +248,8 @@ impl SheetColumn {
     pub fn wraps_at_bits(&self) -> Option<u32> {
         let wraps = |bits: &u32| {
             let range = 2_f64.powi(i32::try_from(*bits).unwrap_or(0));
-            let fits = self.least >= -0.5 * range && self.greatest < range;
-            self.whole && fits && self.greatest_step > 0.5 * range
+            let fits = self.min >= -0.5 * range && self.max < range;
+            self.whole && fits && self.max_step > 0.5 * range
         };
         [8, 16, 32].into_iter().find(wraps)
     }
@@ -261,11 +261,11 @@ impl SheetColumn {
             numbers: 0,
             empty: 0,
             others: 0,
-            least: f64::INFINITY,
-            greatest: f64::NEG_INFINITY,
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
             whole: true,
             falls: 0,
-            greatest_step: 0.0,
+            max_step: 0.0,
             guess: None,
         }
     }
@@ -283,12 +283,12 @@ impl SheetColumn {
             return;
         };
         self.numbers += 1;
-        self.least = self.least.min(number);
-        self.greatest = self.greatest.max(number);
+        self.min = self.min.min(number);
+        self.max = self.max.max(number);
         self.whole &= number.fract() == 0.0;
         self.falls += u64::from(number < *last);
         if last.is_finite() {
-            self.greatest_step = self.greatest_step.max((number - *last).abs());
+            self.max_step = self.max_step.max((number - *last).abs());
         }
         *last = number;
     }
@@ -299,7 +299,7 @@ impl SheetColumn {
 struct Clock {
     last: Option<f64>,
     first: f64,
-    greatest: f64,
+    latest: f64,
     longest: f64,
     jumps: u64,
     /// Every `stride`th interval.
@@ -311,9 +311,9 @@ struct Clock {
 impl Clock {
     fn take(&mut self, time: f64) {
         if self.seen == 0 {
-            (self.first, self.greatest, self.stride) = (time, time, 1);
+            (self.first, self.latest, self.stride) = (time, time, 1);
         }
-        self.greatest = self.greatest.max(time);
+        self.latest = self.latest.max(time);
         if let Some(last) = self.last.replace(time) {
             let interval = time - last;
             self.longest = self.longest.max(interval);
@@ -321,7 +321,7 @@ impl Clock {
             if self.seen.is_multiple_of(self.stride) && interval >= 0.0 {
                 self.intervals.push(interval);
             }
-            if self.intervals.len() >= INTERVALS {
+            if self.intervals.len() >= MAX_INTERVALS {
                 self.stride *= 2;
                 let mut keep = false;
                 self.intervals.retain(|_| {
@@ -349,11 +349,11 @@ impl Clock {
             .find(|(name, _)| *name == unit)
             .map_or(1.0, |(_, seconds)| seconds);
         let median = self.median();
-        let long = |interval: &&f64| median.is_some_and(|median| **interval > GAP * median);
+        let long = |interval: &&f64| median.is_some_and(|median| **interval > GAP_MEDIANS * median);
         SheetTime {
             column,
             unit,
-            duration_s: (self.greatest - self.first) * seconds,
+            duration_s: (self.latest - self.first) * seconds,
             rate_hz: median.map(|median| 1.0 / (median * seconds)),
             longest_s: self.longest * seconds,
             gaps: self.intervals.iter().filter(long).count() as u64 * self.stride.max(1),

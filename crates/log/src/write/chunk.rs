@@ -16,7 +16,7 @@ pub(super) struct Age {
 }
 
 impl Age {
-    /// With one more message, is the chunk of so many bytes to be closed?
+    /// Is a chunk of this size to be closed before another message?
     pub(super) fn is_full(&mut self, time_ns: u64, bytes: usize) -> bool {
         self.newest_ns = self.newest_ns.max(time_ns);
         let begin_ns = *self.begin_ns.get_or_insert(self.newest_ns);

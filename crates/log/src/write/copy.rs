@@ -25,7 +25,7 @@ pub struct Copied {
     pub damage_count: u64,
     /// Bytes of the file that are lost in them.
     pub bytes_lost: u64,
-    /// Messages that are lost in them, of those places where the file tells.
+    /// Messages that are lost in them, as far as the file states it.
     pub messages_lost: u64,
     /// Attachments and metadata records, which are not carried over.
     pub attached: u64,
@@ -50,7 +50,7 @@ fn digest(crc: &mut crc32fast::Hasher, topic: &str, log_time_ns: u64, data: &[u8
 }
 
 /// Copies every message that can be read of `path`, with its channel, times and number, in the order of
-/// the file. `progress` is told how many bytes have been read.
+/// the file. `progress` receives the number of bytes read.
 ///
 /// A bag has one time for each message and no numbers, and takes messages of ROS 1 only.
 ///

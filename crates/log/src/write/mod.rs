@@ -4,7 +4,7 @@ mod bag;
 mod chunk;
 mod copy;
 mod mcap;
-mod readings;
+mod samples;
 mod table;
 mod topic;
 
@@ -16,7 +16,7 @@ use crate::container::{Channel, Format};
 pub use bag::BagWriter;
 pub use copy::{Copied, copy, verify};
 pub use mcap::McapWriter;
-pub use readings::ReadingWriter;
+pub use samples::SampleWriter;
 pub use table::{Table, write_table};
 pub use topic::Topic;
 

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use grouser_files::{Document, columns};
-use grouser_log::{Error, Log, Record};
+use grouser_log::{Error, Log};
+use grouser_slip::Sample;
 
 pub(crate) struct Folder(pub(crate) PathBuf);
 
@@ -40,9 +41,9 @@ pub(crate) fn map(options: &str) -> columns::ColumnMap {
 }
 
 /// All records of a log of these bytes, or the error: never both.
-pub(crate) fn read(name: &str, options: &str, bytes: &[u8]) -> Result<Vec<Record>, Error> {
+pub(crate) fn read(name: &str, options: &str, bytes: &[u8]) -> Result<Vec<Sample>, Error> {
     let folder = Folder::new(name);
     let file = folder.file("log.csv", bytes);
     let log = Log::find(&[file], map(options))?;
-    log.records(&[])?.collect()
+    log.samples(&[])?.collect()
 }

@@ -375,11 +375,11 @@ fn read_control(s: &Section<'_>) -> Result<Control> {
         ("gain", &mut out.gain),
         ("integral_gain", &mut out.integral_gain),
         ("sigma_half", &mut out.sigma_half),
-        ("most_acceleration_m_per_s2", &mut out.most_acceleration),
+        ("most_acceleration_m_per_s2", &mut out.max_acceleration),
         ("creep", &mut out.creep),
-        ("cruise_gain", &mut out.cruise_gain),
-        ("most_cruise", &mut out.most_cruise),
-        ("most_traction", &mut out.most_traction),
+        ("cruise_gain", &mut out.feedforward_gain),
+        ("most_cruise", &mut out.max_feedforward),
+        ("most_traction", &mut out.max_traction),
         ("high_slip", &mut out.high_slip),
         ("high_slip_time_s", &mut out.high_slip_time),
         ("dig_slip", &mut out.dig_slip),
@@ -397,8 +397,8 @@ fn read_control(s: &Section<'_>) -> Result<Control> {
         ("steep_deg", &mut out.steep),
         ("level_deg", &mut out.level),
         ("traverse_angle_deg", &mut out.traverse_angle),
-        ("most_tilt_deg", &mut out.most_tilt),
-        ("most_turn_deg_per_s", &mut out.most_turn),
+        ("most_tilt_deg", &mut out.max_tilt),
+        ("most_turn_deg_per_s", &mut out.max_turn),
     ] {
         if let Some(value) = s.optional_number(key, (0.0, 1e4))? {
             *field = value.to_radians();

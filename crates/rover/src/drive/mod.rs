@@ -1,20 +1,22 @@
-//! A drive: a scenario, the loop of robot, sensors, estimator and controller, and what came of it.
+//! A simulated drive: a scenario, the loop of robot, sensors and on-board computer, and its result.
+//!
+//! The primary type is [`Simulation`]. The robot's computer is [`grouser_slip::onboard::OnBoard`], the object that a real
+//! robot runs; only ground, robot and sensors are simulated.
 
-mod attitude_filter;
 mod file;
-mod firmness;
+mod frame;
 mod motor_driver;
+mod on_board;
 mod outcome;
 mod pilot;
 mod referee;
-mod run;
 mod scenario;
-mod suspension;
-mod truth;
-mod watch;
+mod score;
+mod simulation;
 
 pub use file::{parse_scenario, read_scenario};
+pub use frame::{Frame, WheelFrame};
 pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};
 pub use pilot::Pilot;
-pub use run::{Drive, Frame, WheelFrame};
 pub use scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
+pub use simulation::Simulation;

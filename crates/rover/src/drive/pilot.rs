@@ -31,27 +31,23 @@ impl Pilot {
     /// The controller's settings for it.
     pub(super) fn settings(
         self,
-        settings: ControlSettings,
+        mut settings: ControlSettings,
         optimum: f64,
         fixed: f64,
     ) -> ControlSettings {
         match self {
             // heading is held, so that all drive the same way
-            Self::OpenLoop => ControlSettings {
-                limits_slip: false,
-                decides: false,
-                most_cruise: 0.0,
-                ..settings
-            },
-            Self::FixedSlip => ControlSettings {
-                optimum: fixed,
-                decides: false,
-                ..settings
-            },
-            Self::Controller => ControlSettings {
-                optimum,
-                ..settings
-            },
+            Self::OpenLoop => {
+                settings.limits_slip = false;
+                settings.decides = false;
+                settings.max_feedforward = 0.0;
+            }
+            Self::FixedSlip => {
+                settings.optimum = fixed;
+                settings.decides = false;
+            }
+            Self::Controller => settings.optimum = optimum,
         }
+        settings
     }
 }

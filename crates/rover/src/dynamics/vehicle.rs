@@ -5,9 +5,8 @@
 
 use grouser_terra::{Settings, WheelOnSoil};
 
-use super::linkage::{BodyState, MAX_SPEEDS, Pose};
-use super::motor::MotorNow;
 use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
+use crate::body::{BodyState, GRAVITY, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::robot::RobotModel;
@@ -21,13 +20,13 @@ const REACH: f64 = 0.45;
 /// A rut ends this many cells behind the wheel's axle: between the nodes it fades over one.
 const RUT_BEHIND: f64 = 1.05;
 
-/// What a wheel's motor is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WheelCommand {
+/// What a wheel's motor and steering receive.
+#[derive(Clone, Copy, Debug, Default)]
+struct WheelInput {
     /// Torque on the wheel, N m.
-    pub torque: f64,
-    /// Steering angle beside the description's heading, rad.
-    pub steer: f64,
+    torque: f64,
+    /// Setpoint of the steering angle beside the description's heading, rad.
+    steering_angle: f64,
 }
 
 /// A wheel at this moment: the truth that sensors see through noise.
@@ -84,6 +83,7 @@ pub struct Vehicle {
     /// Where each wheel last pressed the ground.
     pressed_at: Vec<(f64, f64)>,
     wheels: Vec<WheelNow>,
+    inputs: Vec<WheelInput>,
     /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
     specific_force: Vector,
     ledger: Ledger,
@@ -152,7 +152,8 @@ impl Vehicle {
             contacts: vec![WheelContact::default(); count],
             pressed_at,
             wheels: vec![WheelNow::default(); count],
-            specific_force: Vector::AXES[2] * super::GRAVITY,
+            inputs: vec![WheelInput::default(); count],
+            specific_force: Vector::AXES[2] * GRAVITY,
             ledger: Ledger::default(),
             time: 0.0,
             step,
@@ -229,12 +230,22 @@ impl Vehicle {
         self.state.attitude.angles().2
     }
 
-    /// Moves on by one step; `commands` holds one entry per wheel.
-    pub fn advance(&mut self, ground: &mut Ground, commands: &[WheelCommand]) {
+    /// From now on a wheel's motor is to give `torque` (N m on the wheel), and its steering to turn it to `steering_angle`
+    /// (rad beside the description's heading). A wheel that does not exist changes nothing.
+    pub fn set_input(&mut self, wheel: usize, torque: f64, steering_angle: f64) {
+        if let Some(input) = self.inputs.get_mut(wheel) {
+            *input = WheelInput {
+                torque,
+                steering_angle,
+            };
+        }
+    }
+
+    /// Moves on by one step.
+    pub fn advance(&mut self, ground: &mut Ground) {
         let mut forces = [0.0; MAX_SPEEDS];
         for index in 0..self.wheels.len() {
-            let command = commands.get(index).copied().unwrap_or_default();
-            self.wheel_step(index, ground, command, &mut forces);
+            self.wheel_step(index, ground, self.inputs[index], &mut forces);
         }
         self.model.linkage.hold(&self.state, &mut forces);
         for (hold, rate) in self
@@ -250,10 +261,7 @@ impl Vehicle {
             .model
             .linkage
             .accelerate(&self.state, &self.pose, &forces);
-        let gravity = self
-            .state
-            .attitude
-            .to_robot(Vector::AXES[2] * super::GRAVITY);
+        let gravity = self.state.attitude.to_robot(Vector::AXES[2] * GRAVITY);
         let velocity = self.state.velocity();
         self.specific_force = Vector::new(rates[3], rates[4], rates[5])
             + self.state.turning().cross(velocity)
@@ -272,15 +280,15 @@ impl Vehicle {
         &mut self,
         index: usize,
         ground: &mut Ground,
-        command: WheelCommand,
+        input: WheelInput,
         forces: &mut [f64; MAX_SPEEDS],
     ) {
         let step = self.step;
         let mount = &self.model.wheels[index];
         let linkage = &self.model.linkage;
         let wheel = &mut self.wheels[index];
-        let turn =
-            (command.steer - wheel.steer).clamp(-mount.steer_rate * step, mount.steer_rate * step);
+        let turn = (input.steering_angle - wheel.steer)
+            .clamp(-mount.steer_rate * step, mount.steer_rate * step);
         wheel.steer = (wheel.steer + turn).clamp(-mount.steer_range, mount.steer_range);
 
         // the contact plane
@@ -322,13 +330,13 @@ impl Vehicle {
         let rate = wheel.spin - link_rate;
         let motor = mount
             .motor
-            .map_or_else(MotorNow::default, |motor| motor.drive(command.torque, rate));
+            .map_or_else(MotorNow::default, |motor| motor.drive(input.torque, rate));
         let bearing = mount.bearing * (rate / BEARING_RATE).clamp(-1.0, 1.0);
         let onto_wheel = motor.torque - bearing;
         let spin_before = wheel.spin;
         wheel.spin += step * (onto_wheel - load.torque) / mount.spin_inertia;
         let force = up * load.normal + forward * load.along + left * load.across;
-        // The contact lies below the centre; what turns the wheel about its axle is its own affair.
+        // The contact lies below the centre; moments about the axle are handled by the wheel's spin equation.
         let arm = up * -height.clamp(0.0, radius);
         let moment = arm.cross(force);
         let moment = moment - axle * moment.dot(axle) - axle * onto_wheel;

@@ -4,7 +4,6 @@
 //! height of their own.
 
 mod ascii;
-mod fault;
 mod geotiff;
 mod picture;
 
@@ -13,10 +12,9 @@ use std::path::PathBuf;
 
 use grouser_files::regular;
 
-pub use fault::{NoCell, TerrainFault};
-
 use super::height_map::{CELL, HeightMap, MOST_CELLS};
 use crate::error::{Error, Result};
+use crate::terrain_fault::TerrainFault;
 
 /// Greatest size of a terrain file, bytes.
 const MOST_BYTES: u64 = 1 << 28;

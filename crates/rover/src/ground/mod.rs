@@ -5,7 +5,7 @@ mod height_map;
 mod noise;
 mod shape;
 
-pub use file::{HeightFile, NoCell, TerrainFault, parse_heights, read_heights};
+pub use file::{HeightFile, parse_heights, read_heights};
 pub use height_map::HeightMap;
 pub use noise::Noise;
 pub use shape::{Rocks, Shape};
@@ -13,6 +13,7 @@ pub use shape::{Rocks, Shape};
 use grouser_terra::Soil;
 
 use crate::error::{Error, Result};
+pub use crate::terrain_fault::{NoCell, TerrainFault};
 
 /// Where a soil lies.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use grouser_slip::WheelRole;
 use grouser_slip::window::WindowSettings;
 use grouser_terra::RigidWheel;
 
-use crate::dynamics::{Body, Hold, Link, Linkage, MAX_CHAIN, MAX_FREEDOMS, Motor};
+use crate::body::{Body, Hold, Link, Linkage, MAX_CHAIN, MAX_FREEDOMS, Motor};
 use crate::error::{Error, Result};
 use crate::vector::{Tensor, Vector};
 
@@ -130,7 +130,7 @@ impl RobotModel {
     /// Weight of the whole, N.
     #[must_use]
     pub fn weight(&self) -> f64 {
-        self.linkage.mass() * crate::dynamics::GRAVITY
+        self.linkage.mass() * crate::body::GRAVITY
     }
 }
 

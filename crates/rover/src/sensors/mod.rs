@@ -11,61 +11,15 @@ use std::collections::VecDeque;
 
 use grouser_slip::{Measurement, Sample};
 
-use crate::dynamics::{GRAVITY, Vehicle};
+use crate::body::GRAVITY;
+use crate::dynamics::Vehicle;
 use crate::ground::Noise;
 use crate::vector::Vector;
 use encoder::Encoder;
 
-/// Readings under way at most; a sensor that delays more loses the newest.
-const MOST_UNDER_WAY: usize = 4096;
-
-/// A reading as it reaches the robot's computer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Reading {
-    /// For the estimator.
-    Sample(Sample),
-    /// An inertial unit: specific force (m/s²) and angular velocity (rad/s) in the robot's frame.
-    Inertial {
-        /// ns.
-        time_ns: i64,
-        /// m/s².
-        force: Vector,
-        /// rad/s.
-        turning: Vector,
-    },
-    /// The angle of a rocker or an arm beside its rest.
-    Joint {
-        /// ns.
-        time_ns: i64,
-        /// The freedom of the linkage.
-        freedom: usize,
-        /// rad.
-        angle: f64,
-    },
-    /// A motor's current over its greatest, signed by the torque.
-    Current {
-        /// ns.
-        time_ns: i64,
-        /// The wheel.
-        wheel: usize,
-        /// In [−1, 1] but for noise.
-        share: f64,
-    },
-}
-
-impl Reading {
-    /// When it was taken, ns.
-    #[must_use]
-    pub const fn time_ns(&self) -> i64 {
-        match self {
-            Self::Sample(sample) => sample.time_ns,
-            Self::Inertial { time_ns, .. }
-            | Self::Joint { time_ns, .. }
-            | Self::Current { time_ns, .. } => *time_ns,
-        }
-    }
-}
+/// Samples under way at most: two seconds of the greatest delay at a hundred rows a second; a sensor that delays more loses
+/// the newest.
+const MAX_UNDER_WAY: usize = 4096;
 
 /// Every sensor of a robot.
 #[derive(Clone, Debug)]
@@ -85,7 +39,7 @@ pub struct Sensors {
     next_camera: f64,
     next_gnss: f64,
     next_sample: f64,
-    under_way: VecDeque<(f64, Reading)>,
+    under_way: VecDeque<(f64, Sample)>,
 }
 
 impl Sensors {
@@ -149,7 +103,7 @@ impl Sensors {
     }
 
     /// Looks at the truth and gives what has arrived by now, in the order of arrival.
-    pub fn read(&mut self, vehicle: &Vehicle, arrived: &mut Vec<Reading>) {
+    pub fn read(&mut self, vehicle: &Vehicle, arrived: &mut Vec<Sample>) {
         let time = vehicle.time();
         if time + 1e-9 >= self.next_sample {
             let rate = self
@@ -160,11 +114,11 @@ impl Sensors {
             self.sample(vehicle, time);
         }
         arrived.clear();
-        while let Some((due, reading)) = self.under_way.front() {
+        while let Some((due, sample)) = self.under_way.front() {
             if *due > time + 1e-9 {
                 break;
             }
-            arrived.push(*reading);
+            arrived.push(*sample);
             self.under_way.pop_front();
         }
     }
@@ -182,11 +136,7 @@ impl Sensors {
         for (wheel, now) in vehicle.wheels().iter().enumerate() {
             let raw = self.encoders[wheel].count(now.encoder_angle, &self.schedule, wheel, time);
             if let Some(raw) = raw {
-                let sample = Sample {
-                    time_ns: stamp,
-                    measurement: Measurement::WheelCount { wheel, raw },
-                };
-                self.send(time + delay, Reading::Sample(sample));
+                self.send(time + delay, stamp, Measurement::WheelCount { wheel, raw });
             }
         }
         self.joints(vehicle, time, stamp, delay);
@@ -201,12 +151,11 @@ impl Sensors {
         let angles = vehicle.state().joints;
         for (freedom, angle) in angles.into_iter().enumerate().take(freedoms) {
             let noise = self.settings.joint_sigma * self.joint.normal();
-            let reading = Reading::Joint {
-                time_ns: stamp,
-                freedom,
+            let measurement = Measurement::JointAngle {
+                joint: freedom,
                 angle: angle + noise,
             };
-            self.send(time + delay, reading);
+            self.send(time + delay, stamp, measurement);
         }
     }
 
@@ -251,17 +200,8 @@ impl Sensors {
             turning.z = f64::NAN;
             force.x = f64::INFINITY;
         }
-        let reading = Reading::Inertial {
-            time_ns: stamp,
-            force,
-            turning,
-        };
-        self.send(time + delay, reading);
-        let sample = Sample {
-            time_ns: stamp,
-            measurement: Measurement::YawRate { rate: turning.z },
-        };
-        self.send(time + delay, Reading::Sample(sample));
+        let [force, rate] = [force, turning].map(|v| [v.x, v.y, v.z]);
+        self.send(time + delay, stamp, Measurement::Inertial { force, rate });
     }
 
     fn currents(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {
@@ -278,12 +218,11 @@ impl Sensors {
             } else {
                 now.motor.current / motor.current + offset + noise
             };
-            let reading = Reading::Current {
-                time_ns: stamp,
-                wheel,
-                share,
-            };
-            self.send(time + delay, reading);
+            self.send(
+                time + delay,
+                stamp,
+                Measurement::MotorCurrent { wheel, share },
+            );
         }
     }
 
@@ -315,11 +254,7 @@ impl Sensors {
             left: scale * (cos * way.y - sin * way.x) + noise(),
             turn: Some(scale * angle_between(old, heading) + 2.0 * noise()),
         };
-        let sample = Sample {
-            time_ns: stamp,
-            measurement,
-        };
-        self.send(time + s.camera_latency + delay, Reading::Sample(sample));
+        self.send(time + s.camera_latency + delay, stamp, measurement);
     }
 
     fn gnss(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {
@@ -335,11 +270,7 @@ impl Sensors {
             y: place.y + noise(),
             yaw: vehicle.heading(),
         };
-        let sample = Sample {
-            time_ns: stamp,
-            measurement,
-        };
-        self.send(time + s.gnss_latency + delay, Reading::Sample(sample));
+        self.send(time + s.gnss_latency + delay, stamp, measurement);
     }
 
     /// The stamp of a reading taken now, by the robot's clock with its faults.
@@ -356,9 +287,9 @@ impl Sensors {
         to_ns(shown)
     }
 
-    /// Puts a reading on its way: it arrives at `due`, after everything that is due before.
-    fn send(&mut self, due: f64, reading: Reading) {
-        if self.under_way.len() >= MOST_UNDER_WAY {
+    /// Sends a sample on its way: it arrives at `due` (s), after everything that is due before.
+    fn send(&mut self, due: f64, time_ns: i64, measurement: Measurement) {
+        if self.under_way.len() >= MAX_UNDER_WAY {
             return;
         }
         let later = self
@@ -368,7 +299,11 @@ impl Sensors {
             .take_while(|(d, _)| *d > due)
             .count();
         let at = self.under_way.len() - later;
-        self.under_way.insert(at, (due, reading));
+        let sample = Sample {
+            time_ns,
+            measurement,
+        };
+        self.under_way.insert(at, (due, sample));
     }
 }
 

@@ -1,6 +1,6 @@
 //! What each wheel carries.
 
-use crate::dynamics::{BodyState, GRAVITY, MAX_SPEEDS};
+use crate::body::{BodyState, GRAVITY, MAX_SPEEDS};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 

@@ -1,7 +1,7 @@
 //! How far a robot is from tipping over.
 
 use super::loads::wheel_loads;
-use crate::dynamics::BodyState;
+use crate::body::BodyState;
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 

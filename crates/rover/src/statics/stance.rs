@@ -1,7 +1,7 @@
 //! A robot at rest on uneven ground: how rockers, arms and chassis lie, and what each wheel carries.
 
 use super::margins::{StabilityMargins, margins_about};
-use crate::dynamics::{BodyState, GRAVITY, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds, solve};
+use crate::body::{BodyState, GRAVITY, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds, solve};
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};

@@ -6,14 +6,14 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Mode {
-    /// It goes where it is asked to.
+    /// It drives as requested.
     #[default]
     Forward,
     /// It crosses a slope at an angle.
     Traverse,
-    /// It goes back the way it came.
+    /// It drives back the way it came.
     BackOut,
-    /// It goes round soft ground.
+    /// It drives round soft ground.
     Detour,
     /// The drive has ended.
     Stopped,
@@ -23,13 +23,13 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Ending {
-    /// The wheels turn and the robot does not come on.
+    /// The wheels turn and the robot does not advance.
     Immobilised,
     /// It leans too far.
     Tipping,
-    /// Its sensors fell silent.
+    /// Its sensors are silent.
     SensorsLost,
-    /// It found no way on, and stands on ground that carries it.
+    /// No way on was found; the robot stands on ground that carries it.
     NoWay,
 }
 
@@ -37,7 +37,7 @@ pub enum Ending {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Action {
-    /// A wheel's torque is reduced until its slip is the optimum.
+    /// A wheel's torque is reduced until its slip is the setpoint.
     ReduceTorque,
     /// And raised again.
     RaiseTorque,
@@ -47,13 +47,13 @@ pub enum Action {
     ShedTorque,
     /// Cross the slope at an angle.
     Traverse,
-    /// Cross it the other way.
-    Tack,
-    /// Go back.
+    /// Cross it towards the other side.
+    SwitchSide,
+    /// Drive back.
     BackOut,
-    /// Go round.
+    /// Drive round soft ground.
     Detour,
-    /// Go on as asked.
+    /// Drive on as requested.
     Resume,
     /// End the drive.
     End(Ending),
@@ -63,35 +63,35 @@ pub enum Action {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Reason {
-    /// Slip stands above its optimum (or the limit given).
+    /// Slip is above its setpoint or the given limit.
     SlipHigh,
-    /// Slip is back at its optimum.
+    /// Slip is back at its setpoint.
     SlipRegained,
-    /// The slip is steady: slope and soil demand it, and running slower does not lower it.
+    /// The slip is steady: slope and soil demand it, and a slower rim does not lower it.
     Demanded,
-    /// The ground takes much more slip than the known soil would on this slope: it is softer.
+    /// The ground takes much more slip, or less torque, than the known soil would: it is softer.
     SoftGround,
-    /// It has gone far enough aside.
-    Aside,
+    /// The robot has moved far enough aside.
+    ClearedSoftGround,
     /// The wheels dig in.
     DiggingIn,
-    /// The robot does not come on although its rims run.
+    /// The robot does not advance although its rims run.
     NoProgress,
     /// The slope is gentle again.
     SlopeGentle,
-    /// A board of the traverse is done.
-    BoardDone,
+    /// A leg of the traverse is completed.
+    LegCompleted,
     /// It has backed out far enough.
     BackedOut,
-    /// Backing out did not help, again and again.
+    /// The allowed number of attempts is used.
     AttemptsUsed,
     /// It leans more than it may.
     TiltHigh,
-    /// No slip or no speed is known.
-    Blind,
+    /// No usable slip or speed for too long.
+    SensorTimeout,
     /// A motor pushes and its wheel does not turn.
     Stall,
-    /// A wheel turns against its order: its encoder counts the wrong way.
+    /// A wheel turns against its command: its encoder counts the wrong way.
     EncoderReversed,
 }
 
@@ -106,10 +106,41 @@ pub struct Decision {
     pub reason: Reason,
     /// The wheel that it is about; `None`: the robot.
     pub wheel: Option<usize>,
-    /// What was seen: a slip, a share, an angle in rad, a time in s, as the reason has it.
+    /// The quantity that the reason is about: a slip, a share, an angle in rad, a way in m or a time in s.
     pub value: f64,
     /// The limit that it passed.
     pub limit: f64,
+}
+
+impl Decision {
+    /// A decision about the robot; its time is set when it is reported.
+    pub(super) const fn of_robot(
+        action: Action,
+        reason: Reason,
+        (value, limit): (f64, f64),
+    ) -> Self {
+        Self {
+            time_ns: 0,
+            action,
+            reason,
+            wheel: None,
+            value,
+            limit,
+        }
+    }
+
+    /// A decision about one wheel.
+    pub(super) const fn of_wheel(
+        wheel: usize,
+        action: Action,
+        reason: Reason,
+        values: (f64, f64),
+    ) -> Self {
+        Self {
+            wheel: Some(wheel),
+            ..Self::of_robot(action, reason, values)
+        }
+    }
 }
 
 impl Mode {
@@ -149,7 +180,7 @@ impl Action {
             Self::AcceptSlip => "accept slip",
             Self::ShedTorque => "shed torque",
             Self::Traverse => "traverse",
-            Self::Tack => "tack",
+            Self::SwitchSide => "switch side",
             Self::BackOut => "back out",
             Self::Detour => "detour",
             Self::Resume => "resume",
@@ -162,25 +193,25 @@ impl Action {
 }
 
 impl Reason {
-    /// In words.
+    /// Its name in tables and files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::SlipHigh => "slip is high",
-            Self::SlipRegained => "slip is back at its optimum",
+            Self::SlipRegained => "slip is back at its setpoint",
             Self::Demanded => "slope and soil demand it, steadily",
-            Self::SoftGround => "the ground is softer than the soil that is known",
-            Self::Aside => "far enough aside",
+            Self::SoftGround => "the ground is softer than the known soil",
+            Self::ClearedSoftGround => "the soft ground is cleared",
             Self::DiggingIn => "the wheels dig in",
             Self::NoProgress => "no progress",
             Self::SlopeGentle => "the slope is gentle again",
-            Self::BoardDone => "the board is done",
+            Self::LegCompleted => "the leg of the traverse is completed",
             Self::BackedOut => "backed out far enough",
-            Self::AttemptsUsed => "backing out did not help",
+            Self::AttemptsUsed => "the attempts are used",
             Self::TiltHigh => "the robot leans too far",
-            Self::Blind => "slip or speed unknown",
+            Self::SensorTimeout => "no usable slip or speed",
             Self::Stall => "the motor pushes, the wheel stands",
-            Self::EncoderReversed => "the wheel turns against its order",
+            Self::EncoderReversed => "the wheel turns against its command",
         }
     }
 }
@@ -193,39 +224,5 @@ impl fmt::Display for Decision {
             "{action}: {reason} ({:.3}, limit {:.3})",
             self.value, self.limit
         )
-    }
-}
-
-/// Decisions of one step that have not been told yet; a full list forgets the newest.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pending {
-    list: [Option<Decision>; 16],
-}
-
-impl Pending {
-    pub(crate) fn push(
-        &mut self,
-        action: Action,
-        reason: Reason,
-        wheel: Option<usize>,
-        (value, limit): (f64, f64),
-    ) {
-        if let Some(free) = self.list.iter_mut().find(|entry| entry.is_none()) {
-            *free = Some(Decision {
-                time_ns: 0,
-                action,
-                reason,
-                wheel,
-                value,
-                limit,
-            });
-        }
-    }
-
-    /// The oldest one, stamped with now.
-    pub(crate) fn take(&mut self, time_ns: i64) -> Option<Decision> {
-        let first = self.list[0].take()?;
-        self.list.rotate_left(1);
-        Some(Decision { time_ns, ..first })
     }
 }

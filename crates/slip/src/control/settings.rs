@@ -4,6 +4,7 @@ use crate::error::{Result, check_range};
 
 /// How the controller works.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ControlSettings {
     /// The slip to run at, s_opt: from the running-slip problem of the optimiser.
     pub optimum: f64,
@@ -14,17 +15,17 @@ pub struct ControlSettings {
     /// A slip whose sigma is this counts half.
     pub sigma_half: f64,
     /// How fast a rim's order may change, m/s².
-    pub most_acceleration: f64,
+    pub max_acceleration: f64,
     /// Rims run at least at this share of the asked speed while the drive goes on.
     pub creep: f64,
     /// The same on level ground and backwards, where a wheel that waits for the robot does not dig.
     pub crawl: f64,
     /// How fast the cruise share follows, 1/s.
-    pub cruise_gain: f64,
+    pub feedforward_gain: f64,
     /// Greatest cruise share.
-    pub most_cruise: f64,
+    pub max_feedforward: f64,
     /// Greatest torque over load and radius of a wheel: the traction that the ground may give.
-    pub most_traction: f64,
+    pub max_traction: f64,
     /// Does the slip limit the rims' speed? Without, it holds speed and heading only.
     pub limits_slip: bool,
     /// May it change direction and end the drive by itself?
@@ -62,17 +63,17 @@ pub struct ControlSettings {
     /// Speed of backing out over the asked one.
     pub back_speed: f64,
     /// After this many times of backing out without progress the drive ends.
-    pub most_attempts: u32,
+    pub max_attempts: u32,
     /// Progress that wipes out former attempts, m.
     pub progress: f64,
     /// Tilt at which the drive ends, rad.
-    pub most_tilt: f64,
+    pub max_tilt: f64,
     /// Without slip or speed for longer than this the robot stops, s.
     pub blind_time: f64,
     /// Turning rate per heading error, 1/s.
     pub turn_gain: f64,
     /// Greatest turning rate, rad/s.
-    pub most_turn: f64,
+    pub max_turn: f64,
 }
 
 impl Default for ControlSettings {
@@ -82,12 +83,12 @@ impl Default for ControlSettings {
             gain: 0.3,
             integral_gain: 0.3,
             sigma_half: 0.1,
-            most_acceleration: 0.5,
+            max_acceleration: 0.5,
             creep: 0.6,
             crawl: 0.15,
-            cruise_gain: 2.0,
-            most_cruise: 4.0,
-            most_traction: 0.8,
+            feedforward_gain: 2.0,
+            max_feedforward: 4.0,
+            max_traction: 0.8,
             limits_slip: true,
             decides: true,
             high_slip: 0.5,
@@ -106,12 +107,12 @@ impl Default for ControlSettings {
             traverse_length: 3.0,
             back_length: 0.8,
             back_speed: 0.7,
-            most_attempts: 5,
+            max_attempts: 5,
             progress: 1.5,
-            most_tilt: 0.61,
+            max_tilt: 0.61,
             blind_time: 1.0,
             turn_gain: 0.8,
-            most_turn: 0.4,
+            max_turn: 0.4,
         }
     }
 }
@@ -131,19 +132,13 @@ impl ControlSettings {
         check_range(of, "gain", self.gain, gain, "1")?;
         check_range(of, "integral_gain", self.integral_gain, gain, "1/s")?;
         check_range(of, "sigma_half", self.sigma_half, (1e-6, 10.0), "1")?;
-        let acceleration = self.most_acceleration;
-        check_range(
-            of,
-            "most_acceleration",
-            acceleration,
-            (1e-3, 100.0),
-            "m/s^2",
-        )?;
+        let acceleration = self.max_acceleration;
+        check_range(of, "max_acceleration", acceleration, (1e-3, 100.0), "m/s^2")?;
         check_range(of, "creep", self.creep, share, "1")?;
         check_range(of, "crawl", self.crawl, share, "1")?;
-        check_range(of, "cruise_gain", self.cruise_gain, gain, "1/s")?;
-        check_range(of, "most_cruise", self.most_cruise, gain, "1")?;
-        check_range(of, "most_traction", self.most_traction, (0.01, 10.0), "1")?;
+        check_range(of, "feedforward_gain", self.feedforward_gain, gain, "1/s")?;
+        check_range(of, "max_feedforward", self.max_feedforward, gain, "1")?;
+        check_range(of, "max_traction", self.max_traction, (0.01, 10.0), "1")?;
         check_range(of, "high_slip", self.high_slip, share, "1")?;
         check_range(of, "high_slip_time", self.high_slip_time, time, "s")?;
         check_range(of, "dig_slip", self.dig_slip, share, "1")?;
@@ -162,9 +157,9 @@ impl ControlSettings {
         check_range(of, "back_length", self.back_length, length, "m")?;
         check_range(of, "back_speed", self.back_speed, (0.01, 10.0), "1")?;
         check_range(of, "progress", self.progress, length, "m")?;
-        check_range(of, "most_tilt", self.most_tilt, angle, "rad")?;
+        check_range(of, "max_tilt", self.max_tilt, angle, "rad")?;
         check_range(of, "blind_time", self.blind_time, (1e-3, 1e3), "s")?;
         check_range(of, "turn_gain", self.turn_gain, gain, "1/s")?;
-        check_range(of, "most_turn", self.most_turn, (1e-3, 100.0), "rad/s")
+        check_range(of, "max_turn", self.max_turn, (1e-3, 100.0), "rad/s")
     }
 }

@@ -1,16 +1,16 @@
-//! How a wheel's carrier moves beside the robot: a sensor counts against it, and it lifts the wheel over the ground.
+//! The carrier of a wheel (a rocker, an arm): the wheel's sensor counts against it, and it lifts the wheel over the ground.
 
 use grouser_real::Real;
 
 use crate::fault::Fault;
 use crate::history::seconds_between;
 
-/// Nothing that carries a wheel turns faster than this, rad/s, or moves faster beside the robot, m/s.
-const MOST: f64 = 20.0;
-/// The ground under a wheel is no steeper beside the robot than this.
-const STEEPEST: f64 = 0.7;
+/// No carrier turns faster than this (rad/s) or moves its wheel faster relative to the robot (m/s).
+const MAX_CARRIER_RATE: f64 = 20.0;
+/// The ground under a wheel is never steeper relative to the robot than this: rise over run.
+const MAX_RELATIVE_SLOPE: f64 = 0.7;
 
-/// What is known of one wheel's carrier.
+/// The motion of one wheel's carrier.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carrier {
     radius: f64,
@@ -19,7 +19,7 @@ pub(super) struct Carrier {
     turn: f64,
     forward: f64,
     up: f64,
-    /// How far it has turned, rad: in all, and when the open window began.
+    /// The angle that it has turned in all, rad, and that at the beginning of the open window.
     turned: f64,
     from: f64,
 }
@@ -38,14 +38,26 @@ impl Carrier {
         }
     }
 
-    pub(super) fn take(
+    pub(super) fn update(
         &mut self,
         time_ns: i64,
         [turn, forward, up]: [f64; 3],
     ) -> Result<(), Fault> {
-        Fault::check_range("carrier turn", turn, -MOST, MOST, "rad/s")?;
-        Fault::check_range("carrier forward", forward, -MOST, MOST, "m/s")?;
-        Fault::check_range("carrier up", up, -MOST, MOST, "m/s")?;
+        Fault::check_range(
+            "carrier turn",
+            turn,
+            -MAX_CARRIER_RATE,
+            MAX_CARRIER_RATE,
+            "rad/s",
+        )?;
+        Fault::check_range(
+            "carrier forward",
+            forward,
+            -MAX_CARRIER_RATE,
+            MAX_CARRIER_RATE,
+            "m/s",
+        )?;
+        Fault::check_range("carrier up", up, -MAX_CARRIER_RATE, MAX_CARRIER_RATE, "m/s")?;
         let last = self.time_ns.replace(time_ns).unwrap_or(time_ns);
         let passed = seconds_between(last, time_ns);
         if passed > 0.0 && passed <= self.dropout {
@@ -57,24 +69,24 @@ impl Carrier {
         Ok(())
     }
 
-    /// The clock was set.
+    /// The clock was set: the last reading is forgotten.
     pub(super) const fn restart_clock(&mut self) {
         self.time_ns = None;
     }
 
-    /// A window of the wheel begins.
+    /// Marks the beginning of a window of the wheel.
     pub(super) fn mark(&mut self) {
         self.from = self.turned;
     }
 
-    /// What the rim has rolled in this window beyond what its sensor counted, m.
+    /// The travel of the rim in this window beyond the one that its sensor counted, m.
     pub(super) fn rolled(&self) -> f64 {
         self.radius * (self.turned - self.from)
     }
 
-    /// The speed over the ground (m/s) of a wheel whose centre the robot moves at `speed` along its heading, which has the
-    /// share `ahead` forwards; and how much it grows with `speed`. Where the wheel rises beside the robot, the ground is
-    /// steeper under it, and its way longer.
+    /// The speed over the ground (m/s) of a wheel whose centre the robot moves at `speed` along the wheel's heading, and its
+    /// derivative by `speed`. `ahead` is the forward component of the heading. Where the wheel rises relative to the robot,
+    /// the ground under it is steeper and its way longer.
     pub(super) fn over_ground(&self, speed: f64, ahead: f64, now_ns: i64) -> (f64, f64) {
         let fresh = self
             .time_ns
@@ -84,7 +96,7 @@ impl Carrier {
         }
         let level = speed + ahead * self.forward;
         let slope = if level.abs() > 1e-3 {
-            (self.up / level).clamp(-STEEPEST, STEEPEST)
+            (self.up / level).clamp(-MAX_RELATIVE_SLOPE, MAX_RELATIVE_SLOPE)
         } else {
             0.0
         };

@@ -1,11 +1,13 @@
-//! A Kalman filter of fixed size that takes one scalar at a time.
+//! A Kalman filter of fixed size with sequential scalar updates.
 
 use alloc::{boxed::Box, vec};
 
 use grouser_real::Real;
 
-/// No variance falls below this: a filter that is certain learns nothing any more.
-const FLOOR: f64 = 1e-14;
+/// Variances are floored so that the filter keeps adapting: far below any sensor's, in m², rad² and slip².
+const VARIANCE_FLOOR: f64 = 1e-14;
+/// The largest correlation of two numbers, squared; below 1 so that the covariance stays positive definite.
+const MAX_SQUARED_CORRELATION: f64 = 0.999_999;
 
 /// Means and covariance of `n` numbers. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
@@ -16,15 +18,15 @@ pub(crate) struct Kalman {
     covariance: Box<[f64]>,
     /// P hᵀ of the measurement at hand.
     spread: Box<[f64]>,
-    /// Which numbers are not estimated, though what is not known of them counts (Schmidt's filter).
+    /// Considered parameters: not estimated, but their uncertainty counts (Schmidt's filter).
     considered: Box<[bool]>,
 }
 
 /// One measurement, linear in a few of the numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scalar<'a> {
-    /// Which numbers, each with its slope.
-    pub(crate) slopes: &'a [(usize, f64)],
+pub(crate) struct ScalarMeasurement<'a> {
+    /// The numbers that are measured, each with its coefficient.
+    pub(crate) jacobian: &'a [(usize, f64)],
     /// Measured less predicted.
     pub(crate) residual: f64,
     /// Variance of the measurement.
@@ -46,6 +48,16 @@ impl Kalman {
         self.mean[i]
     }
 
+    /// Σ coefficient x.
+    pub(crate) fn mean_of(&self, row: &[(usize, f64)]) -> f64 {
+        row.iter().map(|&(i, a)| a * self.mean[i]).sum()
+    }
+
+    /// Keeps a mean within limits.
+    pub(crate) fn clamp_mean(&mut self, i: usize, low: f64, high: f64) {
+        self.mean[i] = self.mean[i].clamp(low, high);
+    }
+
     pub(crate) fn set_mean(&mut self, i: usize, value: f64) {
         self.mean[i] = value;
     }
@@ -58,13 +70,13 @@ impl Kalman {
         Real::sqrt(self.covariance(i, i))
     }
 
-    /// Is number `i` to be estimated, or only its uncertainty to be counted with?
-    pub(crate) fn consider(&mut self, i: usize, only_counted: bool) {
-        self.considered[i] = only_counted;
+    /// Makes number `i` a considered parameter, or an estimated one.
+    pub(crate) fn set_considered(&mut self, i: usize, considered: bool) {
+        self.considered[i] = considered;
     }
 
-    /// Number `i` is known anew, apart from all others.
-    pub(crate) fn restart(&mut self, i: usize, mean: f64, variance: f64) {
+    /// Sets number `i`, without correlation to the others.
+    pub(crate) fn reset(&mut self, i: usize, mean: f64, variance: f64) {
         for j in 0..self.n {
             self.covariance[i * self.n + j] = 0.0;
             self.covariance[j * self.n + i] = 0.0;
@@ -73,8 +85,8 @@ impl Kalman {
         self.covariance[i * self.n + i] = variance;
     }
 
-    /// Adds to the variance of number `i`, at most up to `limit`.
-    pub(crate) fn widen(&mut self, i: usize, variance: f64, limit: f64) {
+    /// Adds to the variance of number `i`, up to `limit`.
+    pub(crate) fn inflate(&mut self, i: usize, variance: f64, limit: f64) {
         let slot = &mut self.covariance[i * self.n + i];
         if *slot < limit {
             *slot = (*slot + variance).min(limit);
@@ -82,13 +94,13 @@ impl Kalman {
     }
 
     /// Keeps the variance of number `i` from growing past `limit`.
-    pub(crate) fn hold_variance(&mut self, i: usize, limit: f64) {
+    pub(crate) fn limit_variance(&mut self, i: usize, limit: f64) {
         let slot = &mut self.covariance[i * self.n + i];
         *slot = slot.min(limit);
     }
 
-    /// Number `i` is drawn towards `rest`: x ← rest + a (x − rest).
-    pub(crate) fn relax(&mut self, i: usize, rest: f64, a: f64) {
+    /// Number `i` decays towards `rest`: x ← rest + a (x − rest).
+    pub(crate) fn decay(&mut self, i: usize, rest: f64, a: f64) {
         self.mean[i] = rest + a * (self.mean[i] - rest);
         for j in 0..self.n {
             self.covariance[i * self.n + j] *= a;
@@ -96,47 +108,49 @@ impl Kalman {
         }
     }
 
-    /// Number `i` takes `slope` times number `j` in addition: x_i ← x_i + slope x_j, the covariance alone; means that
-    /// follow a curve are set by the caller.
-    pub(crate) fn couple(&mut self, i: usize, j: usize, slope: f64) {
+    /// Propagates the covariance by x_i ← x_i + coefficient x_j; the caller sets the means.
+    pub(crate) fn propagate(&mut self, i: usize, j: usize, coefficient: f64) {
         let n = self.n;
         for k in 0..n {
-            self.covariance[i * n + k] += slope * self.covariance[j * n + k];
+            self.covariance[i * n + k] += coefficient * self.covariance[j * n + k];
         }
         for k in 0..n {
-            self.covariance[k * n + i] += slope * self.covariance[k * n + j];
+            self.covariance[k * n + i] += coefficient * self.covariance[k * n + j];
         }
     }
 
-    /// Variance of Σ slope x.
-    pub(crate) fn variance_of(&self, slopes: &[(usize, f64)]) -> f64 {
+    /// The variance of Σ coefficient x.
+    pub(crate) fn variance_of(&self, jacobian: &[(usize, f64)]) -> f64 {
         let mut sum = 0.0;
-        for &(i, a) in slopes {
-            for &(j, b) in slopes {
+        for &(i, a) in jacobian {
+            for &(j, b) in jacobian {
                 sum += a * b * self.covariance(i, j);
             }
         }
         sum.max(0.0)
     }
 
-    /// Residual and its variance, before it enters.
-    pub(crate) fn innovation(&self, seen: &Scalar<'_>) -> (f64, f64) {
-        (seen.residual, self.variance_of(seen.slopes) + seen.variance)
+    /// The innovation of a measurement and its variance, before an update.
+    pub(crate) fn innovation(&self, measured: &ScalarMeasurement<'_>) -> (f64, f64) {
+        (
+            measured.residual,
+            self.variance_of(measured.jacobian) + measured.variance,
+        )
     }
 
-    /// Takes a measurement; gives its squared residual over its variance (NIS).
-    pub(crate) fn take(&mut self, seen: &Scalar<'_>) -> f64 {
+    /// Updates the state by a measurement; returns its normalised innovation squared.
+    pub(crate) fn update(&mut self, measured: &ScalarMeasurement<'_>) -> f64 {
         let n = self.n;
         self.spread.fill(0.0);
-        for &(j, slope) in seen.slopes {
+        for &(j, coefficient) in measured.jacobian {
             let column = &self.covariance[j * n..(j + 1) * n];
             for (slot, entry) in self.spread.iter_mut().zip(column) {
-                *slot += slope * entry;
+                *slot += coefficient * entry;
             }
         }
-        let mut total = seen.variance;
-        for &(j, slope) in seen.slopes {
-            total += slope * self.spread[j];
+        let mut total = measured.variance;
+        for &(j, coefficient) in measured.jacobian {
+            total += coefficient * self.spread[j];
         }
         if !(total > 0.0) {
             return 0.0;
@@ -147,7 +161,7 @@ impl Kalman {
             if gain == 0.0 || self.considered[i] {
                 continue;
             }
-            self.mean[i] += gain * seen.residual;
+            self.mean[i] += gain * measured.residual;
             let row = &mut self.covariance[i * n..(i + 1) * n];
             for (slot, spread) in row.iter_mut().zip(&self.spread) {
                 *slot -= gain * spread;
@@ -160,15 +174,16 @@ impl Kalman {
         }
         for i in 0..n {
             let slot = &mut self.covariance[i * n + i];
-            *slot = slot.max(FLOOR);
+            *slot = slot.max(VARIANCE_FLOOR);
         }
-        seen.residual * seen.residual * inverse
+        measured.residual * measured.residual * inverse
     }
 
-    /// Keeps the covariance symmetric and correlations within ±1, whatever rounding did.
-    pub(crate) fn tidy(&mut self) {
+    /// Keeps the covariance symmetric and correlations within ±1 against rounding.
+    pub(crate) fn symmetrise(&mut self) {
         for i in 0..self.n {
-            self.spread[i] = Real::sqrt(0.999_999 * self.covariance(i, i).max(FLOOR));
+            self.spread[i] =
+                Real::sqrt(MAX_SQUARED_CORRELATION * self.covariance(i, i).max(VARIANCE_FLOOR));
         }
         for i in 0..self.n {
             for j in 0..i {

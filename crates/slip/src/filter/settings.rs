@@ -1,9 +1,9 @@
-//! How the filter works: one value per line, each with its default.
+//! Settings of the slip filter.
 
 use crate::error::Result;
 use crate::settings::{Field, check_fields};
 
-/// What is believed of a slip before it is measured.
+/// The prior of a slip: its distribution before it is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipPrior {
     /// Its mean.
@@ -13,9 +13,8 @@ pub struct SlipPrior {
 }
 
 impl SlipPrior {
-    /// As 1 − v/u, the form in which the filter keeps a free wheel's skid: its rim, which is measured, stands below the
-    /// line, so that the statement v = u (1 − x) is linear in v and x. In the skid s = u/v − 1 it would be their product, and
-    /// an unknown skid would drift.
+    /// The same prior of x = 1 − v/u, the form in which the filter holds a free wheel's skid: v = u (1 − x) is linear in v
+    /// and x, since the rim speed u is measured. The skid s = u/v − 1 would be a product of two unknowns and drift.
     pub(crate) fn by_rim(self) -> Self {
         if self.mean >= 0.0 {
             return self;
@@ -27,7 +26,7 @@ impl SlipPrior {
         }
     }
 
-    /// The slip that [`SlipPrior::by_rim`] came from.
+    /// The inverse of [`SlipPrior::by_rim`].
     pub(crate) fn by_faster(self) -> Self {
         if self.mean >= 0.0 {
             return self;
@@ -40,42 +39,42 @@ impl SlipPrior {
     }
 }
 
-/// How the filter works.
+/// Settings of the [`SlipFilter`](super::SlipFilter).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSettings {
     /// Samples that arrive within this time of one another are put in order, s.
     pub horizon: f64,
     /// A wheel's speed is its mean over at least this time, s.
     pub wheel_window: f64,
-    /// How much the speed may change of itself, m/s per √s, where no accelerometer is heard.
+    /// Process noise density of the speed without an accelerometer, m/s per √s.
     pub speed_walk: f64,
-    /// The same where one is, m/s per √s: its noise.
+    /// Process noise density of the speed with an accelerometer (its noise), m/s per √s.
     pub accelerometer_noise: f64,
-    /// Bias of the accelerometer with the tilt of the ground in it, m/s².
+    /// Standard deviation of the accelerometer's bias, the tilt of the ground included, m/s².
     pub accelerometer_bias: f64,
-    /// How much that bias may change, m/s² per √s.
+    /// Process noise density of that bias, m/s² per √s.
     pub accelerometer_drift: f64,
-    /// How much the yaw rate may change of itself, rad/s per √s.
+    /// Process noise density of the yaw rate, rad/s per √s.
     pub yaw_walk: f64,
     /// Standard deviation of a yaw rate, rad/s.
     pub yaw_rate_sigma: f64,
-    /// Bias of the gyro, rad/s.
+    /// Standard deviation of the gyro's bias, rad/s.
     pub gyro_bias: f64,
-    /// How much that bias may change, rad/s per √s.
+    /// Process noise density of that bias, rad/s per √s.
     pub gyro_drift: f64,
-    /// How fast a robot whose wheels all point one way may drift sideways, m/s.
+    /// Standard deviation of the sideways drift of a robot whose wheels all point one way, m/s.
     pub lateral_sigma: f64,
-    /// The powered wheels' common slip: the soil's doing.
+    /// Prior of the powered wheels' common slip, which the soil causes.
     pub slip: SlipPrior,
-    /// How long the common slip remembers, s.
+    /// Time constant with which the common slip decays to its prior, s.
     pub slip_memory: f64,
-    /// How far one powered wheel's slip may be from the common one.
+    /// Standard deviation of one powered wheel's slip about the common one.
     pub wheel_slip_sigma: f64,
-    /// How long that difference remembers, s.
+    /// Time constant with which that difference decays, s.
     pub wheel_slip_memory: f64,
-    /// Slip of a free wheel: its skid at no torque.
+    /// Prior of a free wheel's slip: its skid at no torque.
     pub free_slip: SlipPrior,
-    /// How long a free wheel's slip remembers, s.
+    /// Time constant with which a free wheel's slip decays to its prior, s.
     pub free_slip_memory: f64,
     /// Standard deviation of a powered wheel's radius, as a share of it.
     pub radius_sigma: f64,
@@ -83,19 +82,19 @@ pub struct FilterSettings {
     pub position_sigma: f64,
     /// Standard deviation of a measured speed, m/s.
     pub speed_sigma: f64,
-    /// A displacement, pose or speed comes this long after what it tells of, s.
+    /// The delay of a displacement, pose or speed behind the motion that it measures, s.
     pub reference_latency: f64,
     /// A robot slower than this stands still, m/s.
     pub standstill_speed: f64,
-    /// A wheel whose faster speed is below this has no slip worth a number, m/s.
+    /// Below this speed of wheel and rim no slip is computed, m/s.
     pub low_speed: f64,
-    /// A slip whose sigma is above this is marked as such.
+    /// A slip with a larger sigma is marked as quantised.
     pub max_sigma: f64,
     /// No part of the robot moves faster than this, m/s.
     pub max_speed: f64,
     /// A sensor silent for longer than this has dropped out, s.
     pub dropout: f64,
-    /// Measurements further off than this, in sigma, are refused; a wheel's change its slip instead.
+    /// Measurements with an innovation beyond this many sigma are refused; a wheel's change its slip instead.
     pub gate: f64,
     /// A reference that is refused for this long has failed, s.
     pub failure: f64,
@@ -151,6 +150,18 @@ impl FilterSettings {
             wheel_slip_sigma: 0.3,
             wheel_slip_memory: 5.0,
             ..Self::default()
+        }
+    }
+
+    /// The prior of a wheel's own slip: of a powered one beside the common slip, of a free one its skid by the rim.
+    pub(super) fn own_slip_prior(&self, free: bool) -> SlipPrior {
+        if free {
+            self.free_slip.by_rim()
+        } else {
+            SlipPrior {
+                mean: 0.0,
+                sigma: self.wheel_slip_sigma,
+            }
         }
     }
 

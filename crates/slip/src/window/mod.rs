@@ -4,10 +4,12 @@
 //! reference. It keeps no model of the motion; [`filter`](crate::filter) weighs all sensors together.
 
 mod estimator;
+mod means;
 mod output;
 mod reference_track;
 mod settings;
 
 pub use estimator::WindowEstimator;
+pub use means::WindowMeans;
 pub use output::{WindowBody, WindowOutput};
 pub use settings::WindowSettings;

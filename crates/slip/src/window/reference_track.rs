@@ -95,6 +95,7 @@ impl ReferenceTrack {
         let reference = self.settings.reference;
         match *measurement {
             Measurement::YawRate { rate } => self.take_yaw_rate(time_ns, rate),
+            Measurement::Inertial { rate, .. } => self.take_yaw_rate(time_ns, rate[2]),
             Measurement::Command { forward, left } => {
                 let limit = self.settings.max_speed;
                 Fault::check_range("command forward", forward, -limit, limit, "m/s")?;

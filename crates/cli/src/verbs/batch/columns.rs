@@ -47,10 +47,8 @@ pub(super) struct Row {
 impl Columns {
     /// Reads the header.
     pub(super) fn read(header: Option<Line>, path: &Path) -> Result<Self> {
-        let refuse = |message: String, hint: Option<&str>| Error::Content {
-            path: path.to_owned(),
-            message,
-            hint: hint.map(str::to_owned),
+        let refuse = |message: String, hint: Option<&str>| {
+            Error::content(path, message, hint.map(str::to_owned))
         };
         let Some(line) = header else {
             return Err(refuse("line 1: the file is empty".to_owned(), None));

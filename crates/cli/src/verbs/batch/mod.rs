@@ -7,11 +7,10 @@ mod stream;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use grouser_terra::{BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 use rayon::prelude::*;
-use serde_json::Value;
 
 use self::columns::{Columns, Row};
 use self::sink::TableSink;
@@ -21,10 +20,11 @@ use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use grouser_report::number::exact;
+use grouser_report::{Fields, fields};
 
 /// Soils kept at a time: a table may name any number of files.
 const SOILS: usize = 256;
@@ -60,6 +60,31 @@ struct Counts {
     bad_input: u64,
 }
 
+/// The table and what became of its rows.
+#[derive(Clone, Copy)]
+struct Solved<'a> {
+    counts: &'a Counts,
+    soils: &'a BTreeMap<String, String>,
+    output: &'a Path,
+}
+
+fn fields<'a>() -> Fields<'a, Solved<'a>> {
+    fields! { |solved: Solved<'a>|
+        "rows" "rows" = solved.counts.rows;
+        "ok" "rows that were solved" = solved.counts.ok;
+        "no_solution" "rows whose load no sinkage carries" = solved.counts.no_solution;
+        "not_converged" "rows whose search did not converge" = solved.counts.not_converged;
+        "bad_input" "rows with a bad value" = solved.counts.bad_input;
+        "soils" "the soils and their sources" values = Some(solved.soils.clone());
+        "output" "the table that was written" = solved.output.display().to_string();
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    fields().schema()
+}
+
 /// The soils met so far: each soil and its source.
 type Soils = BTreeMap<String, (Soil, String)>;
 
@@ -74,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     output.line(&columns.header())?;
     let mut counts = Counts::default();
     let mut soils = Soils::new();
-    let mut used = Object::new();
+    let mut used: BTreeMap<String, String> = BTreeMap::new();
     let solve = |chunk: Vec<Line>, bytes: u64| {
         let rows: Vec<Row> = chunk.par_iter().map(|line| columns.row(line)).collect();
         for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
@@ -82,7 +107,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         }
         for (name, (_, source)) in &soils {
             if used.len() < SOILS && !used.contains_key(name) {
-                used.insert(name.clone(), Value::from(source.as_str()));
+                used.insert(name.clone(), source.clone());
             }
         }
         let kernel_of = |name: &str| soils.get(name).map(|(soil, _)| BatchKernel::new(*soil));
@@ -109,21 +134,23 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let lines = stream::solve_lines(lines, solve, |line| output.line(line))?;
     if counts.rows == 0 {
-        return Err(Error::Content {
-            path: arguments.input.clone(),
-            message: "line 2: there is a header but no row".to_owned(),
-            hint: None,
-        });
+        return Err(Error::content(
+            &arguments.input,
+            "line 2: there is a header but no row",
+            None,
+        ));
     }
     session.used_input(lines.into_input());
     output.finish()?;
     drop(progress);
 
-    let mut object = counts.object();
-    object.insert("soils".to_owned(), Value::Object(used));
-    object.insert("output".to_owned(), Value::from(path.display().to_string()));
+    let solved = Solved {
+        counts: &counts,
+        soils: &used,
+        output: &path,
+    };
     let mut report = Report::done(
-        object,
+        fields().object(solved),
         format!("wrote {}: {}\n", shown(&path), counts.words()),
     );
     report.warnings = columns.warnings();
@@ -242,19 +269,6 @@ impl Counts {
             Ending::Solved(Status::NotConverged) => &mut self.not_converged,
             Ending::BadInput => &mut self.bad_input,
         } += 1;
-    }
-
-    fn object(&self) -> Object {
-        [
-            ("rows", self.rows),
-            ("ok", self.ok),
-            ("no_solution", self.no_solution),
-            ("not_converged", self.not_converged),
-            ("bad_input", self.bad_input),
-        ]
-        .into_iter()
-        .map(|(key, count)| (key.to_owned(), Value::from(count)))
-        .collect()
     }
 
     fn words(&self) -> String {

@@ -2,7 +2,7 @@
 
 use grouser_terra::OperatingPoint;
 
-use super::Family;
+use super::family::Family;
 use crate::operation::Asked;
 use grouser_figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
 use grouser_report::number::rounded;

@@ -1,22 +1,25 @@
 //! `curve`: a wheel over a range of slip.
 
+mod family;
 mod figure;
 mod output;
 
 use std::path::PathBuf;
 
-use grouser_terra::{BestSlip, WheelOnSoil};
+use grouser_terra::WheelOnSoil;
 use rayon::prelude::*;
 
+use self::family::Family;
 use self::output::Frame;
-use crate::error::{Error, Outcome, Result};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::law_error::Names;
-use crate::operation::{self, Answer, Asked};
+use crate::operation::{self, Asked};
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::WheelArguments;
-use grouser_report::number::{parse_finite, shown};
+use grouser_report::number::{parse_finite, shown, told};
 
 /// More points than this are no curve any more.
 const MOST_POINTS: i64 = 100_000;
@@ -58,14 +61,6 @@ struct LoadsOrSinkages {
     sinkage_m: Vec<f64>,
 }
 
-/// One curve: what it was asked for by, and its points.
-pub(super) struct Family {
-    pub(super) asked: Asked,
-    pub(super) points: Vec<(f64, Answer)>,
-    pub(super) most_pull: Option<BestSlip>,
-    pub(super) most_efficient: Option<BestSlip>,
-}
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let outputs = Output::begin(&arguments.output)?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
@@ -83,17 +78,18 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for family in &families {
         text.push_str(&output::summary(family));
     }
-    if outputs.is_empty() {
-        text.push_str(&output::table(&families));
-    }
     let frame = Frame {
         wheel: &arguments.wheel,
         pair: &pair,
         soil: &chosen.name,
+        families: &families,
     };
+    if outputs.is_empty() {
+        text.push_str(&frame.table());
+    }
     for output in outputs {
         text.push_str(&match output {
-            Output::Table(file) => file.write_whole(frame.csv(&families).as_bytes())?,
+            Output::Table(file) => file.write_whole(frame.csv().as_bytes())?,
             Output::Figure(target) => target.write(&figure::draw(&chosen.name, &families))?,
         });
     }
@@ -107,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: frame.object(&families),
+        object: output::fields().object(frame),
         text,
         failure: (!found).then(|| "no point of the curve has a solution".to_owned()),
         warnings: Vec::new(),
@@ -128,18 +124,17 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
     let (from, to) = (arguments.slip_from, arguments.slip_to);
     for (flag, value) in [("--slip-from", from), ("--slip-to", to)] {
         if !(-1.0..=1.0).contains(&value) {
-            return Err(Error::usage_without_hint(format!(
-                "`{flag}` is {}, but must lie in [-1, 1]",
-                grouser_report::number::told(value)
-            )));
+            return Err(Error::out_of_range(
+                flag,
+                value,
+                [-1.0, 1.0],
+                "lie in [-1, 1]",
+            ));
         }
     }
     if !(from < to) {
-        return Err(Error::usage_without_hint(format!(
-            "`--slip-from` is {}, but must be less than `--slip-to`, {}",
-            grouser_report::number::told(from),
-            grouser_report::number::told(to)
-        )));
+        let limit = format!("be less than `--slip-to`, {}", told(to));
+        return Err(Error::out_of_range("--slip-from", from, [-1.0, to], limit));
     }
     let last = arguments.points - 1;
     let share = |i: u32| f64::from(i) / f64::from(last);
@@ -184,4 +179,9 @@ fn family(
         most_pull,
         most_efficient,
     })
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    output::fields().schema()
 }

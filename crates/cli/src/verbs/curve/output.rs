@@ -3,16 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_terra::{BestSlip, Caution, OperatingPoint, WheelOnSoil};
-use serde_json::Value;
+use grouser_terra::{BestSlip, Caution, WheelOnSoil};
 
-use super::Family;
-use crate::csv_line::field;
-use crate::operation::Asked;
-use crate::report::Object;
+use super::family::Family;
+use crate::operation::{self, Answer, Asked};
 use crate::wheel_choice::WheelArguments;
-use grouser_report::Table;
-use grouser_report::number::{exact, short, shown};
+use grouser_report::number::shown;
+use grouser_report::{Fields, fields};
 
 /// What is worth knowing of a curve, in a line.
 pub(super) fn summary(family: &Family) -> String {
@@ -52,130 +49,123 @@ pub(super) fn summary(family: &Family) -> String {
     text
 }
 
-/// All points, for people.
-pub(super) fn table(families: &[Family]) -> String {
-    let mut table = Table::new()
-        .number("slip")
-        .number("load N")
-        .number("sinkage mm")
-        .number("pull N")
-        .number("torque N m")
-        .number("efficiency %")
-        .text("status");
-    for family in families {
-        for (slip, answer) in &family.points {
-            let load = match family.asked {
-                Asked::Load(load) => Some(load),
-                Asked::Sinkage(_) => answer.point.map(|point| point.forces.vertical_force),
-            };
-            let point = answer.point.as_ref();
-            let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown);
-            table.row([
-                shown(*slip),
-                number(load),
-                number(point.map(|point| 1e3 * point.sinkage)),
-                number(point.map(|point| point.forces.drawbar_pull)),
-                number(point.map(|point| point.forces.torque)),
-                number(
-                    point
-                        .and_then(OperatingPoint::tractive_efficiency)
-                        .map(|share| 100.0 * share),
-                ),
-                answer.status.key().to_owned(),
-            ]);
-        }
-    }
-    table.render()
+/// A point of a curve and what all points share.
+#[derive(Clone, Copy)]
+pub(super) struct Point<'a> {
+    frame: Frame<'a>,
+    family: &'a Family,
+    slip: f64,
+    answer: &'a Answer,
 }
 
 /// What all points of the run share.
+#[derive(Clone, Copy)]
 pub(super) struct Frame<'a> {
     pub(super) wheel: &'a WheelArguments,
     pub(super) pair: &'a WheelOnSoil,
     pub(super) soil: &'a str,
+    pub(super) families: &'a [Family],
 }
 
-impl Frame<'_> {
-    /// All points, with the columns of `batch`.
-    pub(super) fn csv(&self, families: &[Family]) -> String {
-        let mut lines = String::from(
-            "soil,radius_m,width_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status\n",
-        );
-        let rebound = self.pair.soil().params().rebound;
-        let shared = [self.wheel.radius_m, self.wheel.width_m, rebound].map(short);
-        for family in families {
-            let load = family.asked.load().map_or_else(String::new, short);
-            for (slip, answer) in &family.points {
-                let point = answer.point.as_ref();
-                let number = |value: Option<f64>| value.map_or_else(String::new, exact);
-                let _ = writeln!(
-                    lines,
-                    "{},{},{},{},{load},{},{},{},{}",
-                    field(self.soil),
-                    shared.join(","),
-                    short(*slip),
-                    number(point.map(|point| point.sinkage)),
-                    number(point.map(|point| point.forces.vertical_force)),
-                    number(point.map(|point| point.forces.drawbar_pull)),
-                    number(point.map(|point| point.forces.torque)),
-                    answer.status.key()
-                );
-            }
-        }
-        lines
-    }
-
-    /// `curves` has one entry for each load or sinkage, `points` all points of all of them.
-    pub(super) fn object(&self, families: &[Family]) -> Object {
-        let points = families.iter().flat_map(|family| {
-            family.points.iter().map(|(slip, answer)| {
-                let mut object = Object::from_iter([
-                    ("slip".to_owned(), Value::from(*slip)),
-                    ("load_n".to_owned(), Value::from(family.asked.load())),
-                ]);
-                object.extend(answer.object());
-                Value::Object(object)
+impl<'a> Frame<'a> {
+    fn points(self) -> impl Iterator<Item = Point<'a>> {
+        self.families.iter().flat_map(move |family| {
+            family.points.iter().map(move |(slip, answer)| Point {
+                frame: self,
+                family,
+                slip: *slip,
+                answer,
             })
-        });
-        [
-            ("soil", Value::from(self.soil)),
-            ("radius_m", Value::from(self.wheel.radius_m)),
-            ("width_m", Value::from(self.wheel.width_m)),
-            ("rebound", Value::from(self.pair.soil().params().rebound)),
-            ("slip_angle_deg", Value::from(self.wheel.slip_angle_deg)),
-            ("curves", families.iter().map(curve).collect()),
-            ("points", points.collect()),
-        ]
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect()
+        })
+    }
+
+    /// All points, with the columns of `batch`.
+    pub(super) fn csv(self) -> String {
+        let columns = fields! { |point: Point<'a>|
+            join(wheel()) = point.frame;
+            join(points()) = point;
+        };
+        let keys = "soil,radius_m,width_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status";
+        columns
+            .pick(&keys.split(',').collect::<Vec<_>>())
+            .csv(self.points())
+    }
+
+    /// All points, for people.
+    pub(super) fn table(self) -> String {
+        let load = |point: Point<'_>| {
+            let carried = || Some(point.answer.point?.forces.vertical_force);
+            point
+                .family
+                .asked
+                .load()
+                .or_else(carried)
+                .map_or_else(|| "–".to_owned(), shown)
+        };
+        let columns = fields! { |point: Point<'a>|
+            "load N" "load" .shown("N").as_number() = load(point);
+            join(points()) = point;
+        };
+        let keys = [
+            "slip",
+            "load N",
+            "sinkage_m",
+            "drawbar_pull_n",
+            "torque_nm",
+            "tractive_efficiency",
+            "status",
+        ];
+        columns
+            .at("drawbar_pull_n")
+            .label("pull")
+            .at("tractive_efficiency")
+            .label("efficiency")
+            .missing("–")
+            .pick(&keys)
+            .table(self.points())
     }
 }
 
-fn curve(family: &Family) -> Value {
-    let best = |best: Option<BestSlip>, key: &str| {
-        Value::from(best.map(|best| {
-            Object::from_iter([
-                ("slip".to_owned(), Value::from(best.slip.value())),
-                (key.to_owned(), Value::from(best.value)),
-            ])
-        }))
+fn wheel<'a>() -> Fields<'a, Frame<'a>> {
+    fields! { |frame: Frame<'a>|
+        "soil" "soil" = frame.soil;
+        "radius_m" "radius of the wheel" .given() = frame.wheel.radius_m;
+        "width_m" "width of the wheel" .given() = frame.wheel.width_m;
+        "rebound" "rebound ratio" .given() = frame.pair.soil().params().rebound;
+    }
+}
+
+fn points<'a>() -> Fields<'a, Point<'a>> {
+    fields! { |point: Point<'a>|
+        "slip" "slip" .shown("").given() = point.slip;
+        "load_n" "load" .given() = point.family.asked.load();
+        join(operation::fields()) = point.answer;
+    }
+}
+
+/// `curves` has one entry for each load or sinkage, `points` all points of all of them.
+pub(super) fn fields<'a>() -> Fields<'a, Frame<'a>> {
+    fields! { |frame: Frame<'a>|
+        join(wheel()) = frame;
+        "slip_angle_deg" "slip angle" = frame.wheel.slip_angle_deg;
+        "curves" "the curves: one for each load or sinkage" rows(curve()) = frame.families;
+        "points" "all points of all curves" rows(points()) = frame.points();
+    }
+}
+
+fn curve<'a>() -> Fields<'a, &'a Family> {
+    let pull = fields! { |best: BestSlip|
+        "slip" "slip" = best.slip.value();
+        "drawbar_pull_n" "drawbar pull" = best.value;
     };
-    let sinkage = match family.asked {
-        Asked::Load(_) => None,
-        Asked::Sinkage(sinkage) => Some(sinkage),
+    let efficiency = fields! { |best: BestSlip|
+        "slip" "slip" = best.slip.value();
+        "tractive_efficiency" "tractive efficiency" = best.value;
     };
-    Object::from_iter(
-        [
-            ("load_n", Value::from(family.asked.load())),
-            ("sinkage_m", Value::from(sinkage)),
-            ("most_pull", best(family.most_pull, "drawbar_pull_n")),
-            (
-                "most_efficient",
-                best(family.most_efficient, "tractive_efficiency"),
-            ),
-        ]
-        .map(|(key, value)| (key.to_owned(), value)),
-    )
-    .into()
+    fields! { |family: &'a Family|
+        "load_n" "load" = family.asked.load();
+        "sinkage_m" "sinkage" = family.asked.sinkage();
+        "most_pull" "where the drawbar pull is greatest" group(pull) = family.most_pull;
+        "most_efficient" "where the tractive efficiency is greatest" group(efficiency) = family.most_efficient;
+    }
 }

@@ -2,7 +2,7 @@
 
 use grouser_rover::drive::Scenario;
 
-use super::Run;
+use super::run::Run;
 use super::track::Track;
 use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Style};
 

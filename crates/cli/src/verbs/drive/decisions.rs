@@ -2,7 +2,7 @@
 
 use grouser_rover::drive::NamedDecision;
 
-use super::Run;
+use super::run::Run;
 
 /// Decisions of one kind that follow each other within this time are one, s.
 const TOGETHER: f64 = 1.0;

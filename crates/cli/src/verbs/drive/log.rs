@@ -4,7 +4,6 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use grouser_rover::drive::{Frame, Scenario};
-use grouser_rover::sensors::Reading;
 use grouser_slip::Measurement;
 
 use super::mcap::Recording;
@@ -77,7 +76,7 @@ struct Table {
     counts: Vec<Option<u64>>,
     torques: Vec<Option<f64>>,
     /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
-    most_torques: Vec<Option<f64>>,
+    max_torques: Vec<Option<f64>>,
 }
 
 impl Table {
@@ -99,9 +98,9 @@ impl Table {
             last_ns: 0,
             counts: vec![None; wheels.len()],
             torques: vec![None; wheels.len()],
-            most_torques: mounts
+            max_torques: mounts
                 .iter()
-                .map(|mount| mount.motor.map(|motor| motor.most_torque()))
+                .map(|mount| mount.motor.map(|motor| motor.max_torque()))
                 .collect(),
         })
     }
@@ -111,27 +110,24 @@ impl Table {
         self.torques.fill(None);
         let mut time_ns = 0;
         let mut inertial = [None; 3];
-        for reading in frame.readings {
-            match *reading {
-                Reading::Sample(sample) => {
-                    let Measurement::WheelCount { wheel, raw } = sample.measurement else {
-                        continue;
-                    };
+        for sample in frame.samples {
+            match sample.measurement {
+                Measurement::WheelCount { wheel, raw } => {
                     if let Some(slot) = self.counts.get_mut(wheel) {
                         *slot = Some(raw);
                     }
                 }
-                Reading::Inertial { force, turning, .. } => {
-                    inertial = [turning.z, force.x, force.y].map(Some);
+                Measurement::Inertial { force, rate } => {
+                    inertial = [rate[2], force[0], force[1]].map(Some);
                 }
-                Reading::Current { wheel, share, .. } => {
+                Measurement::MotorCurrent { wheel, share } => {
                     if let Some(slot) = self.torques.get_mut(wheel) {
-                        *slot = self.most_torques[wheel].map(|most| share * most);
+                        *slot = self.max_torques[wheel].map(|most| share * most);
                     }
                 }
                 _ => continue,
             }
-            time_ns = time_ns.max(reading.time_ns());
+            time_ns = time_ns.max(sample.time_ns);
         }
         if time_ns <= self.last_ns {
             return Ok(());
@@ -144,7 +140,7 @@ impl Table {
                 None => self.out.write_all(b",")?,
             }
         }
-        let torques = self.torques.iter().zip(&self.most_torques);
+        let torques = self.torques.iter().zip(&self.max_torques);
         let torques = torques.filter_map(|(torque, most)| most.map(|_| *torque));
         for value in torques.chain(inertial) {
             // a table holds numbers; what a broken sensor shows instead is an empty cell

@@ -5,9 +5,9 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_rover::drive::Scenario;
 use grouser_rover::ground::Ground;
 
-use super::Run;
 use super::decisions::notable;
 use super::relief::{Window, contours, relief};
+use super::run::Run;
 use super::track::{Point, Track};
 use grouser_figure::even_ticks;
 use grouser_figure::{escaped, png_address};

@@ -21,7 +21,6 @@ use std::io;
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
-use grouser_rover::sensors::Reading;
 use grouser_slip::{Counter, Health, Measurement};
 
 use crate::output::OutputFile;
@@ -33,7 +32,7 @@ struct Joint {
     /// rad.
     per_tick: f64,
     /// Torque on the wheel for the motor's greatest current, N m; 0 without a motor.
-    most_torque: f64,
+    max_torque: f64,
 }
 
 /// What arrived of the wheels with one stamp.
@@ -75,7 +74,7 @@ impl Recording {
                 name: wheel.name.clone(),
                 counter: Counter::new(encoder.counter),
                 per_tick: encoder.ticks_per_turn.map_or(0.0, |ticks| TAU / ticks),
-                most_torque: mount.motor.map_or(0.0, |motor| motor.most_torque()),
+                max_torque: mount.motor.map_or(0.0, |motor| motor.max_torque()),
             }
         });
         let sensors = &scenario.sensors;
@@ -107,49 +106,37 @@ impl Recording {
     /// What arrived in one period, and what was true at its end.
     pub(super) fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
         let arrived_ns = nanoseconds(frame.time);
-        for reading in frame.readings {
-            match *reading {
-                Reading::Sample(sample) => match sample.measurement {
-                    Measurement::WheelCount { wheel, raw } => {
-                        self.at(sample.time_ns, arrived_ns)?;
-                        self.open.counts.push((wheel, raw));
-                    }
-                    Measurement::Displacement {
-                        forward,
-                        left,
-                        turn,
-                    } => {
-                        if let Some(topic) = &mut self.camera {
-                            let header = build::header(sample.time_ns, "base_link");
-                            let value = build::displacement(header, forward, left, turn);
-                            self.writer.send(topic, arrived_ns, &value)?;
-                        }
-                    }
-                    Measurement::Pose { x, y, yaw } => {
-                        if let Some(topic) = &mut self.gnss {
-                            let header = build::header(sample.time_ns, "map");
-                            let pose = build::pose(x, y, yaw);
-                            let value = build::message([("header", header), ("pose", pose)]);
-                            self.writer.send(topic, arrived_ns, &value)?;
-                        }
-                    }
-                    // the yaw rate is a part of the inertial unit's message
-                    _ => {}
-                },
-                Reading::Inertial {
-                    time_ns,
-                    force,
-                    turning,
+        for sample in frame.samples {
+            let time_ns = sample.time_ns;
+            match sample.measurement {
+                Measurement::WheelCount { wheel, raw } => {
+                    self.at(time_ns, arrived_ns)?;
+                    self.open.counts.push((wheel, raw));
+                }
+                Measurement::Displacement {
+                    forward,
+                    left,
+                    turn,
                 } => {
-                    let [turning, force] = [turning, force].map(|v| [v.x, v.y, v.z]);
-                    let value = imu(time_ns, turning, force);
+                    if let Some(topic) = &mut self.camera {
+                        let header = build::header(time_ns, "base_link");
+                        let value = build::displacement(header, forward, left, turn);
+                        self.writer.send(topic, arrived_ns, &value)?;
+                    }
+                }
+                Measurement::Pose { x, y, yaw } => {
+                    if let Some(topic) = &mut self.gnss {
+                        let header = build::header(time_ns, "map");
+                        let pose = build::pose(x, y, yaw);
+                        let value = build::message([("header", header), ("pose", pose)]);
+                        self.writer.send(topic, arrived_ns, &value)?;
+                    }
+                }
+                Measurement::Inertial { force, rate } => {
+                    let value = imu(time_ns, rate, force);
                     self.writer.send(&mut self.imu, arrived_ns, &value)?;
                 }
-                Reading::Current {
-                    time_ns,
-                    wheel,
-                    share,
-                } => {
+                Measurement::MotorCurrent { wheel, share } => {
                     self.at(time_ns, arrived_ns)?;
                     self.open.shares.push((wheel, share));
                 }
@@ -189,7 +176,7 @@ impl Recording {
         let value = build::wheel_ticks(header(), &names, &raw);
         self.writer.send(&mut self.ticks, arrived_ns, &value)?;
         let effort = open.counts.iter().map(|(wheel, _)| {
-            let most = self.joints[*wheel].most_torque;
+            let most = self.joints[*wheel].max_torque;
             let share = open.shares.iter().find(|(own, _)| own == wheel);
             match share {
                 Some((_, share)) => share * most,
@@ -227,11 +214,14 @@ impl Recording {
         let truth = self.slips(frame, now_ns, |wheel| (wheel.slip, None, "", String::new()));
         self.writer.send(&mut self.slip, now_ns, &truth)?;
         let seen = self.slips(frame, now_ns, |wheel| {
-            let motion = wheel.seen.motion.map_or("", grouser_slip::Motion::name);
-            let health: Health = wheel.seen.health;
+            let motion = wheel
+                .observation
+                .motion
+                .map_or("", grouser_slip::Motion::name);
+            let health: Health = wheel.observation.health;
             (
-                wheel.seen.slip,
-                wheel.seen.sigma,
+                wheel.observation.slip,
+                wheel.observation.sigma,
                 motion,
                 health.to_string(),
             )

@@ -9,20 +9,22 @@ mod object;
 pub(crate) mod optimum;
 mod relief;
 mod report;
+mod run;
 mod text;
 mod track;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use grouser_rover::drive::{Drive, Outcome as Ending, Pilot, Scenario, read_scenario};
+use grouser_rover::drive::{Pilot, Scenario, Simulation, read_scenario};
 use rayon::prelude::*;
 
 use self::log::Log;
+use self::object::Drives;
+use self::run::Run;
 use self::track::Track;
 use crate::error::{Error, Result};
 use crate::figure_file::ending;
-use crate::input::Input;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::Report;
@@ -69,15 +71,6 @@ pub(crate) struct Arguments {
 /// Most seeds of a sweep.
 const MOST_SEEDS: u64 = 10_000;
 
-/// One finished drive.
-pub(super) struct Run {
-    pub(super) pilot: Pilot,
-    pub(super) seed: u64,
-    pub(super) result: grouser_rover::drive::DriveResult,
-    /// What was seen on the way, of the first seed.
-    track: Option<Track>,
-}
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let pilots: Vec<Pilot> = arguments
         .compare
@@ -91,13 +84,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         )));
     }
     let report = page(arguments)?;
-    note_inputs(arguments, session)?;
+    session.used_file(&arguments.scenario)?;
     let scenario = read_scenario(&arguments.scenario)?;
-    session.used_input(Input::open(&scenario.robot_file).and_then(|mut input| {
-        std::io::copy(&mut input, &mut std::io::sink())
-            .map_err(|error| Error::file("read", &scenario.robot_file, &error))?;
-        Ok(input)
-    })?);
+    session.used_file(&scenario.robot_file)?;
     let first = arguments.seed.unwrap_or(scenario.seed);
     session.used_seed(first);
     let optimum = match scenario.optimum {
@@ -116,7 +105,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let (runs, log) = drive_all(&scenario, &jobs, log)?;
     let mut text = text::text(&scenario, optimum, &runs);
-    let object = object::object(&scenario, optimum, first, &runs);
+    let object = object::fields().object(Drives {
+        scenario: &scenario,
+        optimum,
+        seed: first,
+        runs: &runs,
+    });
     if let Some(log) = log {
         text.push_str(&log.finish()?);
     }
@@ -152,14 +146,6 @@ fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
     OutputFile::create(path).map(Some)
 }
 
-fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
-    let mut input = Input::open(&arguments.scenario)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", &arguments.scenario, &error))?;
-    session.used_input(input);
-    Ok(())
-}
-
 /// What is to be driven.
 struct Jobs<'a> {
     pilots: &'a [Pilot],
@@ -190,7 +176,7 @@ fn drive_all(
         .into_par_iter()
         .enumerate()
         .map(|(index, (pilot, seed))| {
-            let mut drive = Drive::new(scenario, pilot, jobs.optimum, seed)?;
+            let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
             let mut track = (seed == first).then(Track::default);
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
@@ -210,7 +196,7 @@ fn drive_all(
                     progress.drove(
                         frame.time - told,
                         frame.speed,
-                        frame.wheels.iter().find_map(|w| w.seen.slip),
+                        frame.wheels.iter().find_map(|w| w.observation.slip),
                     );
                     told = frame.time;
                 }
@@ -231,29 +217,7 @@ fn drive_all(
     Ok((runs, log.into_inner().ok().flatten()))
 }
 
-/// How many of the runs of a driver ended so.
-pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Ending) -> usize {
-    runs.iter()
-        .filter(|run| run.pilot == pilot && run.result.outcome == outcome)
-        .count()
-}
-
-/// The drivers in the order that they were asked for, each once.
-pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
-    let mut pilots: Vec<Pilot> = Vec::new();
-    for run in runs {
-        if !pilots.contains(&run.pilot) {
-            pilots.push(run.pilot);
-        }
-    }
-    pilots
-}
-
-impl From<grouser_rover::Error> for Error {
-    fn from(error: grouser_rover::Error) -> Self {
-        match error {
-            grouser_rover::Error::File(error) => error.into(),
-            error => Self::usage_without_hint(error.to_string()),
-        }
-    }
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
 }

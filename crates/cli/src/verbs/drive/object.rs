@@ -1,61 +1,64 @@
-//! `drive` as JSON.
+//! The drives of a scenario, as a list of fields.
 
+use grouser_report::{Fields, fields};
 use grouser_rover::drive::{NamedDecision, Scenario};
-use serde_json::{Value, json};
 
-use super::Run;
-use crate::report::Object;
+use super::run::Run;
 
-pub(super) fn object(scenario: &Scenario, optimum: f64, seed: u64, runs: &[Run]) -> Object {
-    Object::from_iter([
-        ("scenario".to_owned(), json!(scenario.name)),
-        ("title".to_owned(), json!(scenario.title)),
-        ("seed".to_owned(), json!(seed)),
-        ("optimum_slip".to_owned(), json!(optimum)),
-        (
-            "runs".to_owned(),
-            runs.iter().map(|run| run_object(scenario, run)).collect(),
-        ),
-    ])
+/// The drives and what they share.
+#[derive(Clone, Copy)]
+pub(super) struct Drives<'a> {
+    pub(super) scenario: &'a Scenario,
+    pub(super) optimum: f64,
+    pub(super) seed: u64,
+    pub(super) runs: &'a [Run],
 }
 
-fn run_object(scenario: &Scenario, run: &Run) -> Value {
-    let result = &run.result;
-    let ledger = &result.ledger;
-    json!({
-        "controller": run.pilot.name(),
-        "seed": run.seed,
-        "distance_m": result.distance,
-        "way_m": result.way,
-        "duration_s": result.duration,
-        "outcome": result.outcome.name(),
-        "energy_j": result.energy,
-        "energy_j_per_m": result.energy_per_metre(),
-        "energy_in_soil_j": ledger.soil,
-        "energy_books_error": result.energy_error,
-        "slip_rmse": result.slip.rmse,
-        "slip_rmse_without_starts": result.slip.settled,
-        "slip_bias": result.slip.bias,
-        "slip_squared_error_over_variance": result.slip.nees,
-        "slip_wrong_longest_s": result.slip.longest_wrong,
-        "worst_slip": result.worst_slip,
-        "refused_samples": result.refused,
-        "decision_count": result.decision_count,
-        "decisions": result.decisions.iter().map(|d| decision(scenario, d)).collect::<Vec<_>>(),
-    })
+pub(super) fn fields<'a>() -> Fields<'a, Drives<'a>> {
+    fields! { |drives: Drives<'a>|
+        "scenario" "name of the scenario" = drives.scenario.name.as_str();
+        "title" "its title" = drives.scenario.title.as_str();
+        "seed" "first seed" = drives.seed;
+        "optimum_slip" "slip to run at" = drives.optimum;
+        "runs" "the drives" rows(run()) = drives.runs.iter().map(move |run| (drives.scenario, run));
+    }
 }
 
-fn decision(scenario: &Scenario, named: &NamedDecision) -> Value {
-    let decision = &named.decision;
-    let wheels = scenario.robot.robot.wheels();
-    json!({
-        "time_s": named.time,
-        "action": decision.action.name(),
-        "reason": decision.reason.name(),
-        "wheel": decision.wheel.and_then(|index| wheels.get(index)).map(|wheel| &wheel.name),
-        "value": Some(decision.value).filter(|value| value.is_finite()),
-        "limit": Some(decision.limit).filter(|limit| limit.is_finite()),
-        "x_m": named.place.0,
-        "y_m": named.place.1,
-    })
+fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
+    fields! { |of: (&'a Scenario, &'a Run)|
+        "controller" "driver" = of.1.pilot.name();
+        "seed" "seed" = of.1.seed;
+        "distance_m" "progress along the legs" = of.1.result.distance;
+        "way_m" "way of the robot" = of.1.result.way;
+        "duration_s" "duration" = of.1.result.duration;
+        "outcome" "how the drive ended" = of.1.result.outcome.name();
+        "energy_j" "electrical energy" = of.1.result.energy;
+        "energy_j_per_m" "energy per metre" = of.1.result.energy_per_metre();
+        "energy_in_soil_j" "energy that the soil took" = of.1.result.ledger.soil;
+        "energy_books_error" "share of the energy that the balance leaves" = of.1.result.energy_error;
+        "slip_rmse" "root mean square error of the slip" = of.1.result.slip.rmse;
+        "slip_rmse_without_starts" "the same without starts" = of.1.result.slip.settled;
+        "slip_bias" "mean error of the slip" = of.1.result.slip.bias;
+        "slip_squared_error_over_variance" "squared error over variance" = of.1.result.slip.nees;
+        "slip_wrong_longest_s" "longest time that a slip was wrong" = of.1.result.slip.longest_wrong;
+        "worst_slip" "greatest slip" = of.1.result.worst_slip;
+        "refused_samples" "samples that the estimator refused" = of.1.result.refused;
+        "decision_count" "decisions" = of.1.result.decision_count;
+        "decisions" "the first decisions" rows(decision()) =
+            of.1.result.decisions.iter().map(move |named| (of.0, named));
+    }
+}
+
+fn decision<'a>() -> Fields<'a, (&'a Scenario, &'a NamedDecision)> {
+    fields! { |of: (&'a Scenario, &'a NamedDecision)|
+        "time_s" "time" = of.1.time;
+        "action" "action" = of.1.decision.action.name();
+        "reason" "reason" = of.1.decision.reason.name();
+        "wheel" "wheel; null for the whole robot" =
+            of.1.decision.wheel.and_then(|index| Some(of.0.robot.robot.wheels().get(index)?.name.as_str()));
+        "value" "what was measured" = of.1.decision.value;
+        "limit" "the limit that it passed" = of.1.decision.limit;
+        "x_m" "place" = of.1.place.0;
+        "y_m" "place" = of.1.place.1;
+    }
 }

@@ -7,12 +7,12 @@ use grouser_rover::drive::Scenario;
 use super::charts;
 use super::decisions;
 use super::map;
+use super::run::{Run, pilots};
 use super::text::summary;
 use super::track::Track;
-use super::{Run, pilots};
-use crate::report::Object;
 use grouser_figure::escaped;
 use grouser_figure::{Colour, Figure, Style};
+use grouser_report::Object;
 
 const STYLE: &str = include_str!("report.css");
 

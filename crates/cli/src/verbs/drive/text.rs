@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use grouser_rover::drive::{Outcome, Pilot, Scenario};
 
-use super::{Run, count, pilots};
+use super::run::{Run, count, pilots};
 use grouser_report::number::rounded;
 
 /// Decisions that are printed; the report and the JSON hold all.

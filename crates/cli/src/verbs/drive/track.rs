@@ -57,8 +57,8 @@ impl Track {
             let fastest = wheel.speeds[0].abs().max(wheel.speeds[1].abs());
             WheelPoint {
                 slip: wheel.slip.filter(|_| fastest >= SLOWEST),
-                seen: wheel.seen.slip,
-                sigma: wheel.seen.sigma,
+                seen: wheel.observation.slip,
+                sigma: wheel.observation.sigma,
                 torque: wheel.torque,
             }
         });
@@ -67,8 +67,8 @@ impl Track {
             place: frame.place,
             distance: frame.distance,
             speed: frame.speed,
-            speed_seen: frame.speed_seen,
-            asked_speed: frame.asked_speed,
+            speed_seen: frame.estimated_speed,
+            asked_speed: frame.requested_speed,
             energy: frame.energy,
             wheels: wheels.collect(),
         });

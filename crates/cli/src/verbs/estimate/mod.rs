@@ -5,36 +5,37 @@ mod figure;
 mod mcap;
 mod object;
 mod output;
+mod request;
 mod text;
 
 use std::ffi::OsString;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, SoilReading, Status, Step, Summary, Take, run_with, soil_readings,
+    Method, Options, Row, SoilReading, Status, Step, Summary, Sink, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
-use self::object::object;
+use self::object::{Found, fields};
 use self::output::Outputs;
+use self::request::Request;
 use self::text::text;
-use crate::error::{Error, Outcome, Result};
-use crate::input::Input;
-use crate::law_error::Names;
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
-use crate::verbs::log::printable;
 use grouser_report::number::parse_finite;
+use grouser_report::printable;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Tell the slip of every wheel from a recorded log",
+    about = "Estimate the slip of every wheel from a recorded log",
     after_help = "A LOG is a file (MCAP, a ROS 1 bag, or CSV, plain or gzip), a folder, or the beginning that the names of one \
         run's files share.\n\nExample:\n  grouser estimate examples/five-wheel/log.csv --robot \
         examples/five-wheel/robot.toml --soil dry-sand -o slip.svg"
@@ -69,7 +70,7 @@ pub(crate) struct Arguments {
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Take means over this time in s; the robot file's unless told
+    /// Sink means over this time in s; the robot file's unless told
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
@@ -106,29 +107,22 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
         .ok_or_else(|| "must be one of count, angle, rate".to_owned())
 }
 
-/// What a log is read with.
-pub(super) struct Asked {
-    pub(super) robot: RobotFile,
-    pub(super) map: Option<ColumnMap>,
-    pub(super) options: Options,
-}
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let asked = asked(arguments, session)?;
+    let request = request(arguments, session)?;
     if let Some(target) = &arguments.calibrate_radius {
-        return calibration::run(&arguments.logs, &arguments.robot, &asked, target, session);
+        return calibration::run(&arguments.logs, &arguments.robot, &request, target, session);
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
-        session.used_soil(&chosen, &arguments.overrides);
+        chosen.note(&arguments.overrides, session);
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
-    let log = asked.log(&arguments.logs)?;
-    let wheels = asked.robot.robot.wheels();
+    let log = request.log(&arguments.logs)?;
+    let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
     // Clocks are aligned in a pass of their own.
-    let passes = if log.unaligned_sources().is_empty() {
+    let passes = if log.unaligned_clocks().is_empty() {
         1
     } else {
         2
@@ -139,32 +133,34 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         progress: &progress,
         outputs: &mut outputs,
     };
-    let summary = run_with(&log, &asked.robot, &asked.options, &mut watched);
+    let summary = run_into(&log, &request.robot, &request.options, &mut watched);
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
-        note_input(session, file)?;
+        session.used_file(file)?;
     }
     let readings = match &soil {
-        Some(chosen) => {
-            soil_readings(&summary, &asked.robot.robot, &chosen.soil).map_err(replay_error)?
-        }
+        Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
     };
     let mut text = text(
-        &asked.robot,
+        &request.robot,
         &summary,
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
     text.push_str(&topics(&log));
-    text.push_str(&outputs.finish(&asked.robot, &summary)?);
+    text.push_str(&outputs.finish(&request.robot, &summary)?);
     Ok(Report {
         outcome: match summary.status {
             Status::Done => Outcome::Done,
             _ => Outcome::NoResult,
         },
-        object: object(&summary, &log, &readings),
+        object: fields().object(Found {
+            summary: &summary,
+            log: &log,
+            readings: &readings,
+        }),
         text,
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &arguments.logs, &readings),
@@ -178,7 +174,7 @@ struct Watched<'a> {
     outputs: &'a mut Outputs,
 }
 
-impl Take for Watched<'_> {
+impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
         self.outputs.row(row)
@@ -189,11 +185,11 @@ impl Take for Watched<'_> {
     }
 }
 
-fn asked(arguments: &Arguments, session: &mut Session) -> Result<Asked> {
-    let robot = robot::read(&arguments.robot).map_err(|error| file_error(&error))?;
-    note_input(session, &arguments.robot)?;
+fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
+    let robot = robot::read(&arguments.robot)?;
+    session.used_file(&arguments.robot)?;
     let map = column_map(arguments, &robot, session)?;
-    Ok(Asked {
+    Ok(Request {
         robot,
         map,
         options: Options {
@@ -219,7 +215,7 @@ fn column_map(
         Some(path) => path,
         None if robot.columns.is_some() => return Ok(robot.columns.clone()),
         None if beside.exists() => &beside,
-        None if !Log::needs_columns(&arguments.logs).map_err(log_error)? => return Ok(None),
+        None if !Log::needs_columns(&arguments.logs)? => return Ok(None),
         None => {
             return Err(Error::usage(
                 "no column map is given, and there is no `columns.toml` beside the robot file",
@@ -228,24 +224,9 @@ fn column_map(
             ));
         }
     };
-    let columns = columns::read(path).map_err(|error| file_error(&error))?;
-    note_input(session, path)?;
+    let columns = columns::read(path)?;
+    session.used_file(path)?;
     Ok(Some(columns))
-}
-
-impl Asked {
-    /// The log at these paths.
-    pub(super) fn log(&self, paths: &[PathBuf]) -> Result<Log> {
-        Log::find_any(paths, self.map.clone(), &self.robot.topics).map_err(log_error)
-    }
-}
-
-/// Reads a file once more for its hash.
-pub(super) fn note_input(session: &mut Session, path: &Path) -> Result<()> {
-    let mut input = Input::open(path)?;
-    io::copy(&mut input, &mut io::sink()).map_err(|error| Error::file("read", path, &error))?;
-    session.used_input(input);
-    Ok(())
 }
 
 /// The topics that were used of bags and MCAP files; of tables the column map says it.
@@ -321,25 +302,4 @@ fn warnings(
         }
     }
     out
-}
-
-pub(super) fn file_error(error: &grouser_files::Error) -> Error {
-    Error::Usage {
-        message: error.to_string(),
-        hint: error.hint(),
-    }
-}
-
-pub(super) fn log_error(error: grouser_log::Error) -> Error {
-    replay_error(error.into())
-}
-
-pub(super) fn replay_error(error: grouser_replay::Error) -> Error {
-    match error {
-        grouser_replay::Error::Soil(error) => Names::Columns.error(&error),
-        error => Error::Usage {
-            message: error.to_string(),
-            hint: error.hint(),
-        },
-    }
 }

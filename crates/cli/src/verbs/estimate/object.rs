@@ -1,172 +1,176 @@
-//! The JSON object of `estimate`.
+//! What `estimate` found, as a list of fields.
 
 use grouser_log::{Log, UsedTopic};
-use grouser_replay::{EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary, WheelSummary};
+use grouser_replay::{
+    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
+    TurnCheck, WheelSummary, YawSummary,
+};
+use grouser_report::{Fields, fields};
 use grouser_slip::detect::Event;
-use serde_json::{Value, json};
 
-use super::text::culprit;
-use crate::report::Object;
+/// All that was found.
+#[derive(Clone, Copy)]
+pub(super) struct Found<'a> {
+    pub(super) summary: &'a Summary,
+    pub(super) log: &'a Log,
+    pub(super) readings: &'a [SoilReading],
+}
 
-pub(super) fn object(summary: &Summary, log: &Log, readings: &[SoilReading]) -> Object {
-    let mut along = spread(&summary.along.slip);
-    along.insert("overall".to_owned(), summary.along.overall.into());
-    along.insert(
-        "travel_wheels_m".to_owned(),
-        summary.along.travel_wheels.into(),
-    );
-    along.insert(
-        "travel_reference_m".to_owned(),
-        summary.along.travel_reference.into(),
-    );
-    let rejected = summary.rejected;
-    let files = |paths: &mut dyn Iterator<Item = &std::path::Path>| -> Value {
-        paths
-            .map(|path| Value::from(path.display().to_string()))
-            .collect()
+/// A part of the summary beside the whole, which has the names of the wheels.
+#[derive(Clone, Copy)]
+struct Part<'a, P> {
+    of: &'a Summary,
+    part: &'a P,
+}
+
+impl<'a> Part<'a, Summary> {
+    fn with<P>(summary: &'a Summary, part: &'a Option<P>) -> Option<Part<'a, P>> {
+        let part = part.as_ref()?;
+        Some(Part { of: summary, part })
+    }
+}
+
+impl<P> Part<'_, P> {
+    fn wheel(&self, index: Option<usize>) -> Option<String> {
+        Some(self.of.wheels.get(index?)?.name.clone())
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
+    let shown = |path: &std::path::Path| path.display().to_string();
+    fields! { |found: Found<'a>|
+        "status" "how the job ended" = found.summary.status.name();
+        "method" "what found the slips" = found.summary.method.name();
+        "reference" "what measures the speed over ground" = found.summary.reference.name();
+        "wheel_sensor" "what measures the wheels" = found.summary.wheel_sensor;
+        "duration_s" "length of the log" = found.summary.duration_s;
+        "window_s" "time over which means are taken" = found.summary.window_s;
+        "wheels" "each wheel" named(wheel()) =
+            found.summary.wheels.iter().map(move |wheel| (wheel.name.as_str(), (wheel, found.readings)));
+        "along" "slip along the track" group(along()) = &found.summary.along;
+        "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
+            Part::with(found.summary, &found.summary.yaw);
+        "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
+        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, &found.summary.fused);
+        "rejected" "samples that were rejected" group(rejected()) = found.summary;
+        "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
+        "unused_files" "files that fit no table of the column map" =
+            found.log.unused().iter().map(|path| shown(path)).collect::<Vec<_>>();
+        "topics" "topics that were used of bags and MCAP files" rows(topic()) = found.log.topics();
+        "notes" "remarks about the log" = found.log.notes().to_vec();
+        "left_out" "what was left out" group(left_out()) = found.log;
+    }
+}
+
+fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a [SoilReading])> {
+    fields! { |of: (&'a WheelSummary, &'a [SoilReading])|
+        join(spread()) = &of.0.slip;
+        "states" "share of the time in each motion" values = Some(of.0.states.iter().copied());
+        "healths" "share of the time in each health" values =
+            Some(of.0.healths.iter().map(|(name, share)| (name.as_str(), *share)));
+        "side_slip_angle_deg" "side slip angle" group(angle()) = &of.0.side_slip_angle;
+        "is_reference" "whether the others are measured by it" = of.0.is_reference;
+        "soil" "the wheel at its median slip and load on the soil" group(soil()) =
+            of.1.iter().find(|reading| reading.wheel == of.0.name);
+    }
+}
+
+fn spread<'a>() -> Fields<'a, &'a Spread> {
+    fields! { |slip: &'a Spread|
+        "median" "median" = slip.median;
+        "p5" "5th percentile" = slip.p5;
+        "p95" "95th percentile" = slip.p95;
+    }
+}
+
+fn angle<'a>() -> Fields<'a, &'a Spread> {
+    fields! { |angle: &'a Spread|
+        "median" "median" = angle.median.map(f64::to_degrees);
+        "p5" "5th percentile" = angle.p5.map(f64::to_degrees);
+        "p95" "95th percentile" = angle.p95.map(f64::to_degrees);
+    }
+}
+
+fn along<'a>() -> Fields<'a, &'a AlongSummary> {
+    fields! { |along: &'a AlongSummary|
+        join(spread()) = &along.slip;
+        "overall" "slip of the whole way" = along.overall;
+        "travel_wheels_m" "way by the wheels" = along.travel_wheels;
+        "travel_reference_m" "way by the reference" = along.travel_reference;
+    }
+}
+
+fn yaw<'a>() -> Fields<'a, Part<'a, YawSummary>> {
+    fields! { |yaw: Part<'a, YawSummary>|
+        "residual_median_rad" "median difference" = yaw.part.residual.median;
+        "residual_p5_rad" "its 5th percentile" = yaw.part.residual.p5;
+        "residual_p95_rad" "its 95th percentile" = yaw.part.residual.p95;
+        "clock_offset_s" "how far the gyro's clock runs ahead" = yaw.of.clock_offset_s;
+        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, &yaw.of.turns);
+    }
+}
+
+fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
+    fields! { |turns: Part<'a, TurnCheck>|
+        "first_motion_s" "when the robot first drove" = turns.part.first_motion_s;
+        "alarm_s" "when wheels and gyro first disagreed" = turns.part.alarm_s;
+        "alarms" "alarms" = turns.part.alarms;
+        "wheel" "the wheel that slips" = turns.wheel(turns.part.wheel);
+        "says" "the cause" = cause(turns.part, turns.of);
+        "log_likelihood_ratio" "how much likelier that cause is than the next" = turns.part.likelier;
+    }
+}
+
+/// The wheel that slips, or that none can be named.
+pub(super) fn cause(turns: &TurnCheck, summary: &Summary) -> String {
+    let name = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
+    name.map_or_else(
+        || "left or right: not observable".to_owned(),
+        |wheel| wheel.name.clone(),
+    )
+}
+
+fn odometry<'a>() -> Fields<'a, &'a Odometry> {
+    fn sigma(odometry: &Odometry, axis: usize) -> f64 {
+        odometry.pose_covariance[axis][axis].max(0.0).sqrt()
+    }
+    fields! { |odometry: &'a Odometry|
+        "x_m" "place at the end, along the first heading" = odometry.pose[0];
+        "y_m" "place at the end, to the left of it" = odometry.pose[1];
+        "yaw_rad" "heading at the end" = odometry.pose[2];
+        "x_sigma_m" "standard deviation of x_m" = sigma(odometry, 0);
+        "y_sigma_m" "standard deviation of y_m" = sigma(odometry, 1);
+        "yaw_sigma_rad" "standard deviation of yaw_rad" = sigma(odometry, 2);
+        "distance_m" "way" = odometry.distance;
+        "distance_without_compensation_m" "way by the wheels alone" = odometry.distance_of_wheels;
+    }
+}
+
+fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
+    let nis = fields! { |nis: &'a Consistency|
+        "count" "measurements" = nis.count;
+        "mean" "mean normalised innovation squared" = nis.mean;
+        "share_in_95_band" "share within the filter's 95 %" = nis.in_band;
     };
-    [
-        ("status", Value::from(summary.status.name())),
-        ("method", summary.method.name().into()),
-        ("reference", Value::from(summary.reference.name())),
-        ("wheel_sensor", Value::from(summary.wheel_sensor)),
-        ("duration_s", Value::from(summary.duration_s)),
-        ("window_s", Value::from(summary.window_s)),
-        ("wheels", Value::Object(wheels(summary, readings))),
-        ("along", Value::Object(along)),
-        ("yaw", yaw(summary).unwrap_or(Value::Null)),
-        (
-            "odometry",
-            summary.odometry.as_ref().map_or(Value::Null, odometry),
-        ),
-        (
-            "filter",
-            summary
-                .fused
-                .as_ref()
-                .map_or(Value::Null, |f| filter(f, summary)),
-        ),
-        (
-            "rejected",
-            json!({
-                "bad_value": rejected.bad_value,
-                "not_later": rejected.not_later,
-                "jump": rejected.jump,
-                "unknown": rejected.unknown,
-            }),
-        ),
-        ("files", files(&mut log.files())),
-        (
-            "unused_files",
-            files(&mut log.unused().iter().map(std::path::PathBuf::as_path)),
-        ),
-        ("topics", topics(log)),
-        ("notes", log.notes().into()),
-        ("left_out", left_out(log)),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_owned(), value))
-    .collect()
+    fields! { |filter: Part<'a, FusedSummary>|
+        "smoothed" "whether the log was filtered both ways" = filter.part.is_smoothed;
+        "nis" "consistency of each kind of measurement" named(nis) =
+            filter.part.consistency.iter().map(|(kind, nis)| (*kind, nis));
+        "dropped" "samples that are missing" = filter.part.dropped;
+        "clock_steps" "clocks that were set" = filter.part.clock_steps;
+        "events" "events" rows(event()) =
+            filter.part.events.iter().map(move |part| Part { of: filter.of, part });
+        "more_events" "events that are not listed" = filter.part.more_events;
+    }
 }
 
-fn wheels(summary: &Summary, readings: &[SoilReading]) -> Object {
-    let one = |wheel: &WheelSummary| {
-        let mut one = spread(&wheel.slip);
-        one.insert(
-            "states".to_owned(),
-            shares(wheel.states.iter().map(|(n, s)| (*n, *s))),
-        );
-        let healths = wheel
-            .healths
-            .iter()
-            .map(|(name, share)| (name.as_str(), *share));
-        one.insert("healths".to_owned(), shares(healths));
-        let angle = |value: Option<f64>| value.map(f64::to_degrees);
-        one.insert(
-            "side_slip_angle_deg".to_owned(),
-            json!({
-                "median": angle(wheel.side_slip_angle.median),
-                "p5": angle(wheel.side_slip_angle.p5),
-                "p95": angle(wheel.side_slip_angle.p95),
-            }),
-        );
-        one.insert("is_reference".to_owned(), wheel.is_reference.into());
-        let reading = readings.iter().find(|reading| reading.wheel == wheel.name);
-        one.insert("soil".to_owned(), reading.map_or(Value::Null, soil));
-        (wheel.name.clone(), Value::Object(one))
-    };
-    summary.wheels.iter().map(one).collect()
-}
-
-/// The turn by the wheels beside the turn as measured.
-fn yaw(summary: &Summary) -> Option<Value> {
-    let yaw = summary.yaw?;
-    let apart = summary.turns.as_ref().map(|turns| {
-        let named = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
-        json!({
-            "first_motion_s": turns.first_motion_s,
-            "alarm_s": turns.alarm_s,
-            "alarms": turns.alarms,
-            "wheel": named.map(|wheel| wheel.name.as_str()),
-            "says": culprit(turns, summary),
-            "log_likelihood_ratio": turns.likelier,
-        })
-    });
-    Some(json!({
-        "residual_median_rad": yaw.residual.median,
-        "residual_p5_rad": yaw.residual.p5,
-        "residual_p95_rad": yaw.residual.p95,
-        "clock_offset_s": summary.clock_offset_s,
-        "apart": apart,
-    }))
-}
-
-/// The topics that were used of bags and MCAP files.
-fn topics(log: &Log) -> Value {
-    let one = |used: UsedTopic| json!({"topic": used.topic, "type": used.type_name, "used_for": used.used_for});
-    log.topics().map(one).collect()
-}
-
-fn odometry(odometry: &Odometry) -> Value {
-    let [x, y, yaw] = odometry.pose;
-    let sigma = |i: usize| odometry.pose_covariance[i][i].max(0.0).sqrt();
-    json!({
-        "x_m": x,
-        "y_m": y,
-        "yaw_rad": yaw,
-        "x_sigma_m": sigma(0),
-        "y_sigma_m": sigma(1),
-        "yaw_sigma_rad": sigma(2),
-        "distance_m": odometry.distance,
-        "distance_without_compensation_m": odometry.distance_of_wheels,
-    })
-}
-
-fn filter(fused: &FusedSummary, summary: &Summary) -> Value {
-    let kinds = fused.consistency.iter().map(|(kind, nis)| {
-        let one = json!({"count": nis.count, "mean": nis.mean, "share_in_95_band": nis.in_band});
-        ((*kind).to_owned(), one)
-    });
-    let events = fused.events.iter().map(|at| event(at, summary));
-    json!({
-        "smoothed": fused.is_smoothed,
-        "nis": Value::Object(kinds.collect()),
-        "dropped": fused.dropped,
-        "clock_steps": fused.clock_steps,
-        "events": events.collect::<Vec<_>>(),
-        "more_events": fused.more_events,
-    })
-}
-
-fn event(at: &EventAt, summary: &Summary) -> Value {
-    let (name, wheel) = event_name(at.change.event);
-    let wheel = wheel.and_then(|wheel| summary.wheels.get(wheel));
-    json!({
-        "time_s": at.time_s,
-        "event": name,
-        "wheel": wheel.map(|wheel| wheel.name.as_str()),
-        "begins": at.change.begins,
-    })
+fn event<'a>() -> Fields<'a, Part<'a, EventAt>> {
+    fields! { |at: Part<'a, EventAt>|
+        "time_s" "time" = at.part.time_s;
+        "event" "event" = event_name(at.part.change.event).0;
+        "wheel" "wheel; null for the whole robot" = at.wheel(event_name(at.part.change.event).1);
+        "begins" "whether it begins or ends" = at.part.change.begins;
+    }
 }
 
 /// An event's name in files, and its wheel.
@@ -180,44 +184,45 @@ pub(super) const fn event_name(event: Event) -> (&'static str, Option<usize>) {
     }
 }
 
-fn left_out(log: &Log) -> Value {
-    let left_out = log.left_out();
-    json!({
-        "damages": left_out.damages,
-        "bytes_lost": left_out.bytes_lost,
-        "undecoded": left_out.undecoded,
-        "late": left_out.late,
-    })
+fn rejected<'a>() -> Fields<'a, &'a Summary> {
+    fields! { |summary: &'a Summary|
+        "bad_value" "samples with an impossible value" = summary.rejected.bad_value;
+        "not_later" "samples that are not later than the one before" = summary.rejected.not_later;
+        "jump" "samples that jump" = summary.rejected.jump;
+        "unknown" "samples of an unknown sensor" = summary.rejected.unknown;
+    }
 }
 
-fn spread(spread: &Spread) -> Object {
-    [
-        ("median", spread.median),
-        ("p5", spread.p5),
-        ("p95", spread.p95),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_owned(), value.into()))
-    .collect()
+fn topic<'a>() -> Fields<'a, UsedTopic> {
+    fields! { |used: UsedTopic|
+        "topic" "topic" = used.topic;
+        "type" "type" = used.type_name;
+        "used_for" "what it is used for" = used.used_for;
+    }
 }
 
-fn shares<'a>(shares: impl Iterator<Item = (&'a str, f64)>) -> Value {
-    let named = shares.map(|(name, share)| (name.to_owned(), Value::from(share)));
-    Value::Object(named.collect())
+fn left_out<'a>() -> Fields<'a, &'a Log> {
+    fields! { |log: &'a Log|
+        "damages" "damaged places" = log.left_out().damages;
+        "bytes_lost" "bytes that are lost" = log.left_out().bytes_lost;
+        "undecoded" "messages that could not be decoded" = log.left_out().undecoded;
+        "late" "messages that came too late for the order of time" = log.left_out().late;
+    }
 }
 
-fn soil(reading: &SoilReading) -> Value {
-    json!({
-        "slip": reading.slip,
-        "load_n": reading.load,
-        "sinkage_m": reading.sinkage,
-        "drawbar_pull_n": reading.drawbar_pull,
-        "torque_nm": reading.torque,
-        "tractive_efficiency": reading.efficiency,
-        "slip_of_best_efficiency": reading.best_slip,
-        "best_efficiency": reading.best_efficiency,
-        "slip_above_best": reading.above_best,
-        "slip_with_reference_skid": reading.slip_with_skid,
-        "cautions": reading.cautions,
-    })
+/// A wheel at its median slip and load on the soil.
+pub(super) fn soil<'a>() -> Fields<'a, &'a SoilReading> {
+    fields! { |reading: &'a SoilReading|
+        "slip" "slip" .shown("").decimals(3) = reading.slip;
+        "load_n" "load" .shown("N").all_digits() = reading.load;
+        "sinkage_m" "sinkage" .shown("mm").decimals(1) = reading.sinkage;
+        "drawbar_pull_n" "pull" .shown("N").decimals(2) = reading.drawbar_pull;
+        "torque_nm" "torque" .shown("N m").decimals(3) = reading.torque;
+        "tractive_efficiency" "efficiency" .shown("").decimals(3) = reading.efficiency;
+        "slip_of_best_efficiency" "best slip" .shown("").decimals(3) = reading.best_slip;
+        "best_efficiency" "efficiency at the best slip" = reading.best_efficiency;
+        "slip_above_best" "above best" .shown("").decimals(3) = reading.above_best;
+        "slip_with_reference_skid" "slip if the reference skids" .shown("").decimals(3) = reading.slip_with_skid;
+        "cautions" "cautions" = reading.cautions.clone();
+    }
 }

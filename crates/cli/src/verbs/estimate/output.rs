@@ -5,12 +5,11 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{Row, Step, Summary, Take};
+use grouser_replay::{Row, Sink, Step, Summary};
 use grouser_slip::Wheel;
 
 use super::figure::{Trace, draw};
 use super::mcap::Recording;
-use super::replay_error;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
 use crate::output::OutputFile;
@@ -66,7 +65,7 @@ impl Outputs {
     pub(super) fn error(&self, error: grouser_replay::Error) -> Error {
         match (&self.broken, error) {
             (Some(path), grouser_replay::Error::Sink(error)) => Error::file("write", path, &error),
-            (_, error) => replay_error(error),
+            (_, error) => error.into(),
         }
     }
 
@@ -95,7 +94,7 @@ impl Outputs {
     }
 }
 
-impl Take for Outputs {
+impl Sink for Outputs {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         if !self.figures.is_empty() {
             self.traces[row.wheel].add(row.time_s, row.slip, row.slip_sigma);

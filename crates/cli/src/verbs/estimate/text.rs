@@ -6,8 +6,8 @@ use grouser_files::robot::RobotFile;
 use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TurnCheck, UNKNOWN};
 use grouser_slip::Motion;
 
-use super::object::event_name;
-use grouser_report::Table;
+use super::object::{self, cause, event_name};
+use grouser_report::{Fields, Table};
 
 /// So many events are told; a file has them all.
 const EVENTS: usize = 10;
@@ -73,12 +73,15 @@ pub(super) fn text(
     }
     if let Some(soil) = soil {
         let _ = writeln!(text, "\non {soil}, at each wheel's median slip and load:");
-        text.push_str(&soils(readings));
+        let table = Fields::new()
+            .remark("wheel", |reading: &SoilReading| reading.wheel.as_str())
+            .join(object::soil(), |reading| reading);
+        text.push_str(&table.table(readings));
     }
     text
 }
 
-/// Whether wheels and gyro have gone apart, and whose doing it is.
+/// Whether wheels and gyro disagree, and the cause.
 fn apart(turns: &TurnCheck, summary: &Summary) -> String {
     let Some(alarm) = turns.alarm_s else {
         return String::new();
@@ -86,16 +89,7 @@ fn apart(turns: &TurnCheck, summary: &Summary) -> String {
     let since = alarm - turns.first_motion_s.unwrap_or(alarm);
     format!(
         "wheels and gyro go apart: first at {alarm:.1} s, {since:.1} s after the robot first drove; which wheel slips: {}\n",
-        culprit(turns, summary),
-    )
-}
-
-/// The wheel that slips, or that none can be named.
-pub(super) fn culprit(turns: &TurnCheck, summary: &Summary) -> String {
-    let name = turns.wheel.and_then(|wheel| summary.wheels.get(wheel));
-    name.map_or_else(
-        || "left or right: not observable".to_owned(),
-        |wheel| wheel.name.clone(),
+        cause(turns, summary),
     )
 }
 
@@ -183,33 +177,4 @@ fn numbers(spread: &Spread) -> [String; 3] {
 /// A slip to the third decimal.
 fn slip(value: Option<f64>) -> String {
     number(value, 3)
-}
-
-fn soils(readings: &[SoilReading]) -> String {
-    let mut table = Table::new()
-        .text("wheel")
-        .number("slip")
-        .number("load N")
-        .number("sinkage mm")
-        .number("pull N")
-        .number("torque N m")
-        .number("efficiency")
-        .number("best slip")
-        .number("above best")
-        .number("slip if the reference skids");
-    for reading in readings {
-        table.row([
-            reading.wheel.clone(),
-            slip(Some(reading.slip)),
-            format!("{}", reading.load),
-            number(reading.sinkage.map(|z| 1e3 * z), 1),
-            number(reading.drawbar_pull, 2),
-            number(reading.torque, 3),
-            number(reading.efficiency, 3),
-            slip(reading.best_slip),
-            slip(reading.above_best),
-            slip(reading.slip_with_skid),
-        ]);
-    }
-    table.render()
 }

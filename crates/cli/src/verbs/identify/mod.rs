@@ -1,16 +1,18 @@
 //! `identify`: a soil from plate, shear and wheel tests.
 
 mod figure;
-pub(crate) mod text;
+mod lines;
+pub(crate) mod object;
+mod text;
 
 use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, soil};
 use grouser_identify::{Identification, Job, identify};
 
-use crate::error::{Error, Outcome, Result, shown};
+use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
-use crate::input::Input;
 use crate::law_error::Names;
 use crate::output::OutputFile;
 use crate::report::Report;
@@ -49,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .collect::<Result<_>>()?;
     let output = arguments.output.as_deref().map(soil_output).transpose()?;
     for file in job.files() {
-        note_input(file, session)?;
+        session.used_file(file)?;
     }
     if let Some(wheel) = &job.wheel {
         session.used_seed(wheel.starts.seed);
@@ -78,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: text::object(&found),
+        object: object::fields().object(&found),
         text,
         failure,
         warnings: text::warnings(&found),
@@ -106,13 +108,10 @@ fn soil_text(job: &Job, found: &Identification) -> Result<String> {
     }
     let (file, remarks) = found.soil_file(job);
     let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
-    soil::text(&file, &remarks).map_err(|error| Names::Flags.error(&error))
+    soil::to_toml(&file, &remarks).map_err(|error| Names::Flags.error(&error))
 }
 
-fn note_input(file: &Path, session: &mut Session) -> Result<()> {
-    let mut input = Input::open(file)?;
-    std::io::copy(&mut input, &mut std::io::sink())
-        .map_err(|error| Error::file("read", file, &error))?;
-    session.used_input(input);
-    Ok(())
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
 }

@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use grouser_files::columns;
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
-use grouser_log::write::{ReadingWriter, copy, verify, write_table};
-use serde_json::Value;
+use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
+use grouser_report::{Fields, fields};
+use serde_json::{Value, json};
 
-use super::{copied_object, copied_text, copy_error, keyed, refuse_same, target};
-use crate::error::{Error, Outcome, Result, shown};
+use super::copied::{self, Copy, copy_error, refuse_same, target};
+use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
-use crate::verbs::estimate::{file_error, log_error, note_input};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -44,7 +45,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     refuse_same(file, path)?;
     // What is not there may be the beginning of several names, of tables.
     let kind = if file.exists() {
-        Container::kind(file).map_err(log_error)?
+        Container::kind(file)?
     } else {
         None
     };
@@ -80,10 +81,14 @@ fn whole(file: &Path, path: &Path, format: Format, session: &mut Session) -> Res
     drop(progress);
     verify(output.unfinished()?, &copied).map_err(|error| copy_error(error, path))?;
     output.finish()?;
-    note_input(session, file)?;
-    let mut report = Report::done(copied_object(&copied, path), copied_text(&copied, path));
+    session.used_file(file)?;
+    let object = copied::fields().object(Copy {
+        copied: &copied,
+        output: Some(path),
+    });
+    let mut report = Report::done(object, copied::text(&copied, path));
     if copied.is_partial() {
-        report.outcome = Outcome::Partial;
+        report.outcome = Outcome::Doubtful;
     }
     Ok(report)
 }
@@ -101,20 +106,10 @@ fn table(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let written = written.map_err(|error| copy_error(error, path))?;
     drop(progress);
     output.finish()?;
-    note_input(session, file)?;
+    session.used_file(file)?;
     let left_out = &written.left_out;
     let mut report = Report::done(
-        keyed([
-            ("output", Value::from(path.display().to_string())),
-            ("topic", Value::from(topic.as_str())),
-            ("rows", Value::from(written.rows)),
-            ("columns", Value::from(written.columns)),
-            ("values_without_column", Value::from(written.without_column)),
-            ("undecoded", Value::from(left_out.undecoded)),
-            ("late", Value::from(left_out.late)),
-            ("damage_count", Value::from(left_out.damages)),
-            ("bytes_lost", Value::from(left_out.bytes_lost)),
-        ]),
+        table_fields().object((path, &topic, &written)),
         format!(
             "wrote {}: {} rows of {} columns\n",
             shown(path),
@@ -139,14 +134,44 @@ fn table(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     ];
     for (count, what) in lost.into_iter().filter(|(count, _)| *count > 0) {
         report.warnings.push(format!("{count} {what}"));
-        report.outcome = Outcome::Partial;
+        report.outcome = Outcome::Doubtful;
     }
     Ok(report)
 }
 
+/// A topic as a table: the file, the topic, what was written.
+type Written<'a> = (&'a Path, &'a str, &'a Table);
+
+fn table_fields<'a>() -> Fields<'a, Written<'a>> {
+    fields! { |table: Written<'a>|
+        "output" "the file that was written" = table.0.display().to_string();
+        "topic" "the topic" = table.1;
+        "rows" "rows of the table" = table.2.rows;
+        "columns" "columns of the table" = table.2.columns;
+        "values_without_column" "values that the first message did not have" = table.2.without_column;
+        "undecoded" "messages that could not be decoded" = table.2.left_out.undecoded;
+        "late" "messages that came too late for the order of time" = table.2.left_out.late;
+        "damage_count" "damaged places of the input" = table.2.left_out.damages;
+        "bytes_lost" "bytes that are lost" = table.2.left_out.bytes_lost;
+    }
+}
+
+fn readings_fields<'a>() -> Fields<'a, (&'a Path, u64, u64)> {
+    fields! { |written: (&'a Path, u64, u64)|
+        "output" "the file that was written" = written.0.display().to_string();
+        "records" "rows that were read" = written.1;
+        "messages" "messages that were written" = written.2;
+    }
+}
+
+/// Of a copy, of a table, or of messages out of a table.
+pub(super) fn schema() -> Value {
+    json!({"anyOf": [copied::fields().schema(), table_fields().schema(), readings_fields().schema()]})
+}
+
 /// The topic of a file that has only one.
 fn only_topic(file: &Path) -> Result<String> {
-    let mut container = Container::open(file).map_err(log_error)?;
+    let mut container = Container::open(file)?;
     let mut topics: Vec<String> = Vec::new();
     while let Some(event) = container.next() {
         if let Event::Message(message) = event
@@ -186,18 +211,16 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
             "`--map C.toml` says what the log's columns mean",
         ));
     }
-    let columns = columns::read(map).map_err(|error| file_error(&error))?;
-    note_input(session, map)?;
-    let log = Log::find(std::slice::from_ref(file), columns).map_err(log_error)?;
+    let columns = columns::read(map)?;
+    session.used_file(map)?;
+    let log = Log::find(std::slice::from_ref(file), columns)?;
     let mut output = OutputFile::create(path)?;
     let written = |error| Error::file("write", path, &error);
-    let mut writer = ReadingWriter::new(&mut output, log.wheels()).map_err(written)?;
+    let mut writer = SampleWriter::new(&mut output, log.wheels()).map_err(written)?;
     let progress = Progress::of_bytes(Some(log.bytes()));
     let mut records = 0_u64;
-    for record in log.records(&[]).map_err(log_error)? {
-        writer
-            .record(&record.map_err(log_error)?)
-            .map_err(written)?;
+    for sample in log.samples(&[])? {
+        writer.sample(&sample?).map_err(written)?;
         records += 1;
         progress.reach(log.bytes_read());
     }
@@ -205,14 +228,10 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (_, messages) = writer.finish().map_err(written)?;
     output.finish()?;
     for file in log.files() {
-        note_input(session, file)?;
+        session.used_file(file)?;
     }
     Ok(Report::done(
-        keyed([
-            ("output", Value::from(path.display().to_string())),
-            ("records", Value::from(records)),
-            ("messages", Value::from(messages)),
-        ]),
+        readings_fields().object((path, records, messages)),
         format!(
             "wrote {}: {messages} messages of {records} readings\n",
             shown(path)

@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 
 use grouser_log::container::Container;
-use grouser_log::{Sheet, Survey, Use, suggest_for_sheet, suggest_for_survey};
-use serde_json::Value;
+use grouser_log::{Sheet, Survey, Topic, Use, suggest_for_sheet, suggest_for_survey};
+use grouser_report::{Fields, fields};
+use serde_json::{Value, json};
 
+use super::copied::{damage, damages_text};
 use super::sheet;
-use super::{damages_object, damages_text, keyed, printable};
 use crate::error::Result;
 use crate::progress::Progress;
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
-use crate::verbs::estimate::{log_error, note_input};
-use grouser_report::Table;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -31,15 +30,15 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let file = &arguments.file;
-    let is_table = Container::kind(file).map_err(log_error)?.is_none();
+    let is_table = Container::kind(file)?.is_none();
     let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
     let (mut report, robot) = if is_table {
-        let sheet = Sheet::read(file, |read| progress.reach(read)).map_err(log_error)?;
+        let sheet = Sheet::read(file, |read| progress.reach(read))?;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         (sheet::report(&sheet), suggest_for_sheet(&sheet, &name))
     } else {
-        let survey = Survey::read(file, |offset| progress.reach(offset)).map_err(log_error)?;
-        let mut report = Report::done(object(&survey), text(&survey));
+        let survey = Survey::read(file, |offset| progress.reach(offset))?;
+        let mut report = Report::done(fields().object(&survey), text(&survey));
         if survey.damage_count > 0 {
             report.warnings.push(format!(
                 "{} places are damaged, {} bytes are lost in them",
@@ -49,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         (report, suggest_for_survey(&survey))
     };
     drop(progress);
-    note_input(session, file)?;
+    session.used_file(file)?;
     if arguments.suggest_robot {
         report.text.clone_from(&robot);
         report.object.insert("suggested_robot".into(), robot.into());
@@ -74,80 +73,58 @@ fn lacks(survey: &Survey) -> Vec<&'static str> {
     missing.map(|(_, words)| words).collect()
 }
 
-fn object(survey: &Survey) -> Object {
-    let topics = survey.topics.iter().map(|topic| {
-        let fields = [
-            ("type", Value::from(topic.channel.type_name.as_str())),
-            (
-                "encoding",
-                Value::from(topic.channel.encoding_name.as_str()),
-            ),
-            ("messages", Value::from(topic.messages)),
-            ("bytes", Value::from(topic.bytes)),
-            ("rate_hz", Value::from(topic.rate_hz)),
-            (
-                "intervals_of",
-                Value::from(if topic.stamped {
-                    "header.stamp"
-                } else {
-                    "log_time"
-                }),
-            ),
-            ("longest_interval_s", Value::from(topic.longest_s)),
-            ("gaps", Value::from(topic.gaps)),
-            ("clock_jumps", Value::from(topic.jumps)),
-            ("undecoded", Value::from(topic.undecoded)),
-            ("problem", Value::from(topic.problem.as_deref())),
-            ("use", Value::from(topic.use_for.map(Use::words))),
-            ("joints", Value::from(topic.joints.clone())),
-        ];
-        let mut object = keyed(fields);
-        object.insert("topic".into(), topic.channel.topic.as_str().into());
-        Value::Object(object)
-    });
-    keyed([
-        ("format", Value::from(survey.format.name())),
-        ("duration_s", Value::from(survey.duration_s())),
-        ("first_ns", Value::from(survey.first_ns)),
-        ("last_ns", Value::from(survey.last_ns)),
-        ("topics", topics.collect()),
-        ("lacks", lacks(survey).into()),
-        ("damage_count", Value::from(survey.damage_count)),
-        ("bytes_lost", Value::from(survey.bytes_lost)),
-        ("damages", damages_object(&survey.damages)),
-    ])
-}
-
-fn text(survey: &Survey) -> String {
-    let mut table = Table::new()
-        .text("topic")
-        .text("type")
-        .number("messages")
-        .number("Hz")
-        .number("longest s")
-        .number("gaps")
-        .number("jumps")
-        .text("use");
-    for topic in &survey.topics {
-        let rate = topic
-            .rate_hz
-            .map_or_else(|| "–".into(), |rate| format!("{rate:.2}"));
-        let use_for = match (&topic.problem, topic.use_for) {
+fn topic<'a>() -> Fields<'a, &'a Topic> {
+    fn use_for(topic: &Topic) -> String {
+        match (&topic.problem, topic.use_for) {
             (Some(problem), _) => format!("{} not decoded: {problem}", topic.undecoded),
             (None, Some(use_for)) => use_for.words().to_owned(),
             (None, None) => "–".to_owned(),
-        };
-        table.row([
-            printable(&topic.channel.topic),
-            printable(&topic.channel.type_name),
-            topic.messages.to_string(),
-            rate,
-            format!("{:.3}", topic.longest_s),
-            topic.gaps.to_string(),
-            topic.jumps.to_string(),
-            printable(&use_for),
-        ]);
+        }
     }
+    fields! { |topic: &'a Topic|
+        "type" "type" .shown("") = topic.channel.type_name.as_str();
+        "encoding" "encoding of its messages" = topic.channel.encoding_name.as_str();
+        "messages" "messages" .shown("") = topic.messages;
+        "bytes" "bytes" = topic.bytes;
+        "rate_hz" "rate" .shown("").label("Hz").decimals(2) = topic.rate_hz;
+        "intervals_of" "what intervals are measured by" = if topic.stamped { "header.stamp" } else { "log_time" };
+        "longest_interval_s" "longest interval" .shown("s").label("longest").decimals(3) = topic.longest_s;
+        "gaps" "gaps" .shown("") = topic.gaps;
+        "clock_jumps" "clock jumps" .shown("").label("jumps") = topic.jumps;
+        "undecoded" "messages that could not be decoded" = topic.undecoded;
+        "problem" "why they could not" = topic.problem.as_deref();
+        "use" "what Grouser uses it for" = topic.use_for.map(Use::words);
+        remark "use" = use_for(topic);
+        "joints" "joints that it names" = topic.joints.clone();
+        "topic" "topic" .shown("") = topic.channel.topic.as_str();
+    }
+}
+
+fn fields<'a>() -> Fields<'a, &'a Survey> {
+    fields! { |survey: &'a Survey|
+        "format" "format" = survey.format.name();
+        "duration_s" "time from the first message to the last" = survey.duration_s();
+        "first_ns" "time of the first message" = survey.first_ns;
+        "last_ns" "time of the last message" = survey.last_ns;
+        "topics" "topics" rows(topic()) = &survey.topics;
+        "lacks" "what an estimate of slip needs and the log does not have" = lacks(survey);
+        "damage_count" "damaged places" = survey.damage_count;
+        "bytes_lost" "bytes that are lost" = survey.bytes_lost;
+        "damages" "the damaged places" rows(damage()) = &survey.damages;
+    }
+}
+
+/// Of an MCAP file or a bag, or of a table; with `--suggest-robot` the proposed file too.
+pub(super) fn schema() -> Value {
+    let schemas = [fields().schema(), sheet::fields().schema()].map(|mut schema| {
+        schema["properties"]["suggested_robot"] =
+            json!({"type": "string", "description": "proposed robot file"});
+        schema
+    });
+    json!({"anyOf": schemas})
+}
+
+fn text(survey: &Survey) -> String {
     let duration = survey
         .duration_s()
         .map_or_else(|| "no messages".to_owned(), |s| format!("{s:.3} s"));
@@ -155,7 +132,20 @@ fn text(survey: &Survey) -> String {
         format!("{}, {duration}", survey.format.name()),
         String::new(),
     ];
-    lines.push(table.render());
+    lines.push(
+        topic()
+            .pick(&[
+                "topic",
+                "type",
+                "messages",
+                "rate_hz",
+                "longest_interval_s",
+                "gaps",
+                "clock_jumps",
+                "use",
+            ])
+            .table(&survey.topics),
+    );
     let missing = lacks(survey);
     if missing.is_empty() {
         lines.push("has wheels, yaw rate and motion".to_owned());

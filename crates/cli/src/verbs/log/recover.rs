@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use grouser_log::container::Container;
 use grouser_log::write::{copy, verify};
 
-use super::{copied_object, copied_text, copy_error, refuse_same, target};
-use crate::error::{Error, Outcome, Result, shown};
+use super::copied::{self, Copy, copy_error, damages_text, refuse_same, target};
+use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::session::Session;
-use crate::verbs::estimate::{log_error, note_input};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "`log convert` writes a topic as a table",
         ));
     };
-    if Container::kind(file).map_err(log_error)?.is_none() {
+    if Container::kind(file)?.is_none() {
         return Err(Error::usage_without_hint(format!(
             "{} begins neither like an MCAP file nor like a ROS 1 bag",
             shown(file)
@@ -48,23 +48,28 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let copied = copy(file, &mut output, format, |offset| progress.reach(offset));
     let copied = copied.map_err(|error| copy_error(error, path))?;
     drop(progress);
-    note_input(session, file)?;
-    let mut report = Report::done(copied_object(&copied, path), copied_text(&copied, path));
+    session.used_file(file)?;
+    let object = |output| {
+        copied::fields().object(Copy {
+            copied: &copied,
+            output,
+        })
+    };
     if copied.messages == 0 && copied.is_partial() {
         // Dropped, the empty file leaves nothing behind.
-        report.outcome = Outcome::NoResult;
-        report
-            .object
-            .insert("output".into(), serde_json::Value::Null);
-        report.object.insert("verified".into(), false.into());
-        report.text = super::damages_text(&copied.damages);
-        report.failure = Some(format!("no message can be read of {}", shown(file)));
-        return Ok(report);
+        return Ok(Report {
+            outcome: Outcome::NoResult,
+            object: object(None),
+            text: damages_text(&copied.damages),
+            failure: Some(format!("no message can be read of {}", shown(file))),
+            warnings: Vec::new(),
+        });
     }
     verify(output.unfinished()?, &copied).map_err(|error| copy_error(error, path))?;
     output.finish()?;
+    let mut report = Report::done(object(Some(path)), copied::text(&copied, path));
     if copied.is_partial() {
-        report.outcome = Outcome::Partial;
+        report.outcome = Outcome::Doubtful;
     }
     Ok(report)
 }

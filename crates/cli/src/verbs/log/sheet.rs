@@ -4,14 +4,12 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::columns::Meaning;
 use grouser_log::{Sheet, SheetColumn};
-use serde_json::Value;
+use grouser_report::{Fields, fields};
 
-use super::{keyed, printable};
-use crate::report::{Object, Report};
-use grouser_report::Table;
+use crate::report::Report;
 
 pub(super) fn report(sheet: &Sheet) -> Report {
-    let mut report = Report::done(object(sheet), text(sheet));
+    let mut report = Report::done(fields().object(sheet), text(sheet));
     if sheet.ragged > 0 {
         report.warnings.push(format!(
             "{} lines have another number of fields than the header",
@@ -57,50 +55,62 @@ fn meaning(sheet: &Sheet, index: usize) -> String {
     format!("{}{wheel} in {}", guess.meaning.name(), guess.unit)
 }
 
-fn object(sheet: &Sheet) -> Object {
-    let bounded = |column: &SheetColumn, bound: f64| (column.numbers > 0).then_some(bound);
-    let columns = sheet.columns.iter().enumerate().map(|(index, column)| {
-        let probably = meaning(sheet, index);
-        Value::Object(keyed([
-            ("column", Value::from(column.name.as_str())),
-            ("first", Value::from(column.first.as_str())),
-            ("numbers", Value::from(column.numbers)),
-            ("empty", Value::from(column.empty)),
-            ("others", Value::from(column.others)),
-            ("least", Value::from(bounded(column, column.least))),
-            ("greatest", Value::from(bounded(column, column.greatest))),
-            (
-                "probably",
-                Value::from((!probably.is_empty()).then_some(probably)),
-            ),
-        ]))
-    });
-    let time = sheet.time.as_ref();
-    keyed([
-        ("format", Value::from("CSV")),
-        (
-            "separator",
-            Value::from(char::from(sheet.separator).to_string()),
-        ),
-        (
-            "decimal",
-            Value::from(char::from(sheet.decimal).to_string()),
-        ),
-        ("header_lines", Value::from(sheet.header_lines)),
-        ("names_line", Value::from(sheet.names_line)),
-        ("rows", Value::from(sheet.rows)),
-        ("ragged_rows", Value::from(sheet.ragged)),
-        ("duration_s", Value::from(time.map(|time| time.duration_s))),
-        ("rate_hz", Value::from(time.and_then(|time| time.rate_hz))),
-        (
-            "longest_interval_s",
-            Value::from(time.map(|time| time.longest_s)),
-        ),
-        ("gaps", Value::from(time.map(|time| time.gaps))),
-        ("clock_jumps", Value::from(time.map(|time| time.jumps))),
-        ("columns", columns.collect()),
-        ("lacks", lacks(sheet).into()),
-    ])
+/// A column and its place in the sheet.
+#[derive(Clone, Copy)]
+struct Column<'a> {
+    sheet: &'a Sheet,
+    index: usize,
+}
+
+impl<'a> Column<'a> {
+    fn all(sheet: &'a Sheet) -> impl Iterator<Item = Self> {
+        (0..sheet.columns.len()).map(move |index| Self { sheet, index })
+    }
+
+    fn of(self) -> &'a SheetColumn {
+        &self.sheet.columns[self.index]
+    }
+
+    fn bound(self, bound: f64) -> Option<f64> {
+        (self.of().numbers > 0).then_some(bound)
+    }
+
+    fn meaning(self) -> Option<String> {
+        Some(meaning(self.sheet, self.index)).filter(|words| !words.is_empty())
+    }
+}
+
+fn column<'a>() -> Fields<'a, Column<'a>> {
+    fields! { |column: Column<'a>|
+        "column" "column" .shown("") = column.of().name.as_str();
+        "first" "first" .shown("") = column.of().first.as_str();
+        "numbers" "cells with a number" = column.of().numbers;
+        "empty" "empty" .shown("") = column.of().empty;
+        "others" "cells with something else" = column.of().others;
+        "least" "least" .shown("").all_digits() = column.bound(column.of().min);
+        "greatest" "greatest" .shown("").all_digits() = column.bound(column.of().max);
+        "probably" "probably" .shown("").missing("") = column.meaning();
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, &'a Sheet> {
+    let letter = |byte: u8| char::from(byte).to_string();
+    fields! { |sheet: &'a Sheet|
+        "format" "format" = "CSV";
+        "separator" "character between fields" = letter(sheet.separator);
+        "decimal" "decimal mark" = letter(sheet.decimal);
+        "header_lines" "lines before the first row" = sheet.header_lines;
+        "names_line" "line with the names" = sheet.names_line;
+        "rows" "rows" = sheet.rows;
+        "ragged_rows" "rows with another number of fields than the header" = sheet.ragged;
+        "duration_s" "time from the first row to the last" = sheet.time.as_ref().map(|time| time.duration_s);
+        "rate_hz" "rate" = sheet.time.as_ref().and_then(|time| time.rate_hz);
+        "longest_interval_s" "longest interval" = sheet.time.as_ref().map(|time| time.longest_s);
+        "gaps" "gaps" = sheet.time.as_ref().map(|time| time.gaps);
+        "clock_jumps" "clock jumps" = sheet.time.as_ref().map(|time| time.jumps);
+        "columns" "columns" rows(column()) = Column::all(sheet);
+        "lacks" "what an estimate of slip needs and no column seems to hold" = lacks(sheet);
+    }
 }
 
 fn text(sheet: &Sheet) -> String {
@@ -120,31 +130,8 @@ fn text(sheet: &Sheet) -> String {
         }
     }
     out.push_str("\n\n");
-    let mut table = Table::new()
-        .text("column")
-        .text("first")
-        .number("least")
-        .number("greatest")
-        .number("empty")
-        .text("probably");
-    for (index, column) in sheet.columns.iter().enumerate() {
-        let bound = |bound: f64| {
-            if column.numbers > 0 {
-                format!("{bound}")
-            } else {
-                "–".to_owned()
-            }
-        };
-        table.row([
-            printable(&column.name),
-            printable(&column.first),
-            bound(column.least),
-            bound(column.greatest),
-            column.empty.to_string(),
-            meaning(sheet, index),
-        ]);
-    }
-    out.push_str(&table.render());
+    let seen = column().pick(&["column", "first", "least", "greatest", "empty", "probably"]);
+    out.push_str(&seen.table(Column::all(sheet)));
     let missing = lacks(sheet);
     if missing.is_empty() {
         out.push_str("\nhas time, wheels, yaw rate and motion, by the names of its columns\n");

@@ -11,7 +11,9 @@ use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
 use grouser_opt::{Limit, Status};
 
-use crate::error::{Error, Outcome, Result};
+use self::object::Solved;
+use crate::error::Result;
+use crate::exit::Outcome;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
@@ -71,23 +73,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: object::object(&design, &answer),
+        object: object::fields().object(Solved {
+            design: &design,
+            answer: &answer,
+        }),
         text,
         failure,
         warnings,
     })
-}
-
-impl From<grouser_design::Error> for Error {
-    fn from(error: grouser_design::Error) -> Self {
-        match error {
-            grouser_design::Error::File(error) => error.into(),
-            error => Self::Usage {
-                hint: error.hint(),
-                message: error.to_string(),
-            },
-        }
-    }
 }
 
 /// Why there is no solution; `None` where there is one.
@@ -155,4 +148,9 @@ fn warnings(optimum: &Optimum) -> Vec<String> {
         ));
     }
     list
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
 }

@@ -1,203 +1,206 @@
-//! The JSON object of `optimize`.
+//! What `optimize` found, as a list of fields: every key, `null` where it does not apply.
 
-use grouser_design::{Answer, Compromise, Design, Optimum, Trade};
+use grouser_design::{Answer, Compromise, Design, Optimum, Start, Trade};
 use grouser_opt::{Counts, Kkt, Status};
-use serde_json::Value;
+use grouser_report::{Fields, fields};
 
-use crate::report::Object;
+/// Values by name.
+type Named = Vec<(String, f64)>;
 
-/// Every key, `null` where it does not apply.
-pub(super) fn object(design: &Design, answer: &Answer) -> Object {
-    match answer {
-        Answer::Optimum(optimum) => of_optimum(design, optimum),
-        Answer::Trade(trade) => of_trade(design, trade),
-        _ => Object::new(),
+/// A problem and its answer.
+#[derive(Clone, Copy)]
+pub(super) struct Solved<'a> {
+    pub(super) design: &'a Design,
+    pub(super) answer: &'a Answer,
+}
+
+/// A part of the answer beside the problem, which has the names.
+#[derive(Clone, Copy)]
+struct Part<'a, P> {
+    design: &'a Design,
+    part: &'a P,
+}
+
+impl<'a> Solved<'a> {
+    fn part<P>(self, part: &'a P) -> Part<'a, P> {
+        Part {
+            design: self.design,
+            part,
+        }
     }
-}
 
-fn named<'n>(names: impl IntoIterator<Item = &'n str>, values: &[f64]) -> Value {
-    names
-        .into_iter()
-        .zip(values)
-        .map(|(name, value)| (name.to_owned(), Value::from(*value)))
-        .collect::<Object>()
-        .into()
-}
+    fn optimum(self) -> Option<&'a Optimum> {
+        match self.answer {
+            Answer::Optimum(optimum) => Some(optimum),
+            _ => None,
+        }
+    }
 
-fn listed(pairs: &[(String, f64)]) -> Value {
-    pairs
-        .iter()
-        .map(|(name, value)| (name.clone(), Value::from(*value)))
-        .collect::<Object>()
-        .into()
-}
+    fn trade(self) -> Option<&'a Trade> {
+        match self.answer {
+            Answer::Trade(trade) => Some(trade),
+            _ => None,
+        }
+    }
 
-fn variables(design: &Design) -> impl Iterator<Item = &str> {
-    design.variables.iter().map(|v| v.name.as_str())
-}
+    /// The point that stands for a front: its knee.
+    fn knee(self) -> Option<Part<'a, Compromise>> {
+        let trade = self.trade()?;
+        Some(self.part(trade.points.get(trade.knee?)?))
+    }
 
-fn objectives(design: &Design) -> impl Iterator<Item = &str> {
-    design.objectives.iter().map(|o| o.name.as_str())
-}
+    fn status(self) -> &'static str {
+        match (self.optimum(), self.trade()) {
+            (Some(optimum), _) => optimum.status.name(),
+            (_, Some(trade)) if !trade.points.is_empty() => "converged",
+            _ => "no_feasible_point",
+        }
+    }
 
-fn violated(status: &Status) -> Value {
-    match status {
-        Status::NoFeasiblePoint(violations) => violations
+    /// A value of the optimum, else of the knee.
+    fn of<V>(
+        self,
+        optimum: impl Fn(&'a Optimum) -> V,
+        knee: impl Fn(Part<'a, Compromise>) -> Option<V>,
+    ) -> Option<V> {
+        self.optimum().map(optimum).or_else(|| knee(self.knee()?))
+    }
+
+    fn counts(self) -> Counts {
+        let optimum = self.optimum().map(|optimum| optimum.counts);
+        let counts = optimum.or_else(|| Some(self.trade()?.counts));
+        counts.unwrap_or_default()
+    }
+
+    fn starts(self) -> impl Iterator<Item = Part<'a, Start>> {
+        let starts = self.optimum().map_or(&[][..], |optimum| &optimum.starts);
+        starts.iter().map(move |start| self.part(start))
+    }
+
+    fn front(self) -> Option<Vec<Part<'a, Compromise>>> {
+        Some(
+            self.trade()?
+                .points
+                .iter()
+                .map(|point| self.part(point))
+                .collect(),
+        )
+    }
+
+    fn violated(self) -> Option<Named> {
+        match &self.optimum()?.status {
+            Status::NoFeasiblePoint(list) => {
+                Some(list.iter().map(|v| (v.name.clone(), v.amount)).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn bound_multipliers(self) -> Option<Vec<(String, (f64, f64))>> {
+        let multipliers = self.optimum()?.bound_multipliers.iter().copied();
+        let names = self
+            .design
+            .variables
             .iter()
-            .map(|v| (v.name.clone(), Value::from(v.amount)))
-            .collect::<Object>()
-            .into(),
-        _ => Value::Null,
+            .map(|variable| variable.name.clone());
+        Some(names.zip(multipliers).collect())
     }
 }
 
-fn kkt(kkt: &Kkt) -> Value {
-    Object::from_iter([
-        ("stationarity".to_owned(), Value::from(kkt.stationarity)),
-        ("gradient_scale".to_owned(), Value::from(kkt.gradient_scale)),
-        (
-            "complementarity".to_owned(),
-            Value::from(kkt.complementarity),
-        ),
-        ("violation".to_owned(), Value::from(kkt.violation)),
-    ])
-    .into()
+fn variables(design: &Design, x: &[f64]) -> Named {
+    let names = design
+        .variables
+        .iter()
+        .map(|variable| variable.name.clone());
+    names.zip(x.iter().copied()).collect()
 }
 
-fn counts(object: &mut Object, counts: Counts) {
-    for (key, count) in [
-        ("iterations", counts.iterations),
-        ("values", counts.values),
-        ("jacobians", counts.jacobians),
-    ] {
-        object.insert(key.to_owned(), Value::from(count));
-    }
-}
-
-fn of_optimum(design: &Design, optimum: &Optimum) -> Object {
-    let mut object = Object::new();
-    let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
-    put("method", Value::from(design.task.name()));
-    put("status", Value::from(optimum.status.name()));
-    put("x", named(variables(design), &optimum.x));
-    put("objectives", listed(&optimum.objectives));
-    put("max", Value::from(optimum.maximum));
-    put("utility", Value::from(optimum.utility));
-    put("attainment", Value::from(optimum.attainment));
-    put(
-        "objective_multipliers",
-        listed(&optimum.objective_multipliers),
-    );
-    put(
-        "constraint_multipliers",
-        listed(&optimum.constraint_multipliers),
-    );
-    let bounds = variables(design).zip(&optimum.bound_multipliers);
-    put(
-        "bound_multipliers",
-        bounds
-            .map(|(name, (lower, upper))| {
-                let pair = named(["lower", "upper"], &[*lower, *upper]);
-                (name.to_owned(), pair)
-            })
-            .collect::<Object>()
-            .into(),
-    );
-    put(
-        "active",
-        optimum.active.iter().map(String::as_str).collect(),
-    );
-    put("violated", violated(&optimum.status));
-    put("kkt", kkt(&optimum.kkt));
-    counts(&mut object, optimum.counts);
-    let starts = optimum.starts.iter().map(|start| {
-        Value::from(Object::from_iter([
-            ("x".to_owned(), named(variables(design), &start.x)),
-            ("max".to_owned(), Value::from(start.maximum)),
-            ("status".to_owned(), Value::from(start.status.name())),
-        ]))
-    });
-    object.insert("starts".to_owned(), starts.collect());
-    let optima = optimum.optima.iter().map(|(start, count)| {
-        Value::from(Object::from_iter([
-            ("start".to_owned(), Value::from(*start)),
-            ("reached_by".to_owned(), Value::from(*count)),
-        ]))
-    });
-    object.insert("optima".to_owned(), optima.collect());
-    object.insert("front".to_owned(), Value::Null);
-    object.insert("knee".to_owned(), Value::Null);
-    object
-}
-
-fn of_trade(design: &Design, trade: &Trade) -> Object {
-    let mut object = Object::new();
-    let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
-    let found = !trade.points.is_empty();
-    put("method", Value::from(design.task.name()));
-    put(
-        "status",
-        Value::from(if found {
-            "converged"
-        } else {
-            "no_feasible_point"
-        }),
-    );
-    // One point stands for the front where one is asked for: its knee.
-    let knee = trade.knee.and_then(|knee| trade.points.get(knee));
-    let of_knee = |f: &dyn Fn(&Compromise) -> Value| knee.map_or(Value::Null, f);
-    put("x", of_knee(&|p| named(variables(design), &p.x)));
-    put(
-        "objectives",
-        of_knee(&|p| named(objectives(design), &p.objectives)),
-    );
-    put("max", of_knee(&|p| Value::from(maximum(design, p))));
-    put("utility", Value::Null);
-    put("attainment", Value::Null);
-    put(
-        "objective_multipliers",
-        of_knee(&|p| {
-            p.multipliers
-                .as_ref()
-                .map_or(Value::Null, |m| named(objectives(design), m))
-        }),
-    );
-    for key in [
-        "constraint_multipliers",
-        "bound_multipliers",
-        "active",
-        "violated",
-        "kkt",
-    ] {
-        put(key, Value::Null);
-    }
-    counts(&mut object, trade.counts);
-    object.insert("starts".to_owned(), Value::Array(Vec::new()));
-    object.insert("optima".to_owned(), Value::Array(Vec::new()));
-    let front = trade.points.iter().map(|point| {
-        let multipliers = point
-            .multipliers
-            .as_ref()
-            .map_or(Value::Null, |m| named(objectives(design), m));
-        Value::from(Object::from_iter([
-            ("x".to_owned(), named(variables(design), &point.x)),
-            (
-                "objectives".to_owned(),
-                named(objectives(design), &point.objectives),
-            ),
-            ("objective_multipliers".to_owned(), multipliers),
-        ]))
-    });
-    object.insert("front".to_owned(), front.collect());
-    object.insert("knee".to_owned(), Value::from(trade.knee));
-    object
-}
-
-fn maximum(design: &Design, point: &Compromise) -> f64 {
-    design
+fn objectives(design: &Design, values: &[f64]) -> Named {
+    let names = design
         .objectives
         .iter()
-        .zip(&point.objectives)
-        .map(|(o, f)| if o.absolute { f.abs() } else { *f })
-        .fold(f64::NEG_INFINITY, f64::max)
+        .map(|objective| objective.name.clone());
+    names.zip(values.iter().copied()).collect()
+}
+
+impl Part<'_, Compromise> {
+    fn multipliers(&self) -> Option<Named> {
+        Some(objectives(self.design, self.part.multipliers.as_ref()?))
+    }
+
+    fn maximum(&self) -> f64 {
+        let objectives = self.design.objectives.iter().zip(&self.part.objectives);
+        objectives
+            .map(|(objective, f)| if objective.absolute { f.abs() } else { *f })
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
+    fields! { |solved: Solved<'a>|
+        "method" "the task" = solved.design.task.name();
+        "status" "how the solve ended" = solved.status();
+        "x" "the variables; of a front those of its knee" values =
+            solved.of(|o| variables(solved.design, &o.x), |p| Some(variables(p.design, &p.part.x)));
+        "objectives" "the objectives there, without scaling" values =
+            solved.of(|o| o.objectives.clone(), |p| Some(objectives(p.design, &p.part.objectives)));
+        "max" "the greatest objective" = solved.of(|o| o.maximum, |p| Some(p.maximum()));
+        "utility" "what was minimised" = solved.optimum().map(|o| o.utility);
+        "attainment" "attainment factor" = solved.optimum().and_then(|o| o.attainment);
+        "objective_multipliers" "local trade-off between the objectives" values =
+            solved.of(|o| o.objective_multipliers.clone(), |p| p.multipliers());
+        "constraint_multipliers" "cost of each constraint" values =
+            solved.optimum().map(|o| o.constraint_multipliers.clone());
+        "bound_multipliers" "cost of the bounds of each variable" maybe_named(bounds()) = solved.bound_multipliers();
+        "active" "constraints and bounds that hold the point" = solved.optimum().map(|o| o.active.clone());
+        "violated" "constraints that no point meets, and by how much" values = solved.violated();
+        "kkt" "how well the optimality conditions hold" group(kkt()) = solved.optimum().map(|o| &o.kkt);
+        "iterations" "iterations" = solved.counts().iterations;
+        "values" "evaluations" = solved.counts().values;
+        "jacobians" "evaluations with derivatives" = solved.counts().jacobians;
+        "starts" "every start" rows(start()) = solved.starts();
+        "optima" "the different optima, best first" rows(reached()) =
+            solved.optimum().map_or(&[][..], |o| &o.optima).iter().copied();
+        "front" "the points of a front" maybe_rows(compromise()) = solved.front();
+        "knee" "place of the knee in the front" = solved.trade().and_then(|trade| trade.knee);
+    }
+}
+
+fn bounds<'a>() -> Fields<'a, (f64, f64)> {
+    fields! { |cost: (f64, f64)|
+        "lower" "of the lower bound" = cost.0;
+        "upper" "of the upper bound" = cost.1;
+    }
+}
+
+fn kkt<'a>() -> Fields<'a, &'a Kkt> {
+    fields! { |kkt: &'a Kkt|
+        "stationarity" "greatest component of the Lagrangian's gradient" = kkt.stationarity;
+        "gradient_scale" "greatest gradient of an objective" = kkt.gradient_scale;
+        "complementarity" "greatest multiplier times distance" = kkt.complementarity;
+        "violation" "greatest violation" = kkt.violation;
+    }
+}
+
+fn start<'a>() -> Fields<'a, Part<'a, Start>> {
+    fields! { |start: Part<'a, Start>|
+        "x" "where it ended" values = Some(variables(start.design, &start.part.x));
+        "max" "the greatest objective there" = start.part.maximum;
+        "status" "how it ended" = start.part.status.name();
+    }
+}
+
+fn reached<'a>() -> Fields<'a, (usize, usize)> {
+    fields! { |optimum: (usize, usize)|
+        "start" "the first start that led there" = optimum.0;
+        "reached_by" "how many starts led there" = optimum.1;
+    }
+}
+
+fn compromise<'a>() -> Fields<'a, Part<'a, Compromise>> {
+    fields! { |point: Part<'a, Compromise>|
+        "x" "the variables" values = Some(variables(point.design, &point.part.x));
+        "objectives" "the objectives" values = Some(objectives(point.design, &point.part.objectives));
+        "objective_multipliers" "local trade-off between the objectives" values = point.multipliers();
+    }
 }

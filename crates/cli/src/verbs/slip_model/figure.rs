@@ -1,7 +1,7 @@
 //! The figure of `slip-model`: slip against what is swept. Outside the contact the lines are thin.
 
-use super::Point;
 use super::grid::{Axes, Quantity};
+use super::point::Point;
 use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Curve, Figure, Mark, Marker, Style};
 use grouser_report::number::rounded;

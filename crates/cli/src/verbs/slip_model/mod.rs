@@ -3,13 +3,16 @@
 mod figure;
 mod grid;
 mod output;
+mod point;
 
 use std::path::PathBuf;
 
-use grouser_terra::{Angle, Error as LawError, Mobilised, ModelOutcome, ModelSlip, slip_model};
+use grouser_terra::Mobilised;
 
 use self::grid::{Axes, Values};
-use crate::error::{Error, Outcome, Result};
+use self::point::{Point, evaluate};
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
 use crate::report::Report;
@@ -55,15 +58,6 @@ pub(crate) struct Arguments {
     output: Vec<PathBuf>,
 }
 
-/// One answer of the model.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub(super) theta_deg: f64,
-    pub(super) sinkage_m: f64,
-    pub(super) radius_m: f64,
-    pub(super) outcome: std::result::Result<ModelOutcome, LawError>,
-}
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let outputs = Output::begin(&arguments.output)?;
     let mobilised = mobilised(arguments, session)?;
@@ -106,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::NoResult
         },
-        object: output::object(&points, mobilised),
+        object: output::fields().object((&points, mobilised)),
         text,
         failure,
         warnings: Vec::new(),
@@ -117,10 +111,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
 fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobilised>> {
     let share = arguments.mobilised;
     if !(0.0..1.0).contains(&share) {
-        return Err(Error::usage_without_hint(format!(
-            "`--mobilised` is {}, but must lie in [0, 1)",
-            grouser_report::number::told(share)
-        )));
+        return Err(Error::out_of_range(
+            "--mobilised",
+            share,
+            [0.0, 1.0],
+            "lie in [0, 1)",
+        ));
     }
     // Only K enters, and that only when something is mobilised: a soil that lacks the rest serves as well.
     let soil = match &arguments.soil {
@@ -140,7 +136,7 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
                 }
             };
             let chosen = choose(name, &overrides)?;
-            session.used_soil(&chosen, &arguments.overrides);
+            chosen.note(&arguments.overrides, session);
             Some(chosen.soil)
         }
         None => None,
@@ -170,42 +166,7 @@ fn failure(points: &[Point], share: f64) -> String {
     )
 }
 
-fn evaluate([theta_deg, sinkage_m, radius_m]: [f64; 3], mobilised: Option<Mobilised>) -> Point {
-    let outcome = slip_model(Angle::from_deg(theta_deg), sinkage_m, radius_m, mobilised);
-    Point {
-        theta_deg,
-        sinkage_m,
-        radius_m,
-        outcome,
-    }
-}
-
-impl Point {
-    pub(super) fn slip(&self) -> Option<ModelSlip> {
-        match self.outcome {
-            Ok(ModelOutcome::Slip(slip)) => Some(slip),
-            _ => None,
-        }
-    }
-
-    /// The greatest share that can be mobilised, where that asked for cannot.
-    pub(super) fn most(&self) -> Option<f64> {
-        match self.outcome {
-            Ok(ModelOutcome::Unreachable { most }) => Some(most),
-            _ => None,
-        }
-    }
-
-    pub(super) fn status(&self) -> &'static str {
-        match self.outcome {
-            Ok(ModelOutcome::Slip(_)) => "ok",
-            Ok(_) => "unreachable",
-            Err(_) => "outside-model",
-        }
-    }
-
-    pub(super) fn cautions(&self) -> Vec<&'static str> {
-        let outside = self.slip().is_some_and(|slip| !slip.in_contact);
-        outside.then_some("outside-contact").into_iter().collect()
-    }
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    output::fields().schema()
 }

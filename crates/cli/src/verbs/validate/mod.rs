@@ -6,9 +6,8 @@ use std::path::PathBuf;
 
 use grouser_campaign::validate::{PLATES, cmu, validate};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::figure_file::Target;
-use crate::input::Input;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
@@ -54,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for target in figures {
         text.push_str(&target.write(&validation.draw())?);
     }
-    Ok(Report::done(object::object(&validation), text))
+    Ok(Report::done(object::fields().object(&validation), text))
 }
 
 /// Every file that the table rests on, with its digest.
@@ -66,29 +65,12 @@ fn note_inputs(arguments: &Arguments, session: &mut Session) -> Result<()> {
         }
     }
     for file in files {
-        let mut input = Input::open(&file)?;
-        std::io::copy(&mut input, &mut std::io::sink())
-            .map_err(|error| Error::file("read", &file, &error))?;
-        session.used_input(input);
+        session.used_file(&file)?;
     }
     Ok(())
 }
 
-impl From<grouser_identify::Error> for Error {
-    fn from(error: grouser_identify::Error) -> Self {
-        use grouser_identify::Error as Identify;
-        match error {
-            Identify::File(error) | Identify::Log(grouser_log::Error::File(error)) => error.into(),
-            Identify::Content { path, message } => Self::Content {
-                path,
-                message,
-                hint: None,
-            },
-            Identify::Log(error) => Self::Usage {
-                hint: error.hint(),
-                message: error.to_string(),
-            },
-            error => Self::usage_without_hint(error.to_string()),
-        }
-    }
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
 }

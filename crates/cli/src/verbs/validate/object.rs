@@ -1,78 +1,55 @@
 //! `validate` for programs.
 
-use grouser_campaign::validate::{FitReport, Row, Validation};
-use serde_json::Value;
+use grouser_campaign::validate::{FitReport, Found, Row, Validation};
+use grouser_report::{Fields, fields};
 
-use super::super::identify::text::plate_object;
-use crate::report::Object;
+use crate::verbs::identify::object::plates;
 
 /// The keys that DESIGN.md names, and the fits behind the rows.
-pub(super) fn object(validation: &Validation) -> Object {
-    Object::from_iter([
-        (
-            "rows".to_owned(),
-            validation.rows.iter().map(row).collect::<Value>(),
-        ),
-        (
-            "fits".to_owned(),
-            validation.fits.iter().map(fit).collect::<Value>(),
-        ),
-        ("plates".to_owned(), plate_object(&validation.plates)),
-    ])
+pub(super) fn fields<'a>() -> Fields<'a, &'a Validation> {
+    fields! { |validation: &'a Validation|
+        "rows" "errors by data set, wheel, quantity and model" rows(row()) = &validation.rows;
+        "fits" "the fits behind the rows" rows(fit()) = &validation.fits;
+        "plates" "what plate tests showed" group(plates()) = &validation.plates;
+    }
 }
 
-fn row(row: &Row) -> Value {
-    let score = &row.score;
-    Value::Object(Object::from_iter(
-        [
-            ("data_set", Value::from(row.data_set)),
-            ("wheel", Value::from(row.wheel)),
-            ("slip_angle_deg", Value::from(row.slip_angle_deg)),
-            ("quantity", Value::from(row.quantity.key())),
-            ("unit", Value::from(row.quantity.unit())),
-            ("model", Value::from(row.model.key())),
-            ("fit", Value::from(row.fit)),
-            ("split", Value::from(row.split.key())),
-            ("n", Value::from(score.n)),
-            ("bias", Value::from(score.bias)),
-            ("rmse", Value::from(score.rmse)),
-            ("q75", Value::from(score.q75)),
-            ("q99", Value::from(score.q99)),
-            ("max", Value::from(score.max)),
-            ("fitted_parameters", Value::from(row.fitted_parameters)),
-            ("published_rmse", Value::from(row.published_rmse)),
-            ("scatter", Value::from(row.scatter)),
-            ("hub_buried", Value::from(row.hub_buried)),
-        ]
-        .map(|(key, value)| (key.to_owned(), value)),
-    ))
+fn row<'a>() -> Fields<'a, &'a Row> {
+    fields! { |row: &'a Row|
+        "data_set" "data set" = row.data_set;
+        "wheel" "wheel" = row.wheel;
+        "slip_angle_deg" "slip angle" = row.slip_angle_deg;
+        "quantity" "quantity" = row.quantity.key();
+        "unit" "its unit" = row.quantity.unit();
+        "model" "model" = row.model.key();
+        "fit" "what its numbers are fitted on" = row.fit;
+        "split" "fitted or predicted" = row.split.key();
+        "n" "readings" = row.score.n;
+        "bias" "mean error" = row.score.bias;
+        "rmse" "root mean square error" = row.score.rmse;
+        "q75" "75th percentile of the absolute error" = row.score.q75;
+        "q99" "99th percentile of the absolute error" = row.score.q99;
+        "max" "greatest absolute error" = row.score.max;
+        "fitted_parameters" "numbers that were fitted" = row.fitted_parameters;
+        "published_rmse" "error that was published with the data" = row.published_rmse;
+        "scatter" "scatter of repeated tests" = row.scatter;
+        "hub_buried" "readings that the model cannot reach: the hub is buried" = row.hub_buried;
+    }
 }
 
-fn fit(fit: &FitReport) -> Value {
-    let numbers = fit
-        .found
-        .iter()
-        .map(|found| {
-            let entry = Object::from_iter([
-                (
-                    "value".to_owned(),
-                    Value::from(found.parameter.to_key_unit(found.value)),
-                ),
-                (
-                    "standard_error".to_owned(),
-                    Value::from(found.parameter.to_key_unit(found.standard_error)),
-                ),
-                ("verdict".to_owned(), Value::from(found.verdict.key())),
-            ]);
-            (found.parameter.key().to_owned(), Value::Object(entry))
-        })
-        .collect::<Object>();
-    Value::Object(Object::from_iter([
-        ("data_set".to_owned(), Value::from(fit.data_set)),
-        ("model".to_owned(), Value::from(fit.model.key())),
-        ("fit".to_owned(), Value::from(fit.fit)),
-        ("status".to_owned(), Value::from(fit.status.key())),
-        ("condition".to_owned(), Value::from(fit.condition)),
-        ("parameters".to_owned(), Value::Object(numbers)),
-    ]))
+fn fit<'a>() -> Fields<'a, &'a FitReport> {
+    let number = fields! { |found: &'a Found|
+        "value" "value" = found.parameter.to_key_unit(found.value);
+        "standard_error" "standard error" = found.parameter.to_key_unit(found.standard_error);
+        "verdict" "whether the tests determine the number" = found.verdict.key();
+    };
+    fields! { |fit: &'a FitReport|
+        "data_set" "data set" = fit.data_set;
+        "model" "model" = fit.model.key();
+        "fit" "what its numbers are fitted on" = fit.fit;
+        "status" "how the search ended" = fit.status.key();
+        "condition" "condition number" = fit.condition;
+        "parameters" "the numbers that were fitted" named(number) =
+            fit.found.iter().map(|found| (found.parameter.key(), found));
+    }
 }

@@ -5,18 +5,19 @@ mod figure;
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
 
-use grouser_terra::{Angle, OperatingPoint, SlopeOutcome, WheelOnSoil};
+use grouser_terra::{Angle, SlopeOutcome, WheelOnSoil};
 use serde_json::Value;
 
-use crate::error::{Outcome, Result};
+use crate::error::Result;
+use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
-use crate::report::{Object, Report};
+use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::WheelArguments;
-use grouser_report::Table;
 use grouser_report::number::{parse_finite, shown};
+use grouser_report::{Fields, Table, fields};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -81,12 +82,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let answer = operation::solve(&pair, asked, &kinematics).map_err(refuse)?;
 
-    let mut object = inputs(arguments, &chosen.name, &pair);
-    object.extend(answer.object());
-    if let Some(slope) = &slope {
-        object.extend(slope.object());
-    }
-    let mut text = text(arguments, &chosen.name, &pair, &answer, slope.as_ref());
+    let solved = Solved {
+        arguments,
+        soil: &chosen.name,
+        pair: &pair,
+        answer: &answer,
+        slope: slope.as_ref(),
+    };
+    let mut text = text(solved);
     if let (Some(target), Some(point)) = (target, &answer.point) {
         let figure = figure::draw(&pair, point, &chosen.name);
         text.push_str(&target.write(&figure)?);
@@ -99,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let failure = answer.status.complaint(asked);
     Ok(Report {
         outcome,
-        object,
+        object: fields().object(solved),
         text,
         failure,
         warnings: Vec::new(),
@@ -123,102 +126,91 @@ impl OnSlope {
             _ => None,
         }
     }
+}
 
-    fn object(&self) -> Object {
-        [
-            ("slope_pull_n", Value::from(self.pull)),
-            ("slip_demand", Value::from(self.demand())),
-        ]
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect()
+impl OnSlope {
+    fn fields<'a>() -> Fields<'a, &'a Self> {
+        fields! { |slope: &'a Self|
+            "slope_pull_n" "pull that the slope asks for" .shown("N") = slope.pull;
+            "slip_demand" "slip that holds the slope" .shown("").missing("none") = slope.demand();
+        }
     }
 }
 
-fn inputs(arguments: &Arguments, soil: &str, pair: &WheelOnSoil) -> Object {
-    [
-        ("soil", Value::from(soil)),
-        ("radius_m", Value::from(arguments.wheel.radius_m)),
-        ("width_m", Value::from(arguments.wheel.width_m)),
-        ("rebound", Value::from(pair.soil().params().rebound)),
-        ("slip", Value::from(arguments.slip)),
-        (
-            "slip_angle_deg",
-            Value::from(arguments.wheel.slip_angle_deg),
-        ),
-        ("slope_deg", Value::from(arguments.slope_deg)),
-        ("load_n", Value::from(arguments.asked.load_n)),
-    ]
-    .into_iter()
-    .map(|(key, value)| (key.to_owned(), value))
-    .collect()
+/// The operating point and what it was solved for.
+#[derive(Clone, Copy)]
+struct Solved<'a> {
+    arguments: &'a Arguments,
+    soil: &'a str,
+    pair: &'a WheelOnSoil,
+    answer: &'a Answer,
+    slope: Option<&'a OnSlope>,
 }
 
-fn text(
-    arguments: &Arguments,
-    soil: &str,
-    pair: &WheelOnSoil,
-    answer: &Answer,
-    slope: Option<&OnSlope>,
-) -> String {
-    let mut table = Table::new().text("").number("").text("");
-    if let Some(point) = &answer.point {
-        add_point(&mut table, point);
+fn fields<'a>() -> Fields<'a, Solved<'a>> {
+    fields! { |of: Solved<'a>|
+        "soil" "soil" = of.soil;
+        "radius_m" "radius of the wheel" = of.arguments.wheel.radius_m;
+        "width_m" "width of the wheel" = of.arguments.wheel.width_m;
+        "rebound" "rebound ratio" = of.pair.soil().params().rebound;
+        "slip" "slip" = of.arguments.slip;
+        "slip_angle_deg" "slip angle" = of.arguments.wheel.slip_angle_deg;
+        "slope_deg" "slope" = of.arguments.slope_deg;
+        "load_n" "load" = of.arguments.asked.load_n;
+        join(operation::fields()) = of.answer;
+        also(OnSlope::fields()) = of.slope;
     }
-    if let Some(slope) = slope {
-        table.row(["pull that the slope asks for", &shown(slope.pull), "N"]);
-        let demand = slope.demand().map_or_else(|| "none".to_owned(), shown);
-        table.row(["slip that holds the slope", &demand, ""]);
-    }
-    let rebound = pair.soil().params().rebound;
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> Value {
+    fields().schema()
+}
+
+/// The quantities that people see.
+const LINES: [&str; 10] = [
+    "sinkage_m",
+    "entry, greatest stress, exit",
+    "vertical_force_n",
+    "drawbar_pull_n",
+    "side_force_n",
+    "torque_nm",
+    "tractive_efficiency",
+    "energy_j_per_m",
+    "compaction_resistance_n",
+    "error_estimate_n",
+];
+
+fn text(solved: Solved<'_>) -> String {
+    let wheel = &solved.arguments.wheel;
     let mut text = format!(
-        "{soil}: wheel of radius {} m, width {} m, rebound {}, at slip {}\n",
-        shown(arguments.wheel.radius_m),
-        shown(arguments.wheel.width_m),
-        shown(rebound),
-        shown(arguments.slip),
+        "{}: wheel of radius {} m, width {} m, rebound {}, at slip {}\n",
+        solved.soil,
+        shown(wheel.radius_m),
+        shown(wheel.width_m),
+        shown(solved.pair.soil().params().rebound),
+        shown(solved.arguments.slip),
     );
-    if let Some(slope) = slope {
+    if let Some(slope) = solved.slope {
         let _ = writeln!(text, "on a slope of {} deg", shown(slope.degrees));
     }
+    let mut table = Table::new().text("").number("").text("");
+    if solved.answer.point.is_some() {
+        operation::fields()
+            .pick(&LINES)
+            .add_lines(&mut table, solved.answer);
+    }
+    if let Some(slope) = solved.slope {
+        OnSlope::fields().add_lines(&mut table, slope);
+    }
     text.push_str(&table.render_body());
-    for caution in answer.point.iter().flat_map(|point| point.cautions.iter()) {
+    for caution in solved
+        .answer
+        .point
+        .iter()
+        .flat_map(|point| point.cautions.iter())
+    {
         let _ = writeln!(text, "caution: {caution}");
     }
     text
-}
-
-fn add_point(table: &mut Table, point: &OperatingPoint) {
-    let degrees = |radians: f64| shown(radians.to_degrees());
-    let or_none = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), shown);
-    let forces = &point.forces;
-    let angles = format!(
-        "{} / {} / {}",
-        degrees(point.angles.theta_1),
-        degrees(point.angles.theta_m),
-        degrees(point.angles.theta_2)
-    );
-    let efficiency = point.tractive_efficiency().map(|share| 100.0 * share);
-    for (name, value, unit) in [
-        ("sinkage", shown(1e3 * point.sinkage), "mm"),
-        ("entry, greatest stress, exit", angles, "deg"),
-        ("vertical force", shown(forces.vertical_force), "N"),
-        ("drawbar pull", shown(forces.drawbar_pull), "N"),
-        ("side force", shown(point.side_force), "N"),
-        ("torque", shown(forces.torque), "N m"),
-        ("tractive efficiency", or_none(efficiency), "%"),
-        ("energy", or_none(point.energy_per_metre()), "J/m"),
-        (
-            "compaction resistance",
-            shown(forces.compaction_resistance),
-            "N",
-        ),
-        (
-            "error of the integrals at most",
-            shown(point.error_estimate),
-            "N",
-        ),
-    ] {
-        table.row([name, &value, unit]);
-    }
 }

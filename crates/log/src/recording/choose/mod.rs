@@ -9,64 +9,41 @@ use grouser_files::columns::Meaning;
 use grouser_files::nearest;
 use grouser_files::topics::Topics;
 
-use super::peek::{Peek, Seen};
+pub(super) use super::job::Job;
+use super::preview::{Preview, Seen};
 use crate::error::{Error, Result};
 use crate::message::known::TRUTH;
 use crate::messages::Clock;
-use crate::slots::Slots;
-
-/// What a topic is used for.
-#[derive(Clone, Debug)]
-pub(super) enum Job {
-    /// Angles, rates or counts of wheels: each joint's name and its wheel.
-    Joints(Vec<(String, usize)>),
-    /// The yaw rate about this direction.
-    YawRate([f64; 3]),
-    /// The acceleration along these directions, forwards and to the left.
-    Acceleration([[f64; 3]; 2]),
-    /// A pose.
-    Pose,
-    /// A speed over ground.
-    Speed,
-    /// A way since the last message.
-    Displacement,
-    /// A commanded speed.
-    Command,
-    /// Wheels by an odometry that was made of them.
-    WheelOdometry(Vec<(usize, f64, f64)>),
-    /// Numbers by their paths.
-    Fields(Slots, Vec<String>),
-}
 
 /// One topic that is used.
 #[derive(Clone, Debug)]
-pub(super) struct Chosen {
-    pub(super) topic: String,
-    pub(super) type_name: String,
-    pub(super) jobs: Vec<Job>,
-    pub(super) words: Vec<String>,
-    pub(super) measures: Vec<(Meaning, Option<usize>)>,
-    pub(super) align: bool,
+pub(crate) struct Chosen {
+    pub(crate) topic: String,
+    pub(crate) type_name: String,
+    pub(crate) jobs: Vec<Job>,
+    pub(crate) words: Vec<String>,
+    pub(crate) measures: Vec<(Meaning, Option<usize>)>,
+    pub(crate) align: bool,
 }
 
 /// What was chosen.
 #[derive(Debug)]
-pub(super) struct Choice {
-    pub(super) topics: Vec<Chosen>,
-    pub(super) wheels: Vec<String>,
-    pub(super) clock: Clock,
-    pub(super) notes: Vec<String>,
+pub(crate) struct Choice {
+    pub(crate) topics: Vec<Chosen>,
+    pub(crate) wheels: Vec<String>,
+    pub(crate) clock: Clock,
+    pub(crate) notes: Vec<String>,
 }
 
 /// Stamps of the topics of one run may differ by so much more than the recorder's clock says, s.
 const STAMPS_APART: f64 = 10.0;
 
 /// Chooses: what the robot file names, else by type and name.
-pub(super) fn choose(peek: &Peek, topics: &Topics, file: &str) -> Result<Choice> {
+pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
     let mut choosing = Choosing {
-        peek,
+        preview,
         topics,
-        file,
+        file: &preview.names(),
         choice: Choice {
             topics: Vec::new(),
             wheels: topics.joints.iter().map(|j| j.wheel.clone()).collect(),
@@ -85,7 +62,7 @@ pub(super) fn choose(peek: &Peek, topics: &Topics, file: &str) -> Result<Choice>
 }
 
 struct Choosing<'a> {
-    peek: &'a Peek,
+    preview: &'a Preview,
     topics: &'a Topics,
     file: &'a str,
     choice: Choice,
@@ -94,9 +71,9 @@ struct Choosing<'a> {
 impl<'a> Choosing<'a> {
     /// A topic that the robot file names under `key`.
     fn named(&self, key: &'static str, name: &str) -> Result<&'a Seen> {
-        let found = self.peek.topic(name).filter(|seen| seen.messages > 0);
+        let found = self.preview.topic(name).filter(|seen| seen.messages > 0);
         found.ok_or_else(|| {
-            let all = self.peek.topics.iter().map(|s| s.channel.topic.as_str());
+            let all = self.preview.topics.iter().map(|s| s.channel.topic.as_str());
             Error::NoNamedTopic {
                 file: self.file.to_owned(),
                 key,
@@ -119,7 +96,7 @@ impl<'a> Choosing<'a> {
     /// The topics that may be chosen by type and name.
     fn free(&self) -> impl Iterator<Item = &'a Seen> {
         let topics = self.topics;
-        self.peek.topics.iter().filter(move |seen| {
+        self.preview.topics.iter().filter(move |seen| {
             let name = &seen.channel.topic;
             seen.view.is_some()
                 && !topics.ignore.contains(name)
@@ -173,7 +150,7 @@ impl<'a> Choosing<'a> {
         }
         let used = self.choice.topics.iter();
         let ahead =
-            used.filter_map(|c| Some(self.peek.topic(&c.topic)?.stamp_ahead.unwrap_or(0.0)));
+            used.filter_map(|c| Some(self.preview.topic(&c.topic)?.stamp_ahead.unwrap_or(0.0)));
         let (least, most) = ahead.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), s| {
             (s.min(least), s.max(most))
         });

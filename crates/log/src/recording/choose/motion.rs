@@ -1,4 +1,4 @@
-//! Which topics measure where the robot is and how fast it goes, and which say what it was told.
+//! The topics that measure the robot's place and speed, and the one of its command.
 
 use grouser_files::columns::Meaning;
 

@@ -51,10 +51,9 @@ impl Choosing<'_> {
         Ok(())
     }
 
-    /// The acceleration, where transforms tell which way is forwards and nothing contradicts them: gravity least of
-    /// all, which drivers without an accelerometer leave out.
+    /// The acceleration, where transforms give the forward axis and neither gravity nor covariances contradict them.
     fn acceleration(&mut self, seen: &Seen, imu: &Imu, up: [f64; 3]) {
-        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
         let Some([forward, left, _]) = axes.filter(|axes| agree(axes[2], up)) else {
             return;
         };
@@ -62,8 +61,12 @@ impl Choosing<'_> {
         let along = |direction: [f64; 3]| (0..3).filter(move |axis| direction[*axis].abs() > 0.1);
         let mut needed = along(forward).chain(along(left));
         let planar = along(up).any(unusable);
-        let is_felt = planar || seen.accelerations.up().is_some_and(|felt| agree(felt, up));
-        if imu.acceleration.is_none() || needed.any(unusable) || !is_felt {
+        let is_measured = planar
+            || seen
+                .accelerations
+                .up()
+                .is_some_and(|gravity| agree(gravity, up));
+        if imu.acceleration.is_none() || needed.any(unusable) || !is_measured {
             return;
         }
         let measures = [Meaning::AccelerationForward, Meaning::AccelerationLeft];
@@ -75,13 +78,13 @@ impl Choosing<'_> {
         );
     }
 
-    /// Which way is up for an IMU, and what tells it.
+    /// The direction that points up in an IMU's frame, and its source in words.
     fn up(&mut self, seen: &Seen, imu: &Imu) -> ([f64; 3], &'static str) {
         let topic = &seen.channel.topic;
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
         }
-        let axes = axes_by_transforms(&self.peek.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
         let by_transforms = axes.map(|[_, _, up]| up);
         match (by_transforms, seen.accelerations.up()) {
             (Some(up), None) => (up, "by its transforms"),

@@ -1,6 +1,7 @@
 //! ESRI ASCII grids.
 
-use super::{NoCell, Raster, TerrainFault, check_size};
+use super::{Raster, check_size};
+use crate::terrain_fault::{NoCell, TerrainFault};
 
 /// What the header says, as numbers.
 struct Header {

@@ -8,7 +8,8 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::{NoCell, Raster, TerrainFault, check_size};
+use super::{Raster, check_size};
+use crate::terrain_fault::{NoCell, TerrainFault};
 
 /// GeoTIFF's keys: the model type with its values, and the units of coordinates and of heights.
 const MODEL_TYPE_KEY: u32 = 1024;

@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, Seek};
 
-use super::{NoCell, Raster, TerrainFault, check_size};
+use super::{Raster, check_size};
+use crate::terrain_fault::{NoCell, TerrainFault};
 
 const WANTED: &str = "grey of 8 or 16 bits, with or without transparency";
 

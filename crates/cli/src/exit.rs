@@ -1,0 +1,43 @@
+//! How a job ends: the one table of exit codes.
+
+use std::process::ExitCode;
+
+/// Each exit code and what it means.
+pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "done"),
+    (
+        1,
+        "no usable result: no solution, not converged, infeasible",
+    ),
+    (2, "bad usage or input"),
+    (
+        3,
+        "a result was written, but it is incomplete or doubtful: rows failed, a check failed, data were lost",
+    ),
+    (130, "interrupted"),
+];
+
+/// The exit code of every bad usage and input.
+pub(crate) const BAD_INPUT: u8 = 2;
+
+/// How a job ended that was not refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// With its result.
+    Done,
+    /// Without a usable result.
+    NoResult,
+    /// With a result that is incomplete or doubtful.
+    Doubtful,
+}
+
+impl Outcome {
+    /// The exit code.
+    pub(crate) fn exit_code(self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Done => 0,
+            Self::NoResult => 1,
+            Self::Doubtful => 3,
+        })
+    }
+}

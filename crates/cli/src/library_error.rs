@@ -1,0 +1,133 @@
+//! The libraries' errors as errors of the command.
+
+use std::path::Path;
+
+use grouser_files::{Error as FileError, Place};
+
+use crate::error::{Details, Error, Kind};
+use crate::law_error::Names;
+
+impl From<FileError> for Error {
+    fn from(error: FileError) -> Self {
+        let hint = error.hint();
+        let message = error.to_string();
+        let content = |at: &Place, details: Details| {
+            Self::new(Kind::Content, message.clone(), hint.clone()).with(Details {
+                file: Some(at.file.clone()),
+                line: Some(at.line as u64),
+                ..details
+            })
+        };
+        match &error {
+            FileError::Unreadable { file, source } => Self::file("read", Path::new(file), source),
+            FileError::NotAFile { file, what } => {
+                let hint = "`-` reads standard input where a verb takes it";
+                let hint = (*what == "a pipe").then(|| hint.to_owned());
+                Self::refused_file("read", Path::new(file), &format!("it is {what}"), hint)
+            }
+            FileError::OutOfRange {
+                at,
+                key,
+                value,
+                low,
+                high,
+            } => content(
+                at,
+                Details {
+                    field: Some(key.clone()),
+                    value: (*value).into(),
+                    limit: vec![*low, *high].into(),
+                    ..Details::default()
+                },
+            ),
+            FileError::MissingKey { at, key, .. } => content(at, field(key)),
+            FileError::UnknownKey { at, key, .. } | FileError::WrongType { at, key, .. } => {
+                content(at, field(key))
+            }
+            FileError::BadChoice { at, key, value, .. } => content(
+                at,
+                Details {
+                    value: value.as_str().into(),
+                    ..field(key)
+                },
+            ),
+            FileError::NotText { at }
+            | FileError::Syntax { at, .. }
+            | FileError::TooDeep { at, .. }
+            | FileError::Format { at, .. }
+            | FileError::Soil { at, .. }
+            | FileError::Robot { at, .. }
+            | FileError::Contradiction { at, .. } => content(at, Details::default()),
+            _ => Self::new(Kind::Content, message, hint),
+        }
+    }
+}
+
+fn field(name: &str) -> Details {
+    Details {
+        field: Some(name.to_owned()),
+        ..Details::default()
+    }
+}
+
+impl From<grouser_log::Error> for Error {
+    fn from(error: grouser_log::Error) -> Self {
+        match error {
+            grouser_log::Error::File(error) => error.into(),
+            error => Self::new(Kind::Content, error.to_string(), error.hint()),
+        }
+    }
+}
+
+impl From<grouser_replay::Error> for Error {
+    fn from(error: grouser_replay::Error) -> Self {
+        match error {
+            grouser_replay::Error::File(error) => error.into(),
+            grouser_replay::Error::Log(error) => error.into(),
+            grouser_replay::Error::Soil(error) => Names::Columns.error(&error),
+            error => Self::new(Kind::Content, error.to_string(), error.hint()),
+        }
+    }
+}
+
+impl From<grouser_rover::Error> for Error {
+    fn from(error: grouser_rover::Error) -> Self {
+        match error {
+            grouser_rover::Error::File(error) => error.into(),
+            error => Self::new(Kind::Content, error.to_string(), error.hint()),
+        }
+    }
+}
+
+impl From<grouser_design::Error> for Error {
+    fn from(error: grouser_design::Error) -> Self {
+        match error {
+            grouser_design::Error::File(error) => error.into(),
+            error => Self::new(Kind::Content, error.to_string(), error.hint()),
+        }
+    }
+}
+
+impl From<grouser_identify::Error> for Error {
+    fn from(error: grouser_identify::Error) -> Self {
+        use grouser_identify::Error as Identify;
+        match error {
+            Identify::File(error) => error.into(),
+            Identify::Log(error) => error.into(),
+            Identify::Content { path, message } => Self::content(&path, message, None),
+            error => Self::new(Kind::Content, error.to_string(), None),
+        }
+    }
+}
+
+impl From<grouser_campaign::Error> for Error {
+    fn from(error: grouser_campaign::Error) -> Self {
+        use grouser_campaign::Error as Campaign;
+        match error {
+            Campaign::File(error) => error.into(),
+            Campaign::Design(error) => error.into(),
+            Campaign::Rover(error) => error.into(),
+            error => Self::new(Kind::Content, error.to_string(), None),
+        }
+    }
+}

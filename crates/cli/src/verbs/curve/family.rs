@@ -1,0 +1,13 @@
+//! One curve of several.
+
+use grouser_terra::BestSlip;
+
+use crate::operation::{Answer, Asked};
+
+/// One curve: what it was asked for by, and its points.
+pub(super) struct Family {
+    pub(super) asked: Asked,
+    pub(super) points: Vec<(f64, Answer)>,
+    pub(super) most_pull: Option<BestSlip>,
+    pub(super) most_efficient: Option<BestSlip>,
+}

@@ -1,0 +1,32 @@
+//! One finished drive, and several.
+
+use grouser_rover::drive::{DriveResult, Outcome, Pilot};
+
+use super::track::Track;
+
+/// One finished drive.
+pub(super) struct Run {
+    pub(super) pilot: Pilot,
+    pub(super) seed: u64,
+    pub(super) result: DriveResult,
+    /// What was seen on the way, of the first seed.
+    pub(super) track: Option<Track>,
+}
+
+/// How many of the runs of a driver ended so.
+pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Outcome) -> usize {
+    runs.iter()
+        .filter(|run| run.pilot == pilot && run.result.outcome == outcome)
+        .count()
+}
+
+/// The drivers in the order that they were asked for, each once.
+pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
+    let mut pilots: Vec<Pilot> = Vec::new();
+    for run in runs {
+        if !pilots.contains(&run.pilot) {
+            pilots.push(run.pilot);
+        }
+    }
+    pilots
+}

@@ -1,0 +1,292 @@
+//! Every shell block of README.md and docs/, pasted as it stands.
+//!
+//! A block ```` ```sh ```` runs line by line; the block ```` ```text ```` after it quotes lines of its output. In ```` ```console ````
+//! a line after `$ ` runs and the others are quoted. ```` ```toml title="F" ```` writes the file F. `sh data` and `console data` need
+//! the measured data (`GROUSER_DATA`); `exit=N` is the exit code if it is not 0.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.ancestors().nth(2).unwrap().to_owned()
+}
+
+/// A fenced block: its language, the words behind it, and its lines.
+struct Block {
+    language: String,
+    options: Vec<String>,
+    body: String,
+}
+
+impl Block {
+    fn option(&self, name: &str) -> Option<&str> {
+        let mut values = self.options.iter();
+        values.find_map(|option| {
+            Some(
+                option
+                    .strip_prefix(name)?
+                    .strip_prefix('=')?
+                    .trim_matches('"'),
+            )
+        })
+    }
+
+    fn needs_data(&self) -> bool {
+        self.options.iter().any(|option| option == "data")
+    }
+}
+
+fn blocks(text: &str) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut open: Option<Block> = None;
+    for line in text.lines() {
+        match (line.trim_start().strip_prefix("```"), open.as_mut()) {
+            (Some(info), None) => {
+                let mut words = info.split_whitespace().map(str::to_owned);
+                open = Some(Block {
+                    language: words.next().unwrap_or_default(),
+                    options: words.collect(),
+                    body: String::new(),
+                });
+            }
+            (Some(_), Some(_)) => blocks.extend(open.take()),
+            (None, Some(block)) => {
+                block.body.push_str(line);
+                block.body.push('\n');
+            }
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a block is not closed");
+    blocks
+}
+
+/// A temporary folder with what the examples read.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("grouser-docs-{}-{name}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        copy(&root().join("examples"), &folder.join("examples"));
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// Runs a line; `None` if it is not of this command, `Err` if its exit code is another one.
+fn run(
+    line: &str,
+    folder: &Path,
+    data: Option<&Path>,
+    exit: i32,
+) -> Option<Result<String, String>> {
+    let line = line.split(" #").next().unwrap_or(line);
+    let arguments = line
+        .strip_prefix("cargo run --release -- ")
+        .or(line.strip_prefix("grouser "))?;
+    let (arguments, target) = match arguments.split_once(" > ") {
+        Some((arguments, target)) => (arguments, Some(target.trim())),
+        None => (arguments, None),
+    };
+    let data = data
+        .map(|data| data.display().to_string())
+        .unwrap_or_default();
+    let arguments = arguments.replace("$GROUSER_DATA", &data);
+    let output = Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .current_dir(folder)
+        .args(
+            arguments
+                .split_whitespace()
+                .map(|word| word.trim_matches('\'')),
+        )
+        .output()
+        .unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if output.status.code() != Some(exit) {
+        return Some(Err(format!(
+            "{line}\n{}, not {exit}\n{printed}{errors}",
+            output.status
+        )));
+    }
+    if let Some(target) = target {
+        fs::write(folder.join(target), &printed).unwrap();
+    }
+    Some(Ok(format!("{printed}{errors}")))
+}
+
+/// The quoted lines stand in the output; a line of `…` stands for others.
+fn check_quotes(line: &str, output: &str, quotes: &str) -> Result<(), String> {
+    let squeezed = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let lines: Vec<_> = output.lines().map(squeezed).collect();
+    let mut missing = String::new();
+    for quote in quotes
+        .lines()
+        .map(squeezed)
+        .filter(|quote| !quote.is_empty() && quote != "…")
+    {
+        if !lines.iter().any(|printed| printed.contains(&quote)) {
+            let _ = writeln!(missing, "  {quote}");
+        }
+    }
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(format!("{line}\nlacks:\n{missing}prints:\n{output}"))
+}
+
+/// Runs a page: how many commands ran, and what failed.
+fn page(path: &Path) -> (usize, Vec<String>) {
+    let text = fs::read_to_string(path).unwrap();
+    let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+    let folder = Folder::new(&name);
+    let data = std::env::var_os("GROUSER_DATA").map(PathBuf::from);
+    let data = data.unwrap_or_else(|| root().join("data"));
+    let data = Some(data.as_path()).filter(|data| data.is_dir());
+    let (mut ran, mut failures) = (0, Vec::new());
+    let blocks = blocks(&text);
+    for (i, block) in blocks.iter().enumerate() {
+        let exit = block.option("exit").map_or(0, |code| code.parse().unwrap());
+        if block.needs_data() && data.is_none() {
+            assert!(std::env::var_os("CI").is_none(), "no measured data");
+            eprintln!(
+                "{}: skipped for lack of data:\n{}",
+                path.display(),
+                block.body
+            );
+            continue;
+        }
+        // each part: its commands, and the lines that their output must have
+        let parts: Vec<(String, &str)> = match block.language.as_str() {
+            "toml" => {
+                if let Some(file) = block.option("title") {
+                    fs::write(folder.0.join(file), &block.body).unwrap();
+                }
+                continue;
+            }
+            "sh" => {
+                let quoted = blocks.get(i + 1).filter(|next| next.language == "text");
+                vec![(
+                    block.body.replace("\\\n", " "),
+                    quoted.map_or("", |next| &next.body),
+                )]
+            }
+            "console" => {
+                let parts = block
+                    .body
+                    .split("$ ")
+                    .filter(|part| !part.trim().is_empty());
+                let split = |part: &'_ str| {
+                    part.split_once('\n')
+                        .map_or(part.len(), |(line, _)| line.len())
+                };
+                parts
+                    .map(|part| part.split_at(split(part)))
+                    .map(|(line, quoted)| (line.to_owned(), quoted))
+                    .collect()
+            }
+            _ => continue,
+        };
+        for (lines, quoted) in parts {
+            let outputs: Result<Vec<_>, _> = lines
+                .lines()
+                .filter_map(|line| run(line, &folder.0, data, exit))
+                .collect();
+            match outputs {
+                Ok(outputs) => {
+                    ran += outputs.len();
+                    if !outputs.is_empty() {
+                        failures.extend(check_quotes(&lines, &outputs.concat(), quoted).err());
+                    }
+                }
+                Err(failure) => failures.push(failure),
+            }
+        }
+    }
+    let at = |failure| format!("{}: {failure}", path.display());
+    (ran, failures.into_iter().map(at).collect())
+}
+
+/// Runs pages that must have at least this many commands.
+fn check(pages: &[PathBuf], min_commands: usize) {
+    let (mut ran, mut failures) = (0, Vec::new());
+    for path in pages {
+        let (commands, failed) = page(path);
+        ran += commands;
+        failures.extend(failed);
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(ran >= min_commands, "only {ran} commands");
+}
+
+fn pages(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut pages: Vec<_> = entries
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .collect();
+    pages.sort();
+    pages
+}
+
+#[test]
+fn the_readme_runs_and_prints_what_it_quotes() {
+    check(&[root().join("README.md")], 3);
+}
+
+#[test]
+fn the_tutorials_run_and_print_what_they_quote() {
+    check(&pages(&root().join("docs/tutorials")), 15);
+}
+
+#[test]
+fn the_reference_pages_run_and_print_what_they_quote() {
+    check(&pages(&root().join("docs")), 10);
+}
+
+/// Lines of prose stay readable beside code: at most 100 characters in the README and the tutorials, and a tutorial is one sitting.
+#[test]
+fn the_readme_and_the_tutorials_are_short() {
+    let mut pages = pages(&root().join("docs/tutorials"));
+    pages.push(root().join("README.md"));
+    for path in pages {
+        let text = fs::read_to_string(&path).unwrap();
+        let limit = if path.ends_with("README.md") {
+            130
+        } else {
+            100
+        };
+        assert!(text.lines().count() <= limit, "{}", path.display());
+        let is_table = |line: &str| line.starts_with('|');
+        for line in text
+            .lines()
+            .filter(|line| !is_table(line) && !line.contains("]("))
+        {
+            assert!(line.chars().count() <= 100, "{}: {line}", path.display());
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Column maps as text.
+
+use crate::columns::{Column, ColumnMap, Meaning, Table};
+use crate::toml_text::{TomlText, quoted};
+use crate::unit::Quantity;
+
+/// The text of a column map that reads back to the same map.
+///
+/// ```
+/// use grouser_files::{Document, columns};
+///
+/// let map = columns::read(std::path::Path::new("../../examples/kobuki/columns.toml"))?;
+/// let again = columns::parse(&Document::from_text("again.toml", columns::to_toml(&map))?)?;
+/// assert_eq!(again, map);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
+#[must_use]
+pub fn to_toml(map: &ColumnMap) -> String {
+    let mut out = TomlText::new(&[]);
+    for table in &map.tables {
+        write_table(&mut out, table);
+    }
+    out.finish()
+}
+
+pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
+    out.header("[[table]]");
+    out.optional_text("file", table.file.as_deref());
+    if table.separator == b'\t' {
+        out.text("separator", "tab");
+    } else {
+        out.text("separator", &char::from(table.separator).to_string());
+    }
+    for (key, lines) in [
+        ("header_lines", table.header_lines),
+        ("names_line", table.names_line),
+    ] {
+        out.integer(key, i64::try_from(lines).unwrap_or(i64::MAX));
+    }
+    out.text("decimal", &char::from(table.decimal).to_string());
+    out.texts("missing", &table.missing);
+    out.flag("align_clock", table.align_clock);
+    let units = Quantity::Time.units().into_iter();
+    let unit = units.min_by(|a, b| {
+        let far = |seconds: f64| (seconds * 1e9 - table.time.nanoseconds as f64).abs();
+        far(a.1).total_cmp(&far(b.1))
+    });
+    out.line(&format!(
+        "time = {{ column = {}, unit = \"{}\" }}",
+        quoted(&table.time.column),
+        unit.map_or("s", |(name, _)| name)
+    ));
+    out.line("columns = [");
+    for column in &table.columns {
+        out.line(&format!(
+            "    {{ column = {}, {} }},",
+            quoted(&column.column),
+            meaning(column, ", ")
+        ));
+    }
+    out.line("]");
+}
+
+/// The keys of a column's meaning, with `between` between them.
+pub(crate) fn meaning(column: &Column, between: &str) -> String {
+    let mut keys = vec![format!("meaning = \"{}\"", column.meaning.name())];
+    keys.extend(
+        column
+            .wheel
+            .iter()
+            .map(|wheel| format!("wheel = {}", quoted(wheel))),
+    );
+    let all = Meaning::ALL.into_iter();
+    let quantity = all.filter_map(|(_, own, quantity)| (own == column.meaning).then_some(quantity));
+    let units: Vec<_> = quantity.flat_map(Quantity::units).collect();
+    if let Some((unit, _)) = units.iter().find(|(_, factor)| *factor == column.factor) {
+        keys.push(format!("unit = \"{unit}\""));
+    } else if let Some((unit, _)) = units.first() {
+        // The first unit is the SI one.
+        keys.push(format!("unit = \"{unit}\""));
+        keys.push(format!("scale = {:?}", column.factor));
+    }
+    keys.join(between)
+}

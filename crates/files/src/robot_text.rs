@@ -1,0 +1,196 @@
+//! A robot as the text of a robot file.
+
+use grouser_slip::settings::{Field, FileUnit};
+use grouser_slip::window::WindowSettings;
+use grouser_slip::{Shaft, Wheel, WheelRole};
+
+use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
+use crate::columns_text::{meaning, write_table};
+use crate::robot::{RobotFile, filter_of};
+use crate::toml_text::TomlText;
+use crate::topics::{Topics, UP};
+
+/// The text of a robot file that reads back to the same robot; values that the reader assumes are left out.
+///
+/// ```
+/// use grouser_files::{Document, robot};
+///
+/// let file = robot::read(std::path::Path::new("../../examples/kobuki/robot.toml"))?;
+/// let again = robot::parse(&Document::from_text("again.toml", robot::to_toml(&file))?)?;
+/// assert_eq!(again, file);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
+#[must_use]
+pub fn to_toml(file: &RobotFile) -> String {
+    let mut out = TomlText::new(&[]);
+    out.text("name", file.robot.name());
+    out.header("[estimator]");
+    out.optional_text(
+        "reference",
+        file.reference.map(|reference| reference.name()),
+    );
+    out.optional_text(
+        "wheel_sensor",
+        file.wheel_sensor.map(|sensor| sensor.name()),
+    );
+    let usual = WindowSettings::default();
+    write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);
+    out.header("[filter]");
+    let usual = filter_of(&file.settings);
+    write_fields(
+        &mut out,
+        &file.filter,
+        &usual,
+        grouser_slip::filter::FilterSettings::FIELDS,
+    );
+    write_topics(&mut out, &file.topics);
+    for table in file.columns.iter().flat_map(|map| &map.tables) {
+        write_table(&mut out, table);
+    }
+    if let Some(body) = &file.body {
+        write_body(&mut out, body);
+    }
+    for (index, wheel) in file.robot.wheels().iter().enumerate() {
+        write_wheel(&mut out, wheel);
+        let joint = file.topics.joints.get(index);
+        out.optional_text("joint", joint.and_then(|joint| joint.joint.as_deref()));
+        if let Some(body) = file.body.as_ref().and_then(|body| body.wheels.get(index)) {
+            write_wheel_body(&mut out, body);
+        }
+    }
+    out.finish()
+}
+
+fn write_fields<S: Copy>(out: &mut TomlText, settings: &S, usual: &S, fields: &[Field<S>]) {
+    for field in fields {
+        let value = field.get(settings);
+        if let Some(key) = field.key
+            && value != field.get(usual)
+        {
+            match field.file_unit {
+                FileUnit::Degrees => out.degrees(key, value),
+                _ => out.number(key, value),
+            }
+        }
+    }
+}
+
+fn write_topics(out: &mut TomlText, topics: &Topics) {
+    out.header("[topics]");
+    for (key, topic) in [
+        ("wheels", &topics.wheels),
+        ("yaw_rate", &topics.yaw_rate),
+        ("pose", &topics.pose),
+        ("speed", &topics.speed),
+        ("command", &topics.command),
+    ] {
+        out.optional_text(key, topic.as_deref());
+    }
+    let up = UP.iter().find(|(_, up)| topics.imu_up == Some(*up));
+    out.optional_text("imu_up", up.map(|(name, _)| *name));
+    if let Some(odometry) = &topics.wheel_odometry {
+        out.text("wheel_odometry", &odometry.topic);
+        out.number("wheel_odometry_track_m", odometry.track);
+    }
+    out.optional_text("time", topics.recorder_clock.then_some("log"));
+    out.flag("align_clock", topics.align_clock);
+    out.texts("ignore", &topics.ignore);
+    for topic in &topics.fields {
+        for field in &topic.fields {
+            out.header("[[topics.field]]");
+            out.text("topic", &topic.topic);
+            out.text("field", &field.column);
+            out.line(&meaning(field, "\n"));
+        }
+    }
+}
+
+fn write_wheel(out: &mut TomlText, wheel: &Wheel) {
+    out.header("[[wheel]]");
+    out.text("name", &wheel.name);
+    out.number("x_m", wheel.x);
+    out.number("y_m", wheel.y);
+    out.degrees("heading_deg", wheel.heading.rad());
+    out.number("radius_m", wheel.radius);
+    out.text(
+        "drive",
+        match wheel.role {
+            WheelRole::Powered => "powered",
+            WheelRole::Free => "free",
+        },
+    );
+    let encoder = &wheel.encoder;
+    if encoder.shaft == Shaft::Motor {
+        out.text("encoder_on", "motor");
+    }
+    if encoder.shaft == Shaft::Motor || encoder.gear != 1.0 {
+        out.number("gear", encoder.gear);
+    }
+    out.optional_number("ticks_per_turn", encoder.ticks_per_turn);
+    out.integer("counter_bits", encoder.counter.bits().into());
+    out.flag("reversed", encoder.reversed);
+    out.nonzero("rate_step_rad_per_s", encoder.rate_step);
+    out.optional_number("width_m", wheel.width);
+    out.optional_number("load_n", wheel.load);
+}
+
+fn write_body(out: &mut TomlText, body: &BodyFile) {
+    out.header("[chassis]");
+    write_mass(out, &body.chassis);
+    for link in &body.links {
+        write_link(out, link);
+    }
+    for motor in &body.motors {
+        write_motor(out, motor);
+    }
+}
+
+fn write_mass(out: &mut TomlText, mass: &MassFile) {
+    out.number("mass_kg", mass.mass);
+    write_point(out, ["cg_x_m", "cg_y_m", "cg_z_m"], mass.centre);
+    let keys = ["inertia_xx_kg_m2", "inertia_yy_kg_m2", "inertia_zz_kg_m2"];
+    write_point(out, keys, mass.inertia);
+}
+
+fn write_point(out: &mut TomlText, keys: [&str; 3], point: [f64; 3]) {
+    for (key, value) in keys.into_iter().zip(point) {
+        out.number(key, value);
+    }
+}
+
+fn write_link(out: &mut TomlText, link: &LinkFile) {
+    out.header("[[link]]");
+    out.text("name", &link.name);
+    out.optional_text("on", link.on.as_deref());
+    write_point(out, ["pivot_x_m", "pivot_y_m", "pivot_z_m"], link.pivot);
+    write_mass(out, &link.mass);
+    out.optional_text("opposite", link.opposite.as_deref());
+    out.nonzero("stiffness_nm_per_rad", link.stiffness);
+    out.nonzero("damping_nms_per_rad", link.damping);
+    out.nonzero("preload_nm", link.preload);
+    out.degrees("range_deg", link.range);
+}
+
+fn write_motor(out: &mut TomlText, motor: &MotorFile) {
+    out.header("[[motor]]");
+    out.text("name", &motor.name);
+    out.number("resistance_ohm", motor.resistance);
+    out.number("constant_nm_per_a", motor.constant);
+    out.number("voltage_v", motor.voltage);
+    out.number("current_a", motor.current);
+    out.nonzero("rotor_inertia_kg_m2", motor.rotor_inertia);
+    out.number("gear_efficiency", motor.gear_efficiency);
+}
+
+fn write_wheel_body(out: &mut TomlText, wheel: &WheelBody) {
+    out.optional_text("on", wheel.on.as_deref());
+    out.optional_number("z_m", wheel.z);
+    out.number("mass_kg", wheel.mass);
+    out.optional_number("spin_inertia_kg_m2", wheel.spin_inertia);
+    out.optional_text("motor", wheel.motor.as_deref());
+    out.nonzero("bearing_nm", wheel.bearing);
+    out.degrees("camber_deg", wheel.camber);
+    out.degrees("caster_deg", wheel.caster);
+    out.degrees("steer_range_deg", wheel.steer_range);
+    out.degrees("steer_rate_deg_per_s", wheel.steer_rate);
+}

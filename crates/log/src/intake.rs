@@ -1,0 +1,193 @@
+//! Messages in, samples out.
+
+use std::sync::Arc;
+
+use grouser_slip::Sample;
+
+use crate::container::Channel;
+use crate::message::{Decoders, SharedDecoder, Value, View, is_spare};
+use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
+use crate::order::Ordered;
+use crate::recording::{Choice, UsedTopic};
+
+/// Turns the messages of chosen topics into samples in the order of time.
+///
+/// Files are read through it, and a live source can push into it: [`Preview`](crate::Preview) chooses the topics, by
+/// the robot file and by the first messages, then every message goes in with [`Intake::push`], and samples come out of
+/// [`Intake::pop`].
+///
+/// ```
+/// use grouser_files::topics::Topics;
+/// use grouser_log::container::{Container, Event};
+/// use grouser_log::Preview;
+///
+/// let path = std::path::Path::new("../../examples/five-wheel/log.mcap");
+/// let robot = grouser_files::robot::read(&path.with_file_name("robot.toml"))?;
+/// let mut preview = Preview::new(&robot.topics);
+/// preview.read(path)?;
+/// let mut intake = preview.into_intake()?;
+/// let mut container = Container::open(path)?;
+/// let mut samples = 0;
+/// while let Some(event) = container.next() {
+///     if let Event::Message(message) = event {
+///         let channel = intake.channel(message.of);
+///         intake.push(channel, message.data, message.log_time_ns);
+///     }
+///     while intake.pop().is_some() {
+///         samples += 1;
+///     }
+/// }
+/// intake.finish();
+/// while intake.pop().is_some() {
+///     samples += 1;
+/// }
+/// assert_eq!(samples, 2001 * 6); // five counters and a gyro
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Intake {
+    choice: Arc<Choice>,
+    /// What is added to the times of each topic, ns.
+    shifts_ns: Vec<i64>,
+    channels: Vec<Known>,
+    decoders: Decoders,
+    ordered: Ordered<Sample>,
+    look_ahead: usize,
+    left_out: LeftOut,
+    is_finished: bool,
+}
+
+/// A channel of a topic that is used, with the value into which its messages are decoded.
+struct Known {
+    channel: Channel,
+    topic: usize,
+    decoder: SharedDecoder,
+    value: Value,
+}
+
+impl Intake {
+    pub(crate) fn new(choice: Arc<Choice>, shifts_ns: Vec<i64>) -> Self {
+        Self {
+            choice,
+            shifts_ns,
+            channels: Vec::new(),
+            decoders: Decoders::default(),
+            ordered: Ordered::new(LOOK_AHEAD),
+            look_ahead: LOOK_AHEAD,
+            left_out: LeftOut::default(),
+            is_finished: false,
+        }
+    }
+
+    /// Holds back `messages` messages instead of [`LOOK_AHEAD`]: 0 for a live source, whose samples the slip filter
+    /// orders itself.
+    #[must_use]
+    pub fn with_look_ahead(mut self, messages: usize) -> Self {
+        (self.ordered, self.look_ahead) = (Ordered::new(messages), messages);
+        self
+    }
+
+    /// The wheels, to which the samples' indices refer.
+    #[must_use]
+    pub fn wheels(&self) -> &[String] {
+        &self.choice.wheels
+    }
+
+    /// The topics that are used.
+    pub fn topics(&self) -> impl Iterator<Item = UsedTopic> {
+        self.choice.used()
+    }
+
+    /// How the topics were chosen, where a user should know it.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.choice.notes
+    }
+
+    /// The number under which messages of `channel` are pushed; `None` for a topic that is not used.
+    pub fn channel(&mut self, channel: &Channel) -> Option<usize> {
+        let topic = self
+            .choice
+            .topics
+            .iter()
+            .position(|chosen| chosen.topic == channel.topic)?;
+        let known = self
+            .channels
+            .iter()
+            .position(|known| known.channel == *channel);
+        Some(known.unwrap_or_else(|| {
+            self.channels.push(Known {
+                channel: channel.clone(),
+                topic,
+                decoder: self.decoders.of(channel),
+                value: Value::Null,
+            });
+            self.channels.len() - 1
+        }))
+    }
+
+    /// Takes a message of a channel, recorded at `log_time_ns`. One that cannot be decoded, or comes too late, is
+    /// counted in [`Intake::left_out`].
+    pub fn push(&mut self, channel: Option<usize>, bytes: &[u8], log_time_ns: u64) {
+        let Some(index) = channel.filter(|channel| *channel < self.channels.len()) else {
+            return;
+        };
+        let known = &mut self.channels[index];
+        let decoded = match &*known.decoder {
+            Ok(decoder) => decoder
+                .decode_into(bytes, &mut known.value)
+                .map_err(|error| error.to_string()),
+            Err(problem) => Err(problem.clone()),
+        };
+        if let Err(problem) = decoded {
+            self.left_out.undecoded += 1;
+            self.left_out.problem.get_or_insert(problem);
+            return;
+        }
+        let stamp = match self.choice.clock {
+            Clock::Header => stamp_of(&known.value),
+            Clock::Recorder => None,
+        };
+        let time_ns = stamp
+            .unwrap_or_else(|| i64::try_from(log_time_ns).unwrap_or(i64::MAX))
+            .saturating_add(self.shifts_ns.get(known.topic).copied().unwrap_or(0));
+        if self.ordered.begin_row(time_ns).is_err() {
+            self.left_out.late += 1;
+            return;
+        }
+        let view = View::new(&known.channel.type_name, &known.value);
+        for job in &self.choice.topics[known.topic].jobs {
+            job.measurements(view.as_ref(), &known.value, |measurement| {
+                self.ordered.push(Sample {
+                    time_ns,
+                    measurement,
+                });
+            });
+        }
+        if !is_spare(index, bytes.len()) {
+            known.value = Value::Null;
+        }
+    }
+
+    /// The next sample in the order of time; `None` until more messages come.
+    pub fn pop(&mut self) -> Option<Sample> {
+        let is_due = self.is_finished || self.look_ahead == 0 || self.ordered.is_ripe();
+        is_due.then(|| self.ordered.pop()).flatten()
+    }
+
+    /// No more messages come: [`Intake::pop`] returns the samples that were held back.
+    pub const fn finish(&mut self) {
+        self.is_finished = true;
+    }
+
+    /// What was left out so far.
+    #[must_use]
+    pub const fn left_out(&self) -> &LeftOut {
+        &self.left_out
+    }
+
+    /// A part of the file was lost.
+    pub(crate) const fn lose(&mut self, bytes: u64) {
+        self.left_out.damages += 1;
+        self.left_out.bytes_lost += bytes;
+    }
+}

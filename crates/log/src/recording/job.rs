@@ -1,0 +1,186 @@
+//! What a topic is used for, and the measurements that its messages hold.
+
+use std::convert::Infallible;
+
+use grouser_slip::Measurement;
+
+use super::mounting::{dot, yaw};
+use crate::message::{Trust, Value, View};
+use crate::slots::Slots;
+
+/// What a topic is used for.
+#[derive(Clone, Debug)]
+pub(crate) enum Job {
+    /// Angles, rates or counts of wheels: each joint's name and its wheel.
+    Joints(Vec<(String, usize)>),
+    /// The yaw rate about this direction.
+    YawRate([f64; 3]),
+    /// The acceleration along these directions, forwards and to the left.
+    Acceleration([[f64; 3]; 2]),
+    /// A pose.
+    Pose,
+    /// A speed over ground.
+    Speed,
+    /// A way since the last message.
+    Displacement,
+    /// A commanded speed.
+    Command,
+    /// Wheels by an odometry that was made of them.
+    WheelOdometry(Vec<(usize, f64, f64)>),
+    /// Numbers by their paths.
+    Fields(Slots, Vec<String>),
+}
+
+impl Job {
+    /// Gives every measurement of a message to `push`.
+    pub(crate) fn measurements(
+        &self,
+        view: Option<&View>,
+        value: &Value,
+        mut push: impl FnMut(Measurement),
+    ) {
+        let usable = |trust: &[Trust]| trust.iter().all(|trust| trust.is_usable());
+        match (self, view) {
+            (Job::Joints(joints), Some(view)) => wheel_readings(joints, view, push),
+            (Job::YawRate(up), Some(View::Imu(imu))) => {
+                let trusted = imu.angular_rate_trust.iter().zip(up);
+                let usable = trusted
+                    .clone()
+                    .all(|(trust, u)| u.abs() < 0.1 || *trust != Trust::DoNotUse);
+                if let Some(rate) = imu.angular_rate.filter(|_| usable) {
+                    push(Measurement::YawRate {
+                        rate: dot(*up, rate),
+                    });
+                }
+            }
+            (Job::Acceleration([forward, left]), Some(View::Imu(imu))) => {
+                if let Some(acceleration) = imu.acceleration {
+                    push(Measurement::Acceleration {
+                        forward: dot(*forward, acceleration),
+                        left: dot(*left, acceleration),
+                    });
+                }
+            }
+            (Job::Pose, Some(View::Odometry(odometry))) => {
+                if let Some(yaw) =
+                    yaw(odometry.orientation).filter(|_| usable(&odometry.pose_trust))
+                {
+                    let [x, y, _] = odometry.position;
+                    push(Measurement::Pose { x, y, yaw });
+                }
+            }
+            (
+                Job::Pose,
+                Some(View::Pose {
+                    position,
+                    orientation,
+                }),
+            ) => {
+                if let Some(yaw) = yaw(*orientation) {
+                    let [x, y, _] = *position;
+                    push(Measurement::Pose { x, y, yaw });
+                }
+            }
+            (Job::Speed, Some(View::Odometry(odometry))) if odometry.twist_trust[0].is_usable() => {
+                let [forward, left, _] = odometry.linear;
+                push(Measurement::Speed {
+                    forward,
+                    left: odometry.twist_trust[1].is_usable().then_some(left),
+                });
+            }
+            (Job::Speed, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
+                forward: linear[0],
+                left: Some(linear[1]),
+            }),
+            (Job::Command, Some(View::Twist { linear, .. })) => push(Measurement::Command {
+                forward: linear[0],
+                left: linear[1],
+            }),
+            (
+                Job::Displacement,
+                Some(View::Displacement {
+                    forward,
+                    left,
+                    turn,
+                }),
+            ) => push(Measurement::Displacement {
+                forward: *forward,
+                left: *left,
+                turn: *turn,
+            }),
+            (Job::WheelOdometry(wheels), Some(View::Odometry(odometry))) => {
+                let [trust, _, turn_trust] = odometry.twist_trust;
+                if usable(&[trust, turn_trust]) {
+                    let (speed, turn) = (odometry.linear[0], odometry.angular[2]);
+                    for (wheel, per_speed, per_turn) in wheels {
+                        push(Measurement::WheelRate {
+                            wheel: *wheel,
+                            rate: per_speed * speed + per_turn * turn,
+                        });
+                    }
+                }
+            }
+            (Job::Fields(slots, paths), _) => {
+                let found = slots.readings(
+                    |part| {
+                        let number = value.number_at(&paths[part.column]);
+                        Ok::<_, Infallible>(number.map(|number| number * part.factor))
+                    },
+                    |part| {
+                        let path = &paths[part.column];
+                        Ok(value
+                            .count_at(path)
+                            .or_else(|| whole(value.number_at(path))))
+                    },
+                    push,
+                );
+                let Ok(()) = found;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A counter that is sent as a number with a point.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "whole and below 2^53 in size, as is checked"
+)]
+fn whole(number: Option<f64>) -> Option<u64> {
+    let number = number?;
+    (number.fract() == 0.0 && number.abs() < 9_007_199_254_740_992.0)
+        .then(|| (number as i64).cast_unsigned())
+}
+
+fn wheel_readings(joints: &[(String, usize)], view: &View, mut push: impl FnMut(Measurement)) {
+    let names = match view {
+        View::JointState(state) => &state.names,
+        View::WheelTicks { names, .. } => names,
+        _ => return,
+    };
+    for (place, name) in names.iter().enumerate() {
+        let Some(&(_, wheel)) = joints.iter().find(|(joint, _)| joint == name) else {
+            continue;
+        };
+        match view {
+            View::JointState(state) => {
+                if let Some(&angle) = state.position.get(place) {
+                    push(Measurement::WheelAngle { wheel, angle });
+                }
+                if let Some(&rate) = state.velocity.get(place) {
+                    push(Measurement::WheelRate { wheel, rate });
+                }
+                // drivers that measure none say NaN
+                if let Some(&torque) = state.effort.get(place).filter(|e| e.is_finite()) {
+                    push(Measurement::WheelTorque { wheel, torque });
+                }
+            }
+            View::WheelTicks { ticks, .. } => {
+                if let Some(&raw) = ticks.get(place) {
+                    push(Measurement::WheelCount { wheel, raw });
+                }
+            }
+            _ => {}
+        }
+    }
+}

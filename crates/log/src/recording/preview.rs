@@ -1,0 +1,249 @@
+//! A first look into bags: which topics there are, and what their first messages say.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use grouser_files::topics::Topics;
+
+use super::choose::{Choice, choose};
+use super::mounting::{Accelerations, Tree, enter};
+use crate::container::{Channel, Container, Event};
+use crate::error::Result;
+use crate::intake::Intake;
+use crate::message::{Decoders, SharedDecoder, Value, View};
+use crate::messages::stamp_of;
+use crate::source::Source;
+
+/// This much of a file is read, bytes, and more only while something needed is missing.
+const LOOK_BYTES: u64 = 64 << 20;
+/// Messages of a topic that are decoded: several senders may share one.
+const MAX_MESSAGES: u64 = 64;
+/// Joints of a topic that are kept.
+const MAX_JOINTS: usize = 4096;
+/// Messages of an IMU that are decoded, for the mean of gravity.
+const MAX_ACCELERATIONS: f64 = 500.0;
+
+/// A topic by its first messages.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    pub(super) channel: Channel,
+    pub(super) messages: u64,
+    /// The first message that has a view.
+    pub(super) view: Option<View>,
+    /// Joints, and whether they have a position, a velocity.
+    pub(super) joints: BTreeMap<String, (bool, bool)>,
+    pub(super) accelerations: Accelerations,
+    /// The first message.
+    pub(super) sample: Option<Value>,
+    /// How far the first stamp is ahead of the recorder's clock, s; `None` without a stamp.
+    pub(super) stamp_ahead: Option<f64>,
+}
+
+/// The first messages of a run, by which the topics of an [`Intake`] are chosen.
+///
+/// What the robot file names is used; else types, names, and what the messages hold decide. An IMU's mounting is read
+/// from its transforms and from gravity.
+pub struct Preview {
+    wanted: Topics,
+    files: Vec<String>,
+    /// Topics in the order in which they are met.
+    pub(super) topics: Vec<Seen>,
+    pub(super) transforms: Tree,
+    channels: Vec<Known>,
+    decoders: Decoders,
+}
+
+/// A channel, its place among the topics, and its decoder where its messages are of use.
+struct Known {
+    channel: Channel,
+    topic: usize,
+    decoder: Option<SharedDecoder>,
+}
+
+impl Preview {
+    /// Nothing is known yet; `wanted` is the robot file's `[topics]`.
+    #[must_use]
+    pub fn new(wanted: &Topics) -> Self {
+        Self {
+            wanted: wanted.clone(),
+            files: Vec::new(),
+            topics: Vec::new(),
+            transforms: Tree::new(),
+            channels: Vec::new(),
+            decoders: Decoders::default(),
+        }
+    }
+
+    /// Reads the beginning of an MCAP file or a bag: 64 MiB, and more only while something is missing.
+    ///
+    /// # Errors
+    /// What does not let the file be opened.
+    pub fn read(&mut self, path: &Path) -> Result<()> {
+        self.read_source(&Source::file(path.to_owned()))
+    }
+
+    pub(super) fn read_source(&mut self, source: &Source) -> Result<()> {
+        let mut container = Container::of(source)?;
+        self.files.push(source.name());
+        let mut channels = BTreeMap::new();
+        let mut looked = 0;
+        loop {
+            let offset = container.offset();
+            if offset > LOOK_BYTES && offset > looked {
+                // Not for every message: a chunk at a time.
+                looked = offset + (1 << 20);
+                if self.is_complete() {
+                    return Ok(());
+                }
+            }
+            match container.next() {
+                None => return Ok(()),
+                Some(Event::Damage(_)) => {}
+                Some(Event::Message(message)) => {
+                    let channel = *channels
+                        .entry(message.channel)
+                        .or_insert_with(|| self.channel(message.of));
+                    self.push(channel, message.data, message.log_time_ns);
+                }
+            }
+        }
+    }
+
+    /// The number under which messages of `channel` are pushed.
+    pub fn channel(&mut self, channel: &Channel) -> usize {
+        let known = self
+            .channels
+            .iter()
+            .position(|known| known.channel == *channel);
+        known.unwrap_or_else(|| {
+            let topic = self.enter(channel);
+            let mut fields = self.wanted.fields.iter();
+            let is_used = View::exists_for(&channel.type_name)
+                || fields.any(|field| field.topic == channel.topic);
+            self.channels.push(Known {
+                channel: channel.clone(),
+                topic,
+                decoder: is_used.then(|| self.decoders.of(channel)),
+            });
+            self.channels.len() - 1
+        })
+    }
+
+    /// Takes a message of a channel, recorded at `log_time_ns`.
+    pub fn push(&mut self, channel: usize, bytes: &[u8], log_time_ns: u64) {
+        let Some(known) = self.channels.get(channel) else {
+            return;
+        };
+        let seen = &mut self.topics[known.topic];
+        seen.messages += 1;
+        let Some(Ok(decoder)) = known.decoder.as_deref() else {
+            return;
+        };
+        let is_enough = match &seen.view {
+            Some(View::Imu(_)) => seen.accelerations.count() >= MAX_ACCELERATIONS,
+            Some(View::Transforms(_)) => false,
+            _ => seen.messages > MAX_MESSAGES,
+        };
+        if is_enough {
+            return;
+        }
+        let Ok(value) = decoder.decode(bytes) else {
+            return;
+        };
+        if seen.stamp_ahead.is_none() {
+            let log = i128::from(log_time_ns);
+            let ahead = stamp_of(&value).map(|stamp| i128::from(stamp) - log);
+            seen.stamp_ahead = ahead.map(|ns| ns as f64 * 1e-9);
+        }
+        let view = View::new(&known.channel.type_name, &value);
+        if let Some(view) = view {
+            seen.take(&view, &mut self.transforms);
+            seen.view.get_or_insert(view);
+        }
+        seen.sample.get_or_insert(value);
+    }
+
+    /// Were all topics met that the robot file names, and one that measures wheels?
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        let wheels = |seen: &Seen| !seen.joints.is_empty();
+        let is_seen = |name| self.topic(name).is_some_and(|seen| seen.messages > 0);
+        (!self.wanted.fields.is_empty()
+            || self.wanted.wheel_odometry.is_some()
+            || self.topics.iter().any(wheels))
+            && self.wanted.named().all(is_seen)
+    }
+
+    /// Chooses the topics; messages are then pushed into the intake, from the first on.
+    ///
+    /// # Errors
+    /// [`Error::NoNamedTopic`](crate::Error::NoNamedTopic), [`Error::UnfitTopic`](crate::Error::UnfitTopic) or
+    /// [`Error::NoJoints`](crate::Error::NoJoints) where the robot file does not fit the messages.
+    pub fn into_intake(self) -> Result<Intake> {
+        Ok(Intake::new(Arc::new(self.choose()?), Vec::new()))
+    }
+
+    pub(super) fn choose(&self) -> Result<Choice> {
+        choose(self, &self.wanted)
+    }
+
+    /// What the messages came from, for errors.
+    pub(super) fn names(&self) -> String {
+        if self.files.is_empty() {
+            "the messages".to_owned()
+        } else {
+            self.files.join(", ")
+        }
+    }
+
+    pub(super) fn topic(&self, name: &str) -> Option<&Seen> {
+        self.topics.iter().find(|seen| seen.channel.topic == name)
+    }
+
+    fn enter(&mut self, channel: &Channel) -> usize {
+        let alike = |seen: &Seen| {
+            seen.channel.topic == channel.topic && seen.channel.type_name == channel.type_name
+        };
+        self.topics.iter().position(alike).unwrap_or_else(|| {
+            self.topics.push(Seen {
+                channel: channel.clone(),
+                messages: 0,
+                view: None,
+                joints: BTreeMap::new(),
+                accelerations: Accelerations::default(),
+                sample: None,
+                stamp_ahead: None,
+            });
+            self.topics.len() - 1
+        })
+    }
+}
+
+impl Seen {
+    fn take(&mut self, view: &View, transforms: &mut Tree) {
+        match view {
+            View::JointState(joints) => {
+                for (index, name) in joints.names.iter().enumerate() {
+                    if self.joints.len() >= MAX_JOINTS && !self.joints.contains_key(name) {
+                        continue;
+                    }
+                    let has = self.joints.entry(name.clone()).or_default();
+                    has.0 |= index < joints.position.len();
+                    has.1 |= index < joints.velocity.len();
+                }
+            }
+            View::WheelTicks { names, .. } => {
+                let names = names.iter().map(|name| (name.clone(), (false, false)));
+                self.joints.extend(names.take(MAX_JOINTS));
+            }
+            View::Imu(imu) => {
+                if let Some(acceleration) = imu.acceleration {
+                    self.accelerations.add(acceleration);
+                }
+            }
+            View::Transforms(all) => all.iter().for_each(|one| enter(transforms, one)),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! Samples in, rows and a summary out.
+
+use grouser_files::robot::RobotFile;
+use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
+use grouser_slip::{Motion, Reference, Robot, Sample, Slip, WheelRole};
+
+use crate::choice::Inputs;
+use crate::error::{Error, Result};
+use crate::fusion::Fusion;
+use crate::method::Method;
+use crate::moment::{Moment, side_slip_angle};
+use crate::odometry::{Odometry, Reckoning};
+use crate::run::Options;
+use crate::samples::{is_used, rotating_wheel};
+use crate::sink::{Row, Sink, Step};
+use crate::summary::{Status, Summary};
+use crate::tally::Tally;
+use crate::turn_watch::TurnWatch;
+use crate::ways::Ways;
+
+/// Runs samples in the order of time through the estimator.
+///
+/// [`run`](crate::run()) is a loop around it; a live source pushes its samples as they come.
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_replay::{Engine, Inputs, Options, Row, Sink};
+///
+/// struct Rows(usize);
+///
+/// impl Sink for Rows {
+///     fn row(&mut self, _row: &Row<'_>) -> std::io::Result<()> {
+///         self.0 += 1;
+///         Ok(())
+///     }
+/// }
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?; // its wheels are in the robot's order
+/// let options = Options::default();
+/// let mut engine = Engine::new(&robot, Inputs::of(&log, &robot, &options)?, &options)?;
+/// let mut rows = Rows(0);
+/// for sample in log.samples(&[])? {
+///     engine.push(sample?, &mut rows)?;
+/// }
+/// let summary = engine.finish(&mut rows)?;
+/// assert_eq!(rows.0, 5 * 2001);
+/// assert!(summary.wheels[0].slip.p95.unwrap() > 0.33);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Engine {
+    robot: Robot,
+    inputs: Inputs,
+    settings: WindowSettings,
+    slips: Slips,
+    span: (f64, f64),
+    start_ns: Option<i64>,
+    /// The time of the samples that came last.
+    group_ns: Option<i64>,
+    /// The wheels that were read at that time, bit by bit.
+    read: u64,
+    tallies: Vec<Tally>,
+    ways: Ways,
+    turns: Option<TurnWatch>,
+    reckoning: Reckoning,
+    odometry: Option<Odometry>,
+    clock_offset_s: Option<f64>,
+    angles: Vec<Option<f64>>,
+}
+
+/// What finds the slips. Beside the filter, ways and turns are counted over windows.
+enum Slips {
+    Filter(Box<Fusion>, Box<WindowMeans>),
+    Window(Box<WindowEstimator>),
+}
+
+impl Slips {
+    fn update(&mut self, sample: Sample) {
+        // A refused sample is counted; its wheel still gets its row.
+        match self {
+            Self::Filter(fusion, means) => {
+                let _refused = means.update(sample);
+                fusion.update(sample);
+            }
+            Self::Window(estimator) => {
+                let _refused = estimator.update(sample);
+            }
+        }
+    }
+
+    /// Ways and means over windows; `None` before the first sample.
+    fn body(&self) -> Option<WindowBody> {
+        match self {
+            Self::Filter(_, means) => means.latest().copied(),
+            Self::Window(estimator) => Some(estimator.latest()?.body),
+        }
+    }
+
+    /// The mean rim speed of a wheel over the window, m/s.
+    fn rim_speed(&self, wheel: usize) -> Option<f64> {
+        let speed = match self {
+            Self::Filter(_, means) => means.rim_speed(wheel),
+            Self::Window(estimator) => estimator.latest()?.wheels.get(wheel)?.rim_speed,
+        };
+        Some(speed?.value)
+    }
+}
+
+impl Engine {
+    /// An engine for a robot; [`Inputs`] says by what it is measured.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for settings outside their limits; [`Error::NothingToSmooth`] for smoothing without the filter.
+    pub fn new(file: &RobotFile, inputs: Inputs, options: &Options) -> Result<Self> {
+        let robot = file.robot.clone();
+        let mut settings = file.settings;
+        settings.reference = inputs.reference;
+        settings.window = options.window_s.unwrap_or(settings.window);
+        let method = options
+            .method
+            .unwrap_or_else(|| Method::of(&robot, inputs.reference));
+        let slips = match method {
+            Method::Filter => Slips::Filter(
+                Box::new(Fusion::new(file, &settings, options.smooth)?),
+                Box::new(WindowMeans::new(&robot, settings)?),
+            ),
+            Method::Window if options.smooth => return Err(Error::NothingToSmooth),
+            Method::Window => Slips::Window(Box::new(WindowEstimator::new(&robot, settings)?)),
+        };
+        Ok(Self {
+            slips,
+            turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
+            reckoning: Reckoning::new(settings.window),
+            odometry: None,
+            span: (
+                options.from_s.unwrap_or(f64::NEG_INFINITY),
+                options.to_s.unwrap_or(f64::INFINITY),
+            ),
+            start_ns: None,
+            group_ns: None,
+            read: 0,
+            tallies: vec![Tally::new(); robot.wheels().len()],
+            ways: Ways::new(settings.low_speed, settings.window),
+            clock_offset_s: None,
+            angles: Vec::new(),
+            robot,
+            inputs,
+            settings,
+        })
+    }
+
+    /// How much later the gyro's clock stamps the same moment than the encoders', s, for the summary.
+    pub(crate) const fn set_clock_offset(&mut self, offset_s: Option<f64>) {
+        self.clock_offset_s = offset_s;
+    }
+
+    /// Takes a sample, not earlier than those before; its wheel is an index in the robot's order. Rows of the time
+    /// before go to `sink`.
+    ///
+    /// # Errors
+    /// [`Error::Sink`], and [`Error::Settings`] where smoothing cannot go on.
+    pub fn push(&mut self, sample: Sample, sink: &mut impl Sink) -> Result<()> {
+        if self.group_ns.is_some_and(|group| group != sample.time_ns) {
+            self.close_group(sink)?;
+        }
+        self.group_ns = Some(sample.time_ns);
+        self.start_ns.get_or_insert(sample.time_ns);
+        if is_used(&sample.measurement, self.inputs.wheel_sensor) {
+            self.slips.update(sample);
+            if let Some(wheel) = rotating_wheel(&sample.measurement) {
+                self.read |= 1 << wheel;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the run: the last rows go to `sink`.
+    ///
+    /// # Errors
+    /// As [`Engine::push`].
+    pub fn finish(mut self, sink: &mut impl Sink) -> Result<Summary> {
+        self.close_group(sink)?;
+        if let Slips::Filter(fusion, _) = &mut self.slips {
+            for moment in fusion.finish()? {
+                self.deliver(moment, sink)?;
+            }
+        }
+        Ok(self.summary())
+    }
+
+    /// Seconds from the log's start, and whether they lie in the span.
+    fn when(&self, time_ns: i64) -> (f64, bool) {
+        let start_ns = self.start_ns.unwrap_or(time_ns);
+        let time_s = time_ns.saturating_sub(start_ns) as f64 * 1e-9;
+        (time_s, time_s >= self.span.0 && time_s <= self.span.1)
+    }
+
+    /// All samples of one time have come.
+    fn close_group(&mut self, sink: &mut impl Sink) -> Result<()> {
+        let Some(now) = self.group_ns else {
+            return Ok(());
+        };
+        let read = std::mem::take(&mut self.read);
+        let Some(body) = self.slips.body() else {
+            return Ok(());
+        };
+        let (time_s, is_wanted) = self.when(now);
+        if is_wanted {
+            let slips = &self.slips;
+            if let Some(turns) = &mut self.turns {
+                turns.take(time_s, &body, |wheel| slips.rim_speed(wheel).unwrap_or(0.0));
+            }
+            let wheels = self.robot.wheels().iter().enumerate();
+            let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
+            let rims = powered.filter_map(|(index, _)| slips.rim_speed(index));
+            self.ways.count(&body, rims);
+        } else if time_s < self.span.0 {
+            self.ways.wait(&body);
+        }
+        match &mut self.slips {
+            Slips::Filter(fusion, _) => {
+                for moment in fusion.close(now, read, &body)? {
+                    self.deliver(moment, sink)?;
+                }
+                Ok(())
+            }
+            Slips::Window(estimator) => {
+                let wheels = estimator.latest().map_or(&[][..], |output| output.wheels);
+                let moment = Moment::by_window(now, read, wheels, &body);
+                self.deliver(moment, sink)
+            }
+        }
+    }
+
+    /// Counts a moment and hands it to the sink.
+    fn deliver(&mut self, mut moment: Moment, sink: &mut impl Sink) -> Result<()> {
+        let now = moment.time_ns;
+        let (time_s, is_wanted) = self.when(now);
+        let robot = self.robot.wheels();
+        for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
+            // against itself a reference does not slip
+            if described.role == WheelRole::Free && self.inputs.reference == Reference::FreeWheel {
+                (wheel.slip, wheel.sigma) = (None, None);
+                if wheel.motion == Some(Motion::Braking) {
+                    wheel.motion = Some(Motion::Driving);
+                }
+            }
+        }
+        self.angles.clear();
+        self.angles.extend(
+            robot.iter().map(|wheel| {
+                side_slip_angle(wheel, moment.motion.as_ref(), self.settings.low_speed)
+            }),
+        );
+        for (index, tally) in self.tallies.iter_mut().enumerate() {
+            if moment.read >> index & 1 == 0 {
+                continue;
+            }
+            let since = tally.read(now);
+            if !is_wanted {
+                continue;
+            }
+            let wheel = &moment.wheels[index];
+            let row = Row {
+                time_s,
+                wheel: index,
+                name: &robot[index].name,
+                slip: wheel.slip.map(Slip::value),
+                slip_sigma: wheel.sigma,
+                motion: wheel.motion,
+                health: wheel.health,
+                side_slip_angle: self.angles[index],
+            };
+            // A gap in the log is no time in a state.
+            tally.add(&row, since.min(self.settings.window));
+            sink.row(&row)?;
+        }
+        if moment.read != 0 && is_wanted {
+            let odometry = self.reckoning.step(&moment);
+            self.odometry = odometry.or(self.odometry);
+            sink.step(&Step {
+                time_ns: now,
+                time_s,
+                wheels: &moment.wheels,
+                side_slip_angles: &self.angles,
+                odometry,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn summary(self) -> Summary {
+        let reference = self.inputs.reference;
+        let (method, fused, rejected) = match &self.slips {
+            Slips::Filter(fusion, _) => {
+                let summary = fusion.summary();
+                let rejected = summary.rejected;
+                (Method::Filter, Some(summary), rejected)
+            }
+            Slips::Window(estimator) => (Method::Window, None, estimator.rejected()),
+        };
+        let wheels = self.robot.wheels().iter().zip(&self.tallies);
+        Summary {
+            status: if self.tallies.iter().any(Tally::has_slip) {
+                Status::Done
+            } else {
+                Status::NoSlip
+            },
+            method,
+            window_s: self.settings.window,
+            reference,
+            wheel_sensor: self.inputs.wheel_sensor.name(),
+            duration_s: match (self.start_ns, self.group_ns) {
+                (Some(start), Some(end)) => end.saturating_sub(start) as f64 * 1e-9,
+                _ => 0.0,
+            },
+            wheels: wheels
+                .map(|(wheel, tally)| {
+                    let is_free = wheel.role == WheelRole::Free;
+                    tally.summary(wheel, is_free && reference == Reference::FreeWheel)
+                })
+                .collect(),
+            along: self.ways.along(),
+            yaw: self.ways.yaw(),
+            turns: self.turns.as_ref().map(TurnWatch::summary),
+            clock_offset_s: self.clock_offset_s,
+            odometry: self.odometry,
+            fused,
+            rejected,
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! The robot's computer in a simulation: what its settings say of robot, soil and sensors.
+
+use grouser_slip::control::ControlSettings;
+use grouser_slip::filter::FilterSettings;
+use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, WheelSetup};
+use grouser_slip::prior::SoilDoubt;
+use grouser_terra::Soil;
+
+use crate::body::{GRAVITY, Motor};
+use crate::error::Result;
+use crate::robot::RobotModel;
+use crate::sensors::SensorSettings;
+
+/// A sensor is never described as better than this, m: variances must not vanish.
+const MIN_POSITION_SIGMA_M: f64 = 1e-6;
+/// The filter looks back no further than this, s.
+const MAX_LATENCY_S: f64 = 1.0;
+
+/// The computer of `model` under `loads` (N), which knows the soil on which it starts, its heading (rad) and its sensors.
+pub(super) fn on_board(
+    model: &RobotModel,
+    (loads, soil, heading): (&[f64], &Soil, f64),
+    sensors: &SensorSettings,
+    control: ControlSettings,
+) -> Result<OnBoard> {
+    let setups = model.wheels.iter().zip(loads);
+    let setups = setups.map(|(mount, load)| WheelSetup {
+        load: *load,
+        max_torque: mount.motor.as_ref().map(Motor::max_torque),
+        max_steering_angle: mount.steer_range,
+        bearing_torque: mount.bearing,
+        carrier: model.linkage.carrier(mount.link, mount.centre),
+    });
+    let mut settings = OnBoardSettings::new(&model.robot);
+    settings.wheels = setups.collect();
+    settings.filter = filter_settings(model, sensors);
+    settings.control = control;
+    settings.gravity = GRAVITY;
+    settings.heading = heading;
+    settings.uses_poses = sensors.camera_rate <= 0.0;
+    let doubt = SoilDoubt::default();
+    settings.soil = SoilTables::solve(&model.robot, &settings.wheels, soil, doubt)?;
+    Ok(OnBoard::new(&model.robot, settings)?)
+}
+
+/// What the robot's file and the sensors' data sheets say.
+pub(super) fn filter_settings(model: &RobotModel, sensors: &SensorSettings) -> FilterSettings {
+    let file = model.settings;
+    let (sigma, latency) = if sensors.camera_rate > 0.0 {
+        (sensors.camera_sigma, sensors.camera_latency)
+    } else {
+        (sensors.gnss_sigma, sensors.gnss_latency)
+    };
+    FilterSettings {
+        max_sigma: file.max_sigma,
+        max_speed: file.max_speed,
+        lateral_sigma: file.lateral_sigma,
+        yaw_rate_sigma: file.yaw_rate_sigma,
+        position_sigma: sigma.max(MIN_POSITION_SIGMA_M),
+        reference_latency: latency.min(MAX_LATENCY_S),
+        ..FilterSettings::default()
+    }
+}

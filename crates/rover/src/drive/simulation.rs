@@ -1,0 +1,343 @@
+//! The loop: ground, robot, sensors, on-board computer, motors.
+
+use grouser_slip::Sample;
+use grouser_slip::control::{Action, Ending, Request, WheelCommand};
+use grouser_slip::onboard::OnBoard;
+
+use super::frame::{Frame, WheelFrame};
+use super::motor_driver::MotorDriver;
+use super::on_board::{filter_settings, on_board};
+use super::outcome::{DriveResult, NamedDecision, Outcome};
+use super::pilot::Pilot;
+use super::referee::Referee;
+use super::scenario::Scenario;
+use super::score::{Scoring, TrueSlip};
+use crate::dynamics::Vehicle;
+use crate::error::Result;
+use crate::ground::Ground;
+use crate::sensors::{FaultKind, Sensors, to_ns};
+use crate::statics::wheel_loads;
+use crate::vector::Vector;
+
+/// Period of the control loop and of the frames, s: the rate of the shipped robots' sensors.
+const CONTROL_PERIOD_S: f64 = 0.01;
+/// The robot settles on the ground for this long before motion is requested, s: the wheels sink to rest within half of it,
+/// and the on-board computer is warm.
+const SETTLING_TIME_S: f64 = 1.0;
+/// Decisions that are kept; they are counted beyond it.
+const MAX_DECISIONS: usize = 1000;
+/// The greatest slip is that of the load-weighted mean smoothed over this time, s.
+const WORST_SLIP_TIME_S: f64 = 1.0;
+
+/// A simulated drive under way.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    ground: Ground,
+    vehicle: Vehicle,
+    sensors: Sensors,
+    on_board: OnBoard,
+    drivers: Vec<MotorDriver>,
+    commands: Vec<WheelCommand>,
+    truths: Vec<TrueSlip>,
+    scoring: Scoring,
+    frames: Vec<WheelFrame>,
+    samples: Vec<Sample>,
+    arrived: Vec<Sample>,
+    referee: Referee,
+    decisions: Vec<NamedDecision>,
+    decision_count: u64,
+    loads: Vec<f64>,
+    /// Longest duration, s.
+    duration: f64,
+    /// Power of the electronics, W.
+    hotel: f64,
+    energy_at_start: f64,
+    /// Load-weighted slip over a second, and the greatest so far.
+    mean_slip: f64,
+    worst_slip: f64,
+    steps_per_period: u64,
+    ended: Option<Outcome>,
+}
+
+impl Simulation {
+    /// A drive of `scenario` by `pilot`, with everything random from `seed`; `optimum` is the slip to run at.
+    ///
+    /// # Errors
+    /// What is wrong with ground, robot or settings.
+    pub fn new(scenario: &Scenario, pilot: Pilot, optimum: f64, seed: u64) -> Result<Self> {
+        let ground = scenario.ground.build(seed)?;
+        let vehicle = Vehicle::new(
+            scenario.robot.clone(),
+            &ground,
+            scenario.start,
+            scenario.step,
+        )?;
+        let model = vehicle.model();
+        let loads = wheel_loads(model, 0.0, 0.0).loads;
+        let known = (loads.as_slice(), &ground.soils()[0], scenario.start.2);
+        let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
+        let on_board = on_board(model, known, &scenario.sensors, control)?;
+        let count = model.wheels.len();
+        // the filter's speeds are means over its window, as old as its horizon
+        let filter = filter_settings(model, &scenario.sensors);
+        let [window, lag] =
+            [filter.wheel_window, filter.horizon].map(|time| periods(time, CONTROL_PERIOD_S));
+        let (kinetic, potential) = vehicle.energy();
+        Ok(Self {
+            sensors: Sensors::new(&vehicle, scenario.sensors, scenario.faults.clone(), seed),
+            ground,
+            on_board,
+            drivers: vec![MotorDriver::default(); count],
+            commands: vec![WheelCommand::default(); count],
+            truths: vec![TrueSlip::new(window as usize, lag as usize); count],
+            scoring: Scoring::new(count),
+            frames: Vec::with_capacity(count),
+            samples: Vec::new(),
+            arrived: Vec::new(),
+            referee: Referee::new(scenario.legs.clone(), vehicle.state().position),
+            decisions: Vec::new(),
+            decision_count: 0,
+            loads,
+            duration: scenario.duration,
+            hotel: scenario.hotel,
+            energy_at_start: kinetic + potential,
+            mean_slip: 0.0,
+            worst_slip: 0.0,
+            steps_per_period: u64::from(periods(CONTROL_PERIOD_S, scenario.step)),
+            ended: None,
+            vehicle,
+        })
+    }
+
+    /// The robot.
+    #[must_use]
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// The ground.
+    #[must_use]
+    pub const fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    /// The robot's computer.
+    #[must_use]
+    pub const fn on_board(&self) -> &OnBoard {
+        &self.on_board
+    }
+
+    /// Drives to the end and gives `sink` a frame every hundredth of a second; it ends the drive by returning false.
+    pub fn run(&mut self, mut sink: impl FnMut(&Frame<'_>) -> bool) -> DriveResult {
+        while self.ended.is_none() {
+            if !self.period(&mut sink) {
+                break;
+            }
+        }
+        self.result()
+    }
+
+    /// One period of the control loop; false once the drive has ended.
+    pub fn period(&mut self, sink: &mut impl FnMut(&Frame<'_>) -> bool) -> bool {
+        self.samples.clear();
+        for _ in 0..self.steps_per_period {
+            self.step();
+        }
+        let goes_on = self.control();
+        let frame = self.frame();
+        sink(&frame) && goes_on
+    }
+
+    fn step(&mut self) {
+        let time = self.vehicle.time();
+        let step = CONTROL_PERIOD_S / self.steps_per_period as f64;
+        self.sensors.read(&self.vehicle, &mut self.arrived);
+        for sample in &self.arrived {
+            self.on_board.update_at(to_ns(time), *sample);
+        }
+        self.samples.extend_from_slice(&self.arrived);
+        self.drive_motors(time, step);
+        self.vehicle.advance(&mut self.ground);
+        for index in 0..self.truths.len() {
+            let blocked = FaultKind::WheelBlocked;
+            let schedule = self.sensors.schedule();
+            if schedule.active(blocked, Some(index), time).is_some() {
+                self.vehicle.set_spin(index, 0.0);
+            }
+            let wheel = &self.vehicle.wheels()[index];
+            self.truths[index].add(wheel.rim * step, wheel.velocity[0] * step);
+        }
+    }
+
+    /// The motor drivers turn commands into torques.
+    fn drive_motors(&mut self, time: f64, step: f64) {
+        for (index, command) in self.commands.iter().enumerate() {
+            let mount = &self.vehicle.model().wheels[index];
+            let Some(motor) = &mount.motor else { continue };
+            let radius = mount.wheel.radius();
+            let rate = self.vehicle.wheels()[index].encoder_rate;
+            let rate = self.sensors.driver_rate(index, rate, time);
+            let limit = command.traction * self.loads[index] * radius;
+            let torque = self.drivers[index].torque(
+                command.rim_speed / radius,
+                rate,
+                (limit, motor.max_torque()),
+                step,
+            );
+            let schedule = self.sensors.schedule();
+            let is_off = schedule.active(FaultKind::MotorOff, Some(index), time);
+            let torque = if is_off.is_some() { 0.0 } else { torque };
+            self.vehicle
+                .set_input(index, torque, command.steering_angle);
+        }
+    }
+
+    /// Referee and on-board computer; false at the end.
+    fn control(&mut self) -> bool {
+        let time = self.vehicle.time();
+        let state = self.vehicle.state();
+        let place = state.position;
+        let up = state.attitude.to_world(Vector::AXES[2]);
+        let is_settled = time >= SETTLING_TIME_S;
+        let ended = if is_settled {
+            let tilt = up.z.clamp(-1.0, 1.0).acos();
+            self.referee.look(time, place, tilt)
+        } else {
+            None
+        };
+        let on_map = self.ground.at(place.x, place.y).known;
+        let ended = ended
+            .or_else(|| (!on_map).then_some(Outcome::OffMap))
+            .or_else(|| (time >= self.duration).then_some(Outcome::TimeOut));
+        for (index, wheel) in self.vehicle.wheels().iter().enumerate() {
+            // the wheels are the robot's own, and their angles finite
+            let _ = self.on_board.set_steering_angle(index, wheel.steer);
+        }
+        let leg = self.referee.leg().filter(|_| is_settled);
+        let request = leg.map_or_else(Request::default, |leg| Request {
+            speed: leg.speed,
+            heading: leg.heading,
+        });
+        let commands = self.on_board.tick(to_ns(time), request);
+        self.commands.copy_from_slice(commands);
+        self.compare();
+        let mut stopped = None;
+        if let Some(decision) = self.on_board.decision() {
+            self.decision_count += 1;
+            if self.decisions.len() < MAX_DECISIONS {
+                self.decisions.push(NamedDecision {
+                    time,
+                    decision,
+                    place: (place.x, place.y),
+                });
+            }
+            if let Action::End(ending) = decision.action {
+                stopped = Some(outcome_of(ending));
+            }
+        }
+        self.ended = ended.or(stopped);
+        self.ended.is_none()
+    }
+
+    /// True against estimated slip.
+    fn compare(&mut self) {
+        self.frames.clear();
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for index in 0..self.truths.len() {
+            let truth = self.truths[index].tick(CONTROL_PERIOD_S);
+            let wheel = &self.vehicle.wheels()[index];
+            let observation = self.on_board.observations()[index];
+            let powered = self.vehicle.model().wheels[index].motor.is_some();
+            if powered {
+                self.scoring
+                    .add(index, &observation, truth, CONTROL_PERIOD_S);
+                if let Some((slip, _)) = truth {
+                    sum += slip * wheel.load.normal;
+                    weight += wheel.load.normal;
+                }
+            }
+            self.frames.push(WheelFrame {
+                slip: truth.map(|(slip, _)| slip),
+                slip_now: grouser_terra::Slip::from_speeds(wheel.velocity[0], wheel.rim)
+                    .ok()
+                    .map(grouser_slip::Slip::value),
+                observation,
+                torque: wheel.motor.torque,
+                load: wheel.load.normal,
+                sinkage: wheel.load.pressed,
+                speeds: [wheel.rim, wheel.velocity[0]],
+            });
+        }
+        if weight > 0.0 {
+            let share = CONTROL_PERIOD_S / (WORST_SLIP_TIME_S + CONTROL_PERIOD_S);
+            self.mean_slip += share * (sum / weight - self.mean_slip);
+            self.worst_slip = self.worst_slip.max(self.mean_slip);
+        }
+    }
+
+    fn frame(&self) -> Frame<'_> {
+        let state = self.vehicle.state();
+        let (roll, pitch, yaw) = state.attitude.angles();
+        let place = state.position;
+        Frame {
+            time: self.vehicle.time(),
+            place: [place.x, place.y, place.z],
+            angles: [roll, pitch, yaw],
+            speed: state.velocity().x,
+            estimated_speed: self.on_board.speed(),
+            mode: self.on_board.mode(),
+            requested_speed: self.referee.leg().map_or(0.0, |leg| leg.speed),
+            energy: self.electric(),
+            distance: self.referee.distance(),
+            wheels: &self.frames,
+            samples: &self.samples,
+        }
+    }
+
+    fn electric(&self) -> f64 {
+        self.vehicle.ledger().electric + self.hotel * self.vehicle.time()
+    }
+
+    fn result(&self) -> DriveResult {
+        let ledger = *self.vehicle.ledger();
+        let (kinetic, potential) = self.vehicle.energy();
+        let stored = kinetic + potential - self.energy_at_start;
+        let spent = ledger.motor_heat + ledger.soil + ledger.bearings + ledger.dampers + stored;
+        let turned = ledger.electric.abs().max(ledger.soil.abs()).max(1e-9);
+        let place = self.vehicle.state().position;
+        DriveResult {
+            outcome: self.ended.unwrap_or(Outcome::TimeOut),
+            duration: self.vehicle.time(),
+            distance: self.referee.distance(),
+            way: self.referee.way(),
+            energy: self.electric(),
+            ledger,
+            energy_error: (ledger.electric - spent) / turned,
+            slip: self.scoring.score(),
+            worst_slip: self.worst_slip,
+            decisions: self.decisions.clone(),
+            decision_count: self.decision_count,
+            refused: self.on_board.estimate().rejected.total(),
+            end: (place.x, place.y),
+        }
+    }
+}
+
+const fn outcome_of(ending: Ending) -> Outcome {
+    match ending {
+        Ending::Tipping => Outcome::Tipped,
+        Ending::SensorsLost => Outcome::SensorsLost,
+        Ending::NoWay => Outcome::NoWay,
+        _ => Outcome::Immobilised,
+    }
+}
+
+/// How often `period` goes into `length`, at least once.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "both were checked, and their ratio is at most 1e5"
+)]
+fn periods(length: f64, period: f64) -> u32 {
+    (length / period).round().clamp(1.0, 1e5) as u32
+}

@@ -1,0 +1,128 @@
+//! Driving back the way the robot came.
+
+use super::super::decision::{Action, Ending, Reason};
+use super::super::observation::RobotObservation;
+use super::super::settings::ControlSettings;
+use super::detour::Detour;
+use super::recovery::Recovery;
+use super::slip_monitor::MAX_ACCEPTED_SLIP;
+use super::soft_ground::STANDSTILL_SPEED_M_PER_S;
+use super::traverse::Traverse;
+use super::{ModeState, Transition, View};
+
+/// A robot that does not move back for this long is stuck, s: long enough for the slip to be raised to its limit.
+const MAX_IDLE_TIME_S: f64 = 10.0;
+/// While the robot moves back slowly more slip is allowed, at this rate, 1/s.
+const SLIP_RATE_PER_S: f64 = 0.1;
+/// Backing out fails after this multiple of its length over its speed.
+const PATIENCE: f64 = 8.0;
+/// Backing out slower than this share of the standstill speed is no movement; tuned on `soft-patch.toml`.
+const IDLE_SPEED_SHARE: f64 = 0.25;
+/// Backing out slower than this share of its setpoint is slow.
+const SLOW_SPEED_SHARE: f64 = 0.5;
+/// A traverse after backing out has at first this share of its angle, and with each further attempt another quarter.
+const FIRST_ANGLE_SHARE: f64 = 0.75;
+const FURTHER_ANGLE_SHARE: f64 = 0.25;
+
+/// Backing out, before a detour or a traverse.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BackOut {
+    /// The heading that it holds, rad.
+    heading: f64,
+    /// How far it backs out before a detour round soft ground, m; `None` before a traverse.
+    detour_length: Option<f64>,
+    /// How long it has not moved back, s.
+    idle_time: f64,
+    /// How much more slip is allowed.
+    pushed_slip: f64,
+}
+
+/// Speed against the requested direction, m/s.
+pub(super) fn backward_speed(robot: &RobotObservation, speed: f64) -> f64 {
+    let sense = if robot.request.speed < 0.0 { -1.0 } else { 1.0 };
+    -speed * sense
+}
+
+impl BackOut {
+    /// By the length of the settings, and then across the slope.
+    pub(super) const fn new(heading: f64) -> Self {
+        Self {
+            heading,
+            detour_length: None,
+            idle_time: 0.0,
+            pushed_slip: 0.0,
+        }
+    }
+
+    /// By `length` (m), and then round soft ground.
+    pub(super) const fn before_detour(heading: f64, length: f64) -> Self {
+        Self {
+            detour_length: Some(length),
+            ..Self::new(heading)
+        }
+    }
+
+    pub(super) const fn heading(&self) -> f64 {
+        self.heading
+    }
+
+    pub(super) const fn pushed_slip(&self) -> f64 {
+        self.pushed_slip
+    }
+
+    pub(super) fn monitor(
+        &mut self,
+        settings: &ControlSettings,
+        robot: &RobotObservation,
+        speed: f64,
+        step: f64,
+    ) {
+        let backward = backward_speed(robot, speed);
+        let setpoint = settings.back_speed * robot.request.speed.abs();
+        self.idle_time = if backward < IDLE_SPEED_SHARE * STANDSTILL_SPEED_M_PER_S {
+            self.idle_time + step
+        } else {
+            0.0
+        };
+        if backward < SLOW_SPEED_SHARE * setpoint {
+            let max_slip = MAX_ACCEPTED_SLIP - settings.optimum;
+            self.pushed_slip = (self.pushed_slip + step * SLIP_RATE_PER_S).min(max_slip);
+        }
+    }
+
+    pub(super) fn decide(&self, view: &View<'_>, recovery: &mut Recovery) -> Option<Transition> {
+        let settings = view.settings;
+        let length = self.detour_length.unwrap_or(settings.back_length);
+        if view.travel >= length {
+            return Some(if self.detour_length.is_some() {
+                let width = recovery.detour_width(settings);
+                let values = (recovery.detour_angle(), width);
+                let next = ModeState::Detour(Detour::default());
+                Transition::to(next, Action::Detour, Reason::BackedOut, values)
+            } else {
+                // another way: the other side, wider with every attempt
+                let side = recovery.choose_traverse_side(true);
+                let further = f64::from(recovery.attempts().max(1) - 1);
+                let share = FIRST_ANGLE_SHARE + FURTHER_ANGLE_SHARE * further;
+                let next = Traverse::new(side, settings.traverse_angle * share);
+                let values = (view.travel, length);
+                let next = ModeState::Traverse(next);
+                Transition::to(next, Action::Traverse, Reason::BackedOut, values)
+            });
+        }
+        let speed = settings.back_speed * view.robot.request.speed.abs();
+        let max_time = PATIENCE * length / speed.max(1e-3);
+        let values = if self.idle_time > MAX_IDLE_TIME_S {
+            (self.idle_time, MAX_IDLE_TIME_S)
+        } else if view.time > max_time {
+            (view.time, max_time)
+        } else {
+            return None;
+        };
+        Some(Transition::end(
+            Ending::Immobilised,
+            Reason::NoProgress,
+            values,
+        ))
+    }
+}

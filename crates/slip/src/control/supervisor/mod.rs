@@ -1,0 +1,362 @@
+//! The supervisor: which mode the robot is in, and the setpoints of the robot as a whole that follow from it.
+//!
+//! Each mode is a file with its own state. What outlives a mode is in the monitors (slip, tilt, soft ground) and in
+//! [`Recovery`] (attempts and sides).
+
+mod back_out;
+mod detour;
+mod forward;
+mod recovery;
+mod slip_monitor;
+mod soft_ground;
+mod tilt_monitor;
+mod traverse;
+
+use grouser_real::Real;
+
+use super::command::MotionCommand;
+use super::decision::{Action, Decision, Ending, Mode, Reason};
+use super::decision_queue::DecisionQueue;
+use super::geometry::wrap_angle;
+use super::observation::RobotObservation;
+use super::settings::ControlSettings;
+use back_out::BackOut;
+use detour::Detour;
+use recovery::Recovery;
+use slip_monitor::{MAX_ACCEPTED_SLIP, SLIP_TIME_CONSTANT_S, SlipMonitor};
+use soft_ground::SoftGroundMonitor;
+use tilt_monitor::TiltMonitor;
+use traverse::Traverse;
+
+/// Headings that differ by less than this count as reached, rad: 20°, at which the robot still travels by 94 % along it.
+const ON_COURSE_RAD: f64 = 0.35;
+/// An accepted or demanded slip leaves this much room for more: twice the band in which a slip counts as steady.
+const SLIP_ROOM: f64 = 0.06;
+/// The robot turns rather than travels far off its heading: at least this share of the speed is left.
+const MIN_TURNING_SPEED_SHARE: f64 = 0.2;
+
+/// The mode with its state.
+#[derive(Clone, Copy, Debug)]
+enum ModeState {
+    Forward,
+    Traverse(Traverse),
+    BackOut(BackOut),
+    Detour(Detour),
+    Stopped,
+}
+
+/// A decision of a mode, with the mode that follows; `None`: the same one goes on.
+struct Transition {
+    next: Option<ModeState>,
+    decision: Decision,
+}
+
+impl Transition {
+    const fn to(next: ModeState, action: Action, reason: Reason, values: (f64, f64)) -> Self {
+        Self {
+            next: Some(next),
+            decision: Decision::of_robot(action, reason, values),
+        }
+    }
+
+    const fn end(ending: Ending, reason: Reason, values: (f64, f64)) -> Self {
+        Self::to(ModeState::Stopped, Action::End(ending), reason, values)
+    }
+}
+
+/// What a mode decides by.
+struct View<'a> {
+    settings: &'a ControlSettings,
+    robot: &'a RobotObservation,
+    tilt: f64,
+    /// How long the mode has lasted, s.
+    time: f64,
+    /// How far the robot has travelled in it, m; in `BackOut` backwards.
+    travel: f64,
+    /// The heading before the robot began to back out, rad.
+    last_heading: f64,
+    step: f64,
+}
+
+/// Time and travel since the mode began.
+#[derive(Clone, Copy, Debug, Default)]
+struct ModeClock {
+    time: f64,
+    travel: f64,
+}
+
+/// Mode and monitors of the robot.
+#[derive(Clone, Debug)]
+pub(super) struct Supervisor {
+    /// Curvature of the sharpest arc, 1/m; infinite for a robot that turns on the spot.
+    max_curvature: f64,
+    mode: ModeState,
+    clock: ModeClock,
+    slip: SlipMonitor,
+    tilt: TiltMonitor,
+    soft_ground: SoftGroundMonitor,
+    recovery: Recovery,
+    last_heading: f64,
+}
+
+impl Supervisor {
+    pub(super) fn new() -> Self {
+        Self {
+            max_curvature: f64::INFINITY,
+            mode: ModeState::Forward,
+            clock: ModeClock::default(),
+            slip: SlipMonitor::default(),
+            tilt: TiltMonitor::default(),
+            soft_ground: SoftGroundMonitor::default(),
+            recovery: Recovery::default(),
+            last_heading: 0.0,
+        }
+    }
+
+    /// The robot drives arcs of at most this curvature (1/m) in place of turning on the spot.
+    pub(super) const fn set_max_curvature(&mut self, curvature: f64) {
+        self.max_curvature = curvature;
+    }
+
+    pub(super) const fn mode(&self) -> Mode {
+        match self.mode {
+            ModeState::Forward => Mode::Forward,
+            ModeState::Traverse(_) => Mode::Traverse,
+            ModeState::BackOut(_) => Mode::BackOut,
+            ModeState::Detour(_) => Mode::Detour,
+            ModeState::Stopped => Mode::Stopped,
+        }
+    }
+
+    /// Slip of the powered wheels, smoothed over a second.
+    pub(super) const fn slip(&self) -> f64 {
+        self.slip.slip()
+    }
+
+    /// Updates the monitors and decides. `silence` is the time without usable slip or speed, s.
+    pub(super) fn update(
+        &mut self,
+        settings: &ControlSettings,
+        robot: &RobotObservation,
+        silence: f64,
+        step: f64,
+        decisions: &mut DecisionQueue,
+    ) {
+        if matches!(self.mode, ModeState::Stopped) {
+            return;
+        }
+        self.monitor(settings, robot, step);
+        if !settings.decides {
+            return;
+        }
+        if let Some(end) = self.safety_stop(settings, silence) {
+            self.apply(end, decisions);
+            return;
+        }
+        if !matches!(self.mode, ModeState::BackOut(_))
+            && let Some(decision) = self.slip.accept(settings)
+        {
+            decisions.push(decision);
+        }
+        if let Some(transition) = self.decide(settings, robot, step) {
+            self.apply(transition, decisions);
+        }
+    }
+
+    fn monitor(&mut self, settings: &ControlSettings, robot: &RobotObservation, step: f64) {
+        self.slip.filter(robot.slip, step);
+        self.tilt.update(settings, robot, step);
+        let speed = robot.speed.unwrap_or(0.0);
+        let heading_error = self.heading_error(robot);
+        self.clock.time += step;
+        self.clock.travel += match self.mode {
+            ModeState::BackOut(_) => step * back_out::backward_speed(robot, speed),
+            _ => step * speed.abs(),
+        };
+        let on_course = heading_error.abs() < ON_COURSE_RAD;
+        match &mut self.mode {
+            ModeState::BackOut(mode) => mode.monitor(settings, robot, speed, step),
+            ModeState::Traverse(mode) => mode.monitor(on_course, step),
+            _ => {}
+        }
+        // A robot that turns on the spot, or of which nothing is requested, shows nothing of the ground ahead; one that
+        // steers travels while it turns.
+        let on_course = on_course || self.max_curvature.is_finite();
+        let is_driving =
+            robot.request.speed != 0.0 && on_course && self.clock.time >= SLIP_TIME_CONSTANT_S;
+        let is_backing_out = matches!(self.mode, ModeState::BackOut(_));
+        let is_level = self.tilt.greatest() < settings.steep;
+        self.soft_ground.update(
+            settings,
+            robot,
+            (is_driving && is_level, is_backing_out),
+            step,
+        );
+        if !is_driving {
+            self.slip.reset_timers();
+            self.slip.reset_steady();
+            return;
+        }
+        self.slip
+            .update_timers(settings, robot, self.tilt.tilt() < settings.steep, step);
+        if !is_backing_out {
+            self.recovery.advance(settings, robot, speed, step);
+        }
+    }
+
+    fn safety_stop(&self, settings: &ControlSettings, silence: f64) -> Option<Transition> {
+        if self.tilt.is_exceeded() {
+            let values = (self.tilt.tilt(), settings.max_tilt);
+            return Some(Transition::end(Ending::Tipping, Reason::TiltHigh, values));
+        }
+        (silence > settings.blind_time).then(|| {
+            let values = (silence, settings.blind_time);
+            Transition::end(Ending::SensorsLost, Reason::SensorTimeout, values)
+        })
+    }
+
+    fn decide(
+        &mut self,
+        settings: &ControlSettings,
+        robot: &RobotObservation,
+        step: f64,
+    ) -> Option<Transition> {
+        let view = View {
+            settings,
+            robot,
+            tilt: self.tilt.tilt(),
+            time: self.clock.time,
+            travel: self.clock.travel,
+            last_heading: self.last_heading,
+            step,
+        };
+        let (slip, soft, recovery) = (&mut self.slip, &mut self.soft_ground, &mut self.recovery);
+        match &mut self.mode {
+            ModeState::BackOut(mode) => return mode.decide(&view, recovery),
+            ModeState::Stopped => return None,
+            _ => {}
+        }
+        // in every mode that goes ahead soft ground comes first
+        if let Some(transition) = recovery.from_soft_ground(&view, slip, soft) {
+            return Some(transition);
+        }
+        if matches!(self.mode, ModeState::Forward)
+            && let Some(transition) = forward::turn_aside(&view, slip, recovery)
+        {
+            return Some(transition);
+        }
+        if let Some(transition) = recovery.from_standstill(&view, slip, soft) {
+            return Some(transition);
+        }
+        match &mut self.mode {
+            ModeState::Traverse(mode) => mode.decide(&view, slip, recovery),
+            ModeState::Detour(mode) => mode.decide(&view, recovery),
+            _ => None,
+        }
+    }
+
+    fn apply(&mut self, transition: Transition, decisions: &mut DecisionQueue) {
+        if let Some(next) = transition.next {
+            self.mode = next;
+            self.clock = ModeClock::default();
+            self.slip.reset_timers();
+            self.soft_ground.reset_rolling();
+        }
+        decisions.push(transition.decision);
+    }
+
+    /// Setpoint of the heading, rad.
+    fn heading(&self, robot: &RobotObservation) -> f64 {
+        let requested = robot.request.heading;
+        match &self.mode {
+            ModeState::Traverse(mode) => wrap_angle(requested + mode.angle()),
+            ModeState::BackOut(mode) => mode.heading(),
+            ModeState::Detour(_) => wrap_angle(requested + self.recovery.detour_angle()),
+            ModeState::Forward | ModeState::Stopped => requested,
+        }
+    }
+
+    /// Setpoint less measured heading, rad; 0 where the heading is not measured.
+    fn heading_error(&self, robot: &RobotObservation) -> f64 {
+        robot
+            .heading
+            .map_or(0.0, |now| wrap_angle(self.heading(robot) - now))
+    }
+
+    /// The slip that a slope of the known soil needs, with some room: less would only cost time.
+    fn needed_slip(&self, robot: &RobotObservation) -> f64 {
+        match robot.slip_demand {
+            Some(demand) if !matches!(self.mode, ModeState::BackOut(_)) => {
+                (demand.mean + SLIP_ROOM).clamp(0.0, MAX_ACCEPTED_SLIP)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The robot's setpoints in its mode.
+    pub(super) fn motion(
+        &mut self,
+        settings: &ControlSettings,
+        robot: &RobotObservation,
+    ) -> MotionCommand {
+        let heading = self.heading(robot);
+        let requested = robot.request.speed;
+        let (backward_speed, pushed_slip) = match &self.mode {
+            ModeState::Stopped => {
+                return MotionCommand {
+                    speed: 0.0,
+                    yaw_rate: 0.0,
+                    heading,
+                    limits_slip: false,
+                    stopped: true,
+                    slip: settings.optimum,
+                    min_speed_share: 0.0,
+                };
+            }
+            ModeState::BackOut(mode) => {
+                (Some(-settings.back_speed * requested), mode.pushed_slip())
+            }
+            _ => (None, 0.0),
+        };
+        if backward_speed.is_none() {
+            self.last_heading = robot.heading.unwrap_or(robot.request.heading);
+        }
+        let error = self.heading_error(robot);
+        let max_rate = settings.max_turn;
+        let yaw_rate = (settings.turn_gain * error).clamp(-max_rate, max_rate);
+        let on_course = error.abs() < ON_COURSE_RAD;
+        let steers = self.max_curvature.is_finite();
+        let (speed, yaw_rate) = if steers {
+            // a robot that steers turns as it travels
+            let speed = backward_speed.unwrap_or(requested);
+            let max_rate = speed.abs() * self.max_curvature;
+            (speed, yaw_rate.clamp(-max_rate, max_rate))
+        } else {
+            let ahead = if on_course {
+                1.0
+            } else {
+                (Real::cos(error) - 0.5).clamp(MIN_TURNING_SPEED_SHARE, 1.0)
+            };
+            (backward_speed.unwrap_or(ahead * requested), yaw_rate)
+        };
+        let idle = requested == 0.0;
+        let gentle = self.tilt.tilt() < settings.steep || backward_speed.is_some();
+        MotionCommand {
+            speed,
+            yaw_rate: if idle { 0.0 } else { yaw_rate },
+            heading,
+            limits_slip: (on_course || steers) && !idle,
+            stopped: false,
+            slip: settings
+                .optimum
+                .max(self.slip.accepted())
+                .max(self.needed_slip(robot))
+                + pushed_slip,
+            min_speed_share: if gentle {
+                settings.crawl
+            } else {
+                settings.creep
+            },
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The integrals of accelerometer and gyro over time: they carry a measurement over a past window to the present.
+
+use super::kalman::Kalman;
+use super::motion_model::{FORWARD, LEFT, YAW};
+use crate::history::{History, nanoseconds, seconds_between};
+
+/// Entries of the history: the longest latency and the horizon at more than 100 Hz.
+const HISTORY_ENTRIES: usize = 512;
+
+/// What the inertial sensors have measured of the motion so far.
+#[derive(Clone, Debug)]
+pub(super) struct InertialPath {
+    history: History<3>,
+    /// Change of speed forwards and to the left by the accelerometer (m/s), and angle turned by the gyro (rad).
+    accel_integral: [f64; 3],
+    /// The yaw rate by which the angle grows, rad/s: the gyro's where that is trusted.
+    pub(super) yaw_rate: f64,
+}
+
+impl InertialPath {
+    pub(super) fn new(span_s: f64) -> Self {
+        Self {
+            history: History::new(HISTORY_ENTRIES, nanoseconds(span_s)),
+            accel_integral: [0.0; 3],
+            yaw_rate: 0.0,
+        }
+    }
+
+    pub(super) fn restart_clock(&mut self) {
+        self.history.clear();
+    }
+
+    /// Adds `dt` seconds in which the accelerometer changed the speeds by `gained` (m/s).
+    pub(super) fn advance(&mut self, dt: f64, gained: [f64; 2]) {
+        self.accel_integral[0] += gained[0];
+        self.accel_integral[1] += gained[1];
+        self.accel_integral[2] += self.yaw_rate * dt;
+    }
+
+    pub(super) fn record(&mut self, time_ns: i64) {
+        self.history.push(time_ns, self.accel_integral);
+    }
+
+    /// The change of speed forwards by the accelerometer so far, m/s.
+    pub(super) const fn forward_integral(&self) -> f64 {
+        self.accel_integral[0]
+    }
+
+    /// The robot's mean speed along `row` from `from_ns` to `to_ns` by the present state: its speed now less what the
+    /// accelerometer measured since. Past states would bring back errors that measurements have removed since.
+    pub(super) fn mean_along(
+        &self,
+        state: &Kalman,
+        row: [f64; 3],
+        from_ns: i64,
+        to_ns: i64,
+    ) -> f64 {
+        let mut mean = [FORWARD, LEFT, YAW].map(|i| state.mean(i));
+        let window = seconds_between(from_ns, to_ns);
+        let middle = to_ns.saturating_sub(nanoseconds(0.5 * window));
+        if let Some(then) = self.history.at(middle) {
+            mean[0] -= self.accel_integral[0] - then[0];
+            mean[1] -= self.accel_integral[1] - then[1];
+        }
+        if let Some([_, _, turned]) = self.history.between(from_ns, to_ns)
+            && window > 0.0
+        {
+            mean[2] += turned / window - self.yaw_rate;
+        }
+        crate::body::dot(row, mean)
+    }
+}

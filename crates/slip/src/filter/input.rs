@@ -1,0 +1,93 @@
+//! The input of the filter: samples checked by their sensors' clocks and put in the order of their time.
+
+use alloc::{boxed::Box, vec};
+
+use super::reorder_buffer::{Offered, ReorderBuffer};
+use super::sensor_clocks::{ClockOutcome, SensorClocks};
+use crate::fault::{Fault, Rejected};
+use crate::history::nanoseconds;
+use crate::sample::{Measurement, Sample};
+
+/// Samples that can wait for earlier ones: a horizon of 20 ms at 12 kHz.
+const REORDER_CAPACITY: usize = 256;
+
+/// Clocks, reorder buffer and the count of refused samples.
+#[derive(Clone, Debug)]
+pub(super) struct Input {
+    pub(super) clocks: SensorClocks,
+    buffer: ReorderBuffer,
+    /// Number of each wheel's readings that wait in the buffer.
+    waiting: Box<[u16]>,
+    pub(super) rejected: Rejected,
+}
+
+impl Input {
+    pub(super) fn new(wheels: usize, horizon_s: f64) -> Self {
+        Self {
+            clocks: SensorClocks::new(wheels),
+            buffer: ReorderBuffer::new(REORDER_CAPACITY, nanoseconds(horizon_s)),
+            waiting: vec![0; wheels].into_boxed_slice(),
+            rejected: Rejected::default(),
+        }
+    }
+
+    /// Checks a sample's time against its sensor's clock.
+    pub(super) fn check_clock(&mut self, sample: &Sample) -> Result<ClockOutcome, Fault> {
+        let (newest, used) = (self.buffer.newest_ns(), self.buffer.released_ns());
+        self.clocks.check(sample, newest, used)
+    }
+
+    /// Forgets what waits: the clock was set.
+    pub(super) fn clear(&mut self) {
+        self.buffer.clear();
+        self.waiting.fill(0);
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.buffer.is_full()
+    }
+
+    /// Puts a sample in its place; `false` where later ones have been used already.
+    pub(super) fn offer(&mut self, sample: Sample) -> bool {
+        if self.buffer.offer(sample) == Offered::TooLate {
+            return false;
+        }
+        if let Some(wheel) = rotation_of(&sample.measurement) {
+            self.waiting[wheel] += 1;
+        }
+        true
+    }
+
+    /// The oldest sample, if the horizon has passed it or `force` is set.
+    pub(super) fn release(&mut self, force: bool) -> Option<Sample> {
+        let sample = self.buffer.release(force)?;
+        if let Some(wheel) = rotation_of(&sample.measurement) {
+            let waiting = &mut self.waiting[wheel];
+            *waiting = waiting.saturating_sub(1);
+        }
+        Some(sample)
+    }
+
+    pub(super) const fn newest_ns(&self) -> Option<i64> {
+        self.buffer.newest_ns()
+    }
+
+    /// The time up to which a wheel's silence is known: where none of its readings waits, the newest time of any sensor.
+    pub(super) fn heard_until(&self, wheel: usize, now_ns: i64) -> i64 {
+        match self.buffer.newest_ns() {
+            Some(newest) if self.waiting[wheel] == 0 => newest.max(now_ns),
+            _ => now_ns,
+        }
+    }
+}
+
+/// The wheel whose rotation a measurement is.
+pub(super) const fn rotation_of(measurement: &Measurement) -> Option<usize> {
+    match *measurement {
+        Measurement::WheelCount { wheel, .. }
+        | Measurement::WheelEdge { wheel, .. }
+        | Measurement::WheelAngle { wheel, .. }
+        | Measurement::WheelRate { wheel, .. } => Some(wheel),
+        _ => None,
+    }
+}

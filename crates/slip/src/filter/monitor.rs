@@ -1,0 +1,51 @@
+//! Trust in one sensor, from how long its readings have agreed or disagreed with the others'.
+
+use crate::history::seconds_between;
+
+/// The longest time that one reading stands for, s: a sensor of 10 Hz is not condemned by one gap.
+const MAX_READING_TIME_S: f64 = 0.1;
+/// Agreement counts this many times less than disagreement, so that a sensor that agrees by chance now and then still fails.
+const FORGIVENESS: f64 = 3.0;
+
+/// The record of one sensor.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Monitor {
+    last_ns: Option<i64>,
+    /// Time of disagreement less the agreement that makes up for it, s.
+    refused_s: f64,
+    is_refused: bool,
+    failed: bool,
+}
+
+impl Monitor {
+    /// Records a reading at `time_ns` that agreed or not; returns whether the sensor is trusted after it.
+    ///
+    /// It fails after `patience_s` of disagreement, and is trusted again after three times as long of agreement.
+    pub(super) fn record(&mut self, time_ns: i64, agreed: bool, patience_s: f64) -> bool {
+        let last = self.last_ns.replace(time_ns).unwrap_or(time_ns);
+        let passed = seconds_between(last, time_ns).clamp(0.0, MAX_READING_TIME_S);
+        self.is_refused = !agreed;
+        if agreed {
+            self.refused_s = (self.refused_s - passed / FORGIVENESS).max(0.0);
+            self.failed &= self.refused_s > 0.0;
+        } else {
+            self.refused_s = (self.refused_s + passed).min(patience_s);
+            self.failed |= self.refused_s >= patience_s;
+        }
+        !self.failed
+    }
+
+    /// Was the last reading refused?
+    pub(super) const fn is_suspect(&self) -> bool {
+        self.is_refused
+    }
+
+    /// Has it agreed for long?
+    pub(super) const fn is_clean(&self) -> bool {
+        self.refused_s <= 0.0 && !self.failed
+    }
+
+    pub(super) const fn has_failed(&self) -> bool {
+        self.failed
+    }
+}

@@ -1,0 +1,286 @@
+//! Does a counter miss pulses? Here and there by chance, or one slot of every turn.
+//!
+//! The second difference of the ticks of three equal windows, −½ S₁ + S₂ − ½ S₃, is blind to speed and acceleration. Whole ticks
+//! alone give it the variance q(α) = 3.75 a₁ − 1.5 a₂ + .25 a₃ with aⱼ = fⱼ (1 − fⱼ), fⱼ the fraction of j α and α the ticks a
+//! window; a share p of pulses lost at random adds 1.5 p (1 − p) α. A broken slot lacks a tick at the same place of each turn.
+
+use crate::history::{seconds_between, whole};
+
+/// A window has about this many ticks, and at most so many readings.
+const TICKS: f64 = 12.0;
+const READINGS: f64 = 50.0;
+/// Windows with fewer or more ticks than this say nothing.
+const USED: (f64, f64) = (4.0, 60.0);
+/// Windows that differ in time by more than this share are not equal.
+const UNEQUAL: f64 = 0.1;
+/// Ticks, and share of a window's, by which the first and the third of three windows may differ: where the speed changes more,
+/// it changes unevenly as well.
+const LEVEL: (f64, f64) = (1.0, 0.25);
+/// The share that is lost is a mean over this long, s; it is known after so long.
+const MEMORY: f64 = 3.0;
+const KNOWN: f64 = 1.5;
+/// How fast the usual ticks of a window are learnt, a window.
+const USUAL: f64 = 0.15;
+/// More than this share is missed, and less than this no longer.
+const MISSED: (f64, f64) = (0.022, 0.012);
+/// Ticks by which two windows, and twice the usual one, may differ where the speed is steady.
+const STEADY: (f64, f64) = (2.0, 2.0);
+/// Parts of a turn.
+const PARTS: usize = 32;
+/// A slot is broken when its part of the turn lacks more than this many ticks a turn, by so many times the scatter of the other
+/// parts, over so many turns; what is older than so many turns counts half.
+const LACKS: f64 = 0.5;
+const ABOVE: f64 = 6.0;
+const TURNS: (f32, f32) = (8.0, 64.0);
+
+/// One wheel's pulses.
+#[derive(Clone, Debug)]
+pub(super) struct PulseCheck {
+    /// Rim travel of a tick (m), and ticks of a turn.
+    tick: f64,
+    turn: f64,
+    last: Option<(i64, f64)>,
+    /// The open window: how many readings it takes, how many there are, ticks and time.
+    readings: f64,
+    so_far: f64,
+    ticks: f64,
+    seconds: f64,
+    /// The two windows before it.
+    before: [Option<(f64, f64)>; 2],
+    usual: f64,
+    share: f64,
+    seen: f64,
+    missed: bool,
+    /// Ticks by part of the turn beyond what was expected, and how often it was passed.
+    beyond: [f32; PARTS],
+    passed: [f32; PARTS],
+    part: usize,
+}
+
+impl PulseCheck {
+    pub(super) fn new(tick: f64, turn: f64) -> Self {
+        Self {
+            tick,
+            turn,
+            last: None,
+            readings: 1.0,
+            so_far: 0.0,
+            ticks: 0.0,
+            seconds: 0.0,
+            before: [None; 2],
+            usual: 0.0,
+            share: 0.0,
+            seen: 0.0,
+            missed: false,
+            beyond: [0.0; PARTS],
+            passed: [0.0; PARTS],
+            part: 0,
+        }
+    }
+
+    /// The counter begins anew.
+    pub(super) fn restart_clock(&mut self) {
+        *self = Self::new(self.tick, self.turn);
+    }
+
+    /// The share of pulses that is missed at random, as far as this counter alone tells; `None` where it is not known.
+    pub(super) fn share(&self) -> Option<f64> {
+        (self.seen >= KNOWN).then_some(self.share)
+    }
+
+    /// Does it miss more than it may, where other wheels seem to miss `others`? They cannot: it is the ground that is rough.
+    pub(super) fn misses(&mut self, others: f64) -> bool {
+        let beyond = self.share - 2.0 * others.max(0.0);
+        let least = if self.missed { MISSED.1 } else { MISSED.0 };
+        self.missed = self.seen >= KNOWN && beyond > least;
+        self.missed
+    }
+
+    /// The rim has run `travel` (m) in all by `time_ns`.
+    pub(super) fn update(&mut self, time_ns: i64, travel: f64) {
+        let Some((last_ns, last)) = self.last.replace((time_ns, travel)) else {
+            return;
+        };
+        let (ticks, seconds) = (
+            (travel - last) / self.tick,
+            seconds_between(last_ns, time_ns),
+        );
+        if !(seconds > 0.0) || !ticks.is_finite() {
+            return;
+        }
+        self.by_part(travel / self.tick, ticks, seconds);
+        self.ticks += ticks;
+        self.seconds += seconds;
+        self.so_far += 1.0;
+        if self.so_far >= self.readings {
+            self.end_window();
+        }
+    }
+
+    fn end_window(&mut self) {
+        let (ticks, seconds) = (self.ticks, self.seconds);
+        let size = ticks.abs();
+        (self.ticks, self.seconds, self.so_far) = (0.0, 0.0, 0.0);
+        let wanted = (self.readings * TICKS / size.max(0.1)).clamp(1.0, READINGS);
+        if wanted > 2.0 * self.readings || 2.0 * wanted < self.readings {
+            self.readings = whole(wanted + 0.5) as f64;
+            self.before = [None; 2];
+            self.usual = 0.0;
+            return;
+        }
+        let [first, second] = self.before;
+        self.before = [second, Some((ticks, seconds))];
+        self.usual = if self.usual == 0.0 {
+            ticks
+        } else {
+            self.usual + USUAL * (ticks - self.usual)
+        };
+        let (Some((s_1, t_1)), Some((s_2, t_2))) = (first, second) else {
+            return;
+        };
+        let equal = (t_1 - t_2).abs().max((seconds - t_2).abs()) <= UNEQUAL * t_2;
+        let level = (s_1 - ticks).abs() <= LEVEL.0 + LEVEL.1 * size;
+        if !(equal && level && size >= USED.0 && size <= USED.1) {
+            return;
+        }
+        let bent = s_2 - 0.5 * (s_1 + ticks);
+        let most = 6.0 * (1.0 + 0.3 * size);
+        let beyond = ((bent * bent).min(most) - by_whole_ticks(self.usual)) / (1.5 * size);
+        let weight = (seconds / MEMORY)
+            .max(seconds / (self.seen + seconds))
+            .min(1.0);
+        self.share += weight * (beyond - self.share);
+        self.seen += seconds;
+    }
+
+    fn by_part(&mut self, now: f64, ticks: f64, seconds: f64) {
+        // one tick of each turn is the one that is missed
+        let turn = self.turn - 1.0;
+        if self.usual == 0.0 || !(turn >= 2.0 * PARTS as f64) {
+            return;
+        }
+        let [Some((s_1, t_1)), Some((s_2, t_2))] = self.before else {
+            return;
+        };
+        // where the speed changes, what was expected is not to be had to a tick
+        let steady =
+            (s_1 - s_2).abs() <= STEADY.0 && (s_1 + s_2 - 2.0 * self.usual).abs() <= STEADY.1;
+        if !steady {
+            return;
+        }
+        let expected = self.usual * 2.0 * seconds / (t_1 + t_2);
+        let place = fraction(now / turn);
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a share of a turn in [0, 1)"
+        )]
+        let part = ((place * PARTS as f64) as usize).min(PARTS - 1);
+        if part != self.part {
+            self.passed[self.part] += 1.0;
+            if self.passed[self.part] >= TURNS.1 {
+                self.passed[self.part] *= 0.5;
+                self.beyond[self.part] *= 0.5;
+            }
+            self.part = part;
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "a few ticks")]
+        let beyond = ((ticks - expected) * ticks.signum()).clamp(-3.0, 3.0) as f32;
+        self.beyond[part] += beyond;
+    }
+
+    /// Does one part of the turn lack a tick every time?
+    pub(super) fn has_broken_slot(&self) -> bool {
+        if self.passed.iter().any(|&passed| passed < TURNS.0) {
+            return false;
+        }
+        let of = |i: usize| f64::from(self.beyond[i] / self.passed[i]);
+        let worst = (0..PARTS).fold(0, |a, b| if of(b) < of(a) { b } else { a });
+        let others = || (0..PARTS).filter(|&i| i != worst).map(of);
+        let count = (PARTS - 1) as f64;
+        let mean = others().sum::<f64>() / count;
+        let scatter = others().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
+        let lacks = mean - of(worst);
+        lacks > LACKS && lacks > ABOVE * grouser_real::Real::sqrt(scatter)
+    }
+}
+
+/// What a number has beyond the whole one below it, in [0, 1).
+fn fraction(x: f64) -> f64 {
+    let rest = x - whole(x) as f64;
+    if rest < 0.0 { rest + 1.0 } else { rest }
+}
+
+/// The variance of −½ S₁ + S₂ − ½ S₃ by whole ticks alone, where α come in each.
+fn by_whole_ticks(alpha: f64) -> f64 {
+    let part = |j: f64| {
+        let f = fraction(j * alpha);
+        f * (1.0 - f)
+    };
+    3.75 * part(1.0) - 1.5 * part(2.0) + 0.25 * part(3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PulseCheck, by_whole_ticks};
+
+    /// A counter at `speed` ticks a reading, which loses ticks by `lost`.
+    fn run(speed: f64, mut lost: impl FnMut(i64) -> bool) -> PulseCheck {
+        let mut pulses = PulseCheck::new(1.0, 960.0);
+        let (mut true_ticks, mut shown) = (0, 0_i64);
+        for row in 0..6000_i64 {
+            let now = super::whole(speed * row as f64 + 0.1234);
+            while true_ticks < now {
+                true_ticks += 1;
+                shown += i64::from(!lost(true_ticks));
+            }
+            pulses.update(row * 10_000_000, shown as f64);
+        }
+        pulses
+    }
+
+    #[test]
+    fn the_variance_of_whole_ticks_is_that_of_counting() {
+        for alpha in [12.1, 12.25, 12.5, 12.618_034, 12.9] {
+            let tick = |k: f64| (alpha * k + 0.3717).floor();
+            let mut sum = 0.0;
+            let count = 20_000;
+            for k in 0..count {
+                let s = |j: f64| tick(f64::from(k) + j + 1.0) - tick(f64::from(k) + j);
+                let bent = s(1.0) - 0.5 * (s(0.0) + s(2.0));
+                sum += bent * bent;
+            }
+            let seen = sum / f64::from(count);
+            // a rational α runs through few phases: the formula is their mean over all
+            assert!(
+                (seen - by_whole_ticks(alpha)).abs() < 0.3,
+                "{alpha}: {seen}"
+            );
+        }
+    }
+
+    #[test]
+    fn whole_counters_are_whole_at_any_speed() {
+        for speed in [0.8, 1.5, 2.5, 4.6, 4.75, 5.0, 5.5, 11.97, 30.0] {
+            let mut pulses = run(speed, |_| false);
+            assert!(!pulses.misses(0.0), "{speed}: {:?}", pulses.share());
+            assert!(!pulses.has_broken_slot(), "{speed}");
+        }
+    }
+
+    #[test]
+    fn a_slot_that_lacks_its_tick_is_found() {
+        assert!(run(4.617, |tick| tick % 960 == 17).has_broken_slot());
+        let mut state = 1_u64;
+        let mut chance = |_| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) % 100 < 5
+        };
+        let mut lossy = run(4.617, &mut chance);
+        assert!(lossy.misses(0.0), "{:?}", lossy.share());
+        // rough ground would show in all wheels
+        assert!(!lossy.misses(0.04));
+    }
+}

@@ -1,0 +1,124 @@
+//! Samples in the order of their time, within a horizon.
+
+use alloc::{boxed::Box, vec};
+
+use crate::robot::MAX_WHEELS;
+use crate::sample::{Measurement, Sample};
+
+/// A sorted queue of bounded size.
+#[derive(Clone, Debug)]
+pub(crate) struct ReorderBuffer {
+    /// The newest first, so that the oldest is taken from the end.
+    queue: Box<[Sample]>,
+    len: usize,
+    horizon_ns: i64,
+    newest_ns: Option<i64>,
+    released_ns: Option<i64>,
+}
+
+/// The outcome of an offered sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Offered {
+    /// It waits for its turn.
+    Waits,
+    /// Samples later than it have been used already.
+    TooLate,
+}
+
+impl ReorderBuffer {
+    pub(crate) fn new(capacity: usize, horizon_ns: i64) -> Self {
+        let empty = Sample {
+            time_ns: 0,
+            measurement: Measurement::YawRate { rate: 0.0 },
+        };
+        Self {
+            queue: vec![empty; capacity.max(1)].into_boxed_slice(),
+            len: 0,
+            horizon_ns,
+            newest_ns: None,
+            released_ns: None,
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+        self.newest_ns = None;
+        self.released_ns = None;
+    }
+
+    pub(crate) const fn newest_ns(&self) -> Option<i64> {
+        self.newest_ns
+    }
+
+    /// The time up to which samples have been used.
+    pub(crate) const fn released_ns(&self) -> Option<i64> {
+        self.released_ns
+    }
+
+    pub(crate) fn is_full(&self) -> bool {
+        self.len == self.queue.len()
+    }
+
+    /// Puts a sample in its place; the caller makes room first ([`ReorderBuffer::release`] while [`ReorderBuffer::is_full`]).
+    pub(crate) fn offer(&mut self, sample: Sample) -> Offered {
+        if self
+            .released_ns
+            .is_some_and(|released| sample.time_ns < released)
+            || self.is_full()
+        {
+            return Offered::TooLate;
+        }
+        let mut place = self.len;
+        while place > 0 && precedes(&self.queue[place - 1], &sample) {
+            self.queue[place] = self.queue[place - 1];
+            place -= 1;
+        }
+        self.queue[place] = sample;
+        self.len += 1;
+        let newest = self.newest_ns.unwrap_or(sample.time_ns);
+        self.newest_ns = Some(newest.max(sample.time_ns));
+        Offered::Waits
+    }
+
+    /// The oldest sample, if the horizon has passed it or `force` is set.
+    pub(crate) fn release(&mut self, force: bool) -> Option<Sample> {
+        let last = self.len.checked_sub(1)?;
+        let sample = self.queue[last];
+        let ripe = self
+            .newest_ns
+            .is_some_and(|newest| newest.saturating_sub(sample.time_ns) >= self.horizon_ns);
+        if !ripe && !force {
+            return None;
+        }
+        self.len = last;
+        self.released_ns = Some(sample.time_ns);
+        Some(sample)
+    }
+}
+
+/// Does `waiting` come out before `new`? Samples of one moment come out by their kind and wheel, so that the order in
+/// which they arrived does not matter.
+fn precedes(waiting: &Sample, new: &Sample) -> bool {
+    let key = |sample: &Sample| (sample.time_ns, rank(&sample.measurement));
+    key(waiting) <= key(new)
+}
+
+fn rank(measurement: &Measurement) -> (u8, usize) {
+    match *measurement {
+        Measurement::Command { .. }
+        | Measurement::Inertial { .. }
+        | Measurement::JointAngle { .. }
+        | Measurement::MotorCurrent { .. } => (0, 0),
+        Measurement::Acceleration { .. } => (1, 0),
+        Measurement::YawRate { .. } => (2, 0),
+        Measurement::WheelTorque { wheel, .. } => (3, wheel),
+        Measurement::Carrier { wheel, .. } => (3, wheel.saturating_add(MAX_WHEELS)),
+        Measurement::WheelCount { wheel, .. } => (4, wheel),
+        Measurement::WheelEdge { wheel, .. } => (5, wheel),
+        Measurement::WheelAngle { wheel, .. } => (6, wheel),
+        Measurement::WheelRate { wheel, .. } => (7, wheel),
+        Measurement::Displacement { .. } => (8, 0),
+        Measurement::Pose { .. } => (9, 0),
+        Measurement::Speed { .. } => (10, 0),
+    }
+}

@@ -1,0 +1,175 @@
+//! All wheels of the filter, and what they show together.
+
+use alloc::boxed::Box;
+
+use grouser_real::Real;
+
+use super::MAX_FILTER_WHEELS;
+use super::settings::FilterSettings;
+use super::wheel_channel::WheelChannel;
+use crate::body::Observations;
+use crate::fault::Fault;
+use crate::robot::Robot;
+use crate::speed::Measured;
+
+/// Wheels whose headings differ by less than this drive one way: the sine of the angle.
+const PARALLEL_SINE: f64 = 0.02;
+/// Weight of one wheel's innovation in its mean, where it is the only powered one.
+const MEAN_INNOVATION_WEIGHT: f64 = 0.2;
+/// The common slip has changed when the median of the wheels' mean innovations is beyond this, in sigma.
+const COMMON_CHANGE_SIGMA: f64 = 0.7;
+/// Standard deviation of the robot's speed by one rim where slip is not compensated, m/s.
+const RIM_SIGMA_M_PER_S: f64 = 0.01;
+/// How far that robot may drift sideways (m/s) and turn (rad/s) where its wheels do not show it.
+const DRIFT_SIGMA_M_PER_S: f64 = 0.1;
+const TURN_SIGMA_RAD_PER_S: f64 = 10.0;
+
+/// The wheels in the robot's order.
+#[derive(Clone, Debug)]
+pub(super) struct WheelBank {
+    pub(super) channels: Box<[WheelChannel]>,
+    /// The direction in which a robot whose powered wheels all point one way cannot move, as a row of its speed.
+    pub(super) lateral: Option<[f64; 3]>,
+    /// Weight of an innovation in its wheel's mean.
+    pub(super) mean_weight: f64,
+}
+
+impl WheelBank {
+    pub(super) fn new(robot: &Robot, settings: &FilterSettings) -> Self {
+        let channels: Box<[_]> = WheelChannel::all(robot, settings).collect();
+        let powered = channels.iter().filter(|wheel| !wheel.free).count();
+        Self {
+            lateral: lateral(&channels),
+            mean_weight: 1.0
+                - Real::powi(
+                    1.0 - MEAN_INNOVATION_WEIGHT,
+                    i32::try_from(powered).unwrap_or(1),
+                ),
+            channels,
+        }
+    }
+
+    pub(super) fn get_mut(&mut self, index: usize) -> Result<&mut WheelChannel, Fault> {
+        let wheels = self.channels.len();
+        self.channels
+            .get_mut(index)
+            .ok_or(Fault::UnknownWheel { index, wheels })
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &WheelChannel> {
+        self.channels.iter()
+    }
+
+    pub(super) fn powered(&self) -> impl Iterator<Item = &WheelChannel> {
+        self.iter().filter(|wheel| !wheel.free)
+    }
+
+    pub(super) fn free(&self) -> impl Iterator<Item = &WheelChannel> {
+        self.iter().filter(|wheel| wheel.free)
+    }
+
+    pub(super) fn any_turns(&self) -> bool {
+        self.iter().any(WheelChannel::turns)
+    }
+
+    /// The yaw rate that the powered wheels would give without slip, where all point one way.
+    pub(super) fn yaw_rate(&self) -> Option<f64> {
+        self.lateral?;
+        let count = self.powered().count() as f64;
+        let (mut rims, mut arms) = (0.0, 0.0);
+        for wheel in self.powered() {
+            rims += wheel.rim?.0.value;
+            arms += wheel.row[2];
+        }
+        let (mut product, mut square) = (0.0, 0.0);
+        for wheel in self.powered() {
+            let arm = wheel.row[2] - arms / count;
+            product += arm * (wheel.rim?.0.value - rims / count);
+            square += arm * arm;
+        }
+        (square > 1e-6).then(|| product / square)
+    }
+
+    /// The robot's speed forwards if its powered wheels did not slip, m/s: least squares over those that are received.
+    pub(super) fn forward_speed(&self, now_ns: i64, dropout_s: f64) -> f64 {
+        let of = |value: f64, sigma: f64| Measured {
+            value,
+            variance: sigma * sigma,
+        };
+        let mut seen = Observations::default();
+        seen.add([0.0, 1.0, 0.0], of(0.0, DRIFT_SIGMA_M_PER_S));
+        seen.add([0.0, 0.0, 1.0], of(0.0, TURN_SIGMA_RAD_PER_S));
+        for wheel in self
+            .powered()
+            .filter(|wheel| wheel.is_received(now_ns, dropout_s))
+        {
+            if let Some((rim, _)) = wheel.rim {
+                seen.add(wheel.row, of(rim.value, RIM_SIGMA_M_PER_S));
+            }
+        }
+        seen.solve().map_or(0.0, |motion| motion.velocity[0])
+    }
+
+    /// The powered wheels' mean rim speed, m/s; `None` where none is received.
+    pub(super) fn mean_powered_rim(&self, now_ns: i64, dropout_s: f64) -> Option<f64> {
+        let rims = || {
+            self.powered().filter_map(move |wheel| {
+                wheel
+                    .is_received(now_ns, dropout_s)
+                    .then_some(wheel.rim?.0.value)
+            })
+        };
+        let count = rims().count();
+        (count > 0).then(|| rims().sum::<f64>() / count as f64)
+    }
+
+    /// The rim that runs fastest, m/s.
+    pub(super) fn fastest_rim(&self) -> Option<f64> {
+        let rims = self.iter().filter_map(|wheel| Some(wheel.rim?.0.value));
+        rims.reduce(|a, b| if b.abs() > a.abs() { b } else { a })
+    }
+
+    /// Are most powered wheels off to one side, and the median by much? One wheel alone, however far off, is its own slip.
+    pub(super) fn slips_change_together(&self) -> bool {
+        let mut means = [0.0; MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for wheel in self.powered() {
+            means[count] = wheel.mean_innovation;
+            count += 1;
+        }
+        let means = &mut means[..count];
+        means.sort_unstable_by(f64::total_cmp);
+        let (Some(low), Some(high)) = (means.get((count.max(1) - 1) / 2), means.get(count / 2))
+        else {
+            return false;
+        };
+        let median = 0.5 * (low + high);
+        let same_side = means
+            .iter()
+            .filter(|mean| **mean * median > 0.5 * COMMON_CHANGE_SIGMA * median.abs());
+        median.abs() > COMMON_CHANGE_SIGMA && 2 * same_side.count() > count
+    }
+
+    /// The median of the shares of pulses that the other counters seem to miss: the effect of rough ground or a jittering
+    /// clock.
+    pub(super) fn usual_missed_share(&self, index: usize) -> f64 {
+        let mut shares = [0.0; MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for (i, wheel) in self.iter().enumerate() {
+            if let Some(share) = wheel.pulses.share().filter(|_| i != index) {
+                shares[count] = share;
+                count += 1;
+            }
+        }
+        let shares = &mut shares[..count];
+        shares.sort_unstable_by(f64::total_cmp);
+        shares.get(count / 2).copied().unwrap_or(0.0)
+    }
+}
+
+fn lateral(channels: &[WheelChannel]) -> Option<[f64; 3]> {
+    let mut powered = channels.iter().filter(|wheel| !wheel.free);
+    let [x, y, _] = powered.next()?.row;
+    let parallel = powered.all(|wheel| (x * wheel.row[1] - y * wheel.row[0]).abs() < PARALLEL_SINE);
+    parallel.then_some([-y, x, 0.0])
+}

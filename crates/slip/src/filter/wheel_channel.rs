@@ -1,0 +1,243 @@
+//! One wheel in the filter: its readings, its windows, and what is learnt of it.
+
+use grouser_real::Real;
+
+use crate::history::seconds_between;
+use crate::robot::{Robot, WheelRole};
+use crate::speed::Measured;
+use crate::state::Health;
+use crate::wheel_estimate::WheelEstimate;
+use crate::wheel_track::{TrackSettings, WheelTrack};
+
+use super::carrier::Carrier;
+use super::monitor::Monitor;
+use super::motion_model::{COMMON_SLIP, own_slip};
+use super::pulse_check::PulseCheck;
+use super::radius_check::RadiusCheck;
+use super::rolling_history::RollingHistory;
+use super::settings::FilterSettings;
+
+/// A window is extended until it has this many ticks: fewer say little of the speed.
+const MIN_WINDOW_TICKS: f64 = 4.0;
+/// A window ends after this many times its length, however few ticks it has.
+pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
+/// Weight of a new window in the smoothed rim speed.
+const RIM_SMOOTHING: f64 = 0.3;
+/// Readings kept of each wheel: more than the longest window holds at 100 Hz.
+const HISTORY_ENTRIES: usize = 64;
+
+/// The state of one wheel beside the numbers in the Kalman filter.
+#[derive(Clone, Debug)]
+pub(super) struct WheelChannel {
+    pub(super) row: [f64; 3],
+    /// Position of its centre (m), and its heading at no steering angle (rad).
+    place: [f64; 2],
+    heading: f64,
+    pub(super) carrier: Carrier,
+    pub(super) free: bool,
+    pub(super) track: WheelTrack,
+    /// Rim travel of one tick, m; 0 without ticks.
+    pub(super) tick: f64,
+    /// The beginning of the open window.
+    from_ns: Option<i64>,
+    /// Which of the two tick remainders belongs to the beginning of the open window; `None` where neither does.
+    pub(super) remainder: Option<bool>,
+    /// The last whole window's rim speed and end.
+    pub(super) rim: Option<(Measured, i64)>,
+    /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
+    smoothed_rim: f64,
+    last_rim: f64,
+    /// The time since which the rim has not moved.
+    pub(super) still_since_ns: Option<i64>,
+    /// The time since which it turns against the robot's travel.
+    pub(super) against_since_ns: Option<i64>,
+    /// Was its last window beyond the gate?
+    pub(super) was_off: bool,
+    /// Trust in a free wheel.
+    pub(super) monitor: Monitor,
+    /// Mean of its innovations, in sigma.
+    pub(super) mean_innovation: f64,
+    pub(super) rolling: RollingHistory,
+    pub(super) pulses: PulseCheck,
+    pub(super) radius: RadiusCheck,
+    dropout: f64,
+    /// Variance of its own slip as a multiple of the configured one.
+    pub(super) noise_scale: f64,
+    pub(super) estimate: WheelEstimate,
+}
+
+impl WheelChannel {
+    /// The wheels of `robot`.
+    pub(super) fn all(robot: &Robot, settings: &FilterSettings) -> impl Iterator<Item = Self> {
+        let windows = TrackSettings {
+            window: MAX_WINDOW_FACTOR * settings.wheel_window,
+            max_speed: settings.max_speed,
+            dropout: settings.dropout,
+            history: HISTORY_ENTRIES,
+        };
+        robot
+            .wheels()
+            .iter()
+            .enumerate()
+            .map(move |(index, wheel)| Self {
+                row: wheel.speed_row(),
+                place: [wheel.x, wheel.y],
+                heading: wheel.heading.rad(),
+                carrier: Carrier::new(wheel.radius, settings.dropout),
+                free: wheel.role == WheelRole::Free,
+                track: WheelTrack::new(index, wheel, windows),
+                tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
+                from_ns: None,
+                remainder: None,
+                rim: None,
+                smoothed_rim: 0.0,
+                last_rim: 0.0,
+                still_since_ns: None,
+                against_since_ns: None,
+                was_off: false,
+                monitor: Monitor::default(),
+                mean_innovation: 0.0,
+                rolling: RollingHistory::default(),
+                pulses: PulseCheck::new(
+                    wheel.travel_per_tick().map_or(1.0, f64::abs),
+                    wheel.encoder.ticks_per_turn.unwrap_or(0.0),
+                ),
+                radius: RadiusCheck::default(),
+                dropout: settings.dropout,
+                noise_scale: 1.0,
+                estimate: WheelEstimate::NOTHING,
+            })
+    }
+
+    /// Sets the steering angle, rad.
+    pub(super) fn steer(&mut self, angle: f64) {
+        let (sin, cos) = Real::sin_cos(self.heading + angle);
+        self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
+    }
+
+    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p).
+    pub(super) fn across(&self) -> [f64; 3] {
+        let [cos, sin, _] = self.row;
+        [-sin, cos, cos * self.place[0] + sin * self.place[1]]
+    }
+
+    /// Its slip, as a row of the state: the wheel at `index` shares the common slip unless it is free.
+    pub(super) fn slip_row(&self, index: usize) -> [(usize, f64); 2] {
+        let common = if self.free { 0.0 } else { 1.0 };
+        [(COMMON_SLIP, common), (own_slip(index), 1.0)]
+    }
+
+    /// Ends the window at the reading of `now_ns` if it is long enough; returns its rim speed and its beginning.
+    pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
+        if self.from_ns.is_none() {
+            self.carrier.mark();
+        }
+        let from = *self.from_ns.get_or_insert(now_ns);
+        let age = seconds_between(from, now_ns);
+        if age < 0.0 {
+            self.from_ns = Some(now_ns);
+            self.carrier.mark();
+            self.remainder = None;
+            return None;
+        }
+        if age < window {
+            return None;
+        }
+        let Some(rim) = self.track.speed(from, now_ns) else {
+            // the sensor was reset, or has been silent
+            self.from_ns = Some(now_ns);
+            self.carrier.mark();
+            self.remainder = None;
+            return None;
+        };
+        let few = (rim.value * age).abs() < MIN_WINDOW_TICKS * self.tick;
+        if few && age < MAX_WINDOW_FACTOR * window {
+            return None;
+        }
+        self.from_ns = Some(now_ns);
+        let stands = rim.value == 0.0;
+        let turned = if stands {
+            0.0
+        } else {
+            self.carrier.rolled() / age
+        };
+        self.carrier.mark();
+        let rim = Measured {
+            value: rim.value + turned,
+            ..rim
+        };
+        self.rim = Some((rim, now_ns));
+        if stands {
+            self.still_since_ns.get_or_insert(from);
+        } else {
+            self.still_since_ns = None;
+            self.rolling.runs(rim.value);
+        }
+        Some((rim, from))
+    }
+
+    /// The smoothed rim speed before the last window, m/s: the last one shares a tick with the present one.
+    pub(super) const fn smoothed_rim(&self) -> f64 {
+        self.smoothed_rim
+    }
+
+    /// Adds a window's rim speed (m/s) to the smoothed one.
+    pub(super) fn smooth(&mut self, rim: f64) {
+        self.smoothed_rim += RIM_SMOOTHING * (self.last_rim - self.smoothed_rim);
+        self.last_rim = rim;
+    }
+
+    /// Seconds since its last reading.
+    pub(super) fn silence(&self, now_ns: i64) -> Option<f64> {
+        self.track
+            .newest_time()
+            .map(|last| seconds_between(last, now_ns))
+    }
+
+    /// Is it received: has it read within the dropout time?
+    pub(super) fn is_received(&self, now_ns: i64, dropout_s: f64) -> bool {
+        self.silence(now_ns)
+            .is_some_and(|silence| silence <= dropout_s)
+    }
+
+    /// Has a window just ended, or does it have no estimate so far?
+    pub(super) fn has_news(&self, now_ns: i64) -> bool {
+        let ended = self.rim.is_some_and(|(_, to)| to == now_ns);
+        let said = !matches!(
+            self.estimate.health,
+            Health::Uninitialised | Health::Invalid(_)
+        );
+        ended || !said
+    }
+
+    /// Did its rim move in the last window?
+    pub(super) fn turns(&self) -> bool {
+        self.still_since_ns.is_none() && self.rim.is_some()
+    }
+
+    /// Seconds since its rim last moved; 0 where it moves, and where it is silent: silence is not standing.
+    pub(super) fn stillness(&self, now_ns: i64) -> f64 {
+        match self.still_since_ns {
+            Some(since) if self.is_received(now_ns, self.dropout) => {
+                seconds_between(since, now_ns).max(0.0)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The clock was set: what was counted is forgotten, what was learnt is not.
+    pub(super) fn restart_clock(&mut self) {
+        self.track.restart_clock();
+        self.carrier.restart_clock();
+        self.pulses.restart_clock();
+        self.from_ns = None;
+        self.remainder = None;
+        self.rim = None;
+        self.still_since_ns = None;
+        self.against_since_ns = None;
+        self.mean_innovation = 0.0;
+        self.rolling = RollingHistory::default();
+        self.monitor = Monitor::default();
+        self.estimate = WheelEstimate::NOTHING;
+    }
+}

@@ -1,0 +1,220 @@
+//! How rockers and arms carry the wheels, from their angles and the gyro.
+
+use alloc::{boxed::Box, vec};
+
+use grouser_real::Real;
+
+use crate::history::seconds_between;
+use crate::sample::{Measurement, Sample};
+
+/// Greatest number of joints that a robot may measure.
+pub const MAX_JOINTS: usize = 6;
+/// A wheel is carried by at most this many links, one on the other.
+pub const MAX_CARRIER_LINKS: usize = 3;
+
+/// Gains of an α-β filter on a joint's angle and rate, over the residual. They damp it critically: with g the pole,
+/// α = 1 − g² and β = (1 − g)², here g = 0.7, a memory of about six readings.
+const ANGLE_GAIN: f64 = 0.51;
+const RATE_GAIN: f64 = 0.09;
+/// Readings further apart than this begin anew, s.
+const MAX_GAP_S: f64 = 0.25;
+
+/// One link between the chassis and a wheel; it turns about an axis across the robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CarrierLink {
+    /// Which measured joint turns it.
+    pub joint: usize,
+    /// +1 where the joint's angle turns it nose down, −1 for the other side of a differential.
+    pub sign: f64,
+    /// Its pivot at rest in the robot's frame: forwards and up, m.
+    pub pivot: [f64; 2],
+}
+
+/// What carries one wheel: its centre and the links between it and the chassis.
+///
+/// ```
+/// use grouser_slip::onboard::{CarrierLink, WheelCarrier};
+/// let rocker = CarrierLink { joint: 0, sign: 1.0, pivot: [0.0, 0.22] };
+/// let carrier = WheelCarrier::on_chassis([0.3, 0.15]).with_link(rocker);
+/// assert_eq!(carrier.links().len(), 1);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelCarrier {
+    centre: [f64; 2],
+    links: [CarrierLink; MAX_CARRIER_LINKS],
+    count: usize,
+}
+
+impl WheelCarrier {
+    /// A wheel that the chassis carries; its centre is forwards and up in the robot's frame at rest, m.
+    #[must_use]
+    pub const fn on_chassis(centre: [f64; 2]) -> Self {
+        Self {
+            centre,
+            links: [CarrierLink {
+                joint: 0,
+                sign: 1.0,
+                pivot: [0.0; 2],
+            }; MAX_CARRIER_LINKS],
+            count: 0,
+        }
+    }
+
+    /// The same wheel on one link more; links are added from the chassis outwards. Beyond [`MAX_CARRIER_LINKS`] nothing
+    /// changes.
+    #[must_use]
+    pub const fn with_link(mut self, link: CarrierLink) -> Self {
+        if self.count < MAX_CARRIER_LINKS {
+            self.links[self.count] = link;
+            self.count += 1;
+        }
+        self
+    }
+
+    /// The links from the chassis outwards.
+    #[must_use]
+    pub fn links(&self) -> &[CarrierLink] {
+        &self.links[..self.count]
+    }
+
+    /// Turning about the axle beside the chassis (rad/s), and the velocity of the wheel's centre forwards and up (m/s), while
+    /// the chassis pitches at `pitch_rate` (rad/s).
+    fn motion(&self, joints: &[Joint; MAX_JOINTS], pitch_rate: f64) -> (f64, [f64; 2]) {
+        let rotated =
+            |[x, z]: [f64; 2], (sin, cos): (f64, f64)| [cos * x + sin * z, cos * z - sin * x];
+        let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+        let plus = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+        // pivots as they are now, and how fast each link turns
+        let mut pivots = [([0.0; 2], 0.0); MAX_CARRIER_LINKS];
+        let (mut angle, mut rate) = (0.0, 0.0);
+        let mut turn = (0.0, 1.0);
+        let mut end = self.centre;
+        for (index, link) in self.links().iter().enumerate() {
+            let pivot = if index == 0 {
+                link.pivot
+            } else {
+                let arm = minus(link.pivot, self.links[index - 1].pivot);
+                plus(pivots[index - 1].0, rotated(arm, turn))
+            };
+            let joint = joints.get(link.joint).copied().unwrap_or_default();
+            angle += link.sign * joint.angle;
+            rate += link.sign * joint.rate;
+            turn = Real::sin_cos(angle);
+            pivots[index] = (pivot, rate);
+            end = plus(pivot, rotated(minus(self.centre, link.pivot), turn));
+        }
+        let mut velocity = [0.0; 2];
+        let mut outer = end;
+        for (pivot, rate) in pivots[..self.count].iter().rev() {
+            let arm = minus(outer, *pivot);
+            velocity = plus(velocity, [arm[1] * rate, -arm[0] * rate]);
+            outer = *pivot;
+        }
+        (
+            rate,
+            plus([pitch_rate * end[1], -(pitch_rate * end[0])], velocity),
+        )
+    }
+}
+
+/// An angle and its rate, filtered.
+#[derive(Clone, Copy, Debug, Default)]
+struct Joint {
+    last_ns: Option<i64>,
+    angle: f64,
+    rate: f64,
+}
+
+impl Joint {
+    fn update(&mut self, time_ns: i64, angle: f64) {
+        if !angle.is_finite() {
+            return;
+        }
+        let passed = self
+            .last_ns
+            .map_or(f64::INFINITY, |last| seconds_between(last, time_ns));
+        if passed == 0.0 {
+            return;
+        }
+        self.last_ns = Some(time_ns);
+        if !(passed > 0.0 && passed <= MAX_GAP_S) {
+            self.angle = angle;
+            self.rate = 0.0;
+            return;
+        }
+        let residual = angle - self.angle - self.rate * passed;
+        self.angle = angle - (1.0 - ANGLE_GAIN) * residual;
+        self.rate += RATE_GAIN * residual / passed;
+    }
+}
+
+/// The carriers of all wheels with the joints that move them.
+#[derive(Clone, Debug)]
+pub(super) struct Carriers {
+    wheels: Box<[WheelCarrier]>,
+    joints: [Joint; MAX_JOINTS],
+}
+
+impl Carriers {
+    pub(super) fn new(wheels: impl ExactSizeIterator<Item = WheelCarrier>) -> Self {
+        let mut carriers = vec![WheelCarrier::default(); wheels.len()].into_boxed_slice();
+        for (slot, carrier) in carriers.iter_mut().zip(wheels) {
+            *slot = carrier;
+        }
+        Self {
+            wheels: carriers,
+            joints: [Joint::default(); MAX_JOINTS],
+        }
+    }
+
+    /// A joint's angle, rad. A joint that does not exist changes nothing.
+    pub(super) fn update(&mut self, time_ns: i64, joint: usize, angle: f64) {
+        if let Some(joint) = self.joints.get_mut(joint) {
+            joint.update(time_ns, angle);
+        }
+    }
+
+    /// How each wheel's carrier moves while the robot pitches at `pitch_rate` (rad/s).
+    pub(super) fn samples(
+        &self,
+        time_ns: i64,
+        pitch_rate: f64,
+    ) -> impl Iterator<Item = Sample> + '_ {
+        self.wheels.iter().enumerate().map(move |(wheel, carrier)| {
+            let (rate, [forward, up]) = carrier.motion(&self.joints, pitch_rate);
+            Sample {
+                time_ns,
+                measurement: Measurement::Carrier {
+                    wheel,
+                    turn: pitch_rate + rate,
+                    forward,
+                    up,
+                },
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rocker_that_turns_moves_its_wheel_about_the_pivot() {
+        let rocker = CarrierLink {
+            joint: 0,
+            sign: 1.0,
+            pivot: [0.0, 0.2],
+        };
+        let carrier = WheelCarrier::on_chassis([0.3, 0.2]).with_link(rocker);
+        let mut joints = [Joint::default(); MAX_JOINTS];
+        joints[0].rate = 0.5;
+        let (rate, velocity) = carrier.motion(&joints, 0.0);
+        // nose down: the wheel in front goes down at ω · 0.3 m
+        assert_eq!(rate, 0.5);
+        assert!(velocity[0].abs() < 1e-12 && (velocity[1] + 0.15).abs() < 1e-12);
+        // the chassis alone pitches: the wheel is 0.3 m before and 0.2 m above the origin
+        let (_, velocity) = WheelCarrier::on_chassis([0.3, 0.2]).motion(&joints, 1.0);
+        assert_eq!(velocity, [0.2, -0.3]);
+    }
+}

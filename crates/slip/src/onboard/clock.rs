@@ -1,0 +1,33 @@
+//! The computer's clock beside that of the sensors.
+
+/// Nanoseconds in a millisecond.
+const NS_PER_MS: i64 = 1_000_000;
+
+/// The computer's clock since the first sample or tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Clock {
+    begun_ns: Option<i64>,
+    /// The newest stamp of a sensor less the computer's clock when it arrived, ns.
+    sensors_ahead_ns: Option<i64>,
+}
+
+impl Clock {
+    /// Seconds since the beginning. Whole milliseconds are multiples of 0.001 s, so that loops with such periods count
+    /// without rounding.
+    pub(super) fn seconds(&mut self, now_ns: i64) -> f64 {
+        let begun = *self.begun_ns.get_or_insert(now_ns);
+        let passed = now_ns.saturating_sub(begun);
+        let (whole, rest) = (passed / NS_PER_MS, passed % NS_PER_MS);
+        whole as f64 * 1e-3 + rest as f64 * 1e-9
+    }
+
+    /// A sample with this stamp has arrived.
+    pub(super) const fn arrived(&mut self, now_ns: i64, stamp_ns: i64) {
+        self.sensors_ahead_ns = Some(stamp_ns.saturating_sub(now_ns));
+    }
+
+    /// The time by the sensors' clock, which may have been set; `None` before the first sample.
+    pub(super) fn sensor_time_ns(&self, now_ns: i64) -> Option<i64> {
+        Some(now_ns.saturating_add(self.sensors_ahead_ns?))
+    }
+}

@@ -1,0 +1,362 @@
+//! The object that a robot's computer runs.
+
+use alloc::{boxed::Box, vec, vec::Vec};
+
+use grouser_terra::{Angle, Slip};
+
+use super::attitude::AttitudeFilter;
+use super::carrier::Carriers;
+use super::clock::Clock;
+use super::firmness::Firmness;
+use super::settings::OnBoardSettings;
+use super::start_guard::StartGuard;
+use super::state::OnBoardState;
+use crate::control::{
+    ControlInput, Controller, Decision, Mode, Request, WheelCommand, WheelObservation,
+};
+use crate::detect::Detector;
+use crate::error::Result;
+use crate::fault::Fault;
+use crate::filter::{FilterOutput, SlipFilter, SlipPrior};
+use crate::prior::SlipDemand;
+use crate::robot::Robot;
+use crate::sample::{Measurement, Sample};
+use crate::start::StartCheck;
+use crate::state::Health;
+
+/// The slip that soil and slope demand is looked up this often, s: a robot of half a metre at 0.3 m/s moves by 3 cm.
+const DEMAND_PERIOD_S: f64 = 0.1;
+/// The prior of the common slip is never surer than this: ruts, rocks and bends are not in the soil's model.
+const MIN_PRIOR_SIGMA: f64 = 0.1;
+/// A standing wheel with this share of the weakest motor's greatest torque is stalled, as the controller has it.
+const STALL_TORQUE_SHARE: f64 = 0.8;
+/// A step of the loop counts as at most this long, s.
+const MAX_STEP_S: f64 = 0.1;
+
+/// Filter, detector, attitude, suspension, soil's prior and controller of one robot.
+///
+/// ```
+/// use grouser_slip::control::Request;
+/// use grouser_slip::onboard::{OnBoard, OnBoardSettings};
+/// use grouser_slip::{Measurement, Robot, Sample, Wheel};
+///
+/// let wheels = vec![
+///     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000).load(20.0),
+///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000).load(2.0),
+/// ];
+/// let robot = Robot::new("bicycle".into(), wheels)?;
+/// let mut on_board = OnBoard::new(&robot, OnBoardSettings::new(&robot))?;
+/// for step in 0..300_u64 {
+///     let time_ns = step as i64 * 10_000_000;
+///     // The powered wheel turns 10 ticks a step, the free one 8: a slip of 0.2.
+///     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
+///         on_board.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } });
+///     }
+///     let commands = on_board.tick(time_ns, Request { speed: 0.5, heading: 0.0 });
+///     assert!(commands[0].rim_speed.is_finite());
+/// }
+/// assert!((on_board.observations()[0].slip.unwrap() - 0.2).abs() < 0.03);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct OnBoard {
+    filter: SlipFilter,
+    detector: Detector,
+    attitude: AttitudeFilter,
+    carriers: Carriers,
+    firmness: Firmness,
+    controller: Controller,
+    start: StartGuard,
+    demand: Option<SlipDemand>,
+    demand_now: Option<SlipPrior>,
+    demand_due: f64,
+    clock: Clock,
+    warm_up: f64,
+    uses_poses: bool,
+    /// When the loop ran last, s.
+    last_tick: f64,
+    max_torques: Box<[Option<f64>]>,
+    torques: Box<[Option<f64>]>,
+    observations: Box<[WheelObservation]>,
+    decision: Option<Decision>,
+}
+
+impl OnBoard {
+    /// The computer of `robot`. This is the only place that allocates.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits,
+    /// [`Error::WheelCount`](crate::Error::WheelCount) for more wheels than the filter takes.
+    pub fn new(robot: &Robot, settings: OnBoardSettings) -> Result<Self> {
+        settings.check(robot)?;
+        let setups = &settings.wheels;
+        let max_torques: Vec<_> = setups.iter().map(|setup| setup.max_torque).collect();
+        let weakest = max_torques
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::MAX, f64::min);
+        let mut detect = settings.detect;
+        detect.stall_torque = detect.stall_torque.min(STALL_TORQUE_SHARE * weakest);
+        let mut filter = settings.filter;
+        filter.free_slip = settings.soil.free_slip.unwrap_or(filter.free_slip);
+        let angles: Vec<_> = setups
+            .iter()
+            .map(|setup| setup.max_steering_angle)
+            .collect();
+        let observations = setups
+            .iter()
+            .map(|setup| WheelObservation::unknown(setup.load));
+        Ok(Self {
+            filter: SlipFilter::new(robot, filter)?,
+            detector: Detector::new(robot, detect)?,
+            attitude: AttitudeFilter::new(settings.heading, settings.gravity),
+            carriers: Carriers::new(setups.iter().map(|setup| setup.carrier)),
+            firmness: Firmness::new(&settings.soil.torques, &max_torques),
+            controller: Controller::new(robot, settings.control)?.with_steering(&angles),
+            start: StartGuard::new(
+                settings.start_policy,
+                StartCheck::new(robot)?,
+                settings.control.max_tilt,
+                settings.gravity,
+            ),
+            demand: settings.soil.slip_demand,
+            demand_now: None,
+            demand_due: 0.0,
+            clock: Clock::default(),
+            warm_up: settings.warm_up,
+            uses_poses: settings.uses_poses,
+            last_tick: 0.0,
+            torques: vec![None; max_torques.len()].into_boxed_slice(),
+            max_torques: max_torques.into_boxed_slice(),
+            observations: observations.collect(),
+            decision: None,
+        })
+    }
+
+    /// Takes a sample that is stamped by the computer's own clock as it arrives.
+    pub fn update(&mut self, sample: Sample) {
+        self.update_at(sample.time_ns, sample);
+    }
+
+    /// Takes a sample that arrives at `now_ns` by the computer's clock and is stamped by another one. What is wrong with a
+    /// sample the filter counts ([`FilterOutput::rejected`]).
+    pub fn update_at(&mut self, now_ns: i64, sample: Sample) {
+        let is_warm = self.clock.seconds(now_ns) >= self.warm_up;
+        self.clock.arrived(now_ns, sample.time_ns);
+        if is_warm {
+            self.start.end_warm_up();
+        }
+        match sample.measurement {
+            Measurement::Inertial { force, rate } => {
+                self.update_inertial(sample.time_ns, force, rate, is_warm);
+            }
+            Measurement::JointAngle { joint, angle } => {
+                self.carriers.update(sample.time_ns, joint, angle);
+            }
+            Measurement::MotorCurrent { wheel, share } => self.update_current(wheel, share),
+            Measurement::Pose { .. } if !self.uses_poses => {}
+            _ => self.filter_sample(sample, is_warm),
+        }
+    }
+
+    fn update_inertial(&mut self, time_ns: i64, force: [f64; 3], rate: [f64; 3], is_warm: bool) {
+        self.attitude.update(time_ns, force, rate);
+        if !is_warm {
+            self.start.add_force(force);
+            return;
+        }
+        for sample in self.carriers.samples(time_ns, rate[1]) {
+            // a refusal is counted by the filter
+            let _ = self.filter.update(sample);
+        }
+        let [forward, left] = self.attitude.without_gravity(force);
+        for measurement in [
+            Measurement::Acceleration { forward, left },
+            Measurement::YawRate { rate: rate[2] },
+        ] {
+            self.filter_sample(
+                Sample {
+                    time_ns,
+                    measurement,
+                },
+                is_warm,
+            );
+        }
+    }
+
+    fn update_current(&mut self, wheel: usize, share: f64) {
+        let max_torque = self.max_torques.get(wheel).copied().flatten();
+        if let (Some(observation), Some(torque), Some(max_torque)) = (
+            self.observations.get_mut(wheel),
+            self.torques.get_mut(wheel),
+            max_torque,
+        ) {
+            observation.torque_share = Some(share);
+            *torque = Some(share * max_torque);
+        }
+    }
+
+    fn filter_sample(&mut self, sample: Sample, is_warm: bool) {
+        if is_warm {
+            // a refusal is counted by the filter
+            let _ = self.filter.update(sample);
+            self.start.update(&sample, &self.filter.latest());
+        }
+    }
+
+    /// A wheel is steered by `angle` (rad, to the left) from now on.
+    ///
+    /// # Errors
+    /// As [`SlipFilter::set_steering_angle`].
+    pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
+        self.filter.set_steering_angle(wheel, angle)
+    }
+
+    /// Runs the control loop: what is known at `now_ns` by the computer's clock, and a command for each wheel in the robot's
+    /// order. Call it at a steady rate of 20 to 200 Hz.
+    pub fn tick(&mut self, now_ns: i64, request: Request) -> &[WheelCommand] {
+        self.observe(now_ns);
+        let request = if self.start.allows_driving() {
+            request
+        } else {
+            Request {
+                speed: 0.0,
+                ..request
+            }
+        };
+        let output = self.controller.step(&ControlInput {
+            time_ns: now_ns,
+            wheels: &self.observations,
+            speed: forward_speed(&self.filter.latest()),
+            heading: Some(self.attitude.heading()),
+            pitch: Some(self.attitude.pitch()),
+            roll: Some(self.attitude.roll()),
+            slip_demand: self.demand_now,
+            request,
+        });
+        self.decision = output.decision;
+        output.commands
+    }
+
+    fn observe(&mut self, now_ns: i64) {
+        let time = self.clock.seconds(now_ns);
+        let step = (time - self.last_tick).clamp(0.0, MAX_STEP_S);
+        self.last_tick = time;
+        if time >= self.demand_due {
+            self.demand_due = time + DEMAND_PERIOD_S;
+            self.look_up_demand();
+        }
+        // silence is measured by the computer's clock: that of the sensors may have been set
+        let Some(sensor_ns) = self.clock.sensor_time_ns(now_ns) else {
+            return;
+        };
+        let wheels = self.filter.estimate_at(sensor_ns).wheels;
+        let _ = self
+            .detector
+            .update(sensor_ns, wheels, &self.torques)
+            .count();
+        for ((index, wheel), seen) in wheels.iter().enumerate().zip(&mut self.observations) {
+            let slip = wheel.slip.map(Slip::value);
+            *seen = WheelObservation {
+                slip,
+                sigma: wheel.sigma,
+                health: wheel.health,
+                motion: self.detector.motion(index, wheel.motion),
+                forward_speed: wheel.forward_speed.map(|speed| speed.value),
+                rim_speed: wheel.rim_speed.map(|speed| speed.value),
+                firmness: self.firmness.update(index, self.torques[index], slip, step),
+                ..*seen
+            };
+        }
+    }
+
+    /// What the soil demands on the slope on which the robot stands; the filter's prior follows it.
+    fn look_up_demand(&mut self) {
+        let Some(demand) = &self.demand else { return };
+        // nose down is downhill
+        self.demand_now = demand.at(Angle::from_rad(-self.attitude.pitch()));
+        if let Some(prior) = self.demand_now {
+            let sigma = prior.sigma.max(MIN_PRIOR_SIGMA);
+            // the table holds slips only, so that none is refused
+            let _ = self.filter.set_slip_prior(SlipPrior { sigma, ..prior });
+        }
+    }
+
+    /// What is known of the wheels since the last tick, in the robot's order.
+    #[must_use]
+    pub fn observations(&self) -> &[WheelObservation] {
+        &self.observations
+    }
+
+    /// The filter's output.
+    #[must_use]
+    pub fn estimate(&self) -> FilterOutput<'_> {
+        self.filter.latest()
+    }
+
+    /// Forward speed of the robot, m/s; `None` while no wheel shows it.
+    #[must_use]
+    pub fn speed(&self) -> Option<f64> {
+        forward_speed(&self.filter.latest())
+    }
+
+    /// The attitude.
+    #[must_use]
+    pub const fn attitude(&self) -> &AttitudeFilter {
+        &self.attitude
+    }
+
+    /// Which events go on.
+    #[must_use]
+    pub const fn detector(&self) -> &Detector {
+        &self.detector
+    }
+
+    /// What the robot does.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.controller.mode()
+    }
+
+    /// The decision of the last tick.
+    #[must_use]
+    pub const fn decision(&self) -> Option<Decision> {
+        self.decision
+    }
+
+    /// What in the sensors contradicts the robot's description; `None` while nothing does.
+    #[must_use]
+    pub const fn start_fault(&self) -> Option<Fault> {
+        self.start.fault()
+    }
+
+    /// What has been learnt, for the next start.
+    #[must_use]
+    pub fn state(&self) -> OnBoardState {
+        OnBoardState {
+            learnt: self.filter.learnt(),
+            heading: self.attitude.heading(),
+        }
+    }
+
+    /// Takes back what was learnt before a restart; the controller and the attitude's tilt begin anew.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a number outside its limits; nothing changes then.
+    pub fn restore(&mut self, state: &OnBoardState) -> Result<()> {
+        crate::error::check_range("onboard", "heading", state.heading, (-1e6, 1e6), "rad")?;
+        self.filter.restore(&state.learnt)?;
+        self.attitude.set_heading(state.heading);
+        Ok(())
+    }
+}
+
+/// The robot's forward speed, where any wheel's own is known.
+fn forward_speed(output: &FilterOutput<'_>) -> Option<f64> {
+    let is_known = output.wheels.iter().any(|wheel| {
+        !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised)
+            && wheel.forward_speed.is_some()
+    });
+    is_known.then_some(output.body.forward.value)
+}

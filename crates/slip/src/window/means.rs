@@ -1,0 +1,420 @@
+//! Ways, turns and the mean motion of the robot over windows of time.
+
+use alloc::{boxed::Box, vec, vec::Vec};
+
+use grouser_real::Real;
+
+use super::output::WindowBody;
+use super::reference_track::ReferenceTrack;
+use super::settings::WindowSettings;
+use crate::body::{BodyMotion, Observations, dot};
+use crate::error::Result;
+use crate::fault::{Fault, Rejected};
+use crate::history::{nanoseconds, seconds_between};
+use crate::measured_slip::MeasuredSlip;
+use crate::reference::Reference;
+use crate::robot::{Robot, WheelRole};
+use crate::sample::{Measurement, Sample};
+use crate::speed::Measured;
+use crate::state::Motion;
+use crate::wheel_track::WheelTrack;
+
+/// Wheels whose headings differ by less than this (sine) drive one way only.
+const PARALLEL: f64 = 0.02;
+/// A robot without any knowledge of a speed may move at up to about this, m/s and rad/s.
+const UNKNOWN: f64 = 10.0;
+/// Distances grow in steps of this share of the window: in shorter ones the sensors' resolution would
+/// weigh too little against the priors.
+const TRAVEL_STEP: f64 = 0.25;
+/// Yaw rate of a robot that is taken to drive straight, rad/s.
+const STRAIGHT: f64 = 0.05;
+
+/// The robot's ways by its wheels and by the reference, and its mean motion over a window by both.
+///
+/// [`WindowEstimator`](super::WindowEstimator) adds the slip of every wheel; beside a
+/// [`SlipFilter`](crate::filter::SlipFilter) these means alone are wanted, and cost a few per cent of it.
+#[derive(Clone, Debug)]
+pub struct WindowMeans {
+    settings: WindowSettings,
+    wheels: Box<[Tracked]>,
+    /// Do all powered wheels drive one way, so that the robot cannot move sideways?
+    one_way: bool,
+    reference: ReferenceTrack,
+    /// The window that was measured last, ns, and every wheel's rim speed over it.
+    measured: (i64, i64),
+    speeds: Box<[Option<Measured>]>,
+    body: WindowBody,
+    travel_until_ns: Option<i64>,
+    now_ns: Option<i64>,
+    rejected: Rejected,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Tracked {
+    pub(super) row: [f64; 3],
+    pub(super) role: WheelRole,
+    pub(super) track: WheelTrack,
+}
+
+impl WindowMeans {
+    /// The means of `robot`. This is the only place that allocates.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
+    pub fn new(robot: &Robot, settings: WindowSettings) -> Result<Self> {
+        settings.check()?;
+        let wheels: Vec<Tracked> = robot
+            .wheels()
+            .iter()
+            .enumerate()
+            .map(|(index, wheel)| Tracked {
+                row: wheel.speed_row(),
+                role: wheel.role,
+                track: WheelTrack::new(index, wheel, settings.track()),
+            })
+            .collect();
+        let mut powered = wheels.iter().filter(|w| w.role == WheelRole::Powered);
+        let one_way = powered.next().is_none_or(|first| {
+            powered.all(|w| (first.row[0] * w.row[1] - first.row[1] * w.row[0]).abs() < PARALLEL)
+        });
+        Ok(Self {
+            speeds: vec![None; wheels.len()].into_boxed_slice(),
+            wheels: wheels.into_boxed_slice(),
+            one_way,
+            reference: ReferenceTrack::new(&settings),
+            measured: (0, 0),
+            body: WindowBody::default(),
+            travel_until_ns: None,
+            now_ns: None,
+            rejected: Rejected::default(),
+            settings,
+        })
+    }
+
+    /// Takes one sample and returns the means after it.
+    ///
+    /// # Errors
+    /// A [`Fault`] refuses the sample: it is counted and enters no mean.
+    pub fn update(&mut self, sample: Sample) -> core::result::Result<&WindowBody, Fault> {
+        let now = self.accept(sample)?;
+        let reference_until = self.live_reference(now);
+        self.evaluate_body(now, reference_until);
+        Ok(&self.body)
+    }
+
+    /// The means after the last sample; `None` before the first.
+    #[must_use]
+    pub fn latest(&self) -> Option<&WindowBody> {
+        self.now_ns.map(|_| &self.body)
+    }
+
+    /// Adds a sample to the tracks; returns the time that it is then.
+    pub(super) fn accept(&mut self, sample: Sample) -> core::result::Result<i64, Fault> {
+        let taken = match sample.measurement {
+            Measurement::WheelCount { wheel, .. }
+            | Measurement::WheelEdge { wheel, .. }
+            | Measurement::WheelAngle { wheel, .. }
+            | Measurement::WheelRate { wheel, .. } => {
+                let wheels = self.wheels.len();
+                match self.wheels.get_mut(wheel) {
+                    Some(tracked) => tracked.track.take(sample.time_ns, &sample.measurement),
+                    None => Err(Fault::UnknownWheel {
+                        index: wheel,
+                        wheels,
+                    }),
+                }
+            }
+            _ => self.reference.take(sample.time_ns, &sample.measurement),
+        };
+        if let Err(fault) = taken {
+            self.rejected.count(&fault);
+            return Err(fault);
+        }
+        // A clock that was set back takes now with it.
+        let newest = self.newest_of_all().unwrap_or(sample.time_ns);
+        let now = newest.max(sample.time_ns);
+        self.now_ns = Some(now);
+        Ok(now)
+    }
+
+    /// The settings.
+    #[must_use]
+    pub const fn settings(&self) -> &WindowSettings {
+        &self.settings
+    }
+
+    /// Samples refused so far.
+    #[must_use]
+    pub const fn rejected(&self) -> Rejected {
+        self.rejected
+    }
+
+    pub(super) const fn now_ns(&self) -> Option<i64> {
+        self.now_ns
+    }
+
+    pub(super) const fn body(&self) -> WindowBody {
+        self.body
+    }
+
+    pub(super) const fn wheels(&self) -> &[Tracked] {
+        &self.wheels
+    }
+
+    /// The mean rim speed of a wheel over the window that ends where it and the reference are both known.
+    #[must_use]
+    pub fn rim_speed(&self, wheel: usize) -> Option<Measured> {
+        let now = self.now_ns?;
+        let track = &self.wheels.get(wheel)?.track;
+        let own = track
+            .known_until(now)
+            .filter(|own| !self.is_silent(*own, now))?;
+        let until = own.min(self.live_reference(now)?);
+        track.speed(self.window_start(until), until)
+    }
+
+    pub(super) fn window_start(&self, until: i64) -> i64 {
+        until.saturating_sub(nanoseconds(self.settings.window))
+    }
+
+    /// Is a sensor whose last sample came at `time` lost?
+    pub(super) fn is_silent(&self, time: i64, now: i64) -> bool {
+        seconds_between(time, now) > self.settings.dropout
+    }
+
+    /// The latest time up to which a reference is known that is not lost.
+    fn live_reference(&self, now: i64) -> Option<i64> {
+        self.reference_until(now)
+            .filter(|until| !self.is_silent(*until, now))
+    }
+
+    /// The yaw rate over a window, where it is measured.
+    pub(super) fn yaw_rate(&self, from: i64, until: i64) -> Option<Measured> {
+        self.reference.yaw_rate(from, until)
+    }
+
+    fn newest_of_all(&self) -> Option<i64> {
+        let wheels = self.wheels.iter().filter_map(|w| w.track.newest_time());
+        wheels.chain(self.reference.displacement_time()).max()
+    }
+
+    /// The latest time up to which the reference is known if it is now `now`.
+    pub(super) fn reference_until(&self, now: i64) -> Option<i64> {
+        let mut until = self.reference.known_until()?.min(now);
+        match self.settings.reference {
+            Reference::FreeWheel => {
+                let mut any = false;
+                for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Free) {
+                    until = until.min(wheel.track.known_until(now)?);
+                    any = true;
+                }
+                any.then_some(until)
+            }
+            Reference::Grip => {
+                for wheel in self.wheels.iter().filter(|w| w.role == WheelRole::Powered) {
+                    until = until.min(wheel.track.known_until(now)?);
+                }
+                Some(until)
+            }
+            _ => Some(until),
+        }
+    }
+
+    /// Is the reference one that this robot can never have?
+    pub(super) fn lacks_reference(&self) -> bool {
+        let needed = match self.settings.reference {
+            Reference::FreeWheel => WheelRole::Free,
+            Reference::Grip => WheelRole::Powered,
+            _ => return false,
+        };
+        self.wheels.iter().all(|w| w.role != needed)
+    }
+
+    /// Measures the rims over a window; [`Self::reference_motion`] and [`Self::wheels_motion`] are of that window.
+    pub(super) fn measure(&mut self, from: i64, until: i64) {
+        for (speed, wheel) in self.speeds.iter_mut().zip(&self.wheels) {
+            *speed = wheel.track.speed(from, until);
+        }
+        self.measured = (from, until);
+    }
+
+    /// The rim speeds of the window that was measured last.
+    pub(super) const fn speeds(&self) -> &[Option<Measured>] {
+        &self.speeds
+    }
+
+    /// The robot's mean motion by the reference.
+    pub(super) fn reference_motion(&self) -> Option<BodyMotion> {
+        let (from, until) = self.measured;
+        let mut seen = Observations::default();
+        // What is measured needs no assumption.
+        let lateral = if self.one_way && !self.reference.measures_displacement() {
+            self.settings.lateral_sigma
+        } else {
+            UNKNOWN
+        };
+        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
+        seen.add(self.sideways(), prior(lateral));
+        let yaw = self.reference.yaw_rate(from, until);
+        seen.add([0.0, 0.0, 1.0], yaw.unwrap_or(prior(STRAIGHT)));
+        self.reference.observe(from, until, &mut seen)?;
+        match self.settings.reference {
+            Reference::FreeWheel => {
+                for (wheel, speed) in self.of(WheelRole::Free) {
+                    seen.add(wheel.row, speed?);
+                }
+            }
+            Reference::Grip => {
+                let (row, speed) = self.gripping(yaw.unwrap_or_default())?;
+                seen.add(row, speed);
+            }
+            _ => {}
+        }
+        seen.solve()
+    }
+
+    /// The wheels of a role with their rim speeds.
+    fn of(&self, role: WheelRole) -> impl Iterator<Item = (&Tracked, Option<Measured>)> {
+        let all = self.wheels.iter().zip(self.speeds.iter().copied());
+        all.filter(move |(wheel, _)| wheel.role == role)
+    }
+
+    /// The direction in which a robot whose wheels all point one way cannot move.
+    fn sideways(&self) -> [f64; 3] {
+        let heading = self
+            .wheels
+            .iter()
+            .find(|w| w.role == WheelRole::Powered)
+            .map_or([1.0, 0.0, 0.0], |w| w.row);
+        if self.one_way {
+            [-heading[1], heading[0], 0.0]
+        } else {
+            [0.0, 1.0, 0.0]
+        }
+    }
+
+    /// The powered wheel whose rim, freed of the yaw rate, runs slowest: the one that grips if any does
+    /// (Ojeda and Borenstein's assumption for a driving robot).
+    fn gripping(&self, yaw: Measured) -> Option<([f64; 3], Measured)> {
+        let mut slowest: Option<([f64; 3], Measured, f64)> = None;
+        for (wheel, speed) in self.of(WheelRole::Powered) {
+            let rim = speed?;
+            let straight = (rim.value - wheel.row[2] * yaw.value).abs();
+            if slowest.is_none_or(|(_, _, least)| straight < least) {
+                slowest = Some((wheel.row, rim, straight));
+            }
+        }
+        slowest.map(|(row, rim, _)| (row, rim))
+    }
+
+    /// The motion that the powered wheels would give the robot without slip.
+    fn wheels_motion(&self) -> Option<BodyMotion> {
+        let mut seen = Observations::default();
+        let lateral = if self.one_way {
+            self.settings.lateral_sigma
+        } else {
+            UNKNOWN
+        };
+        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
+        seen.add(self.sideways(), prior(lateral));
+        seen.add([0.0, 0.0, 1.0], prior(UNKNOWN));
+        // All wheels weigh the same, as the least resolved of them: what differs is their slip.
+        let mut variance = 1e-8_f64;
+        for (_, speed) in self.of(WheelRole::Powered) {
+            variance = variance.max(speed?.variance);
+        }
+        for (wheel, speed) in self.of(WheelRole::Powered) {
+            seen.add(wheel.row, Measured { variance, ..speed? });
+        }
+        seen.solve()
+    }
+
+    /// Evaluates the robot's motion over the window that ends where wheels and reference are both known.
+    pub(super) fn evaluate_body(&mut self, now: i64, reference_until: Option<i64>) {
+        let mut powered = self.wheels.iter().filter(|w| w.role == WheelRole::Powered);
+        let wheels_until = powered.try_fold(i64::MAX, |least, wheel| {
+            Some(least.min(wheel.track.known_until(now)?))
+        });
+        let until = match (wheels_until, reference_until) {
+            (Some(wheels), Some(reference)) => wheels.min(reference),
+            _ => return self.forget_body(),
+        };
+        if self.body.until_ns == Some(until) {
+            return;
+        }
+        let from = until.saturating_sub(nanoseconds(self.settings.window));
+        self.measure(from, until);
+        let (Some(reference), Some(wheels)) = (self.reference_motion(), self.wheels_motion())
+        else {
+            return self.forget_body();
+        };
+        let direction = self.direction(&wheels);
+        let measured = MeasuredSlip::from_speeds(
+            reference.along(direction),
+            wheels.along(direction),
+            &self.settings.limits(),
+        );
+        self.add_travel(until, measured.motion, direction);
+        self.body = WindowBody {
+            motion: Some(reference),
+            wheels_motion: Some(wheels),
+            along: measured.slip,
+            along_sigma: measured.sigma,
+            along_motion: Some(measured.motion),
+            yaw_rate: self.reference.yaw_rate(from, until),
+            wheels_yaw_rate: Some(wheels.along([0.0, 0.0, 1.0])),
+            until_ns: Some(until),
+            ..self.body
+        };
+    }
+
+    fn forget_body(&mut self) {
+        self.travel_until_ns = None;
+        self.body = WindowBody {
+            travel_wheels: self.body.travel_wheels,
+            travel_reference: self.body.travel_reference,
+            ..WindowBody::default()
+        };
+    }
+
+    /// The direction along which the robot's slip is counted: of the command, else of the wheels'
+    /// motion.
+    fn direction(&self, wheels: &BodyMotion) -> [f64; 3] {
+        if let Some([x, y]) = self.reference.command {
+            return [x, y, 0.0];
+        }
+        let [x, y, _] = wheels.velocity;
+        let size = Real::hypot(x, y);
+        if self.one_way || !(size > 0.0) {
+            let [side_x, side_y, _] = self.sideways();
+            [side_y, -side_x, 0.0]
+        } else {
+            [x / size, y / size, 0.0]
+        }
+    }
+
+    /// Adds what passed since the last evaluation to the distances, while the robot moves.
+    fn add_travel(&mut self, until: i64, motion: Motion, direction: [f64; 3]) {
+        let last = self.travel_until_ns.unwrap_or(until);
+        let seconds = seconds_between(last, until);
+        if seconds < TRAVEL_STEP * self.settings.window && last < until {
+            return;
+        }
+        self.travel_until_ns = Some(until);
+        if motion == Motion::Standstill || last >= until {
+            return;
+        }
+        self.measure(last, until);
+        if let (Some(reference), Some(wheels)) = (self.reference_motion(), self.wheels_motion()) {
+            self.body.travel_reference += dot(reference.velocity, direction) * seconds;
+            self.body.travel_wheels += dot(wheels.velocity, direction) * seconds;
+        }
+    }
+}
+
+const fn prior(sigma: f64) -> Measured {
+    Measured {
+        value: 0.0,
+        variance: sigma * sigma,
+    }
+}

@@ -1,0 +1,246 @@
+//! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_wrap,
+    reason = "a test fails by panicking; its times are short"
+)]
+
+use grouser_slip::control::Request;
+use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, StartPolicy};
+use grouser_slip::prior::SoilDoubt;
+use grouser_slip::{Measurement, Robot, Sample, Wheel};
+
+const GRAVITY: f64 = 9.806_65;
+/// Rows and ticks come this often, ns.
+const PERIOD_NS: i64 = 10_000_000;
+
+fn robot() -> Robot {
+    let powered = |name: &str, x, y| {
+        let wheel = Wheel::powered(name).at(x, y).radius(0.1);
+        wheel.ticks_per_turn(1000).width(0.08).load(40.0)
+    };
+    let free = Wheel::free("fifth").at(-0.4, 0.0).radius(0.1);
+    let wheels = vec![
+        powered("left", 0.2, 0.2),
+        powered("right", 0.2, -0.2),
+        free.ticks_per_turn(1000).width(0.04).load(3.0),
+    ];
+    Robot::new("tricycle".into(), wheels).unwrap()
+}
+
+fn settings(robot: &Robot) -> OnBoardSettings {
+    let mut settings = OnBoardSettings::new(robot);
+    for setup in &mut settings.wheels[..2] {
+        setup.max_torque = Some(8.0);
+    }
+    settings
+}
+
+/// One row of every sensor at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
+fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
+    let time_ns = row * PERIOD_NS;
+    let driven = (row - 200).max(0) as u64;
+    let counts = [5 * driven, 5 * driven, 4 * driven];
+    let mut measurements = vec![
+        Measurement::JointAngle {
+            joint: 0,
+            angle: 0.0,
+        },
+        Measurement::Inertial {
+            force,
+            rate: [0.0, 0.0, yaw_rate],
+        },
+        Measurement::MotorCurrent {
+            wheel: 0,
+            share: 0.2,
+        },
+    ];
+    for (wheel, raw) in counts.into_iter().enumerate() {
+        measurements.push(Measurement::WheelCount { wheel, raw });
+    }
+    for measurement in measurements {
+        on_board.update(Sample {
+            time_ns,
+            measurement,
+        });
+    }
+}
+
+fn request() -> Request {
+    Request {
+        speed: 0.3,
+        heading: 0.0,
+    }
+}
+
+#[test]
+fn it_estimates_and_commands() {
+    let robot = robot();
+    let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+    let mut rim_speed = 0.0;
+    for index in 0..800 {
+        row(&mut on_board, index, [0.0, 0.0, GRAVITY], 0.0);
+        rim_speed = on_board.tick(index * PERIOD_NS, request())[0].rim_speed;
+    }
+    let slip = on_board.observations()[0].slip.unwrap();
+    assert!((slip - 0.2).abs() < 0.03, "{slip}");
+    assert!(rim_speed > 0.1, "{rim_speed}");
+    assert!(on_board.start_fault().is_none());
+}
+
+#[test]
+fn neither_samples_nor_ticks_allocate() {
+    let robot = robot();
+    let mut with_soil = settings(&robot);
+    let soil = grouser_terra::catalogue::find("dry-sand")
+        .unwrap()
+        .soil()
+        .unwrap();
+    let tables = SoilTables::solve(&robot, &with_soil.wheels, &soil, SoilDoubt::default());
+    with_soil.soil = tables.unwrap();
+    let mut on_board = OnBoard::new(&robot, with_soil).unwrap();
+    let samples = [
+        Measurement::Inertial {
+            force: [0.1, 0.0, GRAVITY],
+            rate: [0.0, 0.01, 0.02],
+        },
+        Measurement::JointAngle {
+            joint: 1,
+            angle: 0.1,
+        },
+        Measurement::MotorCurrent {
+            wheel: 1,
+            share: 0.3,
+        },
+        Measurement::Displacement {
+            forward: 0.003,
+            left: 0.0,
+            turn: None,
+        },
+    ];
+    let info = allocation_counter::measure(|| {
+        for index in 0..1000 {
+            let time_ns = index * PERIOD_NS;
+            for measurement in samples {
+                on_board.update(Sample {
+                    time_ns,
+                    measurement,
+                });
+            }
+            for wheel in 0..3 {
+                let raw = 5 * index as u64;
+                on_board.update(Sample {
+                    time_ns,
+                    measurement: Measurement::WheelCount { wheel, raw },
+                });
+            }
+            on_board.tick(time_ns, request());
+        }
+        let state = on_board.state();
+        on_board.restore(&state).unwrap();
+    });
+    assert_eq!(info.count_total, 0);
+}
+
+#[test]
+fn what_it_has_learnt_outlasts_a_restart() {
+    let robot = robot();
+    let mut before = OnBoard::new(&robot, settings(&robot)).unwrap();
+    for index in 0..3000 {
+        row(&mut before, index, [0.0, 0.0, GRAVITY], 0.01);
+        before.tick(index * PERIOD_NS, request());
+    }
+    let state = before.state();
+    let bias = state.learnt.gyro_bias;
+    assert!((bias.value - 0.01).abs() < 0.004, "{bias:?}");
+    let mut after = OnBoard::new(&robot, settings(&robot)).unwrap();
+    assert!(after.state().learnt.gyro_bias.value.abs() < 1e-12);
+    after.restore(&state).unwrap();
+    let restored = after.state();
+    assert_eq!(restored.learnt.gyro_bias, bias);
+    assert_eq!(restored.learnt.common_slip, state.learnt.common_slip);
+    assert_eq!(restored.heading, state.heading);
+    let (skid, told) = (restored.learnt.wheels[2], state.learnt.wheels[2]);
+    let (skid, told) = (skid.free_slip.unwrap(), told.free_slip.unwrap());
+    assert!((skid.mean - told.mean).abs() < 1e-12 && (skid.sigma - told.sigma).abs() < 1e-12);
+    let mut broken = state;
+    broken.learnt.gyro_bias.value = f64::NAN;
+    assert!(after.restore(&broken).is_err());
+    assert_eq!(after.state(), restored);
+}
+
+/// The sensor's forward axis points up: every later number would be wrong.
+#[test]
+fn it_does_not_drive_where_gravity_lies_along_another_axis() {
+    let robot = robot();
+    for (policy, drives) in [
+        (StartPolicy::Refuse, false),
+        (StartPolicy::Report, true),
+        (StartPolicy::Off, true),
+    ] {
+        let mut settings = settings(&robot);
+        settings.start_policy = policy;
+        let mut on_board = OnBoard::new(&robot, settings).unwrap();
+        let mut fastest = 0.0_f64;
+        for index in 0..400 {
+            row(&mut on_board, index, [GRAVITY, 0.0, 0.1], 0.0);
+            for command in on_board.tick(index * PERIOD_NS, request()) {
+                fastest = fastest.max(command.rim_speed.abs());
+            }
+        }
+        assert_eq!(fastest > 0.0, drives, "{policy:?}");
+        let fault = on_board.start_fault().map(|fault| fault.to_string());
+        let is_named = fault.is_some_and(|fault| fault.contains("acceleration forward"));
+        assert_eq!(is_named, policy != StartPolicy::Off);
+    }
+}
+
+#[test]
+fn gravity_is_a_setting() {
+    let robot = robot();
+    let mut lunar = settings(&robot);
+    lunar.gravity = 1.62;
+    lunar.start_policy = StartPolicy::Refuse;
+    let mut on_board = OnBoard::new(&robot, lunar).unwrap();
+    let tilt = 0.1_f64;
+    let force = [1.62 * tilt.sin(), 0.0, 1.62 * tilt.cos()];
+    for index in 0..300 {
+        row(&mut on_board, index, force, 0.0);
+        on_board.tick(index * PERIOD_NS, request());
+    }
+    assert!(on_board.start_fault().is_none());
+    // nose up is negative
+    assert!((on_board.attitude().pitch() + tilt).abs() < 1e-6);
+}
+
+#[test]
+fn what_does_not_exist_changes_nothing() {
+    let robot = robot();
+    let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+    for measurement in [
+        Measurement::JointAngle {
+            joint: 99,
+            angle: 1.0,
+        },
+        Measurement::MotorCurrent {
+            wheel: 99,
+            share: 1.0,
+        },
+        Measurement::WheelCount { wheel: 99, raw: 1 },
+    ] {
+        for time_ns in [i64::MIN, 0, i64::MAX] {
+            on_board.update_at(
+                time_ns,
+                Sample {
+                    time_ns,
+                    measurement,
+                },
+            );
+            on_board.tick(time_ns, request());
+        }
+    }
+    assert!(on_board.set_steering_angle(99, 0.1).is_err());
+    let mut short = settings(&robot);
+    short.wheels.pop();
+    assert!(OnBoard::new(&robot, short).is_err());
+}
