@@ -48,6 +48,7 @@ reserve = \"gradeability_deg >= 3\"
         .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
         .minimise("efficiency", "-tractive_efficiency")
         .constraint("reserve", "gradeability_deg >= 3")
+        .starts(8, 1) // what a file of bounded variables has
         .build()
         .unwrap();
     assert_eq!(solved(&file), solved(&built));

@@ -71,6 +71,10 @@ impl Job<'_> {
                 verdict: uncertainty.verdicts[index],
             })
             .collect();
+        let mut soil = self.soil;
+        for (parameter, value) in self.parameters.iter().zip(&best.x) {
+            parameter.put(&mut soil, *value);
+        }
         Ok(Fitted {
             fixed,
             parameters: self.parameters.to_vec(),
@@ -78,6 +82,7 @@ impl Job<'_> {
                 data_set: self.data_set,
                 model: self.model,
                 fit: self.fit,
+                soil,
                 status: best.status,
                 found,
                 condition: uncertainty.condition,
@@ -100,6 +105,7 @@ impl Job<'_> {
                 data_set: self.data_set,
                 model: self.model,
                 fit: self.fit,
+                soil: self.soil,
                 status: grouser_identify::least_squares::Status::Converged,
                 found: Vec::new(),
                 condition: 1.0,
