@@ -28,6 +28,17 @@ pub enum Task {
     Pareto,
 }
 
+impl Objective {
+    /// What the solver minimises is this times the objective.
+    pub(crate) fn factor(&self) -> f64 {
+        if self.maximise {
+            -self.scale
+        } else {
+            self.scale
+        }
+    }
+}
+
 impl Task {
     /// Every task by its name in files.
     pub const ALL: [(&'static str, Self); 5] = [
@@ -60,6 +71,8 @@ pub struct Objective {
     pub weight: f64,
     /// Does |f| count?
     pub absolute: bool,
+    /// Is it to be as large as possible?
+    pub maximise: bool,
     pub(crate) formula: Formula,
 }
 

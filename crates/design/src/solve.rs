@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Progress, Solution, Status, multi_start,
-    pareto, solve_with,
+    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Progress, Solution, Status,
+    multi_start, pareto, solve_with,
 };
 
 use crate::design::{Design, Slot, SolverProblem, Task};
@@ -34,7 +34,7 @@ pub struct Optimum {
     /// Every objective by name, without scaling; under several worlds one per world where they count
     /// separately.
     pub objectives: Vec<(String, f64)>,
-    /// The greatest of them, |f| where absolute.
+    /// The greatest of them, |f| where absolute and −f where maximised.
     pub maximum: f64,
     /// What was minimised: γ, with scaling.
     pub utility: f64,
@@ -117,7 +117,8 @@ impl Design {
                 .collect()
         };
         let weights = spread(&|i| self.objectives[i].weight);
-        let goals = spread(&|i| self.objectives[i].goal.unwrap_or(0.0) * self.objectives[i].scale);
+        let goals =
+            spread(&|i| self.objectives[i].goal.unwrap_or(0.0) * self.objectives[i].factor());
         match self.task {
             Task::Minimax | Task::Pareto => Method::Minimax,
             Task::Attain => Method::Attain { goals, weights },
@@ -180,9 +181,9 @@ impl Design {
         Ok(Answer::Optimum(Box::new(optimum)))
     }
 
-    /// The scale of the solver's objective `index`.
+    /// What the solver's objective `index` is of the file's: its scale, negative where it is maximised.
     fn scale_of(&self, problem: &SolverProblem, index: usize) -> f64 {
-        self.objectives[self.file_place(problem, index)].scale
+        self.objectives[self.file_place(problem, index)].factor()
     }
 
     /// Which objective of the file the solver's objective `index` is.
@@ -206,10 +207,11 @@ impl Design {
             .iter()
             .enumerate()
             .map(|(i, f)| {
-                if self.objectives[self.file_place(problem, i)].absolute {
-                    f.abs()
-                } else {
-                    *f
+                let objective = &self.objectives[self.file_place(problem, i)];
+                match (objective.absolute, objective.maximise) {
+                    (true, _) => f.abs(),
+                    (_, true) => -f,
+                    _ => *f,
                 }
             })
             .fold(

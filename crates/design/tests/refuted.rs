@@ -68,7 +68,10 @@ fn no_solution_of_a_shipped_problem_is_refuted() {
         let mut design = read(&path).unwrap();
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         let start: Vec<f64> = design.variables.iter().map(|v| v.start).collect();
-        let bounded = design.variables.iter().all(|v| (v.upper - v.lower).is_finite());
+        let bounded = design
+            .variables
+            .iter()
+            .all(|v| (v.upper - v.lower).is_finite());
         if design.task == Task::Pareto || !bounded || design.merit(&start).is_err() {
             println!("{name}: left out (a front, an open box, or a measure with helpers)");
             continue;
@@ -78,8 +81,7 @@ fn no_solution_of_a_shipped_problem_is_refuted() {
         let mut best = f64::INFINITY;
         for index in 0..starts(3) {
             for variable in &mut design.variables {
-                variable.start =
-                    variable.lower + (variable.upper - variable.lower) * stream.next();
+                variable.start = variable.lower + (variable.upper - variable.lower) * stream.next();
             }
             let Answer::Optimum(optimum) = design.solve().unwrap() else {
                 unreachable!()

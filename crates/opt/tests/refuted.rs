@@ -119,8 +119,14 @@ fn a_flat_side_of_a_kink_is_not_called_a_solution() {
     .unwrap();
     let settings = Settings::default();
     let solution = solve(&problem, &Method::Minimax, &settings).unwrap();
-    assert!(solution.status.is_solved() && solution.utility < 1e-9, "{solution:?}");
-    let blind = Settings { probes: 0, ..settings };
+    assert!(
+        solution.status.is_solved() && solution.utility < 1e-9,
+        "{solution:?}"
+    );
+    let blind = Settings {
+        probes: 0,
+        ..settings
+    };
     let solution = solve(&problem, &Method::Minimax, &blind).unwrap();
     assert_eq!(solution.status, Status::Converged);
     assert!((solution.utility - 1.0).abs() < 1e-9);

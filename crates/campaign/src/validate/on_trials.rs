@@ -156,7 +156,13 @@ impl Validation {
         let fitted = [
             job(ModelName::Grouser, STRAIGHT, ours, &straight, &OURS),
             job(ModelName::WongReece, STRAIGHT, plain, &straight, &PLAIN),
-            job(ModelName::PublishedLaws, STRAIGHT, published, &straight, &OURS),
+            job(
+                ModelName::PublishedLaws,
+                STRAIGHT,
+                published,
+                &straight,
+                &OURS,
+            ),
             job(ModelName::Grouser, BRACKET, ours, &bracket, &OURS_DRIFTING),
         ]
         .par_iter()

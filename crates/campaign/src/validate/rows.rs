@@ -159,7 +159,10 @@ impl Validation {
     /// law, and its remarks; `None` where that fit is missing.
     #[must_use]
     pub fn soil_file(&self) -> Option<(SoilFile, Vec<String>)> {
-        let fit = self.fits.iter().find(|fit| fit.model == ModelName::Grouser)?;
+        let fit = self
+            .fits
+            .iter()
+            .find(|fit| fit.model == ModelName::Grouser)?;
         let name = format!("{}, fitted on {}", fit.data_set, fit.fit);
         let source = format!(
             "grouser validate: {} on {} of {}",

@@ -275,7 +275,12 @@ fn a_slip_angle_is_read() {
     let text = "soil,radius_m,width_m,slip,slip_angle_deg,load_n\ndry-sand,0.1,0.1,0.3,20,40\n\
                 dry-sand,0.1,0.1,0.3,,40\n";
     let (rows, out) = solve(&folder, text);
-    assert!(out.lines().next().unwrap().ends_with("torque_nm,side_force_n,status"));
+    assert!(
+        out.lines()
+            .next()
+            .unwrap()
+            .ends_with("torque_nm,side_force_n,status")
+    );
     let wheel = line(
         "wheel --soil dry-sand --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0.3 --slip-angle-deg 20 --json",
     );
@@ -291,15 +296,24 @@ fn a_slip_angle_is_read() {
 #[test]
 fn a_quantity_that_is_not_read_is_refused_by_name() {
     let folder = Folder::new();
-    for column in ["slope_deg", "slip_angle_rad", "radius_mm", "load_kn", "phi_deg", "mass_kg"] {
-        let text = format!("soil,radius_m,width_m,slip,load_n,{column}\ndry-sand,0.1,0.1,0.3,40,1\n");
+    for column in [
+        "slope_deg",
+        "slip_angle_rad",
+        "radius_mm",
+        "load_kn",
+        "phi_deg",
+        "mass_kg",
+    ] {
+        let text =
+            format!("soil,radius_m,width_m,slip,load_n,{column}\ndry-sand,0.1,0.1,0.3,40,1\n");
         let input = folder.file("in.csv", &text);
         let arguments = ["batch".into(), input, "-o".into(), folder.path("out.csv")];
         let said = grouser(arguments);
         said.assert_refused(column);
         assert!(said.err.contains(&format!("`{column}`")), "{said:?}");
     }
-    let text = "soil,radius_m,width_m,slip,load_n,note,measured_pull_n\ndry-sand,0.1,0.1,0.3,40,x,1\n";
+    let text =
+        "soil,radius_m,width_m,slip,load_n,note,measured_pull_n\ndry-sand,0.1,0.1,0.3,40,x,1\n";
     let (rows, _) = solve(&folder, text);
     assert_eq!(rows[0]["measured_pull_n"], "1");
 }

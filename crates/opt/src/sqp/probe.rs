@@ -53,8 +53,8 @@ pub(super) fn improvement(
             continue;
         }
         let probe = evaluator.probe(&x);
-        let fits = probe.not_finite(program).is_none()
-            && probe.worst_violation(program) <= violation;
+        let fits =
+            probe.not_finite(program).is_none() && probe.worst_violation(program) <= violation;
         let level = probe.level(program);
         if fits && level < best {
             best = level;
@@ -136,7 +136,9 @@ fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Ve
     let mut stream = Random::new(1);
     for _ in 0..random {
         let lengths = lengths.iter();
-        let direction: Vec<f64> = lengths.map(|l| l * (2.0 * stream.uniform() - 1.0)).collect();
+        let direction: Vec<f64> = lengths
+            .map(|l| l * (2.0 * stream.uniform() - 1.0))
+            .collect();
         list.push(direction.iter().map(|d| -d).collect());
         list.push(direction);
     }

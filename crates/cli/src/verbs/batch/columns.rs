@@ -48,7 +48,8 @@ const QUANTITIES: [&str; 13] = [
     "grouser_height",
 ];
 const UNITS: [&str; 15] = [
-    "m", "mm", "cm", "n", "kn", "kg", "g", "deg", "rad", "percent", "pct", "1", "m_per_s2", "in", "lbf",
+    "m", "mm", "cm", "n", "kn", "kg", "g", "deg", "rad", "percent", "pct", "1", "m_per_s2", "in",
+    "lbf",
 ];
 
 /// Numbers of a soil, which come from the soil itself.
@@ -78,7 +79,10 @@ fn refusal(name: &str) -> Option<&'static str> {
     let known = QUANTITIES.into_iter().any(|quantity| {
         let rest = name.strip_prefix(quantity);
         rest.is_some_and(|rest| {
-            rest.is_empty() || rest.strip_prefix('_').is_some_and(|unit| UNITS.contains(&unit))
+            rest.is_empty()
+                || rest
+                    .strip_prefix('_')
+                    .is_some_and(|unit| UNITS.contains(&unit))
         })
     });
     known.then_some(
@@ -214,10 +218,7 @@ impl Columns {
         let told = |name: &str| {
             format!("column `{name}` was there already; the one that was added is the last")
         };
-        self.added()
-            .filter(|name| there(name))
-            .map(told)
-            .collect()
+        self.added().filter(|name| there(name)).map(told).collect()
     }
 
     /// Reads a row.

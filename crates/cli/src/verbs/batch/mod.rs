@@ -9,7 +9,9 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use grouser_terra::{Angle, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{
+    Angle, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
+};
 use rayon::prelude::*;
 
 use self::columns::{Columns, Row};

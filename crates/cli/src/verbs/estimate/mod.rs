@@ -16,7 +16,7 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, SoilReading, Status, Step, Summary, Sink, run_into, soil_readings,
+    Method, Options, Row, Sink, SoilReading, Status, Step, Summary, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
