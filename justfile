@@ -43,11 +43,11 @@ rivals:
 
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:
-    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --test tracked --test surrogate --target x86_64-unknown-linux-gnu
+    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --target x86_64-unknown-linux-gnu
 
 # a long search for random cases in which standard and reference mode disagree; minutes
 search:
-    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches --test tracked --test surrogate
+    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches
 
 # every cut of 64 KiB files, every bit of 16 KiB ones, a thousand kills of a logger; a part runs in `cargo test`
 dense:

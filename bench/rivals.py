@@ -415,18 +415,19 @@ def report(rows, ours, load_before):
     lines = [
         "# The kernel beside its rivals",
         "",
-        f"`just rivals` on {datetime.date.today()}, {processor()}, lanes on {ours['instructions']}, one core; load of the",
-        f"machine {load_before:.2f} before and {os.getloadavg()[0]:.2f} after. numpy {np.__version__}, scipy "
-        f"{scipy.__version__}, numba {numba.__version__}.",
+        f"`just rivals` on {datetime.date.today()}, {processor()}, lanes on {ours['instructions']}, one core; load of the machine",
+        f"{load_before:.2f} before and {os.getloadavg()[0]:.2f} after. numpy {np.__version__}, scipy {scipy.__version__}, "
+        f"numba {numba.__version__}.",
         "",
-        "4096 operating points over five soils (r 0.05-0.35 m, z/r 0.01-0.35, slip 0-0.9), the same for all; scipy on a",
-        "hundredth of them. Naive Rust: standard functions, 32-point Gauss-Legendre a piece, Brent to 1e-10, what does",
-        "not depend on the node outside its loop. numba and numpy: the same rules by the same ladder, Newton with the",
-        "exact derivative; numba's curve begins each point at the last one's solution. Error: of forces over max(|W|,",
-        "|DP|, |T|/r), of a solve in θ_1. Check sums are of the stored outputs (ours and naive Rust's: their sums). Times are",
-        "medians: of short pieces (Rust), of processor time (Python), so that a busy machine weighs little.",
+        "4096 operating points over five soils (r 0.05-0.35 m, z/r 0.01-0.35, slip 0-0.9), the same for all;",
+        "scipy on a hundredth of them. Naive Rust: standard functions, 32-point Gauss-Legendre per piece,",
+        "Brent to 1e-10, and everything that does not depend on the node outside its loop. numba and numpy:",
+        "the same rules by the same ladder, Newton with the exact derivative; numba's curve starts each point",
+        "from the previous solution. Error: of forces over max(|W|, |DP|, |T|/r), of a solve in θ_1. Check",
+        "sums are of the stored outputs (of Grouser and naive Rust: their sums). Times are medians, of short",
+        "pieces (Rust) or of processor time (Python), so that the load of the machine has little effect.",
         "",
-        "| job | rival | a point (curve: all) | times ours | worst error | check sum |",
+        "| job | rival | per point (curve: all) | times Grouser | worst error | check sum |",
         "|---|---|---|---|---|---|",
     ]
     for job, title in words.items():
@@ -437,10 +438,10 @@ def report(rows, ours, load_before):
                 check = check if isinstance(check, str) else f"{check:.12g}"
                 lines.append(f"| {title} | {name} | {shown(seconds)} | {ratio} | {shown_error} | {check} |")
     for verb, title in (
-        ("paths", "Paths that are not the common one, through the general kernel"),
+        ("paths", "Paths outside the lean case, through the general kernel"),
     ):
-        told = subprocess.run([OURS, verb], check=True, capture_output=True, text=True).stdout
-        lines += ["", f"## {title}", "", f"`grouser-bench {verb}`", "", "```text", *told.splitlines(), "```"]
+        printed = subprocess.run([OURS, verb], check=True, capture_output=True, text=True).stdout
+        lines += ["", f"## {title}", "", f"`grouser-bench {verb}`", "", "```text", *printed.splitlines(), "```"]
     text = "\n".join(lines) + "\n"
     (HERE / "RESULTS.md").write_text(text)
     print(text)

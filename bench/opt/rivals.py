@@ -118,7 +118,7 @@ def scipy_slsqp(problem):
 
 def minimax_table():
     lines = [
-        "| problem | ours: Jacobians | µs | basin: Jacobians | µs | SciPy SLSQP: Jacobians | µs | off: ours | basin | SciPy |",
+        "| problem | Grouser: Jacobians | µs | basin: Jacobians | µs | SciPy SLSQP: Jacobians | µs | off: Grouser | basin | SciPy |",
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     sums = np.zeros(6)
@@ -159,7 +159,7 @@ def front_table():
         ),
     }
     lines = [
-        "| problem | hypervolume: pymoo | ours | ours, polished | CPU s: pymoo | ours | ours with polishing | ratio | ratio with polishing |",
+        "| problem | hypervolume: pymoo | Grouser | Grouser, polished | CPU s: pymoo | Grouser | Grouser, polished | ratio | ratio with polishing |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for name, (problem, algorithm, reference) in rivals.items():

@@ -9,4 +9,3 @@ pub mod paper;
 pub mod validate;
 
 pub use error::{Error, Result};
-pub use grouser_report::Object;

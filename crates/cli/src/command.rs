@@ -1,5 +1,6 @@
 //! The command line as clap reads it.
 
+use crate::exit::EXIT_CODES;
 use crate::verbs::Verb;
 
 /// The whole command line.
@@ -10,9 +11,11 @@ use crate::verbs::Verb;
     version,
     about = "Predicts, measures, optimises and controls wheel slip on soft ground",
     long_about = "Predicts, measures, optimises and controls wheel slip of robots on soft ground.\n\n\
-        Every flag carries its unit. Exit codes: 0 done, 1 ended without its result (no solution), \
-        2 bad usage or input, 3 partial.",
-    max_term_width = 100,
+        Every flag carries its unit. Under --json standard output holds one JSON object, of an error too: \
+        `grouser help VERB --schema` describes it.",
+    after_help = exit_codes(),
+    term_width = 100,
+    arg_required_else_help = true,
     disable_help_subcommand = true,
     infer_long_args = false
 )]
@@ -24,4 +27,9 @@ pub(crate) struct Command {
     /// What to do
     #[command(subcommand)]
     pub(crate) verb: Verb,
+}
+
+fn exit_codes() -> String {
+    let codes = EXIT_CODES.map(|(code, meaning)| format!("\n  {code:>3}  {meaning}"));
+    format!("Exit codes:{}", codes.concat())
 }

@@ -51,9 +51,9 @@ impl Target {
     pub(crate) fn write(self, figure: &Figure) -> Result<String> {
         let bytes = match self.format {
             Format::Svg => figure.svg().into_bytes(),
-            Format::Png => figure.png(DOTS_PER_INCH).ok_or_else(|| {
-                Error::usage_without_hint("the figure is too large for a picture")
-            })?,
+            Format::Png => figure
+                .png(DOTS_PER_INCH)
+                .map_err(|error| Error::usage_without_hint(error.to_string()))?,
         };
         self.file.write_whole(&bytes)
     }

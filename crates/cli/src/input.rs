@@ -8,8 +8,8 @@ use sha2::{Digest as _, Sha256};
 
 use crate::error::Result;
 
-/// The name that stands for standard input.
-pub(crate) const STANDARD_INPUT: &str = "-";
+/// The name that stands for standard input or standard output.
+pub(crate) const STANDARD: &str = "-";
 
 /// A file being read, or standard input.
 pub(crate) struct Input {
@@ -28,7 +28,7 @@ impl Input {
     /// What has no end (a device) or may never begin (a pipe nobody writes to) is refused, so that no
     /// verb hangs on its arguments.
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let (source, length): (Box<dyn Read + Send>, _) = if path == Path::new(STANDARD_INPUT) {
+        let (source, length): (Box<dyn Read + Send>, _) = if path == Path::new(STANDARD) {
             (Box::new(io::stdin()), None)
         } else {
             let file = regular::open(path)?;

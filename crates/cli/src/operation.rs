@@ -124,7 +124,7 @@ pub(crate) fn fields<'a>() -> Fields<'a, &'a Answer> {
     fields! { |answer: &'a Answer|
         "status" "status" .shown("") = answer.status.key();
         join(point()) = answer.point.as_ref();
-        remark "entry, greatest stress, exit" = answer.point.map(|point| {
+        remark "entry, greatest stress, exit" .shown("deg").as_number() = answer.point.map(|point| {
             let [entry, greatest, exit] =
                 [point.angles.theta_1, point.angles.theta_m, point.angles.theta_2].map(shown);
             format!("{entry} / {greatest} / {exit}")

@@ -13,6 +13,8 @@ pub(crate) struct Report {
     pub(crate) object: Object,
     /// What a person reads.
     pub(crate) text: String,
+    /// Whether standard output holds the result itself, so that the text goes to standard error.
+    pub(crate) is_aside: bool,
     /// Why there is no result: said as an error, although the report is printed.
     pub(crate) failure: Option<String>,
     /// What is doubtful in it: said on standard error.
@@ -26,6 +28,7 @@ impl Report {
             outcome: Outcome::Done,
             object,
             text,
+            is_aside: false,
             failure: None,
             warnings: Vec::new(),
         }

@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use grouser_files::Document;
-use grouser_report::Object;
+use grouser_report::{Fields, Object, fields};
 use grouser_terra::catalogue;
 use serde_json::Value;
 
@@ -32,6 +32,11 @@ impl Session {
             input_sha256: Object::new(),
             soil: None,
         }
+    }
+
+    /// Is the result one JSON object on standard output?
+    pub(crate) fn is_json(&self) -> bool {
+        self.json
     }
 
     /// A file was read to its end.
@@ -81,12 +86,15 @@ impl Session {
             outcome,
             mut object,
             text,
+            is_aside,
             failure,
             warnings,
         } = report;
         if self.json {
             object.insert("provenance".to_owned(), Value::Object(self.provenance()));
             terminal::print(&format!("{:#}\n", Value::Object(object)))?;
+        } else if is_aside {
+            terminal::remark(&text);
         } else {
             terminal::print(&text)?;
         }
@@ -101,18 +109,22 @@ impl Session {
 
     /// Version, commit, seed, inputs and soil, as the JSON has them.
     pub(crate) fn provenance(&self) -> Object {
-        Object::from_iter([
-            ("version".to_owned(), Value::from(env!("CARGO_PKG_VERSION"))),
-            (
-                "commit".to_owned(),
-                Value::from(option_env!("GROUSER_COMMIT")),
-            ),
-            ("seed".to_owned(), Value::from(self.seed)),
-            (
-                "input_sha256".to_owned(),
-                Value::Object(self.input_sha256.clone()),
-            ),
-            ("soil".to_owned(), Value::from(self.soil.clone())),
-        ])
+        fields().object(self)
+    }
+}
+
+/// Version, commit, seed, inputs and soil.
+pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
+    let soil = fields! { |soil: &'a Object|
+        "key" "key of the catalogue, or the file" = soil["key"].clone();
+        "source" "where its numbers come from" = soil["source"].clone();
+        "overrides" "numbers that complete or override it" = soil["overrides"].clone();
+    };
+    fields! { |session: &'a Session|
+        "version" "version of the program" = env!("CARGO_PKG_VERSION");
+        "commit" "commit that it was built from" = option_env!("GROUSER_COMMIT");
+        "seed" "seed of random numbers" = session.seed;
+        "input_sha256" "files that were read, with their SHA-256" values = Some(session.input_sha256.clone());
+        "soil" "the soil" group(soil) = session.soil.as_ref();
     }
 }

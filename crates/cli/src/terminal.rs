@@ -32,6 +32,12 @@ pub(crate) fn complain(error: &Error, json: bool) -> ExitCode {
     ExitCode::from(BAD_INPUT)
 }
 
+/// Text on standard error.
+pub(crate) fn remark(text: &str) {
+    // Where standard error fails, nobody reads it.
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
 /// `error: …` on standard error, for a job that ended without its result.
 pub(crate) fn fail(message: &str) {
     say("error", RED, message);

@@ -13,8 +13,14 @@ use crate::terminal;
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
 pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
     let json = arguments.iter().any(|argument| argument == "--json");
+    let nothing = arguments.len() <= 1;
     match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand if !nothing => {
+            terminal::complain(&Error::usage(message(error), hint(error, arguments)), json)
+        }
+        ErrorKind::DisplayHelp
+        | ErrorKind::DisplayVersion
+        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             match terminal::print(&error.render().to_string()) {
                 Ok(()) => ExitCode::SUCCESS,
                 Err(error) => terminal::complain(&error, json),

@@ -3,10 +3,13 @@
 //! To add one: its file or folder with `Arguments` (clap) and `run`, and three lines here.
 
 mod batch;
+mod completions;
 mod curve;
 mod drive;
 mod estimate;
+mod help;
 mod identify;
+mod init;
 mod log;
 mod optimize;
 mod paper;
@@ -16,9 +19,11 @@ mod soils;
 mod validate;
 mod wheel;
 
+use serde_json::Value;
+
 use crate::error::Result;
 use crate::report::Report;
-use crate::session::Session;
+use crate::session::{self, Session};
 
 /// What the command can do.
 #[derive(clap::Subcommand, Debug)]
@@ -36,10 +41,13 @@ pub(crate) enum Verb {
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Log(log::Arguments),
+    Init(init::Arguments),
+    Help(help::Arguments),
+    Completions(completions::Arguments),
 }
 
-/// Runs the verb.
-pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
+/// Runs the verb; `command` is the whole command line, for those that explain it.
+pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> Result<Report> {
     match verb {
         Verb::Soils(arguments) => soils::run(&arguments, session),
         Verb::Wheel(arguments) => wheel::run(&arguments, session),
@@ -54,5 +62,46 @@ pub(crate) fn run(verb: Verb, session: &mut Session) -> Result<Report> {
         Verb::Identify(arguments) => identify::run(&arguments, session),
         Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
+        Verb::Init(arguments) => init::run(&arguments),
+        Verb::Help(arguments) => help::run(&arguments, command, &schemas()),
+        Verb::Completions(arguments) => completions::run(&arguments, command),
+    }
+}
+
+/// The JSON schema of what each verb prints under `--json`.
+fn schemas() -> Vec<(&'static str, Value)> {
+    let mut list = vec![
+        ("soils", soils::schema()),
+        ("wheel", wheel::schema()),
+        ("curve", curve::schema()),
+        ("batch", batch::schema()),
+        ("slip-model", slip_model::schema()),
+        ("estimate", estimate::schema()),
+        ("drive", drive::schema()),
+        ("optimize", optimize::schema()),
+        ("paper", paper::schema()),
+        ("robot", robot::schema()),
+        ("identify", identify::schema()),
+        ("validate", validate::schema()),
+        ("init", init::schema()),
+    ];
+    list.extend(log::schemas());
+    for (name, schema) in &mut list {
+        let several = schema["anyOf"].as_array_mut();
+        match several {
+            Some(several) => several.iter_mut().for_each(add_provenance),
+            None => add_provenance(schema),
+        }
+        schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+        schema["title"] = format!("grouser {name} --json").into();
+    }
+    list
+}
+
+/// Each object says what it was computed from.
+fn add_provenance(schema: &mut Value) {
+    schema["properties"]["provenance"] = session::fields().schema();
+    if let Some(required) = schema["required"].as_array_mut() {
+        required.push("provenance".into());
     }
 }

@@ -171,6 +171,25 @@ fn imports_between_modules_of_slip_form_no_cycle() {
 }
 
 #[test]
+fn imports_between_modules_of_rover_form_no_cycle() {
+    let graph = imports("rover");
+    assert!(graph.len() > 6, "the imports are not found: {graph:?}");
+    assert_eq!(cycle(&graph), None);
+}
+
+#[test]
+fn imports_between_modules_of_logs_and_files_form_no_cycle() {
+    for folder in ["files", "log", "replay", "synthetic"] {
+        let graph = imports(folder);
+        assert!(
+            graph.len() > 2,
+            "the imports of {folder} are not found: {graph:?}"
+        );
+        assert_eq!(cycle(&graph), None, "{folder}");
+    }
+}
+
+#[test]
 fn a_cycle_is_found() {
     let arrows = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
     let mut graph = Graph::new();

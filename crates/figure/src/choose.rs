@@ -1,12 +1,19 @@
 //! One candidate for each label, such that no two touch, at the least cost: branch and bound.
 
 use super::geometry::{Point, Rect, cross};
-use super::place::Placed;
 
 /// Nodes visited at most.
-const EFFORT: usize = 20_000;
+const MAX_NODES: usize = 20_000;
 /// What standing on another side than a neighbour costs.
-const OTHER_SIDE: f64 = 0.35;
+const OTHER_SIDE_COST: f64 = 0.35;
+
+/// Where a label stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub(super) rect: Rect,
+    /// A thin line to what it names, where it does not stand beside it.
+    pub(super) leader: Option<[Point; 2]>,
+}
 
 /// A place that a label could take.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +48,7 @@ pub(super) fn choose(candidates: &[Vec<Candidate>], gap: f64) -> Option<Vec<Plac
         order,
         least_rest,
         best: None,
-        effort: EFFORT,
+        effort: MAX_NODES,
         gap,
     };
     choice.descend(&mut Vec::new(), 0.0);
@@ -112,7 +119,7 @@ impl Choice<'_> {
             // Labels in one column, on the same side of their curves, read best.
             cost += (rect.centre()[0] - other.rect.centre()[0]).abs() / 400.0;
             if candidate.side != others.side {
-                cost += OTHER_SIDE;
+                cost += OTHER_SIDE_COST;
             }
         }
         Some(cost)

@@ -3,23 +3,24 @@
 use super::chart::{Area, AreaShape, Axis, Chart, Measured, Points};
 use super::geometry::{Point, Rect};
 use super::labels::{self, Label};
-use super::layout::{TICK_GAP, TICK_SIZE, TITLE_GAP, TITLE_SIZE};
 use super::page::Page;
 use super::path::Path;
 use super::place::{Obstacles, Target};
 use super::scale::Scale;
+use super::sizes::{TICK_GAP_PT, TICK_SIZE_PT, TITLE_GAP_PT, TITLE_SIZE_PT};
 use super::style::{Colour, Dash, Marker, Style};
 use super::text::{Anchor, Line};
 use super::thin::thin;
 use super::ticks::{Ticks, Widen, ticks};
 
-/// Length of a tick and width of the frame in points.
-const TICK: f64 = 3.6;
-const FRAME_WIDTH: f64 = 0.8;
+/// Length of a tick.
+const TICK_PT: f64 = 3.6;
+/// Width of the frame's line.
+const FRAME_WIDTH_PT: f64 = 0.8;
 /// Radius of a marker.
-const MARKER: f64 = 2.3;
+const MARKER_PT: f64 = 2.3;
 /// Columns in which a line is thinned: a twelfth of a millimetre.
-const COLUMN: f64 = 0.24;
+const COLUMN_PT: f64 = 0.24;
 
 /// The ticks of both axes of a chart.
 #[derive(Clone, Debug)]
@@ -51,7 +52,7 @@ impl Axes {
             let widths = ticks
                 .marks
                 .iter()
-                .map(|(_, label)| Line::set(label, TICK_SIZE).width + 9.0);
+                .map(|(_, label)| Line::set(label, TICK_SIZE_PT).width + 9.0);
             widths.sum::<f64>() <= width
         };
         let x = (2..=6)
@@ -68,7 +69,7 @@ impl Axes {
             .y
             .marks
             .iter()
-            .map(|(_, label)| Line::set(label, TICK_SIZE).width);
+            .map(|(_, label)| Line::set(label, TICK_SIZE_PT).width);
         labels.fold(0.0, f64::max)
     }
 }
@@ -164,7 +165,7 @@ pub(super) fn draw(page: &mut Page, chart: &Chart, axes: &Axes, frame: Rect) -> 
         obstacles, labels, ..
     } = content;
     draw_axes(page, chart, axes, &scale);
-    let arrangement = labels::arrange(&labels, frame.grown(-TICK), &obstacles);
+    let arrangement = labels::arrange(&labels, frame.grown(-TICK_PT), &obstacles);
     labels::draw(page, &labels, &arrangement, &frame);
     labels::width_outside(&labels, &arrangement)
 }
@@ -198,7 +199,7 @@ impl Content<'_> {
     /// Draws a line; gives what a label of it names (its longest piece) and where it ends.
     fn line(&mut self, points: &[Point], style: Style) -> Option<(Target, Point)> {
         let pieces = self.scale.pieces(points);
-        let pieces: Vec<Vec<Point>> = pieces.iter().map(|piece| thin(piece, COLUMN)).collect();
+        let pieces: Vec<Vec<Point>> = pieces.iter().map(|piece| thin(piece, COLUMN_PT)).collect();
         let longest = (0..pieces.len()).max_by_key(|index| pieces[*index].len())?;
         let target = Target::Line(self.obstacles.lines.len() + longest);
         let end = pieces.last()?.last().copied()?;
@@ -243,16 +244,16 @@ impl Content<'_> {
                 }
             }
             self.marker(set.marker, centre, set.colour);
-            let square = [centre[0] - MARKER, centre[1] - MARKER];
+            let square = [centre[0] - MARKER_PT, centre[1] - MARKER_PT];
             self.obstacles
                 .boxes
-                .push(Rect::at(square, 2.0 * MARKER, 2.0 * MARKER));
+                .push(Rect::at(square, 2.0 * MARKER_PT, 2.0 * MARKER_PT));
             if last.is_none_or(|last| centre[0] >= last[0]) {
                 last = Some(centre);
             }
         }
         if let (Some(label), Some(end)) = (&set.label, last) {
-            let target = Target::Spot(end, MARKER);
+            let target = Target::Spot(end, MARKER_PT);
             self.labels.push(Label::new(label, set.colour, target, end));
         }
     }
@@ -262,11 +263,11 @@ impl Content<'_> {
             Path::polygon(
                 corners
                     .iter()
-                    .map(|[dx, dy]| [x + MARKER * dx, y + MARKER * dy]),
+                    .map(|[dx, dy]| [x + MARKER_PT * dx, y + MARKER_PT * dy]),
             )
         };
         let shape = match marker {
-            Marker::Disc | Marker::Circle => Path::circle([x, y], MARKER),
+            Marker::Disc | Marker::Circle => Path::circle([x, y], MARKER_PT),
             Marker::Square => corners(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]]),
             Marker::Triangle => corners(&[[0.0, -1.15], [1.05, 0.75], [-1.05, 0.75]]),
             Marker::Diamond => corners(&[[0.0, -1.25], [1.1, 0.0], [0.0, 1.25], [-1.1, 0.0]]),
@@ -296,31 +297,34 @@ fn draw_axes(page: &mut Page, chart: &Chart, axes: &Axes, scale: &Scale) {
         ..Style::thin(Colour::INK, Dash::Solid)
     };
     let mut marks = Path::default();
-    let below = frame.bottom + TICK_GAP + 0.66 * TICK_SIZE;
+    let below = frame.bottom + TICK_GAP_PT + 0.66 * TICK_SIZE_PT;
     for (value, label) in &axes.x.marks {
         let [x, _] = scale.place([*value, 0.0]);
-        marks.append(&Path::line([[x, frame.bottom], [x, frame.bottom - TICK]]));
-        marks.append(&Path::line([[x, frame.top], [x, frame.top + TICK]]));
-        write(page, label, TICK_SIZE, [x, below], Anchor::Middle);
+        marks.append(&Path::line([
+            [x, frame.bottom],
+            [x, frame.bottom - TICK_PT],
+        ]));
+        marks.append(&Path::line([[x, frame.top], [x, frame.top + TICK_PT]]));
+        write(page, label, TICK_SIZE_PT, [x, below], Anchor::Middle);
     }
     for (value, label) in &axes.y.marks {
         let [_, y] = scale.place([0.0, *value]);
-        marks.append(&Path::line([[frame.left, y], [frame.left + TICK, y]]));
-        marks.append(&Path::line([[frame.right, y], [frame.right - TICK, y]]));
-        let at = [frame.left - TICK_GAP, y + 0.33 * TICK_SIZE];
-        write(page, label, TICK_SIZE, at, Anchor::End);
+        marks.append(&Path::line([[frame.left, y], [frame.left + TICK_PT, y]]));
+        marks.append(&Path::line([[frame.right, y], [frame.right - TICK_PT, y]]));
+        let at = [frame.left - TICK_GAP_PT, y + 0.33 * TICK_SIZE_PT];
+        write(page, label, TICK_SIZE_PT, at, Anchor::End);
     }
     page.stroke(marks, ink(0.6), None);
-    page.stroke(Path::rect(&frame), ink(FRAME_WIDTH), None);
+    page.stroke(Path::rect(&frame), ink(FRAME_WIDTH_PT), None);
     if axes.x.power != 0 {
-        let at = [frame.right, below + TITLE_GAP + TITLE_SIZE];
-        write(page, &power(axes.x.power), TICK_SIZE, at, Anchor::End);
+        let at = [frame.right, below + TITLE_GAP_PT + TITLE_SIZE_PT];
+        write(page, &power(axes.x.power), TICK_SIZE_PT, at, Anchor::End);
     }
     if axes.y.power != 0 {
         write(
             page,
             &power(axes.y.power),
-            TICK_SIZE,
+            TICK_SIZE_PT,
             [frame.left, frame.top - 4.0],
             Anchor::Start,
         );
@@ -329,12 +333,12 @@ fn draw_axes(page: &mut Page, chart: &Chart, axes: &Axes, scale: &Scale) {
     write(
         page,
         title(&chart.x),
-        TITLE_SIZE,
-        [x, below + TITLE_GAP + TITLE_SIZE],
+        TITLE_SIZE_PT,
+        [x, below + TITLE_GAP_PT + TITLE_SIZE_PT],
         Anchor::Middle,
     );
-    let line = Line::set(title(&chart.y), TITLE_SIZE);
-    let left = frame.left - TICK_GAP - axes.widest_y_label() - TITLE_GAP;
+    let line = Line::set(title(&chart.y), TITLE_SIZE_PT);
+    let left = frame.left - TICK_GAP_PT - axes.widest_y_label() - TITLE_GAP_PT;
     let outline = line.placed_upwards([left, y], Anchor::Middle);
     page.text(outline, Colour::INK, &line.words);
 }

@@ -1,7 +1,7 @@
 //! Draws a scene.
 
 use super::geometry::{Point, Rect, distance};
-use super::labels::{self, LABEL_SIZE, Label};
+use super::labels::{self, LABEL_SIZE_PT, Label};
 use super::page::Page;
 use super::path::Path;
 use super::place::{Obstacles, Target};
@@ -40,7 +40,7 @@ pub(super) fn draw(page: &mut Page, scene: &Scene, area: Rect) {
 fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area: Rect) {
     let lines: Vec<Line> = notes
         .iter()
-        .map(|note| Line::set(note, LABEL_SIZE))
+        .map(|note| Line::set(note, LABEL_SIZE_PT))
         .collect();
     let width = lines.iter().map(|line| line.width).fold(0.0, f64::max);
     let height = lines.len() as f64 * LEADING;
@@ -54,7 +54,10 @@ fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area
         .find(|block| obstacles.leave_free(block, 2.4));
     let block = *free.unwrap_or(&corners[0][0]);
     for (index, line) in lines.iter().enumerate() {
-        let at = [block.left, block.top + LABEL_SIZE + index as f64 * LEADING];
+        let at = [
+            block.left,
+            block.top + LABEL_SIZE_PT + index as f64 * LEADING,
+        ];
         page.text(line.placed(at, Anchor::Start), Colour::INK, &line.words);
     }
     obstacles.boxes.push(block);

@@ -1,18 +1,19 @@
 //! The labels of a panel: set, placed, and drawn.
 
+use super::choose::Placed;
 use super::geometry::{Point, Rect};
 use super::page::Page;
 use super::path::Path;
-use super::place::{self, Obstacles, Placed, Target, Wanted};
+use super::place::{self, Obstacles, Target, Wanted};
 use super::style::{Colour, Dash, Style};
 use super::text::{Anchor, Line};
 
 /// The size of labels in points.
-pub(super) const LABEL_SIZE: f64 = 9.5;
+pub(super) const LABEL_SIZE_PT: f64 = 9.5;
 /// Between the frame and a label that stands outside.
-const OUTSIDE: f64 = 12.0;
+const OUTSIDE_PT: f64 = 12.0;
 /// Between the baselines of two labels outside.
-const LEADING: f64 = 11.5;
+const LEADING_PT: f64 = 11.5;
 
 /// One label and what it names.
 #[derive(Clone, Debug)]
@@ -28,7 +29,7 @@ pub(super) struct Label {
 
 impl Label {
     pub(super) fn new(markup: &str, colour: Colour, target: Target, end: Point) -> Self {
-        let line = Line::set(markup, LABEL_SIZE);
+        let line = Line::set(markup, LABEL_SIZE_PT);
         Self {
             line,
             colour,
@@ -83,7 +84,7 @@ pub(super) fn width_outside(labels: &[Label], arrangement: &Arrangement) -> f64 
         .iter()
         .zip(arrangement)
         .filter(|(_, placed)| placed.is_none());
-    let widths = outside.map(|(label, _)| OUTSIDE + label.line.width + 2.0);
+    let widths = outside.map(|(label, _)| OUTSIDE_PT + label.line.width + 2.0);
     widths.fold(0.0, f64::max)
 }
 
@@ -112,13 +113,15 @@ pub(super) fn draw(page: &mut Page, labels: &[Label], arrangement: &Arrangement,
 fn draw_outside(page: &mut Page, mut order: Vec<&Label>, frame: &Rect) {
     order.sort_by(|a, b| a.end[1].total_cmp(&b.end[1]));
     let wanted: Vec<f64> = order.iter().map(|label| label.end[1]).collect();
-    for (label, y) in order.into_iter().zip(spread(&wanted, LEADING, frame)) {
-        let x = frame.right + OUTSIDE;
+    for (label, y) in order.into_iter().zip(spread(&wanted, LEADING_PT, frame)) {
+        let x = frame.right + OUTSIDE_PT;
         let from = [frame.right.min(label.end[0]) + 1.5, label.end[1]];
         let leader = [from, [x - 2.0, y]];
         page.stroke(Path::line(leader), leader_style(label.colour), None);
         // Half the height of a small letter below the middle.
-        let outline = label.line.placed([x, y + 0.23 * LABEL_SIZE], Anchor::Start);
+        let outline = label
+            .line
+            .placed([x, y + 0.23 * LABEL_SIZE_PT], Anchor::Start);
         page.text(outline, label.colour, &label.line.words);
     }
 }

@@ -4,22 +4,22 @@
 //! is none. The labels of a panel are then chosen together, so that no two touch, by branch and bound.
 //! The effort is bounded and the answer depends on nothing but the input.
 
-use super::choose::{Candidate, Side, choose};
+use super::choose::{Candidate, Placed, Side, choose};
 use super::geometry::{Point, Rect, cross, distance};
 
 /// Free space between a label and any line, and between two labels, in points: as a rule, and where
 /// curves stand close.
-const GAPS: [f64; 2] = [2.4, 1.6];
+const GAPS_PT: [f64; 2] = [2.4, 1.6];
 /// A label this near to a strange line might seem to name it.
-const AMBIGUOUS: f64 = 9.0;
+const AMBIGUOUS_PT: f64 = 9.0;
 /// Candidates kept for each label.
-const KEPT: usize = 64;
+const MAX_CANDIDATES: usize = 64;
 /// What a leader costs before its length counts.
 const LEADER_COST: f64 = 6.0;
 /// Leaders tried from one place, the shortest first.
-const LEADERS: usize = 8;
+const MAX_LEADERS: usize = 8;
 /// The longest leader, in points.
-const LONGEST_LEADER: f64 = 90.0;
+const MAX_LEADER_PT: f64 = 90.0;
 
 /// What labels must not touch.
 #[derive(Clone, Debug, Default)]
@@ -66,17 +66,9 @@ pub(super) struct Wanted {
     pub(super) height: f64,
 }
 
-/// Where a label stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placed {
-    pub(super) rect: Rect,
-    /// A thin line to what it names, where it does not stand beside it.
-    pub(super) leader: Option<[Point; 2]>,
-}
-
 /// A place for each label inside `frame`, or `None` when there is none for all.
 pub(super) fn place(frame: Rect, obstacles: &Obstacles, wanted: &[Wanted]) -> Option<Vec<Placed>> {
-    for gap in GAPS {
+    for gap in GAPS_PT {
         let search = Search {
             frame,
             obstacles,
@@ -88,7 +80,7 @@ pub(super) fn place(frame: Rect, obstacles: &Obstacles, wanted: &[Wanted]) -> Op
             return Some(chosen);
         }
     }
-    let gap = GAPS[0];
+    let gap = GAPS_PT[0];
     let search = Search {
         frame,
         obstacles,
@@ -99,7 +91,7 @@ pub(super) fn place(frame: Rect, obstacles: &Obstacles, wanted: &[Wanted]) -> Op
         .iter()
         .map(|label| {
             let mut candidates = search.beside(label);
-            candidates.truncate(KEPT / 2);
+            candidates.truncate(MAX_CANDIDATES / 2);
             candidates.extend(search.with_leader(label));
             candidates
         })
@@ -136,7 +128,7 @@ impl Search<'_> {
         .collect();
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         // The best of each side: the joint choice may want any of them.
-        let mut room = [KEPT / 4; 4];
+        let mut room = [MAX_CANDIDATES / 4; 4];
         candidates.retain(|candidate| {
             let Some(room) = room.get_mut(candidate.side as usize) else {
                 return true;
@@ -189,7 +181,7 @@ impl Search<'_> {
 
     /// Candidates in free space with a line to what they name, the best first.
     fn with_leader(&self, label: &Wanted) -> Vec<Candidate> {
-        const STEP: f64 = 5.0;
+        const STEP_PT: f64 = 5.0;
         let ends = match label.target {
             Target::Line(index) => anchors(&self.obstacles.lines[index].0, &self.frame),
             Target::Spot(at, _) => vec![at],
@@ -200,7 +192,7 @@ impl Search<'_> {
             let mut left = self.frame.left + self.gap;
             while left + label.width < self.frame.right {
                 let rect = Rect::at([left, top], label.width, label.height);
-                left += STEP;
+                left += STEP_PT;
                 if self.is_free(&rect)
                     && let Some((leader, length)) = self.leader(&rect, &ends, label.target)
                 {
@@ -216,10 +208,10 @@ impl Search<'_> {
                     });
                 }
             }
-            top += STEP;
+            top += STEP_PT;
         }
         candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        candidates.truncate(KEPT);
+        candidates.truncate(MAX_CANDIDATES);
         candidates
     }
 
@@ -230,10 +222,10 @@ impl Search<'_> {
         let mut near: Vec<Point> = ends
             .iter()
             .copied()
-            .filter(|end| length(*end) <= LONGEST_LEADER)
+            .filter(|end| length(*end) <= MAX_LEADER_PT)
             .collect();
         near.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
-        near.truncate(LEADERS);
+        near.truncate(MAX_LEADERS);
         let crosses_nothing = |end: &Point| {
             let strange = |index: usize| target != Target::Line(index);
             !self
@@ -270,7 +262,7 @@ impl Search<'_> {
                 if matches!(label.target, Target::Line(_)) && strange < own + 0.5 {
                     return None;
                 }
-                cost += ((own + AMBIGUOUS - strange) / AMBIGUOUS).max(0.0);
+                cost += ((own + AMBIGUOUS_PT - strange) / AMBIGUOUS_PT).max(0.0);
             }
         }
         Some(cost)
@@ -312,9 +304,9 @@ fn around(at: Point, gap: f64, label: &Wanted) -> Vec<(Rect, f64, Side)> {
 
 /// Points along a line, inside the frame, a few points apart.
 fn anchors(line: &[Point], frame: &Rect) -> Vec<Point> {
-    const STEP: f64 = 4.0;
+    const STEP_PT: f64 = 4.0;
     let mut found = Vec::new();
-    let mut since = STEP;
+    let mut since = STEP_PT;
     for part in line.windows(2) {
         let length = distance(part[0], part[1]);
         while length > 0.0 && since <= length && found.len() < 400 {
@@ -326,7 +318,7 @@ fn anchors(line: &[Point], frame: &Rect) -> Vec<Point> {
             if frame.distance(point) == 0.0 {
                 found.push(point);
             }
-            since += STEP;
+            since += STEP_PT;
         }
         since -= length.min(since);
     }

@@ -2,17 +2,26 @@
 
 use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
+use super::error::Error;
 use super::geometry::Rect;
 use super::page::{Item, Page};
 use super::path::{Path, Step};
 use super::style::Colour;
 
-/// More pixels than this in one direction are no figure any more.
-const LARGEST_SIDE: f64 = 20_000.0;
+/// The greatest number of pixels in one direction: the canvas then takes 1.6 GB.
+pub(crate) const MAX_SIDE_PX: f64 = 20_000.0;
 
 /// Draws the page at `dots_per_inch` on white.
-pub(super) fn write(page: &Page, dots_per_inch: f64) -> Option<Vec<u8>> {
+pub(super) fn write(page: &Page, dots_per_inch: f64) -> Result<Vec<u8>, Error> {
     let dots = dots_per_inch / 72.0;
+    draw(page, dots).ok_or(Error::PictureSize {
+        width: page.width * dots,
+        height: page.height * dots,
+        limit: MAX_SIDE_PX,
+    })
+}
+
+fn draw(page: &Page, dots: f64) -> Option<Vec<u8>> {
     let mut canvas = Pixmap::new(side(page.width * dots)?, side(page.height * dots)?)?;
     canvas.fill(tiny_skia::Color::WHITE);
     let transform = Transform::from_scale(single(dots), single(dots));
@@ -115,7 +124,7 @@ fn outline(path: &Path) -> Option<tiny_skia::Path> {
 }
 
 fn side(pixels: f64) -> Option<u32> {
-    if (1.0..=LARGEST_SIDE).contains(&pixels) {
+    if (1.0..=MAX_SIDE_PX).contains(&pixels) {
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

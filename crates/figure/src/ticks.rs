@@ -135,6 +135,17 @@ fn decade(value: f64) -> i32 {
     }
 }
 
+/// Ticks for a scale from `low` to `high` in at most `most` intervals: value and label of each.
+///
+/// ```
+/// let ticks = grouser_figure::even_ticks(0.0, 1.0, 4);
+/// assert_eq!(ticks[1], (0.5, "0.5".to_owned()));
+/// ```
+#[must_use]
+pub fn even_ticks(low: f64, high: f64, most: u8) -> Vec<(f64, String)> {
+    ticks([low, high], Widen::No, most).marks
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

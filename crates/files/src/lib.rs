@@ -33,15 +33,13 @@
 
 pub mod body;
 pub mod columns;
-mod columns_text;
 mod document;
 mod entries;
 mod error;
+mod fields;
 pub mod regular;
 pub mod robot;
-mod robot_text;
 pub mod soil;
-mod soil_text;
 mod suggestion;
 mod toml_text;
 pub mod topics;
@@ -51,5 +49,6 @@ pub mod urdf;
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;
 pub use error::{Error, Place, Result};
+pub use fields::read_fields;
 pub use suggestion::nearest;
 pub use toml_text::TomlText;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::order::Ordered;
 
 /// How many messages a message may stand from its place in time.
@@ -82,7 +82,6 @@ pub struct Messages {
     /// By channel; `None`: not wanted.
     decoders: BTreeMap<usize, Option<SharedDecoder>>,
     shared: Decoders,
-    spare: Spare,
     ordered: Ordered<Stamped>,
     held: usize,
     left_out: LeftOut,
@@ -105,7 +104,6 @@ impl Messages {
             clock,
             decoders: BTreeMap::new(),
             shared: Decoders::default(),
-            spare: Spare::default(),
             ordered: Ordered::new(LOOK_AHEAD),
             held: 0,
             left_out: LeftOut::default(),
@@ -137,17 +135,6 @@ impl Messages {
         self.container.offset()
     }
 
-    /// Takes back a message that is done with: a later one of its channel is decoded into its place.
-    pub fn give_back(&mut self, message: Stamped) {
-        let Stamped {
-            channel,
-            size,
-            value,
-            ..
-        } = message;
-        self.spare.keep(channel, size, value);
-    }
-
     /// Reads one message of the file into the ordering.
     fn take(&mut self) {
         let message = match self.container.next() {
@@ -169,7 +156,7 @@ impl Messages {
                 let Some(decoder) = decoder else {
                     return;
                 };
-                let mut value = self.spare.take(message.channel);
+                let mut value = Value::Null;
                 let decoded = match &**decoder {
                     Ok(decoder) => decoder
                         .decode_into(message.data, &mut value)

@@ -4,7 +4,8 @@ use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 
 use crate::error::{Error, Result};
-use crate::run::{Options, run};
+use crate::options::Options;
+use crate::run::run;
 
 /// What a calibration found.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use grouser_log::Log;
 use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
-use crate::run::Options;
+use crate::options::Options;
 
 /// By which sensors a robot is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

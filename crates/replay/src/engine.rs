@@ -9,8 +9,9 @@ use crate::error::{Error, Result};
 use crate::fusion::Fusion;
 use crate::method::Method;
 use crate::moment::{Moment, side_slip_angle};
-use crate::odometry::{Odometry, Reckoning};
-use crate::run::Options;
+use crate::odometry::Odometry;
+use crate::options::Options;
+use crate::reckoning::Reckoning;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
 use crate::summary::{Status, Summary};
@@ -69,6 +70,8 @@ pub struct Engine {
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
     angles: Vec<Option<f64>>,
+    /// Cosine and sine of each wheel's heading.
+    headings: Vec<(f64, f64)>,
 }
 
 /// What finds the slips. Beside the filter, ways and turns are counted over windows.
@@ -146,6 +149,11 @@ impl Engine {
             ways: Ways::new(settings.low_speed, settings.window),
             clock_offset_s: None,
             angles: Vec::new(),
+            headings: robot
+                .wheels()
+                .iter()
+                .map(|wheel| (wheel.heading.cos(), wheel.heading.sin()))
+                .collect(),
             robot,
             inputs,
             settings,
@@ -250,11 +258,10 @@ impl Engine {
             }
         }
         self.angles.clear();
-        self.angles.extend(
-            robot.iter().map(|wheel| {
-                side_slip_angle(wheel, moment.motion.as_ref(), self.settings.low_speed)
-            }),
-        );
+        let (motion, low_speed) = (moment.motion.as_ref(), self.settings.low_speed);
+        let headings = robot.iter().zip(&self.headings);
+        let angles = headings.map(|(wheel, trig)| side_slip_angle(wheel, *trig, motion, low_speed));
+        self.angles.extend(angles);
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if moment.read >> index & 1 == 0 {
                 continue;

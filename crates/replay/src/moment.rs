@@ -68,16 +68,17 @@ impl Moment {
 }
 
 /// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π, π], rad; `None` where the
-/// centre is slower than `least` (m/s). As the filter's own, but of smoothed motions and of windows too.
+/// centre is slower than `min_speed` (m/s); `cos` and `sin` are of the wheel's heading. As the filter's own angle, but of
+/// smoothed motions and of windows too.
 pub(crate) fn side_slip_angle(
     wheel: &Wheel,
+    (cos, sin): (f64, f64),
     motion: Option<&BodyMotion>,
-    least: f64,
+    min_speed: f64,
 ) -> Option<f64> {
     let [v_x, v_y, turn] = motion?.velocity;
     let (along_x, along_y) = (v_x - turn * wheel.y, v_y + turn * wheel.x);
-    let (cos, sin) = (wheel.heading.cos(), wheel.heading.sin());
     let along = cos * along_x + sin * along_y;
     let aside = cos * along_y - sin * along_x;
-    (along.hypot(aside) > least).then(|| aside.atan2(along))
+    (along.hypot(aside) > min_speed).then(|| aside.atan2(along))
 }

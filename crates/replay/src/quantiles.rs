@@ -9,7 +9,7 @@ const BINS: usize = 1 << 16;
 pub struct Quantiles {
     low: f64,
     width: f64,
-    bins: Vec<u64>,
+    bins: Vec<u32>,
     count: u64,
 }
 
@@ -37,7 +37,7 @@ impl Quantiles {
             reason = "clamped on the line above"
         )]
         let bin = place as usize;
-        self.bins[bin] += 1;
+        self.bins[bin] = self.bins[bin].saturating_add(1);
         self.count += 1;
     }
 
@@ -56,7 +56,7 @@ impl Quantiles {
         let wanted = share * self.count as f64;
         let mut below = 0.0;
         for (bin, &count) in self.bins.iter().enumerate() {
-            let here = count as f64;
+            let here = f64::from(count);
             if count > 0 && below + here >= wanted {
                 let part = ((wanted - below) / here).clamp(0.0, 1.0);
                 return Some(self.low + (bin as f64 + part) * self.width);

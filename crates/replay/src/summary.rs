@@ -139,7 +139,7 @@ pub struct Summary {
 pub(crate) struct Shares {
     motions: [f64; Motion::ALL.len()],
     unknown: f64,
-    healths: BTreeMap<String, f64>,
+    healths: Vec<(Health, f64)>,
     total: f64,
 }
 
@@ -148,7 +148,7 @@ impl Shares {
         Self {
             motions: [0.0; Motion::ALL.len()],
             unknown: 0.0,
-            healths: BTreeMap::new(),
+            healths: Vec::new(),
             total: 0.0,
         }
     }
@@ -158,7 +158,10 @@ impl Shares {
             Some(index) => self.motions[index] += seconds,
             None => self.unknown += seconds,
         }
-        *self.healths.entry(health.to_string()).or_insert(0.0) += seconds;
+        match self.healths.iter_mut().find(|(known, _)| *known == health) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.healths.push((health, seconds)),
+        }
         self.total += seconds;
     }
 
@@ -173,9 +176,9 @@ impl Shares {
     }
 
     pub(crate) fn healths(&self) -> BTreeMap<String, f64> {
-        let positive = self.healths.iter().filter(|(_, seconds)| **seconds > 0.0);
+        let positive = self.healths.iter().filter(|(_, seconds)| *seconds > 0.0);
         positive
-            .map(|(name, seconds)| (name.clone(), seconds / self.total))
+            .map(|(health, seconds)| (health.to_string(), seconds / self.total))
             .collect()
     }
 }

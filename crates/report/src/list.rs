@@ -36,8 +36,11 @@ macro_rules! fields {
     (@ $made:expr, $of:ident: $type:ty; also($part:expr) = $value:expr; $($rest:tt)*) => {
         $crate::fields!(@ $made.also($part, move |$of: $type| $value), $of: $type; $($rest)*)
     };
-    (@ $made:expr, $of:ident: $type:ty; remark $label:literal = $value:expr; $($rest:tt)*) => {
-        $crate::fields!(@ $made.remark($label, move |$of: $type| $value), $of: $type; $($rest)*)
+    (@ $made:expr, $of:ident: $type:ty; remark $label:literal $(.$view:ident($($argument:tt)*))* = $value:expr; $($rest:tt)*) => {
+        $crate::fields!(
+            @ $made.remark($label, move |$of: $type| $value)$(.$view($($argument)*))*,
+            $of: $type; $($rest)*
+        )
     };
     (@ $made:expr, $of:ident: $type:ty; $key:literal $words:literal values = $value:expr; $($rest:tt)*) => {
         $crate::fields!(@ $made.values($key, $words, move |$of: $type| $value), $of: $type; $($rest)*)

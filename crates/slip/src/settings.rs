@@ -42,7 +42,8 @@ pub struct Field<S> {
 
 impl<S: Copy> Field<S> {
     /// A field that a file cannot set.
-    pub(crate) const fn new(
+    #[must_use]
+    pub const fn new(
         name: &'static str,
         unit: &'static str,
         limits: (f64, f64),
@@ -59,7 +60,8 @@ impl<S: Copy> Field<S> {
     }
 
     /// The same field with its key in a robot file.
-    pub(crate) const fn key(self, key: &'static str) -> Self {
+    #[must_use]
+    pub const fn key(self, key: &'static str) -> Self {
         Self {
             key: Some(key),
             ..self
@@ -67,7 +69,8 @@ impl<S: Copy> Field<S> {
     }
 
     /// The same field with its key in a robot file, where it is in degrees.
-    pub(crate) const fn key_in_degrees(self, key: &'static str) -> Self {
+    #[must_use]
+    pub const fn key_in_degrees(self, key: &'static str) -> Self {
         Self {
             key: Some(key),
             file_unit: FileUnit::Degrees,
@@ -117,7 +120,10 @@ impl<S: Copy> Field<S> {
 }
 
 /// Checks every field of a table.
-pub(crate) fn check_fields<S: Copy>(of: &str, settings: &S, fields: &[Field<S>]) -> Result<()> {
+///
+/// # Errors
+/// [`Error::OutOfRange`](crate::Error::OutOfRange) for the first field outside its limits.
+pub fn check_fields<S: Copy>(of: &str, settings: &S, fields: &[Field<S>]) -> Result<()> {
     fields
         .iter()
         .try_for_each(|field| field.check(of, settings))

@@ -1,7 +1,6 @@
 //! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
 #![allow(
     clippy::unwrap_used,
-    clippy::cast_possible_wrap,
     reason = "a test fails by panicking; its times are short"
 )]
 
@@ -39,7 +38,7 @@ fn settings(robot: &Robot) -> OnBoardSettings {
 /// One row of every sensor at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
 fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
     let time_ns = row * PERIOD_NS;
-    let driven = (row - 200).max(0) as u64;
+    let driven = (row - 200).max(0).cast_unsigned();
     let counts = [5 * driven, 5 * driven, 4 * driven];
     let mut measurements = vec![
         Measurement::JointAngle {
@@ -128,7 +127,7 @@ fn neither_samples_nor_ticks_allocate() {
                 });
             }
             for wheel in 0..3 {
-                let raw = 5 * index as u64;
+                let raw = 5 * index.cast_unsigned();
                 on_board.update(Sample {
                     time_ns,
                     measurement: Measurement::WheelCount { wheel, raw },

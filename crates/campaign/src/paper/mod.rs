@@ -9,9 +9,8 @@ mod statements;
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
-use serde_json::Value;
+use grouser_report::{Fields, Table, fields};
 
 use crate::error::Result;
 use page::{Block, Page};
@@ -20,8 +19,6 @@ use sand_run::SandRun;
 pub use solved::SEED;
 use solved::Solved;
 pub use statements::{STATEMENTS, Statement, Verdict};
-
-use crate::Object;
 
 /// A file that the campaign writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -122,32 +119,16 @@ impl Paper {
 
     /// The same for programs.
     #[must_use]
-    pub fn object(&self) -> Object {
-        let statements = STATEMENTS.iter().map(|s| {
-            Value::from(Object::from_iter([
-                ("item".to_owned(), Value::from(s.item)),
-                ("about".to_owned(), Value::from(s.about)),
-                ("verdict".to_owned(), Value::from(s.verdict.key())),
-                ("why".to_owned(), Value::from(s.why)),
-            ]))
-        });
-        Object::from_iter([
-            (
-                "files".to_owned(),
-                self.files.iter().map(|file| file.name.as_str()).collect(),
-            ),
-            ("statements".to_owned(), statements.collect()),
-            ("sand_run".to_owned(), Value::Object(self.run.object())),
-            ("printed_slip".to_owned(), Value::from(PRINTED_SLIP)),
-            ("printed_slip_claimed".to_owned(), Value::from(false)),
-            (
-                "readings".to_owned(),
-                self.solved
-                    .iter()
-                    .map(|s| Value::Object(s.object()))
-                    .collect(),
-            ),
-        ])
+    pub fn fields<'a>() -> Fields<'a, &'a Self> {
+        fields! { |paper: &'a Self|
+            "files" "files that were written" =
+                paper.files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>();
+            "statements" "equations, tables and figures of the paper" rows(statement()) = STATEMENTS;
+            "sand_run" "the run on sand" group(SandRun::fields()) = &paper.run;
+            "printed_slip" "optimum slip that the paper prints" = PRINTED_SLIP;
+            "printed_slip_claimed" "whether it is reproduced" = false;
+            "readings" "readings of the optimisation problem" rows(Solved::fields()) = &paper.solved;
+        }
     }
 
     /// What a person reads first.
@@ -316,4 +297,13 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
 
 fn count(verdict: Verdict) -> usize {
     STATEMENTS.iter().filter(|s| s.verdict == verdict).count()
+}
+
+fn statement<'a>() -> Fields<'a, &'a Statement> {
+    fields! { |statement: &'a Statement|
+        "item" "equation, table or figure" = statement.item;
+        "about" "what it is about" = statement.about;
+        "verdict" "reproduced, in part, or not possible" = statement.verdict.key();
+        "why" "why" = statement.why;
+    }
 }

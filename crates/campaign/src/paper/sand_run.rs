@@ -9,12 +9,11 @@ use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Slip};
-use serde_json::Value;
 
 use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
-use grouser_report::Object;
 use grouser_report::number::{exact, rounded};
+use grouser_report::{Fields, fields};
 
 /// The powered wheel that is shown: the larger of the two on the fifth wheel's arm, which drives like the other four.
 const WHEEL: &str = "fifth";
@@ -252,13 +251,13 @@ impl SandRun {
         text
     }
 
-    pub(super) fn object(&self) -> Object {
-        Object::from_iter([
-            ("scenario".to_owned(), Value::from("sandbox")),
-            ("seed".to_owned(), Value::from(self.seed)),
-            ("wheel".to_owned(), Value::from(WHEEL)),
-            ("slip_rmse".to_owned(), Value::from(self.error())),
-        ])
+    pub(super) fn fields<'a>() -> Fields<'a, &'a Self> {
+        fields! { |run: &'a Self|
+            "scenario" "scenario" = "sandbox";
+            "seed" "seed" = run.seed;
+            "wheel" "wheel" = WHEEL;
+            "slip_rmse" "root mean square error of its slip" = run.error();
+        }
     }
 }
 

@@ -1,14 +1,13 @@
 //! The paper's optimisation problem: how its answer depends on what the paper does not say.
 
 use grouser_design::{Answer, Quantity};
-use serde_json::Value;
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use super::problem::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
-use crate::Object;
 use crate::error::Result;
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
 use grouser_report::number::exact;
+use grouser_report::{Fields, fields};
 
 /// Starts of each reading.
 const STARTS: usize = 16;
@@ -95,21 +94,17 @@ impl Solved {
             })
     }
 
-    pub(super) fn object(&self) -> Object {
-        let (low, high) = Self::range(self.equally_good());
-        Object::from_iter([
-            ("reading".to_owned(), Value::from(self.reading.name)),
-            ("assumes".to_owned(), Value::from(self.reading.assumes)),
-            ("starts".to_owned(), Value::from(self.ends.len())),
-            ("solved".to_owned(), Value::from(self.solved().count())),
-            ("optima".to_owned(), Value::from(self.optima)),
-            (
-                "equally_good".to_owned(),
-                Value::from(self.equally_good().count()),
-            ),
-            ("slip_magnitude_min".to_owned(), Value::from(low)),
-            ("slip_magnitude_max".to_owned(), Value::from(high)),
-        ])
+    pub(super) fn fields<'a>() -> Fields<'a, &'a Self> {
+        fields! { |solved: &'a Self|
+            "reading" "reading of the problem" = solved.reading.name;
+            "assumes" "what it assumes" = solved.reading.assumes;
+            "starts" "starts" = solved.ends.len();
+            "solved" "starts that were solved" = solved.solved().count();
+            "optima" "different optima" = solved.optima;
+            "equally_good" "starts that ended equally well" = solved.equally_good().count();
+            "slip_magnitude_min" "least magnitude of their slip" = Self::range(solved.equally_good()).0;
+            "slip_magnitude_max" "greatest magnitude of their slip" = Self::range(solved.equally_good()).1;
+        }
     }
 }
 

@@ -4,16 +4,15 @@ use std::fs;
 use std::path::PathBuf;
 
 use grouser_campaign::paper::{Paper, SEED};
-use serde_json::Value;
 
 use crate::error::{Error, Result, shown as shown_path};
 use crate::output::OutputFile;
 use crate::report::Report;
 use crate::session::Session;
-use grouser_report::Object;
+use grouser_report::{Fields, fields};
 
-const SCENARIO: &str = include_str!("../../../../examples/scenarios/sandbox.toml");
-const ROBOT: &str = include_str!("../../../../examples/robots/five-wheel.toml");
+const SCENARIO: &str = include_str!("../../templates/scenario.toml");
+const ROBOT: &str = include_str!("../../templates/robot.toml");
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -38,17 +37,23 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for file in paper.files() {
         OutputFile::create(&folder.join(&file.name))?.write_whole(file.content.as_bytes())?;
     }
-    let mut object = Object::new();
-    object.insert(
-        "folder".to_owned(),
-        Value::from(folder.display().to_string()),
-    );
-    object.extend(paper.object());
     let text = format!(
         "{}wrote {} files into {}; begin with paper.html\n",
         paper.text(),
         paper.files().len(),
         shown_path(folder)
     );
-    Ok(Report::done(object, text))
+    Ok(Report::done(fields().object((folder, &paper)), text))
+}
+
+fn fields<'a>() -> Fields<'a, (&'a PathBuf, &'a Paper)> {
+    fields! { |written: (&'a PathBuf, &'a Paper)|
+        "folder" "the folder" = written.0.display().to_string();
+        join(Paper::fields()) = written.1;
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    fields().schema()
 }

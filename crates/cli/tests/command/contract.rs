@@ -87,15 +87,37 @@ fn no_solution_is_exit_1_with_its_json() {
 }
 
 #[test]
-fn errors_are_text_and_leave_standard_output_empty() {
-    for words in [
-        "wheel --json",
-        "nothing --json",
-        "--json",
-        &format!("{WHEEL} --json"),
-    ] {
-        line(words).assert_refused(words);
+fn errors_are_text_and_one_object_under_json() {
+    for words in ["wheel", "nothing", "log", WHEEL] {
+        let said = line(words);
+        said.assert_refused(words);
+        assert_eq!(said.out, "", "{words}");
+        let said = line(&format!("{words} --json"));
+        said.assert_refused(words);
+        assert_eq!(said.json()["error"]["kind"], "usage", "{words}");
     }
+    line("--json").assert_refused("--json");
+    let error = &line(&format!("{WHEEL} --load-n 80 --slip-angle-deg 95 --json")).json()["error"];
+    assert_eq!(error["kind"], "value");
+    assert_eq!(error["field"], "--slip-angle-deg");
+    assert_eq!(error["unit"], "deg");
+    for (value, wanted) in [
+        (&error["value"], 95.0),
+        (&error["limit"][0], -89.9),
+        (&error["limit"][1], 89.9),
+    ] {
+        assert!((value.as_f64().unwrap() - wanted).abs() < 1e-12, "{error}");
+    }
+    let folder = Folder::new();
+    let soil = folder.file("soil.toml", "format = 1\nname = \"sand\"\nn = 99.0\n");
+    let words = format!(
+        "wheel --soil {} --radius-m 0.1 --width-m 0.1 --load-n 9 --slip 0 --json",
+        soil.display()
+    );
+    let error = &line(&words).json()["error"];
+    assert_eq!(error["kind"], "content", "{error}");
+    assert_eq!(error["file"], soil.display().to_string());
+    assert!(error["line"].is_number(), "{error}");
     let said = line(&format!("{WHEEL} --load-n 80 --rebound -1"));
     assert_eq!(
         said.err,

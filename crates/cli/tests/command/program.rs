@@ -19,20 +19,27 @@ pub(crate) struct Said {
 }
 
 impl Said {
-    /// Refused: exit 2, nothing on standard output, an error on standard error, no panic.
+    /// Refused: exit 2, an error on standard error, no panic; standard output is empty or holds the same error.
     pub(crate) fn assert_refused(&self, what: &str) {
         assert_eq!(self.code, Some(2), "{what}: {self:?}");
-        assert_eq!(self.out, "", "{what}: {self:?}");
         assert!(self.err.starts_with("error: "), "{what}: {self:?}");
         self.assert_sane(what);
     }
 
-    /// It did not panic or hang, and what failed left standard output empty.
+    /// It did not panic or hang, and what failed left no result on standard output.
     pub(crate) fn assert_sane(&self, what: &str) {
         assert!(matches!(self.code, Some(0..=3)), "{what}: {self:?}");
         assert!(!self.err.contains("panicked"), "{what}: {self:?}");
-        if self.code == Some(2) {
-            assert_eq!(self.out, "", "{what}: {self:?}");
+        if self.code == Some(2) && !self.out.is_empty() {
+            let json = self.json();
+            let keys: Vec<&String> = json.as_object().unwrap().keys().collect();
+            assert_eq!(keys, ["error"], "{what}: {self:?}");
+            let message = json["error"]["message"].as_str().unwrap();
+            let first = message.lines().next().unwrap();
+            assert!(
+                self.err.contains(first) || first.chars().any(char::is_control),
+                "{what}: {self:?}"
+            );
         }
     }
 

@@ -1,6 +1,7 @@
 //! Bags and MCAP files as a part of a log: their topics as samples.
 
 mod choose;
+mod intake;
 mod job;
 mod mounting;
 mod preview;
@@ -14,7 +15,8 @@ use grouser_files::topics::Topics;
 use crate::error::Result;
 use crate::messages::LeftOut;
 use crate::source::Source;
-pub(crate) use choose::Choice;
+use choose::Choice;
+pub use intake::Intake;
 pub use preview::Preview;
 pub(crate) use reader::RecordingReader;
 

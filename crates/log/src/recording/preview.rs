@@ -7,10 +7,10 @@ use std::sync::Arc;
 use grouser_files::topics::Topics;
 
 use super::choose::{Choice, choose};
+use super::intake::Intake;
 use super::mounting::{Accelerations, Tree, enter};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::intake::Intake;
 use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 use crate::source::Source;

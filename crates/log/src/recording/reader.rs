@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use grouser_slip::Sample;
 
 use super::Recording;
+use super::intake::Intake;
 use crate::container::{Container, Event};
 use crate::error::Result;
-use crate::intake::Intake;
 use crate::source::Source;
 
 /// Samples of one file in the order of time.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_files::{Document, Section, nearest};
+use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
 use grouser_terra::{Angle, Soil, SoilParams, catalogue};
 
@@ -16,6 +16,8 @@ use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 const PLACE: (f64, f64) = (-1e6, 1e6);
 const LENGTH: (f64, f64) = (1e-6, 1e6);
 const ANY: (f64, f64) = (-1e18, 1e18);
+/// A slip to run at.
+const SLIP: (f64, f64) = (0.01, 0.95);
 
 /// Reads a scenario file; files that it names lie beside it.
 ///
@@ -339,76 +341,21 @@ fn read_regions(root: &Section<'_>, soils: &mut Vec<SoilSpec>) -> Result<Vec<Reg
 
 fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
     let mut out = SensorSettings::default();
-    let positive = (0.0, 1e6);
-    for (key, field) in [
-        ("rate_hz", &mut out.rate),
-        ("accelerometer_sigma_m_per_s2", &mut out.accelerometer_sigma),
-        ("current_sigma", &mut out.current_sigma),
-        ("camera_rate_hz", &mut out.camera_rate),
-        ("camera_sigma_m", &mut out.camera_sigma),
-        ("camera_latency_s", &mut out.camera_latency),
-        ("gnss_rate_hz", &mut out.gnss_rate),
-        ("gnss_sigma_m", &mut out.gnss_sigma),
-        ("gnss_latency_s", &mut out.gnss_latency),
-    ] {
-        if let Some(value) = s.optional_number(key, positive)? {
-            *field = value;
-        }
-    }
-    for (key, field) in [
-        ("gyro_sigma_deg_per_s", &mut out.gyro_sigma),
-        ("gyro_bias_deg_per_s", &mut out.gyro_bias),
-        ("joint_sigma_deg", &mut out.joint_sigma),
-    ] {
-        if let Some(value) = s.optional_number(key, positive)? {
-            *field = value.to_radians();
-        }
-    }
+    read_fields(s, &mut out, SensorSettings::FIELDS)?;
     Ok(out)
 }
 
+/// The controller's settings, the slip to run at where the file gives one, and the fixed slip.
 type Control = (ControlSettings, Option<f64>, f64);
 
 fn read_control(s: &Section<'_>) -> Result<Control> {
     let mut out = ControlSettings::default();
-    for (key, field) in [
-        ("gain", &mut out.gain),
-        ("integral_gain", &mut out.integral_gain),
-        ("sigma_half", &mut out.sigma_half),
-        ("most_acceleration_m_per_s2", &mut out.max_acceleration),
-        ("creep", &mut out.creep),
-        ("cruise_gain", &mut out.feedforward_gain),
-        ("most_cruise", &mut out.max_feedforward),
-        ("most_traction", &mut out.max_traction),
-        ("high_slip", &mut out.high_slip),
-        ("high_slip_time_s", &mut out.high_slip_time),
-        ("dig_slip", &mut out.dig_slip),
-        ("dig_time_s", &mut out.dig_time),
-        ("traverse_length_m", &mut out.traverse_length),
-        ("back_length_m", &mut out.back_length),
-        ("progress_m", &mut out.progress),
-        ("blind_time_s", &mut out.blind_time),
-    ] {
-        if let Some(value) = s.optional_number(key, (0.0, 1e6))? {
-            *field = value;
-        }
-    }
-    for (key, field) in [
-        ("steep_deg", &mut out.steep),
-        ("level_deg", &mut out.level),
-        ("traverse_angle_deg", &mut out.traverse_angle),
-        ("most_tilt_deg", &mut out.max_tilt),
-        ("most_turn_deg_per_s", &mut out.max_turn),
-    ] {
-        if let Some(value) = s.optional_number(key, (0.0, 1e4))? {
-            *field = value.to_radians();
-        }
-    }
-    let slip = (0.01, 0.95);
+    read_fields(s, &mut out, ControlSettings::FIELDS)?;
+    out.check()?;
     Ok((
         out,
-        s.optional_number("optimum", slip)?,
-        s.optional_number("fixed_slip", slip)?.unwrap_or(0.3),
+        s.optional_number("optimum", SLIP)?,
+        s.optional_number("fixed_slip", SLIP)?.unwrap_or(0.3),
     ))
 }
 

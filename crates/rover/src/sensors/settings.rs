@@ -1,6 +1,8 @@
 //! How good the sensors are: one value per line, each with its default.
 
-use crate::error::{Error, Result};
+use grouser_slip::settings::{Field, check_fields};
+
+use crate::error::Result;
 
 /// How good the sensors are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,33 +53,36 @@ impl Default for SensorSettings {
 }
 
 impl SensorSettings {
+    /// Every number of the settings, in the order of the struct.
+    pub const FIELDS: &[Field<Self>] = &[
+        Row::new("rate", "Hz", (1.0, 1000.0), |s| &mut s.rate).key("rate_hz"),
+        Row::new("gyro_sigma", "rad/s", (0.0, 10.0), |s| &mut s.gyro_sigma)
+            .key_in_degrees("gyro_sigma_deg_per_s"),
+        Row::new("gyro_bias", "rad/s", (0.0, 10.0), |s| &mut s.gyro_bias)
+            .key_in_degrees("gyro_bias_deg_per_s"),
+        Row::new("accelerometer_sigma", "m/s^2", (0.0, 100.0), |s| {
+            &mut s.accelerometer_sigma
+        })
+        .key("accelerometer_sigma_m_per_s2"),
+        Row::new("joint_sigma", "rad", (0.0, 1.0), |s| &mut s.joint_sigma)
+            .key_in_degrees("joint_sigma_deg"),
+        Row::new("current_sigma", "1", (0.0, 1.0), |s| &mut s.current_sigma).key("current_sigma"),
+        Row::new("camera_rate", "Hz", (0.0, 200.0), |s| &mut s.camera_rate).key("camera_rate_hz"),
+        Row::new("camera_sigma", "m", (0.0, 10.0), |s| &mut s.camera_sigma).key("camera_sigma_m"),
+        Row::new("camera_latency", "s", (0.0, 2.0), |s| &mut s.camera_latency)
+            .key("camera_latency_s"),
+        Row::new("gnss_rate", "Hz", (0.0, 100.0), |s| &mut s.gnss_rate).key("gnss_rate_hz"),
+        Row::new("gnss_sigma", "m", (0.0, 100.0), |s| &mut s.gnss_sigma).key("gnss_sigma_m"),
+        Row::new("gnss_latency", "s", (0.0, 2.0), |s| &mut s.gnss_latency).key("gnss_latency_s"),
+    ];
+
     /// Checks every value.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`].
+    /// [`Error::Estimator`](crate::Error::Estimator) that names the field.
     pub fn check(&self) -> Result<()> {
-        let of = "sensors";
-        Error::check(of, "rate", self.rate, (1.0, 1000.0), "Hz")?;
-        for (field, value, most, unit) in [
-            ("gyro_sigma", self.gyro_sigma, 10.0, "rad/s"),
-            ("gyro_bias", self.gyro_bias, 10.0, "rad/s"),
-            (
-                "accelerometer_sigma",
-                self.accelerometer_sigma,
-                100.0,
-                "m/s^2",
-            ),
-            ("joint_sigma", self.joint_sigma, 1.0, "rad"),
-            ("current_sigma", self.current_sigma, 1.0, "1"),
-            ("camera_rate", self.camera_rate, 200.0, "Hz"),
-            ("camera_sigma", self.camera_sigma, 10.0, "m"),
-            ("camera_latency", self.camera_latency, 2.0, "s"),
-            ("gnss_rate", self.gnss_rate, 100.0, "Hz"),
-            ("gnss_sigma", self.gnss_sigma, 100.0, "m"),
-            ("gnss_latency", self.gnss_latency, 2.0, "s"),
-        ] {
-            Error::check(of, field, value, (0.0, most), unit)?;
-        }
-        Ok(())
+        Ok(check_fields("sensors", self, Self::FIELDS)?)
     }
 }
+
+type Row = Field<SensorSettings>;

@@ -19,6 +19,20 @@ pub struct PostureLimits {
     pub widen: f64,
 }
 
+impl Default for PostureLimits {
+    /// A reconfigurable chassis of half a metre's wheelbase, as that of \[Ani2012\] (its figure 1 shows the adjustments and
+    /// prints no sizes): a tenth of it for the centre of gravity, a fifth for wheelbase and stance.
+    fn default() -> Self {
+        Self {
+            slide: 0.05,
+            shift: 0.05,
+            lower: 0.05,
+            lengthen: 1.2,
+            widen: 1.2,
+        }
+    }
+}
+
 /// A chassis adjusted for a slope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {

@@ -1,6 +1,7 @@
 //! How the controller works: one value per line, each with its default.
 
 use crate::error::{Result, check_range};
+use crate::settings::{Field, check_fields};
 
 /// How the controller works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,21 +15,21 @@ pub struct ControlSettings {
     pub integral_gain: f64,
     /// A slip whose sigma is this counts half.
     pub sigma_half: f64,
-    /// How fast a rim's order may change, m/s².
+    /// Greatest acceleration of a rim's setpoint, m/s².
     pub max_acceleration: f64,
-    /// Rims run at least at this share of the asked speed while the drive goes on.
+    /// Rims run at least at this share of the requested speed while the drive goes on.
     pub creep: f64,
-    /// The same on level ground and backwards, where a wheel that waits for the robot does not dig.
+    /// The same on level ground and backwards, where a slow wheel does not dig.
     pub crawl: f64,
-    /// How fast the cruise share follows, 1/s.
+    /// How fast the feedforward of slip follows, 1/s.
     pub feedforward_gain: f64,
-    /// Greatest cruise share.
+    /// Greatest feedforward: the share by which rims run faster than the robot is to travel.
     pub max_feedforward: f64,
-    /// Greatest torque over load and radius of a wheel: the traction that the ground may give.
+    /// Greatest torque over load and radius of a wheel: the traction that the ground may give, 1.
     pub max_traction: f64,
-    /// Does the slip limit the rims' speed? Without, it holds speed and heading only.
+    /// Does the slip limit the rims' speed? Otherwise the controller holds speed and heading only.
     pub limits_slip: bool,
-    /// May it change direction and end the drive by itself?
+    /// May the controller change direction and end the drive?
     pub decides: bool,
     /// Slip above which a change of direction is considered ...
     pub high_slip: f64,
@@ -38,37 +39,37 @@ pub struct ControlSettings {
     pub dig_slip: f64,
     /// ... once it has lasted this long, s.
     pub dig_time: f64,
-    /// Slip above what the known soil demands, and above three sigma of it, from which the ground counts as softer ...
+    /// Slip above what the known soil demands, and above two sigma of it, from which the ground counts as softer ...
     pub soft_slip: f64,
     /// Firmness below which it does as well ...
     pub soft_firmness: f64,
     /// ... once it has lasted this long, s.
     pub soft_time: f64,
-    /// How far to go back from soft ground, m.
+    /// How far to back out of soft ground, m.
     pub soft_back: f64,
-    /// How far to go across before it is passed, m: further with every try.
+    /// How far to move aside before it is passed, m: further with every try.
     pub soft_across: f64,
-    /// A robot slower than this share of its rims' speed and of the asked speed is stuck.
+    /// A robot slower than this share of its rims' speed and of the requested speed is stuck.
     pub stuck_share: f64,
     /// Slope from which traversing can help, rad.
     pub steep: f64,
     /// Slope below which a traverse ends, rad: the hysteresis against `steep`.
     pub level: f64,
-    /// First angle of a traverse against the asked heading, rad; each further try adds half of it.
+    /// First angle of a traverse to the requested heading, rad; each further attempt adds a quarter of it.
     pub traverse_angle: f64,
-    /// Length of one board of a traverse, m.
+    /// Length of one leg of a traverse, m.
     pub traverse_length: f64,
     /// How far to back out, m.
     pub back_length: f64,
-    /// Speed of backing out over the asked one.
+    /// Speed of backing out over the requested one.
     pub back_speed: f64,
-    /// After this many times of backing out without progress the drive ends.
+    /// The drive ends after this many attempts without progress.
     pub max_attempts: u32,
-    /// Progress that wipes out former attempts, m.
+    /// Progress after which attempts are counted anew, m.
     pub progress: f64,
     /// Tilt at which the drive ends, rad.
     pub max_tilt: f64,
-    /// Without slip or speed for longer than this the robot stops, s.
+    /// The robot stops once it has had no usable slip or speed for longer than this, s.
     pub blind_time: f64,
     /// Turning rate per heading error, 1/s.
     pub turn_gain: f64,
@@ -118,48 +119,66 @@ impl Default for ControlSettings {
 }
 
 impl ControlSettings {
+    /// Every number of the settings, in the order of the struct.
+    pub const FIELDS: &[Field<Self>] = &[
+        Row::new("optimum", "1", (0.01, 0.95), |s| &mut s.optimum),
+        Row::new("gain", "1", GAIN, |s| &mut s.gain).key("gain"),
+        Row::new("integral_gain", "1/s", GAIN, |s| &mut s.integral_gain).key("integral_gain"),
+        Row::new("sigma_half", "1", (1e-6, 10.0), |s| &mut s.sigma_half).key("sigma_half"),
+        Row::new("max_acceleration", "m/s^2", (1e-3, 100.0), |s| {
+            &mut s.max_acceleration
+        })
+        .key("most_acceleration_m_per_s2"),
+        Row::new("creep", "1", SHARE, |s| &mut s.creep).key("creep"),
+        Row::new("crawl", "1", SHARE, |s| &mut s.crawl),
+        Row::new("feedforward_gain", "1/s", GAIN, |s| &mut s.feedforward_gain).key("cruise_gain"),
+        Row::new("max_feedforward", "1", GAIN, |s| &mut s.max_feedforward).key("most_cruise"),
+        Row::new("max_traction", "1", (0.01, 10.0), |s| &mut s.max_traction).key("most_traction"),
+        Row::new("high_slip", "1", SHARE, |s| &mut s.high_slip).key("high_slip"),
+        Row::new("high_slip_time", "s", TIME, |s| &mut s.high_slip_time).key("high_slip_time_s"),
+        Row::new("dig_slip", "1", SHARE, |s| &mut s.dig_slip).key("dig_slip"),
+        Row::new("dig_time", "s", TIME, |s| &mut s.dig_time).key("dig_time_s"),
+        Row::new("soft_slip", "1", SHARE, |s| &mut s.soft_slip),
+        Row::new("soft_firmness", "1", SHARE, |s| &mut s.soft_firmness),
+        Row::new("soft_time", "s", TIME, |s| &mut s.soft_time),
+        Row::new("soft_back", "m", LENGTH, |s| &mut s.soft_back),
+        Row::new("soft_across", "m", LENGTH, |s| &mut s.soft_across),
+        Row::new("stuck_share", "1", SHARE, |s| &mut s.stuck_share),
+        Row::new("steep", "rad", ANGLE, |s| &mut s.steep).key_in_degrees("steep_deg"),
+        Row::new("level", "rad", ANGLE, |s| &mut s.level).key_in_degrees("level_deg"),
+        Row::new("traverse_angle", "rad", ANGLE, |s| &mut s.traverse_angle)
+            .key_in_degrees("traverse_angle_deg"),
+        Row::new("traverse_length", "m", LENGTH, |s| &mut s.traverse_length)
+            .key("traverse_length_m"),
+        Row::new("back_length", "m", LENGTH, |s| &mut s.back_length).key("back_length_m"),
+        Row::new("back_speed", "1", (0.01, 10.0), |s| &mut s.back_speed),
+        Row::new("progress", "m", LENGTH, |s| &mut s.progress).key("progress_m"),
+        Row::new("max_tilt", "rad", ANGLE, |s| &mut s.max_tilt).key_in_degrees("most_tilt_deg"),
+        Row::new("blind_time", "s", (1e-3, 1e3), |s| &mut s.blind_time).key("blind_time_s"),
+        Row::new("turn_gain", "1/s", GAIN, |s| &mut s.turn_gain),
+        Row::new("max_turn", "rad/s", (1e-3, 100.0), |s| &mut s.max_turn)
+            .key_in_degrees("most_turn_deg_per_s"),
+    ];
+
     /// Checks every value.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) that names the field.
     pub fn check(&self) -> Result<()> {
-        let of = "controller";
-        let share = (0.0, 1.0);
-        let gain = (0.0, 100.0);
-        let angle = (0.0, core::f64::consts::FRAC_PI_2);
-        let time = (0.0, 1e3);
-        check_range(of, "optimum", self.optimum, (0.01, 0.95), "1")?;
-        check_range(of, "gain", self.gain, gain, "1")?;
-        check_range(of, "integral_gain", self.integral_gain, gain, "1/s")?;
-        check_range(of, "sigma_half", self.sigma_half, (1e-6, 10.0), "1")?;
-        let acceleration = self.max_acceleration;
-        check_range(of, "max_acceleration", acceleration, (1e-3, 100.0), "m/s^2")?;
-        check_range(of, "creep", self.creep, share, "1")?;
-        check_range(of, "crawl", self.crawl, share, "1")?;
-        check_range(of, "feedforward_gain", self.feedforward_gain, gain, "1/s")?;
-        check_range(of, "max_feedforward", self.max_feedforward, gain, "1")?;
-        check_range(of, "max_traction", self.max_traction, (0.01, 10.0), "1")?;
-        check_range(of, "high_slip", self.high_slip, share, "1")?;
-        check_range(of, "high_slip_time", self.high_slip_time, time, "s")?;
-        check_range(of, "dig_slip", self.dig_slip, share, "1")?;
-        check_range(of, "dig_time", self.dig_time, time, "s")?;
-        check_range(of, "soft_slip", self.soft_slip, share, "1")?;
-        check_range(of, "soft_firmness", self.soft_firmness, share, "1")?;
-        check_range(of, "soft_time", self.soft_time, time, "s")?;
-        check_range(of, "soft_back", self.soft_back, (1e-3, 1e4), "m")?;
-        check_range(of, "soft_across", self.soft_across, (1e-3, 1e4), "m")?;
-        check_range(of, "stuck_share", self.stuck_share, share, "1")?;
-        check_range(of, "steep", self.steep, angle, "rad")?;
-        check_range(of, "level", self.level, (0.0, self.steep), "rad")?;
-        check_range(of, "traverse_angle", self.traverse_angle, angle, "rad")?;
-        let length = (1e-3, 1e4);
-        check_range(of, "traverse_length", self.traverse_length, length, "m")?;
-        check_range(of, "back_length", self.back_length, length, "m")?;
-        check_range(of, "back_speed", self.back_speed, (0.01, 10.0), "1")?;
-        check_range(of, "progress", self.progress, length, "m")?;
-        check_range(of, "max_tilt", self.max_tilt, angle, "rad")?;
-        check_range(of, "blind_time", self.blind_time, (1e-3, 1e3), "s")?;
-        check_range(of, "turn_gain", self.turn_gain, gain, "1/s")?;
-        check_range(of, "max_turn", self.max_turn, (1e-3, 100.0), "rad/s")
+        check_fields("controller", self, Self::FIELDS)?;
+        check_range("controller", "level", self.level, (0.0, self.steep), "rad")
     }
 }
+
+type Row = Field<ControlSettings>;
+
+/// Limits of a share.
+const SHARE: (f64, f64) = (0.0, 1.0);
+/// Limits of a gain.
+const GAIN: (f64, f64) = (0.0, 100.0);
+/// Limits of an angle, rad.
+const ANGLE: (f64, f64) = (0.0, core::f64::consts::FRAC_PI_2);
+/// Limits of a time, s.
+const TIME: (f64, f64) = (0.0, 1e3);
+/// Limits of a length, m.
+const LENGTH: (f64, f64) = (1e-3, 1e4);

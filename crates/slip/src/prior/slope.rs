@@ -70,9 +70,62 @@ impl SlipDemand {
         })
     }
 
+    /// A table that is ready-made: priors at rising slopes (rad), for a computer that cannot solve for them.
+    ///
+    /// ```
+    /// use grouser_slip::filter::SlipPrior;
+    /// use grouser_slip::prior::SlipDemand;
+    /// use grouser_terra::Angle;
+    /// let prior = |mean| SlipPrior { mean, sigma: 0.1 };
+    /// let demand = SlipDemand::from_points(&[(-0.1, prior(0.02)), (0.1, prior(0.22))])?;
+    /// assert!((demand.at(Angle::from_rad(0.0)).unwrap().mean - 0.12).abs() < 1e-12);
+    /// assert!(SlipDemand::from_points(&[(0.1, prior(0.2)), (-0.1, prior(0.0))]).is_err());
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for slopes that do not rise, slips outside [−1, 1] and sigmas that are not positive.
+    pub fn from_points(points: &[(f64, SlipPrior)]) -> Result<Self> {
+        let mut low = -core::f64::consts::FRAC_PI_2;
+        for (slope, prior) in points {
+            check("slope", *slope, (low, core::f64::consts::FRAC_PI_2), "rad")?;
+            check("slip", prior.mean, (-1.0, 1.0), "1")?;
+            check("sigma", prior.sigma, (1e-6, 2.0), "1")?;
+            low = *slope;
+        }
+        let points = points.iter().map(|(slope, prior)| (*slope, Some(*prior)));
+        Ok(Self {
+            table: Table::new(points),
+        })
+    }
+
+    /// The table's points: slopes (rad), each with its prior.
+    #[must_use]
+    pub fn points(&self) -> &[(f64, SlipPrior)] {
+        self.table.points()
+    }
+
     /// The slip demand on `slope`; `None` outside the table, or where no slip holds it.
     #[must_use]
     pub fn at(&self, slope: Angle) -> Option<SlipPrior> {
         self.table.at(slope.rad())
     }
+}
+
+fn check(
+    field: &'static str,
+    value: f64,
+    (low, high): (f64, f64),
+    unit: &'static str,
+) -> Result<()> {
+    if value >= low && value <= high {
+        return Ok(());
+    }
+    Err(Error::OutOfRange {
+        field,
+        value,
+        low,
+        high,
+        unit,
+    })
 }

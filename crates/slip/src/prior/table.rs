@@ -20,6 +20,11 @@ impl Table {
         }
     }
 
+    /// The points, at rising places.
+    pub(super) fn points(&self) -> &[(f64, SlipPrior)] {
+        &self.points
+    }
+
     /// The prior at a place; `None` outside the table, and for NaN.
     pub(super) fn at(&self, place: f64) -> Option<SlipPrior> {
         let first = self.points.first()?;

@@ -43,6 +43,10 @@ pub struct WindowMeans {
     /// The window that was measured last, ns, and every wheel's rim speed over it.
     measured: (i64, i64),
     speeds: Box<[Option<Measured>]>,
+    /// The same over the window that the body's means are of.
+    rims: Box<[Option<Measured>]>,
+    /// Up to when the reference is known, unless it is lost.
+    reference_until: Option<i64>,
     body: WindowBody,
     travel_until_ns: Option<i64>,
     now_ns: Option<i64>,
@@ -79,6 +83,8 @@ impl WindowMeans {
         });
         Ok(Self {
             speeds: vec![None; wheels.len()].into_boxed_slice(),
+            rims: vec![None; wheels.len()].into_boxed_slice(),
+            reference_until: None,
             wheels: wheels.into_boxed_slice(),
             one_way,
             reference: ReferenceTrack::new(&settings),
@@ -97,8 +103,9 @@ impl WindowMeans {
     /// A [`Fault`] refuses the sample: it is counted and enters no mean.
     pub fn update(&mut self, sample: Sample) -> core::result::Result<&WindowBody, Fault> {
         let now = self.accept(sample)?;
-        let reference_until = self.live_reference(now);
-        self.evaluate_body(now, reference_until);
+        let reference_until = self.reference_until(now);
+        self.reference_until = reference_until.filter(|until| !self.is_silent(*until, now));
+        self.evaluate_body(now, self.reference_until);
         Ok(&self.body)
     }
 
@@ -169,7 +176,10 @@ impl WindowMeans {
         let own = track
             .known_until(now)
             .filter(|own| !self.is_silent(*own, now))?;
-        let until = own.min(self.live_reference(now)?);
+        let until = own.min(self.reference_until?);
+        if self.body.until_ns == Some(until) {
+            return self.rims[wheel];
+        }
         track.speed(self.window_start(until), until)
     }
 
@@ -180,12 +190,6 @@ impl WindowMeans {
     /// Is a sensor whose last sample came at `time` lost?
     pub(super) fn is_silent(&self, time: i64, now: i64) -> bool {
         seconds_between(time, now) > self.settings.dropout
-    }
-
-    /// The latest time up to which a reference is known that is not lost.
-    fn live_reference(&self, now: i64) -> Option<i64> {
-        self.reference_until(now)
-            .filter(|until| !self.is_silent(*until, now))
     }
 
     /// The yaw rate over a window, where it is measured.
@@ -344,6 +348,7 @@ impl WindowMeans {
         }
         let from = until.saturating_sub(nanoseconds(self.settings.window));
         self.measure(from, until);
+        self.rims.copy_from_slice(&self.speeds);
         let (Some(reference), Some(wheels)) = (self.reference_motion(), self.wheels_motion())
         else {
             return self.forget_body();

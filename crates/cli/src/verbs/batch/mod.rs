@@ -17,7 +17,8 @@ use rayon::prelude::*;
 use self::columns::{Columns, Row};
 use self::sink::TableSink;
 use crate::error::{Error, Result, shown};
-use crate::input::Input;
+use crate::exit::Outcome;
+use crate::input::{Input, STANDARD};
 use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
@@ -40,13 +41,13 @@ const SOILS: usize = 256;
         is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg) \
         and status are added. A column that looks like another quantity is refused. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
-    after_help = "Example:\n  grouser batch points.csv -o solved.csv"
+    after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
 )]
 pub(crate) struct Arguments {
     /// The table, or `-` for standard input
     #[arg(value_name = "IN.csv")]
     input: PathBuf,
-    /// Where the completed table goes
+    /// Where the completed table goes, or `-` for standard output; the report then goes to standard error
     #[arg(short, long, value_name = "OUT.csv")]
     output: PathBuf,
     #[command(flatten)]
@@ -92,6 +93,12 @@ pub(crate) fn schema() -> serde_json::Value {
 type Soils = BTreeMap<String, (Soil, String)>;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    if session.is_json() && arguments.output == Path::new(STANDARD) {
+        return Err(Error::usage(
+            "`--output -` and `--json` both need standard output",
+            "write the table into a file",
+        ));
+    }
     let input = Input::open_table(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
     let mut lines = Lines::of(input);
@@ -152,11 +159,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soils: &used,
         output: &path,
     };
-    let mut report = Report::done(
-        fields().object(solved),
-        format!("wrote {}: {}\n", shown(&path), counts.words()),
-    );
+    let text = format!("wrote {}: {}\n", shown(&path), counts.words());
+    let mut report = Report::done(fields().object(solved), text);
+    report.is_aside = arguments.output == Path::new(STANDARD);
     report.warnings = columns.warnings();
+    if counts.ok == 0 {
+        report.outcome = Outcome::NoResult;
+        report.failure = Some("no row could be solved; `status` says why".to_owned());
+    } else if counts.ok < counts.rows {
+        report.outcome = Outcome::Doubtful;
+    }
     Ok(report)
 }
 

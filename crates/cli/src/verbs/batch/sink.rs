@@ -1,9 +1,10 @@
-//! Where the lines of a completed table go: a CSV file, or a Parquet file where the build has it.
+//! Where the lines of a completed table go: a CSV file, standard output, or a Parquet file where the build has it.
 
-use std::io::Write as _;
+use std::io::{self, Stdout, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::input::STANDARD;
 use crate::output::OutputFile;
 
 /// A table being written.
@@ -14,6 +15,7 @@ pub(super) struct TableSink {
 
 enum Kind {
     Csv(OutputFile),
+    Standard(io::BufWriter<Stdout>),
     #[cfg(feature = "parquet")]
     Parquet(Box<crate::parquet_table::ParquetSink<OutputFile>>),
 }
@@ -21,6 +23,12 @@ enum Kind {
 impl TableSink {
     /// Begins the table `path`.
     pub(super) fn create(path: &Path) -> Result<Self> {
+        if path == Path::new(STANDARD) {
+            return Ok(Self {
+                path: path.to_owned(),
+                kind: Kind::Standard(io::BufWriter::new(io::stdout())),
+            });
+        }
         #[cfg(not(feature = "parquet"))]
         crate::input::refuse_parquet(path)?;
         let file = OutputFile::create(path)?;
@@ -48,6 +56,7 @@ impl TableSink {
     pub(super) fn line(&mut self, line: &str) -> Result<()> {
         match &mut self.kind {
             Kind::Csv(file) => file.write_all(line.as_bytes()),
+            Kind::Standard(out) => out.write_all(line.as_bytes()),
             #[cfg(feature = "parquet")]
             Kind::Parquet(sink) => sink.line(line),
         }
@@ -58,6 +67,9 @@ impl TableSink {
     pub(super) fn finish(self) -> Result<()> {
         match self.kind {
             Kind::Csv(file) => file.finish(),
+            Kind::Standard(mut out) => out
+                .flush()
+                .map_err(|error| Error::file("write", &self.path, &error)),
             #[cfg(feature = "parquet")]
             Kind::Parquet(sink) => {
                 let file = sink

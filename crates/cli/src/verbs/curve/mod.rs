@@ -105,6 +105,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         },
         object: output::fields().object(frame),
         text,
+        is_aside: false,
         failure: (!found).then(|| "no point of the curve has a solution".to_owned()),
         warnings: families.iter().filter_map(most_at_spin).collect(),
     })

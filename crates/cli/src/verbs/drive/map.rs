@@ -6,7 +6,7 @@ use grouser_rover::drive::Scenario;
 use grouser_rover::ground::Ground;
 
 use super::decisions::notable;
-use super::relief::{Window, contours, relief};
+use super::relief::{Window, byte, contours, relief};
 use super::run::Run;
 use super::track::{Point, Track};
 use grouser_figure::even_ticks;
@@ -101,7 +101,7 @@ impl View {
 /// Relief and contours; gives their distance in height.
 fn shape(view: &View, ground: &Ground, out: &mut String) -> Option<f64> {
     let [width, height] = view.size;
-    if let Some(picture) = relief(ground, view.window, view.size) {
+    if let Ok(picture) = relief(ground, view.window, view.size).png() {
         let _ = writeln!(
             out,
             "<image x=\"{LEFT}\" y=\"{TOP}\" width=\"{width:.2}\" height=\"{height:.2}\" \
@@ -323,15 +323,6 @@ fn colour(slip: Option<f64>) -> String {
         let _ = write!(out, "{:02x}", byte(mixed));
     }
     out
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "rounded and within a byte's range"
-)]
-pub(super) fn byte(value: f64) -> u8 {
-    value.round().clamp(0.0, 255.0) as u8
 }
 
 #[cfg(test)]

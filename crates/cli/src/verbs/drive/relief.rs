@@ -1,10 +1,7 @@
 //! The shape of the ground as a picture: light and shade by its slope, contours by its height.
 
+use grouser_figure::{Colour, Picture, even_ticks};
 use grouser_rover::ground::Ground;
-use tiny_skia::Pixmap;
-
-use super::map::byte;
-use grouser_figure::even_ticks;
 
 /// The part of the ground that is shown, m.
 #[derive(Clone, Copy, Debug)]
@@ -14,11 +11,11 @@ pub(super) struct Window {
 }
 
 /// Pixels per unit of the picture.
-const FINE: f64 = 0.8;
+const PIXELS_PER_UNIT: f64 = 0.8;
 /// Cells along the longer side between which contours run.
-const CELLS: f64 = 220.0;
+const MAX_CELLS: f64 = 220.0;
 /// Contours at most.
-const MOST_CONTOURS: u8 = 9;
+const MAX_CONTOURS: u8 = 9;
 /// Slopes are shown this much steeper, so that gentle ground has a shape.
 const STEEPER: f64 = 2.0;
 /// Ground of each soil in full light: sand, then tints for other soils.
@@ -32,19 +29,14 @@ const TINTS: [[f64; 3]; 5] = [
 /// Where the map knows nothing.
 const UNKNOWN: [f64; 3] = [205.0, 205.0, 205.0];
 
-/// The relief as PNG, lit from the upper left; `size` in units of the picture.
-pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Option<Vec<u8>> {
-    let [columns, rows] = size.map(|length| side(length * FINE));
-    let mut picture = Pixmap::new(columns, rows)?;
+/// The relief, lit from the upper left; `size` in units of the page.
+pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Picture {
+    let [columns, rows] = size.map(|length| side(length * PIXELS_PER_UNIT));
     let light = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
     let level = light[2];
     let Window { low, high } = window;
-    let pixels = picture.data_mut().chunks_exact_mut(4);
-    for (index, pixel) in (0_u32..).zip(pixels) {
-        let (column, row) = (
-            f64::from(index % columns) + 0.5,
-            f64::from(index / columns) + 0.5,
-        );
+    Picture::new([columns, rows], |column, row| {
+        let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
         let x = low[0] + (high[0] - low[0]) * column / f64::from(columns);
         let y = high[1] - (high[1] - low[1]) * row / f64::from(rows);
         let spot = ground.at(x, y);
@@ -57,18 +49,15 @@ pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Option<
         } else {
             UNKNOWN
         };
-        for (channel, value) in pixel.iter_mut().zip(tint) {
-            *channel = byte(value * brightness);
-        }
-        pixel[3] = 255;
-    }
-    picture.encode_png().ok()
+        let [red, green, blue] = tint.map(|value| byte(value * brightness));
+        Colour(red, green, blue)
+    })
 }
 
 /// Contours: their distance in height (m), and their segments (m). Nothing for level ground.
 pub(super) fn contours(ground: &Ground, window: Window) -> Option<(f64, Vec<[[f64; 2]; 2]>)> {
     let Window { low, high } = window;
-    let cell = (high[0] - low[0]).max(high[1] - low[1]) / CELLS;
+    let cell = (high[0] - low[0]).max(high[1] - low[1]) / MAX_CELLS;
     let [columns, rows] = [0, 1].map(|axis| side((high[axis] - low[axis]) / cell));
     let node = |column: u32, row: u32| {
         [
@@ -92,7 +81,7 @@ pub(super) fn contours(ground: &Ground, window: Window) -> Option<(f64, Vec<[[f6
     if !(range[1] - range[0] > 1e-3) {
         return None;
     }
-    let levels: Vec<f64> = even_ticks(range[0], range[1], MOST_CONTOURS)
+    let levels: Vec<f64> = even_ticks(range[0], range[1], MAX_CONTOURS)
         .into_iter()
         .map(|(level, _)| level)
         .collect();
@@ -131,6 +120,15 @@ fn crossing(corners: [([f64; 2], f64); 3], level: f64) -> Option<[[f64; 2]; 2]> 
         })
     });
     Some([ends.next()?, ends.next()?])
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "rounded and within a byte's range"
+)]
+pub(super) fn byte(value: f64) -> u8 {
+    value.round().clamp(0.0, 255.0) as u8
 }
 
 #[allow(

@@ -20,7 +20,7 @@ use grouser_replay::{
 };
 use grouser_slip::Reference;
 
-use self::object::{Found, fields};
+use self::object::Found;
 use self::output::Outputs;
 use self::request::Request;
 use self::text::text;
@@ -156,12 +156,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             Status::Done => Outcome::Done,
             _ => Outcome::NoResult,
         },
-        object: fields().object(Found {
+        object: object::fields().object(Found {
             summary: &summary,
             log: &log,
             readings: &readings,
         }),
         text,
+        is_aside: false,
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &arguments.logs, &readings),
     })
@@ -302,4 +303,9 @@ fn warnings(
         }
     }
     out
+}
+
+/// The JSON schema: of an estimate, or of a calibration.
+pub(crate) fn schema() -> serde_json::Value {
+    serde_json::json!({"anyOf": [object::fields().schema(), calibration::fields().schema()]})
 }

@@ -82,6 +82,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         },
         object: object::fields().object(&found),
         text,
+        is_aside: false,
         failure,
         warnings: text::warnings(&found),
     })

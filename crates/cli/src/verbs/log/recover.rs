@@ -61,6 +61,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             outcome: Outcome::NoResult,
             object: object(None),
             text: damages_text(&copied.damages),
+            is_aside: false,
             failure: Some(format!("no message can be read of {}", shown(file))),
             warnings: Vec::new(),
         });

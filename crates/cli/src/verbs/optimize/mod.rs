@@ -78,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             answer: &answer,
         }),
         text,
+        is_aside: false,
         failure,
         warnings,
     })

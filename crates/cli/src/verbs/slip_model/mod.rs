@@ -102,6 +102,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         },
         object: output::fields().object((&points, mobilised)),
         text,
+        is_aside: false,
         failure,
         warnings: Vec::new(),
     })

@@ -104,6 +104,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         outcome,
         object: fields().object(solved),
         text,
+        is_aside: false,
         failure,
         warnings: Vec::new(),
     })

@@ -3,12 +3,10 @@
 use super::super::decision::{Action, Ending, Reason};
 use super::super::observation::RobotObservation;
 use super::super::settings::ControlSettings;
-use super::detour::Detour;
 use super::recovery::Recovery;
 use super::slip_monitor::MAX_ACCEPTED_SLIP;
 use super::soft_ground::STANDSTILL_SPEED_M_PER_S;
-use super::traverse::Traverse;
-use super::{ModeState, Transition, View};
+use super::transition::{Next, Transition, View};
 
 /// A robot that does not move back for this long is stuck, s: long enough for the slip to be raised to its limit.
 const MAX_IDLE_TIME_S: f64 = 10.0;
@@ -44,21 +42,12 @@ pub(super) fn backward_speed(robot: &RobotObservation, speed: f64) -> f64 {
 }
 
 impl BackOut {
-    /// By the length of the settings, and then across the slope.
-    pub(super) const fn new(heading: f64) -> Self {
+    pub(super) const fn new(heading: f64, detour_length: Option<f64>) -> Self {
         Self {
             heading,
-            detour_length: None,
+            detour_length,
             idle_time: 0.0,
             pushed_slip: 0.0,
-        }
-    }
-
-    /// By `length` (m), and then round soft ground.
-    pub(super) const fn before_detour(heading: f64, length: f64) -> Self {
-        Self {
-            detour_length: Some(length),
-            ..Self::new(heading)
         }
     }
 
@@ -97,16 +86,15 @@ impl BackOut {
             return Some(if self.detour_length.is_some() {
                 let width = recovery.detour_width(settings);
                 let values = (recovery.detour_angle(), width);
-                let next = ModeState::Detour(Detour::default());
-                Transition::to(next, Action::Detour, Reason::BackedOut, values)
+                Transition::to(Next::Detour, Action::Detour, Reason::BackedOut, values)
             } else {
                 // another way: the other side, wider with every attempt
                 let side = recovery.choose_traverse_side(true);
                 let further = f64::from(recovery.attempts().max(1) - 1);
                 let share = FIRST_ANGLE_SHARE + FURTHER_ANGLE_SHARE * further;
-                let next = Traverse::new(side, settings.traverse_angle * share);
+                let angle = settings.traverse_angle * share;
                 let values = (view.travel, length);
-                let next = ModeState::Traverse(next);
+                let next = Next::Traverse { side, angle };
                 Transition::to(next, Action::Traverse, Reason::BackedOut, values)
             });
         }

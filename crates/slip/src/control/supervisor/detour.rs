@@ -4,7 +4,7 @@ use grouser_real::Real;
 
 use super::super::decision::{Action, Reason};
 use super::recovery::Recovery;
-use super::{ModeState, Transition, View};
+use super::transition::{Next, Transition, View};
 
 /// A way round soft ground.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,7 +24,7 @@ impl Detour {
         let width = recovery.detour_width(view.settings);
         (self.aside >= width).then(|| {
             Transition::to(
-                ModeState::Forward,
+                Next::Forward,
                 Action::Resume,
                 Reason::ClearedSoftGround,
                 (self.aside, width),

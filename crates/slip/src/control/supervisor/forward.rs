@@ -3,8 +3,7 @@
 use super::super::decision::{Action, Reason};
 use super::recovery::Recovery;
 use super::slip_monitor::SlipMonitor;
-use super::traverse::Traverse;
-use super::{ModeState, Transition, View};
+use super::transition::{Next, Transition, View};
 
 /// On a slope the robot turns aside at the first sign of digging, as long as it still advances.
 pub(super) fn turn_aside(
@@ -21,7 +20,10 @@ pub(super) fn turn_aside(
     recovery.begin_attempt();
     let side = recovery.choose_traverse_side(false);
     Some(Transition::to(
-        ModeState::Traverse(Traverse::new(side, settings.traverse_angle)),
+        Next::Traverse {
+            side,
+            angle: settings.traverse_angle,
+        },
         Action::Traverse,
         Reason::DiggingIn,
         (slip.slip(), settings.dig_slip),

@@ -10,12 +10,13 @@ mod recovery;
 mod slip_monitor;
 mod soft_ground;
 mod tilt_monitor;
+mod transition;
 mod traverse;
 
 use grouser_real::Real;
 
 use super::command::MotionCommand;
-use super::decision::{Action, Decision, Ending, Mode, Reason};
+use super::decision::{Ending, Mode, Reason};
 use super::decision_queue::DecisionQueue;
 use super::geometry::wrap_angle;
 use super::observation::RobotObservation;
@@ -23,15 +24,14 @@ use super::settings::ControlSettings;
 use back_out::BackOut;
 use detour::Detour;
 use recovery::Recovery;
-use slip_monitor::{MAX_ACCEPTED_SLIP, SLIP_TIME_CONSTANT_S, SlipMonitor};
+use slip_monitor::{MAX_ACCEPTED_SLIP, SLIP_ROOM, SLIP_TIME_CONSTANT_S, SlipMonitor};
 use soft_ground::SoftGroundMonitor;
 use tilt_monitor::TiltMonitor;
+use transition::{Next, Transition, View};
 use traverse::Traverse;
 
 /// Headings that differ by less than this count as reached, rad: 20°, at which the robot still travels by 94 % along it.
 const ON_COURSE_RAD: f64 = 0.35;
-/// An accepted or demanded slip leaves this much room for more: twice the band in which a slip counts as steady.
-const SLIP_ROOM: f64 = 0.06;
 /// The robot turns rather than travels far off its heading: at least this share of the speed is left.
 const MIN_TURNING_SPEED_SHARE: f64 = 0.2;
 
@@ -43,39 +43,6 @@ enum ModeState {
     BackOut(BackOut),
     Detour(Detour),
     Stopped,
-}
-
-/// A decision of a mode, with the mode that follows; `None`: the same one goes on.
-struct Transition {
-    next: Option<ModeState>,
-    decision: Decision,
-}
-
-impl Transition {
-    const fn to(next: ModeState, action: Action, reason: Reason, values: (f64, f64)) -> Self {
-        Self {
-            next: Some(next),
-            decision: Decision::of_robot(action, reason, values),
-        }
-    }
-
-    const fn end(ending: Ending, reason: Reason, values: (f64, f64)) -> Self {
-        Self::to(ModeState::Stopped, Action::End(ending), reason, values)
-    }
-}
-
-/// What a mode decides by.
-struct View<'a> {
-    settings: &'a ControlSettings,
-    robot: &'a RobotObservation,
-    tilt: f64,
-    /// How long the mode has lasted, s.
-    time: f64,
-    /// How far the robot has travelled in it, m; in `BackOut` backwards.
-    travel: f64,
-    /// The heading before the robot began to back out, rad.
-    last_heading: f64,
-    step: f64,
 }
 
 /// Time and travel since the mode began.
@@ -227,7 +194,6 @@ impl Supervisor {
             tilt: self.tilt.tilt(),
             time: self.clock.time,
             travel: self.clock.travel,
-            last_heading: self.last_heading,
             step,
         };
         let (slip, soft, recovery) = (&mut self.slip, &mut self.soft_ground, &mut self.recovery);
@@ -237,7 +203,7 @@ impl Supervisor {
             _ => {}
         }
         // in every mode that goes ahead soft ground comes first
-        if let Some(transition) = recovery.from_soft_ground(&view, slip, soft) {
+        if let Some(transition) = recovery.leave_soft_ground(&view, slip, soft) {
             return Some(transition);
         }
         if matches!(self.mode, ModeState::Forward)
@@ -245,7 +211,7 @@ impl Supervisor {
         {
             return Some(transition);
         }
-        if let Some(transition) = recovery.from_standstill(&view, slip, soft) {
+        if let Some(transition) = recovery.leave_standstill(&view, slip, soft) {
             return Some(transition);
         }
         match &mut self.mode {
@@ -257,7 +223,15 @@ impl Supervisor {
 
     fn apply(&mut self, transition: Transition, decisions: &mut DecisionQueue) {
         if let Some(next) = transition.next {
-            self.mode = next;
+            self.mode = match next {
+                Next::Forward => ModeState::Forward,
+                Next::Traverse { side, angle } => ModeState::Traverse(Traverse::new(side, angle)),
+                Next::BackOut { detour_length } => {
+                    ModeState::BackOut(BackOut::new(self.last_heading, detour_length))
+                }
+                Next::Detour => ModeState::Detour(Detour::default()),
+                Next::Stopped => ModeState::Stopped,
+            };
             self.clock = ModeClock::default();
             self.slip.reset_timers();
             self.soft_ground.reset_rolling();

@@ -6,10 +6,9 @@ use super::super::decision::{Action, Ending, Reason};
 use super::super::geometry::wrap_angle;
 use super::super::observation::RobotObservation;
 use super::super::settings::ControlSettings;
-use super::back_out::BackOut;
 use super::slip_monitor::SlipMonitor;
 use super::soft_ground::SoftGroundMonitor;
-use super::{ModeState, Transition, View};
+use super::transition::{Next, Transition, View};
 
 /// Left and right wheels' slips and firmnesses that differ by more than this tell on which side the ground is softer: half
 /// of the band in which a slip counts as steady.
@@ -109,7 +108,7 @@ impl Recovery {
     }
 
     /// Softer ground than the known soil: back out before the wheels dig, and drive round it.
-    pub(super) fn from_soft_ground(
+    pub(super) fn leave_soft_ground(
         &mut self,
         view: &View<'_>,
         slip: &mut SlipMonitor,
@@ -128,7 +127,9 @@ impl Recovery {
         slip.forget_accepted();
         let back = soft_ground.take_back_length(settings);
         Some(Transition::to(
-            ModeState::BackOut(BackOut::before_detour(view.last_heading, back)),
+            Next::BackOut {
+                detour_length: Some(back),
+            },
             Action::BackOut,
             Reason::SoftGround,
             values,
@@ -136,7 +137,7 @@ impl Recovery {
     }
 
     /// Digging in or standing still: back out, if there are attempts left.
-    pub(super) fn from_standstill(
+    pub(super) fn leave_standstill(
         &mut self,
         view: &View<'_>,
         slip: &SlipMonitor,
@@ -155,15 +156,14 @@ impl Recovery {
             return Some(self.attempts_used(settings));
         }
         self.begin_attempt();
-        let mut mode = BackOut::new(view.last_heading);
+        let mut detour_length = None;
         // on the level the soil holds the robot
         if view.tilt < settings.steep {
-            let back = soft_ground.take_back_length(settings);
-            mode = BackOut::before_detour(view.last_heading, back);
+            detour_length = Some(soft_ground.take_back_length(settings));
             self.begin_detour(soft_ground);
         }
         Some(Transition::to(
-            ModeState::BackOut(mode),
+            Next::BackOut { detour_length },
             Action::BackOut,
             reason,
             values,

@@ -3,7 +3,6 @@
 use super::super::decision::{Action, Decision, Reason};
 use super::super::observation::RobotObservation;
 use super::super::settings::ControlSettings;
-use super::SLIP_ROOM;
 
 /// Decisions look at the slip smoothed over this time, s: a wheel turns by a quarter to a half in it.
 pub(super) const SLIP_TIME_CONSTANT_S: f64 = 1.0;
@@ -13,6 +12,8 @@ pub(super) const SLOW_TIME_CONSTANT_S: f64 = 4.0;
 const STEADY_BAND: f64 = 0.03;
 /// A slip that is steady for this long is what the ground demands, s. Tuned on `slope.toml`.
 const STEADY_TIME_S: f64 = 2.5;
+/// An accepted or demanded slip leaves this much room for more: twice the band in which a slip counts as steady.
+pub(super) const SLIP_ROOM: f64 = 0.06;
 /// Slip above its setpoint by less than this is at its setpoint.
 const SETPOINT_BAND: f64 = 0.02;
 /// No slip above this is accepted: the shear stress is mobilised long before, and more only digs.

@@ -2,10 +2,9 @@
 
 use super::super::decision::{Action, Decision, Ending, Reason};
 use super::super::settings::ControlSettings;
-use super::back_out::BackOut;
 use super::recovery::Recovery;
 use super::slip_monitor::SlipMonitor;
-use super::{ModeState, Transition, View};
+use super::transition::{Next, Transition, View};
 
 /// A turn may take this long before it is given up, s: 180° at a third of the greatest default rate.
 const MAX_TURN_TIME_S: f64 = 12.0;
@@ -57,13 +56,13 @@ impl Traverse {
     ) -> Option<Transition> {
         let settings = view.settings;
         if self.turning_time > MAX_TURN_TIME_S {
-            return Some(self.give_up_turning(settings, view, recovery));
+            return Some(self.give_up_turning(settings, recovery));
         }
         let is_gentle = view.tilt < settings.level;
         let values = (view.tilt, settings.level);
         let resume = || {
             let (action, reason) = (Action::Resume, Reason::SlopeGentle);
-            Some(Transition::to(ModeState::Forward, action, reason, values))
+            Some(Transition::to(Next::Forward, action, reason, values))
         };
         if view.travel >= settings.traverse_length {
             if is_gentle || view.tilt < settings.steep {
@@ -71,7 +70,10 @@ impl Traverse {
             }
             let side = recovery.choose_traverse_side(true);
             return Some(Transition::to(
-                ModeState::Traverse(Self::new(side, self.angle)),
+                Next::Traverse {
+                    side,
+                    angle: self.angle,
+                },
                 Action::SwitchSide,
                 Reason::LegCompleted,
                 (view.travel, settings.traverse_length),
@@ -84,19 +86,16 @@ impl Traverse {
     }
 
     /// The robot cannot turn that far here: back, and then the other way.
-    fn give_up_turning(
-        &self,
-        settings: &ControlSettings,
-        view: &View<'_>,
-        recovery: &mut Recovery,
-    ) -> Transition {
+    fn give_up_turning(&self, settings: &ControlSettings, recovery: &mut Recovery) -> Transition {
         let values = (self.turning_time, MAX_TURN_TIME_S);
         if recovery.attempts() >= settings.max_attempts {
             return Transition::end(Ending::Immobilised, Reason::AttemptsUsed, values);
         }
         recovery.begin_attempt();
         Transition::to(
-            ModeState::BackOut(BackOut::new(view.last_heading)),
+            Next::BackOut {
+                detour_length: None,
+            },
             Action::BackOut,
             Reason::NoProgress,
             values,

@@ -17,13 +17,16 @@
 //! ]
 //! ```
 
+mod write;
+
 use std::path::Path;
 
 use crate::document::{Document, Section};
 use crate::error::{Error, Place, Result};
 use crate::unit::Quantity;
 
-pub use crate::columns_text::to_toml;
+pub use write::to_toml;
+pub(crate) use write::{meaning, write_table};
 
 /// What a column means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Column maps as text.
 
-use crate::columns::{Column, ColumnMap, Meaning, Table};
+use super::{Column, ColumnMap, Meaning, Table};
 use crate::toml_text::{TomlText, quoted};
 use crate::unit::Quantity;
 

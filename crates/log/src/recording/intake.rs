@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use grouser_slip::Sample;
 
+use super::UsedTopic;
+use super::choose::Choice;
 use crate::container::Channel;
 use crate::message::{Decoders, SharedDecoder, Value, View, is_spare};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
 use crate::order::Ordered;
-use crate::recording::{Choice, UsedTopic};
 
 /// Turns the messages of chosen topics into samples in the order of time.
 ///

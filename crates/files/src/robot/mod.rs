@@ -29,10 +29,11 @@
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
 //! table mean, as in a column map ([`crate::columns`]), for those who want one file.
 
+mod write;
+
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::settings::Field;
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
@@ -41,8 +42,10 @@ use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
-pub use crate::robot_text::to_toml;
+use crate::fields::read_fields;
 use crate::topics::{Topics, put_wheels, read_topics};
+
+pub use write::to_toml;
 
 /// Which of a wheel's sensors is to be used where a log holds several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,22 +211,6 @@ fn read_estimator(
     read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
     section.optional_choice("reference", &references)
-}
-
-/// Sets every field that the section has a key for; the settings themselves check the limits.
-fn read_fields<S: Copy>(
-    section: &Section<'_>,
-    settings: &mut S,
-    fields: &[Field<S>],
-) -> Result<()> {
-    for field in fields {
-        if let Some(key) = field.key
-            && let Some(value) = section.optional_number(key, (-1e12, 1e12))?
-        {
-            field.set_from_file(settings, value);
-        }
-    }
-    Ok(())
 }
 
 /// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.

@@ -2,7 +2,7 @@
 
 use grouser_terra::{LawChoice, Pressure};
 
-use crate::soil::SoilFile;
+use super::SoilFile;
 use crate::toml_text::TomlText;
 
 /// The text of a soil file that reads back to the same numbers, bit for bit.

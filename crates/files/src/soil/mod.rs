@@ -22,6 +22,8 @@
 //!
 //! [`to_toml`] writes such a file.
 
+mod write;
+
 use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
@@ -32,7 +34,7 @@ use grouser_terra::{
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 
-pub use crate::soil_text::to_toml;
+pub use write::to_toml;
 
 /// Any finite number; the soil itself checks more closely.
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);

@@ -1,4 +1,6 @@
-//! `robot`: a robot file out of a URDF.
+//! `robot`: a robot file of a URDF; the robot at rest.
+
+mod stance;
 
 use std::path::PathBuf;
 
@@ -14,23 +16,30 @@ use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Make a robot file of a URDF",
+    about = "Make a robot file of a URDF, or print how a robot stands",
     long_about = "Make a robot file of a URDF: where its wheels stand, their radii, widths and masses, rockers with their \
         differential, steering, and the body's mass. Macros (xacro) must be expanded first. Motors and encoders are \
-        not in a URDF and are added by hand; docs/robots.md says how.",
-    after_help = "Example:\n  grouser robot husky.urdf -o husky.toml\n  grouser estimate run.mcap --robot husky.toml"
+        not in a URDF and are added by hand; docs/robots.md says how.\n\nWith --stance: what each wheel of a robot file carries \
+        on a slope, how far the robot is from tipping over, and the chassis adjusted for the slope.",
+    after_help = "Examples:\n  grouser robot husky.urdf -o husky.toml\n  grouser estimate run.mcap --robot husky.toml\n  \
+        grouser robot examples/robots/five-wheel.toml --stance --pitch-deg 15"
 )]
 pub(crate) struct Arguments {
-    /// The robot's description (.urdf)
-    #[arg(value_name = "ROBOT.urdf")]
+    /// The robot's description (.urdf); with --stance its robot file (.toml)
+    #[arg(value_name = "ROBOT")]
     description: PathBuf,
     /// Write the robot file here; it is printed unless told
     #[arg(short, long, value_name = "R.toml")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    stance: stance::Arguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let path = &arguments.description;
+    if arguments.stance.is_given() {
+        return stance::run(path, &arguments.stance, session);
+    }
     let text = regular::read_text(path, urdf::SIZE_LIMIT)?;
     session.used_file(path)?;
     let made =

@@ -4,9 +4,9 @@ use grouser_slip::settings::{Field, FileUnit};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 
+use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
-use crate::columns_text::{meaning, write_table};
-use crate::robot::{RobotFile, filter_of};
+use crate::columns::{meaning, write_table};
 use crate::toml_text::TomlText;
 use crate::topics::{Topics, UP};
 

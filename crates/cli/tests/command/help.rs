@@ -1,0 +1,115 @@
+//! Help, completions, man pages and templates.
+
+use std::path::Path;
+use std::process::Stdio;
+
+use super::program::{Folder, grouser, line, start, wait};
+
+#[test]
+fn help_stands_alone_and_is_at_most_100_columns_wide() {
+    let nothing = grouser::<&str>([]).assert_done();
+    assert!(nothing.out.contains("Usage: grouser"), "{nothing:?}");
+    assert!(nothing.out.contains("130  interrupted"), "{nothing:?}");
+    for words in [
+        "help",
+        "help wheel",
+        "help log info",
+        "wheel --help",
+        "estimate --help",
+        "--help",
+    ] {
+        let said = line(words).assert_done();
+        assert!(said.out.contains("Usage: grouser"), "{words}: {said:?}");
+        for text in said.out.lines() {
+            let is_example = text.trim_start().starts_with("grouser ");
+            assert!(is_example || text.chars().count() <= 100, "{words}: {text}");
+        }
+    }
+    line("help nothing").assert_refused("help nothing");
+    line("help help --schema").assert_refused("a verb without a schema");
+}
+
+#[test]
+fn completions_and_man_pages_name_the_verbs() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let said = line(&format!("completions {shell}")).assert_done();
+        assert!(said.out.contains("slip-model"), "{shell}");
+    }
+    line("completions tcsh").assert_refused("a shell that is not known");
+    let page = line("help wheel --man").assert_done();
+    assert!(
+        page.out.starts_with(".ie") && page.out.contains(".SH SYNOPSIS"),
+        "{page:?}"
+    );
+}
+
+#[test]
+fn templates_work_as_they_stand() {
+    let folder = Folder::new();
+    for kind in ["robot", "scenario", "problem", "soil"] {
+        let path = folder.path(format!("{kind}.toml"));
+        let arguments = ["init", kind, "-o", path.to_str().unwrap()];
+        grouser(arguments).assert_done();
+        let again = grouser(arguments);
+        again.assert_refused("a file that exists");
+        assert!(again.err.contains("it exists"), "{again:?}");
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(line(&format!("init {kind}")).assert_done().out, text);
+    }
+    let shown = |name: &str| folder.path(name).display().to_string();
+    line(&format!("optimize {}", shown("problem.toml"))).assert_done();
+    let wheel = |soil: &str| {
+        let words = format!(
+            "wheel --soil {soil} --radius-m 0.1 --width-m 0.1 --load-n 60 --slip 0.2 --json"
+        );
+        line(&words).assert_done().json()["torque_nm"].clone()
+    };
+    assert_eq!(wheel(&shown("soil.toml")), wheel("dry-sand"));
+}
+
+#[test]
+fn templates_are_the_examples() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap();
+    for (kind, example) in [
+        ("robot", "robots/five-wheel.toml"),
+        ("scenario", "scenarios/sandbox.toml"),
+        ("problem", "problems/dry-sand-wheel.toml"),
+    ] {
+        let text = std::fs::read_to_string(root.join("examples").join(example)).unwrap();
+        let text = text.replace("\"../robots/five-wheel.toml\"", "\"robot.toml\"");
+        assert_eq!(line(&format!("init {kind}")).out, text, "{kind}");
+    }
+}
+
+#[test]
+fn batch_reads_and_writes_the_standard_streams() {
+    use std::io::Write as _;
+    let mut child = start(["batch", "-", "-o", "-"], Stdio::piped());
+    let table = "soil,radius_m,width_m,slip,load_n\nlunar,0.1,0.1,0.2,40\nnothing,0.1,0.1,0.2,40\n";
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(table.as_bytes())
+        .unwrap();
+    let said = wait(child);
+    assert_eq!(said.code, Some(3), "one row of two failed: {said:?}");
+    assert_eq!(said.out.lines().count(), 3, "{said:?}");
+    assert!(
+        said.err.starts_with("wrote `-`: 2 rows, 1 solved"),
+        "{said:?}"
+    );
+    let mut child = start(["batch", "-", "-o", "-"], Stdio::piped());
+    let table = "soil,radius_m,width_m,slip,load_n\nnothing,0.1,0.1,0.2,40\n";
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(table.as_bytes())
+        .unwrap();
+    assert_eq!(wait(child).code, Some(1), "no row is solved");
+    line("batch - -o - --json").assert_refused("two users of standard output");
+}

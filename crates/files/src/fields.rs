@@ -1,0 +1,28 @@
+//! Settings that are declared as tables of fields.
+
+use grouser_slip::settings::Field;
+
+use crate::document::Section;
+use crate::error::Result;
+
+/// Any number of a settings file; the settings themselves check their limits.
+const ANY: (f64, f64) = (-1e12, 1e12);
+
+/// Sets every field that the section has a key for; the settings themselves check the limits.
+///
+/// # Errors
+/// A value that is no number.
+pub fn read_fields<S: Copy>(
+    section: &Section<'_>,
+    settings: &mut S,
+    fields: &[Field<S>],
+) -> Result<()> {
+    for field in fields {
+        if let Some(key) = field.key
+            && let Some(value) = section.optional_number(key, ANY)?
+        {
+            field.set_from_file(settings, value);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! The options of a run.
+
+use grouser_files::robot::WheelSensor;
+use grouser_slip::Reference;
+
+use crate::method::Method;
+
+/// What a run can be given beyond the files.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Which engine finds the slips; `None`: the filter where the robot's speed is measured.
+    pub method: Option<Method>,
+    /// Runs the filter forward and backward: every slip then uses the whole log.
+    pub smooth: bool,
+    /// What measures how fast the robot travels; `None`: the robot file's, else the best in the log.
+    pub reference: Option<Reference>,
+    /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
+    pub wheel_sensor: Option<WheelSensor>,
+    /// The window of means, s; `None`: the robot file's.
+    pub window_s: Option<f64>,
+    /// What lies before this is left out of rows and summary, s from the log's start.
+    pub from_s: Option<f64>,
+    /// What lies after this is left out, s from the log's start.
+    pub to_s: Option<f64>,
+}

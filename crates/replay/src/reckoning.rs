@@ -1,0 +1,164 @@
+//! Odometry step by step: the filter's own, or the motion integrated.
+
+use grouser_slip::BodyMotion;
+
+use crate::moment::Moment;
+use crate::odometry::{Odometry, sandwich};
+
+/// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
+/// wheels.
+///
+/// What the wheels said and the reference did not follow is slip. It is put into the covariance as a
+/// whole, P_v = Σ + d dᵀ with d = (v_wheels − v, 0, 0), so that a filter which fuses this odometry trusts it
+/// the less, the more the wheels slip. The pose's covariance grows as if the errors of one window were
+/// independent of the next one's: dP = J P_v Jᵀ · window · dt, J the turn by yaw.
+///
+/// Assumes: level ground. Speeds are means over a window, so that the pose lags by half of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Reckoning {
+    window: f64,
+    until_ns: Option<i64>,
+    pose: [f64; 3],
+    covariance: [[f64; 3]; 3],
+    distances: [f64; 2],
+    /// The filter's odometry at the first step.
+    origin: Option<Odometry>,
+}
+
+impl Reckoning {
+    /// Begins at the origin; `window` is that of the estimates, s.
+    pub(crate) const fn new(window: f64) -> Self {
+        Self {
+            window,
+            until_ns: None,
+            pose: [0.0; 3],
+            covariance: [[0.0; 3]; 3],
+            distances: [0.0; 2],
+            origin: None,
+        }
+    }
+
+    /// The odometry after an estimate; `None` where it says nothing new, or no motion is known.
+    pub(crate) fn step(&mut self, moment: &Moment) -> Option<Odometry> {
+        let until_ns = moment.until_ns?;
+        let motion = moment.motion?;
+        let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
+        if until_ns < last_ns {
+            return None;
+        }
+        // A gap is no motion that was seen.
+        let seconds = ((until_ns - last_ns) as f64 * 1e-9).min(self.window);
+        let mut covariance = motion.covariance;
+        if let Some(wheels) = moment.wheels_motion {
+            let (by_wheels, along) = along_the_wheels(&wheels, &motion);
+            self.distances[0] += along.abs() * seconds;
+            self.distances[1] += by_wheels * seconds;
+            covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
+        }
+        let [distance, distance_of_wheels] = self.distances;
+        if let Some(odometry) = &moment.odometry {
+            return Some(Odometry {
+                distance,
+                distance_of_wheels,
+                ..odometry.since(self.origin.get_or_insert(*odometry))
+            });
+        }
+        self.advance(&motion, &covariance, seconds);
+        Some(Odometry {
+            pose: self.pose,
+            pose_covariance: self.covariance,
+            velocity: motion.velocity,
+            velocity_covariance: covariance,
+            distance,
+            distance_of_wheels,
+        })
+    }
+
+    fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
+        let [forward, left, turn] = motion.velocity;
+        let middle = self.pose[2] + 0.5 * turn * seconds;
+        let (sin, cos) = middle.sin_cos();
+        let step = [
+            (forward * cos - left * sin) * seconds,
+            (forward * sin + left * cos) * seconds,
+            turn * seconds,
+        ];
+        // How an error in yaw moves the step: F = 1 + [−Δy, Δx]ᵀ in the column of yaw.
+        let carry = [[1.0, 0.0, -step[1]], [0.0, 1.0, step[0]], [0.0, 0.0, 1.0]];
+        let turned = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        let old = sandwich(&carry, &self.covariance);
+        let new = sandwich(&turned, covariance);
+        for i in 0..3 {
+            self.pose[i] += step[i];
+            for j in 0..3 {
+                self.covariance[i][j] = old[i][j] + new[i][j] * self.window * seconds;
+            }
+        }
+    }
+}
+
+/// Speed by the wheels, and the robot's along the way of its wheels, m/s.
+fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
+    let [w_x, w_y, _] = wheels.velocity;
+    let [v_x, v_y, _] = motion.velocity;
+    let speed = w_x.hypot(w_y);
+    if speed > 0.0 {
+        (speed, (w_x * v_x + w_y * v_y) / speed)
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moment(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> Moment {
+        let motion = |velocity| BodyMotion {
+            velocity,
+            covariance: [[variance, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+        };
+        Moment {
+            time_ns: until_s * 1_000_000_000,
+            read: 1,
+            wheels: Vec::new(),
+            motion: Some(motion(velocity)),
+            wheels_motion: Some(motion(wheels)),
+            until_ns: Some(until_s * 1_000_000_000),
+            odometry: None,
+        }
+    }
+
+    #[test]
+    fn a_circle_closes_and_slip_shows_in_the_covariance() {
+        let mut reckoning = Reckoning::new(1.0);
+        let turn = std::f64::consts::TAU / 100.0;
+        let mut last = None;
+        for second in 0..=100 {
+            last = reckoning.step(&moment(second, [0.2, 0.0, turn], [0.3, 0.0, turn], 1e-4));
+        }
+        let odometry = last.unwrap();
+        assert!(
+            odometry.pose[0].hypot(odometry.pose[1]) < 1e-12,
+            "{odometry:?}"
+        );
+        assert!((odometry.pose[2] - std::f64::consts::TAU).abs() < 1e-12);
+        assert!((odometry.distance - 20.0).abs() < 1e-9);
+        assert!((odometry.distance_of_wheels - 30.0).abs() < 1e-9);
+        // 0.1 m/s of slip: 1e-4 + 0.1² m²/s².
+        assert!((odometry.velocity_covariance[0][0] - 0.0101).abs() < 1e-15);
+        // In a hundred windows, along x and y together: 100 · 0.0101 m².
+        let spread = odometry.pose_covariance[0][0] + odometry.pose_covariance[1][1];
+        assert!((spread - 1.01).abs() < 1e-9, "{spread}");
+    }
+
+    #[test]
+    fn nothing_known_is_nothing_said() {
+        let mut reckoning = Reckoning::new(0.5);
+        let nothing = Moment {
+            motion: None,
+            ..moment(0, [0.0; 3], [0.0; 3], 1.0)
+        };
+        assert_eq!(reckoning.step(&nothing), None);
+    }
+}
