@@ -12,7 +12,7 @@ use crate::formula::{Formula, FormulaError, Relation, constraint, is_free_name};
 use crate::quantity::{Fixed, Parameter, Place, Quantity};
 use crate::scope::{Scope, first_missing};
 
-/// What the wheel of a design carries or how deep it stands, and how it moves.
+/// The load or the sinkage of the wheel of a design, and its motion.
 ///
 /// ```
 /// use grouser_design::State;

@@ -1,4 +1,4 @@
-//! A problem as its file says it, checked, and the functions it asks the solver to work on.
+//! A checked problem, and the functions that the solver works on.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::formula::Formula;
 use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
 
-/// What is asked of the objectives.
+/// How the objectives are joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// The best worst case.
@@ -92,7 +92,7 @@ pub(crate) enum Slot {
     Equality(usize),
 }
 
-/// A world that the design must stand.
+/// A world in which the design must hold.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WorldInputs {
     pub(crate) name: String,
@@ -106,7 +106,7 @@ pub struct Design {
     pub file: String,
     /// A title, if the file gives one.
     pub title: Option<String>,
-    /// What is asked.
+    /// How the objectives are joined.
     pub task: Task,
     /// The variables, in the order of the file.
     pub variables: Vec<Variable>,

@@ -107,7 +107,7 @@ impl Design {
 
     /// The method for the solver's objectives.
     fn method(&self, problem: &SolverProblem) -> Method {
-        // Under several worlds an objective may stand once per world.
+        // Under several worlds an objective may occur once per world.
         let order = self.solver_order();
         let copies = (problem.problem().objectives().len() / order.len()).max(1);
         let spread = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -306,7 +306,7 @@ impl Design {
         let parts = &solution.multipliers;
         let worlds = self.worlds.len();
         let inner = problem.problem();
-        // Helpers of a measure stand before the file's own inequalities.
+        // Helpers of a measure come before the file's own inequalities.
         let own = self.constraints.iter().filter(|c| !c.equal).count() * worlds;
         let first = inner.inequalities().len() - own;
         let mut list = Vec::new();

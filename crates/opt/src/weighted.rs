@@ -163,7 +163,7 @@ pub(crate) fn solve(
     })?
     .linear_after(problem.curved());
     let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
-    // Back to the problem as it was asked.
+    // Back to the variables and objectives of the original problem.
     solution.x.truncate(n);
     problem.model().values(&solution.x, &mut values);
     solution.objectives = values[..m].to_vec();

@@ -32,7 +32,7 @@
 //! to Terrain-Vehicle Systems · \[JH61\] Janosi & Hanamoto 1961 · \[Wong08\] Theory of Ground Vehicles ·
 //! \[Ishigami07\] J. Field Robotics 24 · \[Ding11\] J. Terramechanics 48 · \[Shibly05\] J. Terramechanics 42.
 //!
-//! The crate does not know robots, time, sensors or terrain; those stand on it.
+//! The crate contains no robots, time, sensors or terrain; other crates build these on it.
 #![cfg_attr(not(feature = "std"), no_std)]
 // denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]

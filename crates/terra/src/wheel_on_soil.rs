@@ -1,4 +1,4 @@
-//! A wheel on a soil, ready to be asked.
+//! A wheel on a soil.
 
 use crate::caution::{Caution, Cautions};
 use crate::contact::{

@@ -1,4 +1,4 @@
-//! A model fitted to some tests and asked about others.
+//! A model fitted to some tests, and its predictions of others.
 
 use grouser_terra::{RigidWheel, SoilParams};
 
@@ -91,7 +91,7 @@ impl Job<'_> {
         })
     }
 
-    /// The model as it stands, nothing fitted.
+    /// The model with nothing fitted.
     pub(super) fn unfitted(&self) -> Fitted {
         Fitted {
             fixed: Fixed {
@@ -115,7 +115,7 @@ impl Job<'_> {
 }
 
 impl Fitted {
-    /// What it says of `tests`, as read.
+    /// Its predictions of `tests`, as read.
     pub(super) fn predict(&self, tests: &[WheelTest]) -> Result<Vec<Prediction>> {
         predict(&self.fixed, tests, &self.parameters, &self.x)
     }

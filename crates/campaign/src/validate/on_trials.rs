@@ -29,7 +29,7 @@ const BRACKET: &str = "slip angles 0 and 60";
 
 const CMU: &str = "cmu-wheel";
 
-/// Wheel numbers of our laws that the smooth wheel at slip angle 0 tells, with the two offsets.
+/// Wheel numbers of our laws that the smooth wheel at slip angle 0 determines, with the two offsets.
 const OURS: [Parameter; 8] = [
     Parameter::C1,
     Parameter::C2,

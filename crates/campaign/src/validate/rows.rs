@@ -148,7 +148,7 @@ pub struct Validation {
     pub rows: Vec<Row>,
     /// The fits behind it.
     pub fits: Vec<FitReport>,
-    /// What the plate tests told.
+    /// The result of the plate tests.
     pub plates: PlateFit,
     /// The figures' data.
     pub series: Vec<Series>,

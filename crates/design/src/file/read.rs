@@ -18,7 +18,7 @@ const BOUNDED_STARTS: usize = 8;
 /// Reads a problem file.
 ///
 /// # Errors
-/// What the file lacks or says wrong, with its place.
+/// What is missing or wrong in the file, with its place.
 pub fn read(path: &Path) -> Result<Design> {
     parse(&Document::read(path)?)
 }

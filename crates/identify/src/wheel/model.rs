@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::parameter::Parameter;
 
 /// How close to the hub a wheel is taken to sit whose load nothing below the hub carries, as a share of r.
-const HUB: f64 = 1.0 - 1e-6;
+const HUB_SINKAGE_PER_RADIUS: f64 = 1.0 - 1e-6;
 
 /// What does not change in a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed {
     /// The wheel.
     pub wheel: RigidWheel,
-    /// The soil, whose other numbers stand.
+    /// The soil, whose other numbers are fixed.
     pub soil: SoilParams,
     /// What residuals are divided by.
     pub scatter: Scatter,
@@ -33,7 +33,7 @@ pub struct WheelModel<'a> {
     parameters: &'a [Parameter],
 }
 
-/// What the model says of a test, SI, as it would be read: datum offsets included.
+/// The model's prediction of a test, SI, as it would be read: datum offsets included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// Drawbar pull, N.
@@ -158,7 +158,7 @@ fn solve<const N: usize>(
 ) -> Option<(DualSolution<N>, bool)> {
     let radius = contact.wheel().running_radius();
     let at = |sinkage: f64| {
-        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB * radius), radius);
+        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB_SINKAGE_PER_RADIUS * radius), radius);
         inputs.at_entry_angle(Dual::constant(theta_1))
     };
     match test.support {
@@ -210,7 +210,7 @@ impl WheelModel<'_> {
     }
 }
 
-/// What the model says of each test, with the offsets that `parameters` name at the values `x`.
+/// The model's prediction of each test, with the offsets that `parameters` name at the values `x`.
 ///
 /// # Errors
 /// [`Error::Law`] for a soil that the laws refuse.
@@ -239,7 +239,7 @@ pub fn predict(
         .map(|test| {
             let inputs = DualInputs::<0>::new(&contact, &test.kinematics);
             let Some((solved, hub_buried)) = solve(&inputs, &contact, test) else {
-                // the contact says what it does not like of this motion or this load
+                // the solver names what is wrong with this motion or this load
                 let load = match test.support {
                     Support::Load(load) => load,
                     Support::Sinkage(_) => 1.0,

@@ -181,14 +181,15 @@ fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
 
 /// Without points that another one beats or repeats, to the solver's tolerance.
 fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
-    const SAME: f64 = 1e-9;
+    const SAME_POINT_DISTANCE: f64 = 1e-9;
     let beats = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = || a.objectives.iter().zip(&b.objectives);
-        pairs().all(|(a, b)| *a <= b + SAME) && pairs().any(|(a, b)| *a < b - SAME)
+        pairs().all(|(a, b)| *a <= b + SAME_POINT_DISTANCE)
+            && pairs().any(|(a, b)| *a < b - SAME_POINT_DISTANCE)
     };
     let same = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = a.objectives.iter().zip(&b.objectives);
-        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) <= SAME
+        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) <= SAME_POINT_DISTANCE
     };
     let mut kept: Vec<FrontPoint> = Vec::new();
     for (index, point) in points.iter().enumerate() {

@@ -48,13 +48,13 @@ enum Phase {
 /// First price of a unit of violation, in units of the objectives.
 const FIRST_PRICE: f64 = 10.0;
 /// Beyond this price a violation is not for sale.
-const LAST_PRICE: f64 = 1e12;
+const MAX_PRICE: f64 = 1e12;
 /// Optimality that passes for a solution when rounding allows no further step.
-const NEARLY: f64 = 1e-4;
+const NEARLY_OPTIMAL: f64 = 1e-4;
 /// Searches from a probe that lowered the level before the point is called stalled.
 const RESTARTS: usize = 20;
 /// A level below this is taken for a fall without limit.
-const UNBOUNDED: f64 = -1e30;
+const UNBOUNDED_LEVEL: f64 = -1e30;
 
 struct Sqp<'a, 'w, 'f> {
     program: &'a Program<'a>,
@@ -229,7 +229,7 @@ impl Sqp<'_, '_, '_> {
                 // The way back: the price that did not suffice was too low.
                 returns += 1;
                 self.phase = Phase::Optimality;
-                self.price = (self.price * 100.0).min(LAST_PRICE);
+                self.price = (self.price * 100.0).min(MAX_PRICE);
                 self.restart(model);
                 continue;
             }
@@ -245,7 +245,7 @@ impl Sqp<'_, '_, '_> {
             if self.evaluator.counts.values >= self.settings.max_values {
                 return Status::Limit(Limit::Values);
             }
-            if model.point.level(self.program) < UNBOUNDED {
+            if model.point.level(self.program) < UNBOUNDED_LEVEL {
                 return Status::Unbounded;
             }
             self.evaluator.counts.iterations += 1;
@@ -455,7 +455,7 @@ impl Sqp<'_, '_, '_> {
         solution: &QpSolution,
         stationarity: f64,
     ) -> bool {
-        let tolerance = self.settings.optimality_tolerance.max(NEARLY);
+        let tolerance = self.settings.optimality_tolerance.max(NEARLY_OPTIMAL);
         self.optimality(model, rows, solution, stationarity) <= tolerance
     }
 
