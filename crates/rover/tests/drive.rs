@@ -114,3 +114,50 @@ fn halving_the_step_changes_little() {
     assert!((a.distance - b.distance).abs() < 0.02 * a.distance);
     assert!((a.energy - b.energy).abs() < 0.02 * a.energy);
 }
+
+/// A robot without a free wheel knows its slip by a camera, whose pictures arrive late.
+#[test]
+fn a_camera_alone_gives_the_slip_of_a_skid_steer() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    for (sensor, slope) in [("camera_rate_hz = 10.0", 3.0), ("gnss_rate_hz = 5.0", 3.0)] {
+        let text = format!(
+            r#"
+format = 1
+title = "A slope for a skid-steer"
+robot = "../robots/skid-steer.toml"
+seed = 3
+duration_s = 120.0
+
+[start]
+x_m = 2.0
+
+[ground]
+kind = "slope"
+slope_deg = {slope}
+from_m = 3.0
+size_x_m = 22.0
+size_y_m = 12.0
+soil = "dry-sand"
+
+[sensors]
+{sensor}
+
+[[leg]]
+speed_m_per_s = 0.25
+distance_m = 12.0
+"#
+        );
+        let robot =
+            grouser_rover::robot::RobotModel::read(&folder.join("../robots/skid-steer.toml"))
+                .unwrap();
+        let document = grouser_files::Document::from_text("skid.toml", text).unwrap();
+        let scenario = grouser_rover::drive::parse_scenario(&document, "skid", robot).unwrap();
+        let result = drive(&scenario, Pilot::Controller, 3);
+        println!(
+            "{sensor}: refused {} worst slip {:.3}",
+            result.refused, result.worst_slip
+        );
+        assert!(result.slip.rmse.unwrap() < 0.03, "{sensor}");
+        assert!(result.slip.longest_wrong < 1.0, "{sensor}");
+    }
+}

@@ -75,6 +75,8 @@ pub enum Degraded {
     Quantised,
     /// The reference has fallen silent.
     ReferenceLost,
+    /// The reference started or returned a short time ago: the estimate is not yet settled.
+    ReferenceReadmitted,
     /// The reference says only how the wheels differ, not how fast the robot travels: slip is counted
     /// from the wheel that grips best.
     Relative,
@@ -104,6 +106,7 @@ impl Degraded {
             Self::LowSpeed => "LowSpeed",
             Self::Quantised => "Quantised",
             Self::ReferenceLost => "ReferenceLost",
+            Self::ReferenceReadmitted => "ReferenceReadmitted",
             Self::Relative => "Relative",
             Self::YawAssumed => "YawAssumed",
             Self::Suspect => "Suspect",

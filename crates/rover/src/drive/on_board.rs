@@ -13,8 +13,6 @@ use crate::sensors::SensorSettings;
 
 /// A sensor is never described as better than this, m: variances must not vanish.
 const MIN_POSITION_SIGMA_M: f64 = 1e-6;
-/// The filter looks back no further than this, s.
-const MAX_LATENCY_S: f64 = 1.0;
 
 /// The computer of `model` under `loads` (N), which knows the soil on which it starts, its heading (rad) and its sensors.
 pub(super) fn on_board(
@@ -46,10 +44,10 @@ pub(super) fn on_board(
 /// What the robot's file and the sensors' data sheets say.
 pub(super) fn filter_settings(model: &RobotModel, sensors: &SensorSettings) -> FilterSettings {
     let file = model.settings;
-    let (sigma, latency) = if sensors.camera_rate > 0.0 {
-        (sensors.camera_sigma, sensors.camera_latency)
+    let sigma = if sensors.camera_rate > 0.0 {
+        sensors.camera_sigma
     } else {
-        (sensors.gnss_sigma, sensors.gnss_latency)
+        sensors.gnss_sigma
     };
     FilterSettings {
         max_sigma: file.max_sigma,
@@ -57,7 +55,8 @@ pub(super) fn filter_settings(model: &RobotModel, sensors: &SensorSettings) -> F
         lateral_sigma: file.lateral_sigma,
         yaw_rate_sigma: file.yaw_rate_sigma,
         position_sigma: sigma.max(MIN_POSITION_SIGMA_M),
-        reference_latency: latency.min(MAX_LATENCY_S),
+        // Pictures and fixes are stamped when they are taken: late ones go through the filter's history.
+        reference_latency: 0.0,
         ..FilterSettings::default()
     }
 }

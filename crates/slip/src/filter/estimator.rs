@@ -1,6 +1,9 @@
 //! The filter behind its input: parts that own their state, and the order in which they work.
 
+use alloc::boxed::Box;
+
 use super::accelerometer::Accelerometer;
+use super::ground_track::GroundTrack;
 use super::gyro_monitor::GyroMonitor;
 use super::inertial_path::InertialPath;
 use super::input::{Input, rotation_of};
@@ -15,7 +18,7 @@ use super::{CLOCK_STEP_S, PSEUDO_MEASUREMENT_PERIOD_S};
 use crate::fault::Fault;
 use crate::history::seconds_between;
 use crate::measured_slip::SlipLimits;
-use crate::robot::Robot;
+use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
 
 /// Standard deviation of a free wheel's radius: its skid holds all of its error.
@@ -35,6 +38,10 @@ pub(super) struct Core {
     pub(super) accelerometer: Accelerometer,
     pub(super) gyro: GyroMonitor,
     pub(super) reference: ReferenceSensor,
+    /// The motion over the ground by an absolute reference; `None` where free wheels measure it.
+    pub(super) ground: Option<Box<GroundTrack>>,
+    /// Does the motion over the ground lead the state?
+    pub(super) is_led: bool,
     pub(super) recovery: Recovery,
     pub(super) output: Outputs,
     /// The time up to which samples have been used.
@@ -62,6 +69,12 @@ impl Core {
             accelerometer: Accelerometer::default(),
             gyro: GyroMonitor::default(),
             reference: ReferenceSensor::default(),
+            ground: robot
+                .wheels()
+                .iter()
+                .all(|wheel| wheel.role == WheelRole::Powered)
+                .then(|| Box::new(GroundTrack::new(&settings))),
+            is_led: false,
             recovery: Recovery::default(),
             output: Outputs::new(count),
             now_ns: None,
@@ -99,6 +112,15 @@ impl Core {
         outcome
     }
 
+    /// Uses a reading of the reference that was stamped before the time up to which samples have been used.
+    pub(super) fn update_late(&mut self, sample: &Sample, input: &Input) -> Result<(), Fault> {
+        let outcome = self.update_by_reference(sample.time_ns, &sample.measurement);
+        if let Some(now_ns) = self.now_ns {
+            self.update_health(now_ns, input);
+        }
+        outcome
+    }
+
     /// Predicts the state at `time_ns`.
     fn predict(&mut self, time_ns: i64) {
         let last = self.now_ns.unwrap_or(time_ns);
@@ -120,6 +142,7 @@ impl Core {
             self.output.distance_of_wheels += by_wheels * dt;
         }
         self.path.record(time_ns);
+        self.predict_ground_motion(time_ns);
     }
 
     /// Gates a measurement and updates the state by it.
@@ -153,15 +176,32 @@ impl Core {
                 Ok(())
             }
             Measurement::Acceleration { forward, left } => {
-                self.accelerometer.update(time_ns, [forward, left])
+                self.accelerometer.update(time_ns, [forward, left])?;
+                if let Some(ground) = &mut self.ground {
+                    ground.observe_accelerometer(time_ns, [forward, left]);
+                }
+                Ok(())
             }
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
-            | Measurement::Speed { .. } => self.update_reference(time_ns, measurement),
+            | Measurement::Speed { .. } => self.update_by_reference(time_ns, measurement),
             Measurement::Command { .. }
             | Measurement::Inertial { .. }
             | Measurement::JointAngle { .. }
             | Measurement::MotorCurrent { .. } => Ok(()),
+        }
+    }
+
+    /// Updates the state by a reading of the reference, which may have been stamped before the present time.
+    pub(super) fn update_by_reference(
+        &mut self,
+        stamp_ns: i64,
+        measurement: &Measurement,
+    ) -> Result<(), Fault> {
+        if self.ground.is_some() {
+            self.update_ground_motion(stamp_ns, measurement)
+        } else {
+            self.update_reference(stamp_ns, measurement)
         }
     }
 
@@ -186,6 +226,10 @@ impl Core {
         self.accelerometer.last = None;
         self.gyro.restart_clock();
         self.speed_known_ns = None;
+        self.is_led = false;
+        if let Some(ground) = &mut self.ground {
+            ground.restart_clock();
+        }
         self.reference = ReferenceSensor::default();
         for wheel in &mut self.wheels.channels {
             wheel.restart_clock();

@@ -132,13 +132,23 @@ impl Core {
         {
             return Health::Degraded(Degraded::Suspect);
         }
-        let timeout = self.settings.dropout + MAX_WINDOW_FACTOR * self.settings.wheel_window;
+        let silent_after = self
+            .ground
+            .as_ref()
+            .map_or(0.0, |ground| ground.silent_after());
+        let windows = MAX_WINDOW_FACTOR * self.settings.wheel_window;
+        let timeout = self.settings.dropout + windows.max(silent_after);
+        let readmitted = self
+            .ground
+            .as_ref()
+            .is_some_and(|ground| ground.is_readmitted(now_ns));
         match self
             .speed_known_ns
             .map(|then| seconds_between(then, now_ns))
         {
             None => Health::Degraded(Degraded::Relative),
             Some(age) if age > timeout => Health::Degraded(Degraded::ReferenceLost),
+            Some(_) if readmitted => Health::Degraded(Degraded::ReferenceReadmitted),
             Some(_) if sigma > self.settings.max_sigma => Health::Degraded(Degraded::Quantised),
             Some(_) if wheel.monitor.is_suspect() => Health::Degraded(Degraded::ReferenceLost),
             Some(_) => Health::Ok,

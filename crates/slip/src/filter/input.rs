@@ -43,6 +43,12 @@ impl Input {
         self.waiting.fill(0);
     }
 
+    /// Is it a reading of the reference behind the samples that have been used?
+    pub(super) fn is_late(&self, sample: &Sample) -> bool {
+        let used = self.buffer.released_ns();
+        is_reference(&sample.measurement) && used.is_some_and(|used| sample.time_ns < used)
+    }
+
     pub(super) fn is_full(&self) -> bool {
         self.buffer.is_full()
     }
@@ -79,6 +85,14 @@ impl Input {
             _ => now_ns,
         }
     }
+}
+
+/// Is it a measured motion of the robot?
+pub(super) const fn is_reference(measurement: &Measurement) -> bool {
+    matches!(
+        measurement,
+        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. }
+    )
 }
 
 /// The wheel whose rotation a measurement is.

@@ -53,6 +53,12 @@ impl Kalman {
         row.iter().map(|&(i, a)| a * self.mean[i]).sum()
     }
 
+    /// Sets the covariance of two numbers.
+    pub(crate) fn set_covariance(&mut self, i: usize, j: usize, value: f64) {
+        self.covariance[i * self.n + j] = value;
+        self.covariance[j * self.n + i] = value;
+    }
+
     /// Keeps a mean within limits.
     pub(crate) fn clamp_mean(&mut self, i: usize, low: f64, high: f64) {
         self.mean[i] = self.mean[i].clamp(low, high);

@@ -35,6 +35,8 @@ mod accelerometer;
 mod carrier;
 mod estimator;
 mod free_wheel_update;
+mod ground_motion;
+mod ground_track;
 mod gyro_monitor;
 mod health;
 mod inertial_path;
@@ -43,6 +45,7 @@ mod kalman;
 mod learnt;
 mod monitor;
 mod motion_model;
+mod multiple_model;
 mod output;
 mod pseudo_measurements;
 mod pulse_check;
@@ -219,6 +222,10 @@ impl SlipFilter {
         if self.input.check_clock(&sample)? == ClockOutcome::Set {
             self.input.clear();
             self.core.restart_clock();
+        }
+        if self.input.is_late(&sample) {
+            // A measured motion carries its time of capture: it is applied through the history.
+            return self.core.update_late(&sample, &self.input);
         }
         let mut outcome = Ok(());
         if self.input.is_full()

@@ -88,6 +88,10 @@ pub struct FilterOutput<'a> {
     pub clock_steps: u64,
     /// Seconds since a trusted reference last measured the robot's speed; `None` before the first.
     pub reference_age: Option<f64>,
+    /// Readings of a displacement, pose or speed so far, repeated ones left out.
+    pub reference_readings: u64,
+    /// Those of them that were refused: outliers, or contradicted by the other sensors.
+    pub reference_refused: u64,
 }
 
 /// What the filter keeps for its output.
@@ -100,6 +104,9 @@ pub(super) struct Outputs {
     /// Travel forwards by the state, and by the wheels without compensation of slip, m.
     pub(super) distance: f64,
     pub(super) distance_of_wheels: f64,
+    /// Readings of the reference so far, and those of them that were refused.
+    pub(super) reference_readings: u64,
+    pub(super) reference_refused: u64,
 }
 
 impl Outputs {
@@ -111,6 +118,8 @@ impl Outputs {
             checked_ns: None,
             distance: 0.0,
             distance_of_wheels: 0.0,
+            reference_readings: 0,
+            reference_refused: 0,
         }
     }
 }
@@ -151,6 +160,8 @@ impl Core {
             rejected: input.rejected,
             dropped: input.clocks.dropped,
             clock_steps: input.clocks.steps,
+            reference_readings: self.output.reference_readings,
+            reference_refused: self.output.reference_refused,
             reference_age: self
                 .speed_known_ns
                 .map(|then| seconds_between(then, time_ns)),

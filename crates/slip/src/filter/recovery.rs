@@ -72,6 +72,9 @@ impl Core {
     /// Do a refused reference and the state contradict each other, while the slip that follows from the state is further from
     /// its prior? Then neither is trusted, until one of them shows what is wrong with it.
     pub(super) fn is_disputed(&self, now_ns: i64) -> bool {
+        if self.is_led {
+            return false;
+        }
         let own = self.state.mean(FORWARD);
         let contradicts = |claim: f64| {
             let (Some(ours), Some(theirs)) = (self.surprise(own), self.surprise(claim)) else {
@@ -108,6 +111,9 @@ impl Core {
 
     /// Restarts the motion from the fastest wheel where the robot would be much faster than that for long.
     pub(super) fn recover_from_runaway(&mut self, time_ns: i64) {
+        if self.is_led {
+            return;
+        }
         let Some(fastest) = self.wheels.fastest_rim() else {
             return;
         };

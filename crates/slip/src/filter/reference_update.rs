@@ -24,17 +24,20 @@ const TURN_VARIANCE_FACTOR: f64 = 25.0;
 type Component = ([(usize, f64); 3], f64, f64);
 
 impl Core {
+    /// Gates a reading of the reference that was stamped `stamp_ns`, and updates the state by it.
     pub(super) fn update_reference(
         &mut self,
-        time_ns: i64,
+        stamp_ns: i64,
         measurement: &Measurement,
     ) -> Result<(), Fault> {
         let Some(motion) = self
             .reference
-            .motion(time_ns, measurement, &self.settings)?
+            .motion(stamp_ns, measurement, &self.settings)?
         else {
             return Ok(());
         };
+        self.output.reference_readings += 1;
+        let time_ns = self.now_ns.unwrap_or(stamp_ns).max(stamp_ns);
         let moving = motion.speed[0].is_some_and(|v| v != 0.0);
         let frozen = self.reference.is_frozen(&motion, self.settings.failure) && moving;
         // a frozen sensor measures nothing
@@ -68,6 +71,7 @@ impl Core {
         let patience = self.settings.failure;
         let trusted = self.reference.monitor.record(time_ns, agreed, patience);
         if !agreed || !trusted {
+            self.output.reference_refused += 1;
             return Ok(());
         }
         if had_failed
@@ -121,6 +125,14 @@ impl Core {
             one([0.0, 1.0, 0.0], motion.speed[1], variance + changed),
             one([0.0, 0.0, 1.0], motion.turn, turn_variance),
         ]
+    }
+
+    /// Updates the yaw rate by the turn of a reference.
+    pub(super) fn update_turn(&mut self, motion: &ReferenceMotion, now_ns: i64) {
+        let [.., turn] = self.components(motion, now_ns);
+        if let Some(component) = &turn {
+            self.state.update(&measured(component));
+        }
     }
 
     /// Has no reference measured the robot's speed for long?

@@ -3,6 +3,8 @@
 use alloc::{boxed::Box, vec};
 
 use super::CLOCK_STEP_S;
+use super::ground_track::MAX_DELAY_S;
+use super::input::is_reference;
 use crate::fault::Fault;
 use crate::history::{seconds_between, whole};
 use crate::sample::{Measurement, Sample};
@@ -113,7 +115,12 @@ impl SensorClocks {
             return Ok(ClockOutcome::Continues);
         };
         let far = seconds_between(newest, time_ns).abs() > CLOCK_STEP_S;
-        let late = used_ns.is_some_and(|used| time_ns < used);
+        // A reading of the reference may be late: it is applied through the history.
+        let after_own = sensor.last_ns.is_none_or(|last| time_ns > last);
+        let may_be_late = is_reference(&sample.measurement)
+            && after_own
+            && seconds_between(time_ns, newest) <= MAX_DELAY_S;
+        let late = !may_be_late && used_ns.is_some_and(|used| time_ns < used);
         if !far && !late {
             let passed = sensor
                 .last_ns

@@ -6,7 +6,7 @@ use super::estimator::Core;
 use super::gyro_monitor::BEND_YAW_RATE_RAD_PER_S;
 use super::kalman::ScalarMeasurement;
 use super::motion_model::{
-    COMMON_SLIP, FORWARD, GYRO_BIAS, YAW, along, own_slip, radius, remainder,
+    COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, radius, remainder,
 };
 use super::{INNOVATION_CLAMP_SIGMA, WRONG_ENCODER_TIME_S};
 use crate::fault::Fault;
@@ -178,22 +178,31 @@ impl Core {
         let in_bend = !free
             && self.gyro.is_trusted(w.to_ns, &self.settings)
             && turn() > BEND_YAW_RATE_RAD_PER_S;
-        for i in [YAW, GYRO_BIAS] {
-            self.state.set_considered(i, in_bend);
+        // The motion over the ground is known by the reference: the window shows the wheel's own slip.
+        let led = self.is_led;
+        let considered = [
+            (YAW, in_bend || led),
+            (GYRO_BIAS, in_bend || led),
+            (FORWARD, led),
+            (LEFT, led),
+            (COMMON_SLIP, led),
+        ];
+        for (i, considered) in considered {
+            self.state.set_considered(i, considered);
         }
         self.nis = self.state.update(measured);
-        for i in [YAW, GYRO_BIAS] {
+        for (i, _) in considered {
             self.state.set_considered(i, false);
         }
-        let highest = if free {
+        let (lowest, highest) = if free {
             // No motor drives it, so that it hardly runs ahead of the robot.
             let prior = self.settings.free_slip.by_rim();
-            prior.mean + 3.0 * prior.sigma
+            let reach = 3.0 * prior.sigma;
+            ((prior.mean - reach).min(-MAX_OWN_SLIP), prior.mean + reach)
         } else {
-            MAX_OWN_SLIP
+            (-MAX_OWN_SLIP, MAX_OWN_SLIP)
         };
-        self.state
-            .clamp_mean(own_slip(w.index), -MAX_OWN_SLIP, highest);
+        self.state.clamp_mean(own_slip(w.index), lowest, highest);
         self.state.clamp_mean(COMMON_SLIP, -1.0, 1.0);
     }
 

@@ -1,0 +1,510 @@
+//! The robot's motion over the ground by an absolute reference: the rims' way and the reference's positions in the
+//! multiple-model estimator, for robots without a free wheel.
+
+use grouser_real::Real;
+
+use super::MAX_FILTER_WHEELS;
+use super::accelerometer::SpecificForce;
+use super::multiple_model::reference_noise::ReferenceNoise;
+use super::multiple_model::{ModelMotion, MultipleModel, WheelStep};
+use super::settings::FilterSettings;
+use super::wheel_bank::WheelBank;
+use super::wheel_channel::WheelChannel;
+use crate::body::Observations;
+use crate::history::{History, nanoseconds, seconds_between};
+use crate::sample::Measurement;
+use crate::speed::Measured;
+
+/// The models are predicted this often, s: rims and slips change slowly against it.
+const STEP_S: f64 = 0.005;
+/// Rim speed ties speed and slip this often, s: once a window of the wheels.
+const TIE_PERIOD_S: f64 = 0.05;
+/// Positions are used at most this often, s: errors of faster ones are correlated.
+const POSITION_PERIOD_S: f64 = 0.1;
+/// A wheel counts while its rim speed is within this share, or this many sigma, of the median.
+const INLIER_SHARE: f64 = 0.2;
+const INLIER_SIGMA: f64 = 3.0;
+/// A reading with a larger probability of being an outlier is refused.
+const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
+/// Without a reference for this long the motion is no longer that of the models, s.
+const MAX_PREDICTION_S: f64 = 5.0;
+/// A reference that was refused or silent is readmitted with a reservation for this long, and one that starts for this
+/// long, s.
+const READMITTED_S: f64 = 5.0;
+const STARTED_S: f64 = 2.0;
+/// A reference is silent after this many of its periods.
+const SILENT_PERIODS: f64 = 2.5;
+/// Positions that are refused for this many readings restart the models: a steady reference is right, not the models.
+const MAX_REFUSED: u32 = 6;
+/// Standard deviation of a heading, rad: measured, and summed from displacements.
+const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
+const SUMMED_HEADING_SIGMA_RAD: f64 = 1e-3;
+/// A measured heading that was wrong this often is not used beside a gyro: many poses have none.
+const MAX_HEADING_RESTARTS: u32 = 2;
+/// Rims slower than this do not turn, m/s.
+const TURNING_SPEED_M_PER_S: f64 = 0.01;
+/// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
+const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
+/// Rim and robot differ by this for other reasons than slip, m/s.
+const RIM_CREEP_M_PER_S: f64 = 5e-4;
+/// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
+const PARALLEL_SINE: f64 = 0.02;
+/// Entries of the history: 1 s at the step's period with room.
+const HISTORY_ENTRIES: usize = 512;
+/// The longest delay of a reading that is still used, s.
+pub(super) const MAX_DELAY_S: f64 = 1.0;
+
+/// The inertial measurements of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Inertial {
+    pub(super) yaw_rate: f64,
+    pub(super) force: Option<SpecificForce>,
+}
+
+/// What became of a reading of the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// It changed nothing: the first, a repeated one, or one too soon after the last.
+    Unused,
+    Refused,
+    Accepted,
+}
+
+/// The motion of the rims along their common direction.
+struct Rims {
+    way: f64,
+    direction: f64,
+    speed: f64,
+    variance: f64,
+}
+
+/// Models, rims and the reference's own state.
+#[derive(Clone, Debug)]
+pub(super) struct GroundTrack {
+    models: MultipleModel,
+    history: History<3>,
+    stepped_ns: Option<i64>,
+    tied_ns: Option<i64>,
+    /// Travel of each rim at the last step, m.
+    travels: [f64; MAX_FILTER_WHEELS],
+    direction: f64,
+    rim_speed: f64,
+    accel_noise: ReferenceNoise,
+    accel_ns: Option<i64>,
+    accel_period_s: f64,
+    /// Sum of displacements: place and heading.
+    summed: [f64; 3],
+    position: [f64; 2],
+    /// The position before the first refused one.
+    accepted_position: [f64; 2],
+    heading_offset: f64,
+    used_ns: Option<i64>,
+    received_ns: Option<i64>,
+    accepted_ns: Option<i64>,
+    period_s: f64,
+    repeats_at_rest: bool,
+    refused: u32,
+    /// How often the models restarted along the course.
+    restarts: u32,
+    started_ns: Option<i64>,
+    readmitted_ns: Option<i64>,
+}
+
+impl GroundTrack {
+    pub(super) fn new(settings: &FilterSettings) -> Self {
+        Self {
+            models: MultipleModel::new([settings.slip.mean, settings.slip.sigma]),
+            history: History::new(HISTORY_ENTRIES, nanoseconds(MAX_DELAY_S + 0.5)),
+            stepped_ns: None,
+            tied_ns: None,
+            travels: [0.0; MAX_FILTER_WHEELS],
+            direction: 0.0,
+            rim_speed: 0.0,
+            accel_noise: ReferenceNoise::new(),
+            accel_ns: None,
+            accel_period_s: 0.0,
+            summed: [0.0; 3],
+            position: [0.0; 2],
+            accepted_position: [0.0; 2],
+            heading_offset: 0.0,
+            used_ns: None,
+            received_ns: None,
+            accepted_ns: None,
+            period_s: 0.0,
+            repeats_at_rest: false,
+            refused: 0,
+            restarts: 0,
+            started_ns: None,
+            readmitted_ns: None,
+        }
+    }
+
+    /// The clock was set: times are forgotten, and the place may have changed.
+    pub(super) fn restart_clock(&mut self) {
+        self.models.restart();
+        self.history.clear();
+        self.stepped_ns = None;
+        self.tied_ns = None;
+        self.accel_ns = None;
+        self.used_ns = None;
+        self.received_ns = None;
+        self.accepted_ns = None;
+        self.started_ns = None;
+        self.readmitted_ns = None;
+        self.refused = 0;
+    }
+
+    /// The motion by the models with its direction, while a reference was accepted not too long ago.
+    pub(super) fn motion(&self, now_ns: i64) -> Option<(ModelMotion, f64, f64)> {
+        let accepted = self.accepted_ns?;
+        (seconds_between(accepted, now_ns) <= MAX_PREDICTION_S)
+            .then(|| self.models.motion())
+            .flatten()
+            .map(|motion| (motion, self.direction, self.rim_speed))
+    }
+
+    /// The time without a reading after which the reference is silent, s.
+    pub(super) fn silent_after(&self) -> f64 {
+        SILENT_PERIODS * self.period_s.min(1.0)
+    }
+
+    /// Did the reference start or return a short time ago?
+    pub(super) fn is_readmitted(&self, now_ns: i64) -> bool {
+        let within = |since: Option<i64>, time| {
+            since.is_some_and(|since| seconds_between(since, now_ns) < time)
+        };
+        within(self.readmitted_ns, READMITTED_S) || within(self.started_ns, STARTED_S)
+    }
+
+    /// Adds a reading of the accelerometer to its noise.
+    pub(super) fn observe_accelerometer(&mut self, time_ns: i64, force: [f64; 2]) {
+        if let Some(last) = self.accel_ns.replace(time_ns) {
+            let passed = seconds_between(last, time_ns);
+            if passed > 0.0 && passed < POSITION_PERIOD_S {
+                self.accel_period_s = passed;
+            }
+        }
+        self.accel_noise.push(force);
+    }
+
+    fn accel_density(&self, settings: &FilterSettings) -> f64 {
+        let (low, high) = ACCEL_NOISE_LIMITS;
+        self.accel_noise
+            .learnt()
+            .filter(|_| self.accel_period_s > 0.0)
+            .map_or(settings.accelerometer_noise, |sigma| {
+                (sigma * Real::sqrt(self.accel_period_s)).clamp(low, high)
+            })
+    }
+
+    /// Predicts the models up to `now_ns` by rims and inertial sensors.
+    pub(super) fn step(
+        &mut self,
+        now_ns: i64,
+        wheels: &WheelBank,
+        inertial: Inertial,
+        settings: &FilterSettings,
+    ) {
+        let travels = core::array::from_fn(|i| {
+            let wheel = wheels.channels.get(i);
+            wheel.map_or(0.0, |wheel| travel_at(wheel, now_ns, settings.dropout))
+        });
+        let Some(last_ns) = self.stepped_ns else {
+            self.stepped_ns = Some(now_ns);
+            self.travels = travels;
+            return;
+        };
+        let dt = seconds_between(last_ns, now_ns);
+        if dt < STEP_S {
+            return;
+        }
+        self.stepped_ns = Some(now_ns);
+        let before = core::mem::replace(&mut self.travels, travels);
+        let ways = core::array::from_fn(|i| travels[i] - before[i]);
+        let Some(rims) = self.rims(now_ns, dt, wheels, ways, inertial.yaw_rate, settings) else {
+            return;
+        };
+        self.direction = rims.direction;
+        self.rim_speed = rims.speed;
+        let ties = self
+            .tied_ns
+            .is_none_or(|tied| seconds_between(tied, now_ns) >= TIE_PERIOD_S);
+        if ties {
+            self.tied_ns = Some(now_ns);
+        }
+        let density = self.accel_density(settings);
+        let (sin, cos) = Real::sin_cos(rims.direction);
+        self.models.advance(&WheelStep {
+            dt,
+            rim_way: rims.way,
+            direction: rims.direction,
+            turn: inertial.yaw_rate * dt,
+            acceleration: inertial
+                .force
+                .map(|last| (cos * last.force[0] + sin * last.force[1], density)),
+            rim_speed: rims.speed,
+            rim_variance: rims.variance,
+            ties,
+        });
+        self.history.push(now_ns, self.models.totals());
+    }
+
+    /// The motion of the rims over a step, over the powered wheels that agree with the median.
+    fn rims(
+        &self,
+        now_ns: i64,
+        dt: f64,
+        wheels: &WheelBank,
+        ways: [f64; MAX_FILTER_WHEELS],
+        yaw_rate: f64,
+        settings: &FilterSettings,
+    ) -> Option<Rims> {
+        let heard =
+            |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
+        let first = wheels.iter().find(|wheel| heard(wheel))?.row;
+        let parallel = wheels
+            .iter()
+            .filter(|wheel| heard(wheel))
+            .all(|wheel| (first[0] * wheel.row[1] - first[1] * wheel.row[0]).abs() < PARALLEL_SINE);
+        let level = |wheel: &WheelChannel| {
+            let (rim, _) = wheel.rim?;
+            Some(Measured {
+                value: rim.value - yaw_rate * wheel.row[2],
+                variance: rim.variance,
+            })
+        };
+        let mut sorted = [0.0; MAX_FILTER_WHEELS];
+        let mut count = 0;
+        for rim in wheels.iter().filter(|wheel| heard(wheel)).filter_map(level) {
+            sorted[count] = rim.value;
+            count += 1;
+        }
+        let sorted = &mut sorted[..count];
+        sorted.sort_unstable_by(f64::total_cmp);
+        let median = 0.5 * (sorted.get(count.max(1) / 2)? + sorted[count.max(1).div_ceil(2) - 1]);
+        let agrees = |rim: Measured| {
+            let limit = (INLIER_SHARE * median.abs()).max(INLIER_SIGMA * rim.sigma());
+            !parallel || count < 3 || (rim.value - median).abs() <= limit
+        };
+        let mut by_way = Observations::default();
+        let mut by_speed = Observations::default();
+        let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
+        for (index, wheel) in wheels.iter().enumerate().filter(|(_, wheel)| heard(wheel)) {
+            let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
+                continue;
+            };
+            let along = ways[index] - yaw_rate * dt * wheel.row[2];
+            way += along;
+            speed += rim.value;
+            variance += rim.variance;
+            used += 1.0;
+            if !parallel {
+                let row = [wheel.row[0], wheel.row[1], 0.0];
+                let of = |value| Measured {
+                    value,
+                    variance: 1.0,
+                };
+                by_way.add(row, of(along));
+                by_speed.add(row, of(rim.value));
+            }
+        }
+        if used < 1.0 {
+            return None;
+        }
+        let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+        if parallel {
+            return Some(Rims {
+                way: way / used,
+                direction: Real::atan2(first[1], first[0]),
+                speed: speed / used,
+                variance,
+            });
+        }
+        let turn = Measured {
+            value: 0.0,
+            variance: 1.0,
+        };
+        by_way.add([0.0, 0.0, 1.0], turn);
+        by_speed.add([0.0, 0.0, 1.0], turn);
+        let [x, y, _] = by_speed.solve()?.velocity;
+        let speed = Real::hypot(x, y);
+        let direction = if speed > TURNING_SPEED_M_PER_S {
+            Real::atan2(y, x)
+        } else {
+            self.direction
+        };
+        let (sin, cos) = Real::sin_cos(direction);
+        let [way_x, way_y, _] = by_way.solve()?.velocity;
+        Some(Rims {
+            way: cos * way_x + sin * way_y,
+            direction,
+            speed: cos * x + sin * y,
+            variance,
+        })
+    }
+
+    /// Uses a measurement that was taken at `taken_ns` and arrives now.
+    pub(super) fn update(
+        &mut self,
+        taken_ns: i64,
+        measurement: &Measurement,
+        (now_ns, has_gyro): (i64, bool),
+        settings: &FilterSettings,
+    ) -> Outcome {
+        let then = self
+            .history
+            .at(taken_ns.min(self.stepped_ns.unwrap_or(taken_ns)));
+        let now = self.models.totals();
+        let since = then.map_or([0.0; 3], |then| core::array::from_fn(|i| now[i] - then[i]));
+        let (place, yaw, heading_sigma) = match *measurement {
+            Measurement::Pose { x, y, yaw } => (
+                [x, y],
+                Some(yaw + self.heading_offset),
+                MEASURED_HEADING_SIGMA_RAD,
+            ),
+            Measurement::Displacement {
+                forward,
+                left,
+                turn,
+            } => {
+                let turn = turn.unwrap_or_else(|| now[2] - since[2] - self.summed[2]);
+                let (sin, cos) = Real::sin_cos(self.summed[2] + 0.5 * turn);
+                self.summed[0] += cos * forward - sin * left;
+                self.summed[1] += sin * forward + cos * left;
+                self.summed[2] += turn;
+                let [x, y, heading] = self.summed;
+                ([x, y], Some(heading), SUMMED_HEADING_SIGMA_RAD)
+            }
+            Measurement::Speed { forward, .. } => {
+                return self.update_speed(now_ns, forward, settings);
+            }
+            _ => return Outcome::Unused,
+        };
+        let turns = self.rim_speed.abs() > TURNING_SPEED_M_PER_S;
+        let repeats = self.received_ns.is_some()
+            && place[0].to_bits() == self.position[0].to_bits()
+            && place[1].to_bits() == self.position[1].to_bits();
+        self.position = place;
+        self.received_ns = Some(taken_ns);
+        if repeats && turns && !self.repeats_at_rest {
+            return Outcome::Unused;
+        }
+        self.repeats_at_rest |= repeats && !turns;
+        if self.started_ns.is_none() || !self.models.has_started() {
+            let heading = yaw.unwrap_or(0.0);
+            self.start(now_ns, place, (heading, heading_sigma), settings);
+            self.used_ns = Some(taken_ns);
+            return Outcome::Accepted;
+        }
+        let passed = self
+            .used_ns
+            .map_or(POSITION_PERIOD_S, |used| seconds_between(used, taken_ns));
+        if passed < POSITION_PERIOD_S - 0.5 * STEP_S {
+            return Outcome::Unused;
+        }
+        self.used_ns = Some(taken_ns);
+        let silent = self.period_s > 0.0 && passed > SILENT_PERIODS * self.period_s;
+        if silent && passed > settings.dropout + settings.failure {
+            self.models.inflate_position(passed * self.rim_speed.abs());
+            self.readmitted_ns = Some(now_ns);
+        } else if self.period_s > 0.0 {
+            self.period_s += 0.2 * (passed - self.period_s);
+        } else {
+            self.period_s = passed;
+        }
+        if matches!(measurement, Measurement::Displacement { .. }) {
+            // each displacement adds its own error to their sum
+            self.models.wander(settings.position_sigma);
+        }
+        let agreement = self
+            .models
+            .update_position(place, since, settings.position_sigma);
+        if let Some(yaw) = yaw.filter(|_| !has_gyro || self.restarts < MAX_HEADING_RESTARTS) {
+            self.models.update_heading(yaw, since[2], heading_sigma);
+        }
+        if 1.0 - agreement.inlier <= MAX_OUTLIER_PROBABILITY {
+            if f64::from(self.refused) * passed > settings.failure {
+                self.readmitted_ns = Some(now_ns);
+            }
+            self.refused = 0;
+            self.accepted_position = place;
+            self.accepted_ns = Some(now_ns);
+            return Outcome::Accepted;
+        }
+        self.refused += 1;
+        if self.refused >= MAX_REFUSED {
+            self.restart_along_course(now_ns, place, yaw, settings);
+        }
+        Outcome::Refused
+    }
+
+    fn update_speed(&mut self, now_ns: i64, forward: f64, settings: &FilterSettings) -> Outcome {
+        if !self.models.has_started() {
+            self.start(now_ns, [0.0; 2], (0.0, SUMMED_HEADING_SIGMA_RAD), settings);
+        }
+        self.models
+            .update_speed(forward * Real::cos(self.direction), settings.speed_sigma);
+        self.accepted_ns = Some(now_ns);
+        Outcome::Accepted
+    }
+
+    fn start(
+        &mut self,
+        now_ns: i64,
+        place: [f64; 2],
+        (heading, heading_sigma): (f64, f64),
+        settings: &FilterSettings,
+    ) {
+        self.models
+            .set_slip_prior([settings.slip.mean, settings.slip.sigma]);
+        self.models
+            .start(place, heading, settings.position_sigma, heading_sigma);
+        self.accepted_position = place;
+        self.accepted_ns = Some(now_ns);
+        self.started_ns = Some(now_ns);
+    }
+
+    /// Restarts the models at a position, with the heading of the course since the last accepted one: the frame, its
+    /// heading or the motion are not what the models hold.
+    fn restart_along_course(
+        &mut self,
+        now_ns: i64,
+        place: [f64; 2],
+        yaw: Option<f64>,
+        settings: &FilterSettings,
+    ) {
+        let (dx, dy) = (
+            place[0] - self.accepted_position[0],
+            place[1] - self.accepted_position[1],
+        );
+        let course = Real::hypot(dx, dy);
+        let sigma = self
+            .models
+            .position_sigma()
+            .unwrap_or(settings.position_sigma);
+        self.refused = 0;
+        self.restarts += 1;
+        self.readmitted_ns = Some(now_ns);
+        self.accepted_position = place;
+        self.models.restart();
+        let uncertain = core::f64::consts::SQRT_2 * sigma / course.max(sigma);
+        let (heading, heading_sigma) = if uncertain < 0.2 {
+            let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
+            let heading = Real::atan2(back * dy, back * dx) - self.direction;
+            (heading, uncertain.max(MEASURED_HEADING_SIGMA_RAD))
+        } else {
+            (yaw.unwrap_or(0.0), MEASURED_HEADING_SIGMA_RAD)
+        };
+        self.heading_offset += heading - yaw.unwrap_or(heading);
+        self.models.start(place, heading, sigma, heading_sigma);
+    }
+}
+
+/// The travel of a rim at `now_ns`, m: that of its last reading, and its speed since.
+fn travel_at(wheel: &WheelChannel, now_ns: i64, dropout: f64) -> f64 {
+    let since = wheel
+        .silence(now_ns)
+        .filter(|silence| (0.0..=dropout).contains(silence));
+    let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
+    wheel.track.travel() + since.unwrap_or(0.0) * rim
+}

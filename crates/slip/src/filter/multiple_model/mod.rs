@@ -1,0 +1,366 @@
+//! The robot's motion from an absolute reference, the wheels and the accelerometer: several models of the slip at once.
+//!
+//! Slip, not speed, is the random walk: the robot's way is the rims' way times v/u, so that the uncertainty of the speed
+//! scales with the rim speed. How fast slip changes is not known beforehand, so that groups of models run side by side, from
+//! firm ground (constant slip) to ground that breaks away. Some use the accelerometer and some do not, since its bias holds
+//! the tilt of the ground. Each reading of the reference weighs the groups by how well they predicted it. Positions enter as
+//! positions, never as differences, and their noise is learnt. Outliers are part of the likelihood: there is no gate that
+//! could refuse a steady reference for ever.
+
+mod group;
+mod model;
+pub(super) mod reference_noise;
+
+use grouser_real::Real;
+
+use group::Group;
+use model::{DRIFT, HEADING, Rim, SLIP, STATES, Step, X, Y};
+use reference_noise::ReferenceNoise;
+
+/// Process noise densities of slip of the lone models, 1/√s: from firm ground to a wheel that breaks away; set by the profiles
+/// of `known_truth` in the generator's crate.
+const LONE_SLIP_NOISE: [f64; 5] = [0.002, 0.01, 0.04, 0.12, 0.4];
+/// Process noise density of slip while it jumps, 1/√s: 0.3 within 0.15 s.
+const JUMP_SLIP_NOISE: f64 = 0.8;
+/// Process noise densities of the accelerometer's bias, m/s² per √s: on even ground, and on rolling ground.
+const LEVEL_BIAS_NOISE: f64 = 3e-3;
+const ROLLING_BIAS_NOISE: f64 = 0.1;
+const GROUPS: usize = LONE_SLIP_NOISE.len() + 3;
+/// Share of a group's evidence that is kept from one reading of the reference to the next: a memory of 7 s at 5 Hz.
+const EVIDENCE_KEPT: f64 = 0.97;
+/// Smallest share of a group in the variance: the ground may have changed since the last reading.
+const MIN_SHARE_IN_VARIANCE: f64 = 0.03;
+/// A learnt noise is at least this, m.
+const MIN_POSITION_SIGMA_M: f64 = 1e-4;
+/// A measured heading is at least this uncertain, rad.
+const MIN_HEADING_SIGMA_RAD: f64 = 1e-3;
+
+/// The measurements of wheels and inertial sensors over one step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WheelStep {
+    /// Length, s.
+    pub(crate) dt: f64,
+    /// Way of the rims, m.
+    pub(crate) rim_way: f64,
+    /// Direction in which the rims run, beside the robot's heading, rad.
+    pub(crate) direction: f64,
+    /// Turn of the robot, rad.
+    pub(crate) turn: f64,
+    /// Specific force along that direction, m/s², and its noise density, m/s/√s.
+    pub(crate) acceleration: Option<(f64, f64)>,
+    /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
+    pub(crate) rim_speed: f64,
+    pub(crate) rim_variance: f64,
+    /// Has a new window of the rims ended, so that it ties speed and slip?
+    pub(crate) ties: bool,
+}
+
+/// The estimate, along the direction of the rims.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ModelMotion {
+    /// Speed, m/s: that of the rims less the slip.
+    pub(crate) speed: f64,
+    /// Common slip and its standard deviation.
+    pub(crate) slip: f64,
+    pub(crate) slip_sigma: f64,
+    /// Sideways over forward speed.
+    pub(crate) drift: f64,
+    pub(crate) drift_sigma: f64,
+    /// Place and heading in the reference's frame.
+    pub(crate) place: [f64; 2],
+    pub(crate) heading: f64,
+}
+
+/// How a reading of the reference agrees with the prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Agreement {
+    /// Probability that it was no outlier.
+    pub(crate) inlier: f64,
+    /// Squared innovation over its variance, along and across together (2 degrees of freedom) or of a speed (1).
+    pub(crate) nis: f64,
+}
+
+/// Groups of models with their shares.
+#[derive(Clone, Debug)]
+pub(crate) struct MultipleModel {
+    groups: [Group; GROUPS],
+    /// Shares of the groups by their evidence.
+    shares: [f64; GROUPS],
+    /// Means over all groups, as of the last step.
+    mean: [f64; STATES],
+    noise: ReferenceNoise,
+    has_started: bool,
+    was_inertial: bool,
+    rim_speed: f64,
+    /// Way by the estimate and by the rims since the start, in the reference's frame, m; corrections left out.
+    path: [f64; 2],
+    rim_path: [f64; 2],
+    turned: f64,
+    slip_prior: [f64; 2],
+}
+
+impl MultipleModel {
+    /// Waits for the first position. `slip` is the prior's mean and standard deviation.
+    pub(crate) fn new(slip: [f64; 2]) -> Self {
+        let rates = |rare: f64| [[0.0, rare, rare], [0.3, 0.0, rare], [2.0, 2.0, 0.0]];
+        let [a, b, c, d, e] = LONE_SLIP_NOISE;
+        let (level, rolling) = (Some(LEVEL_BIAS_NOISE), Some(ROLLING_BIAS_NOISE));
+        let quiet = [0.002, 0.03, JUMP_SLIP_NOISE];
+        let restless = [0.01, 0.1, JUMP_SLIP_NOISE];
+        Self {
+            groups: [
+                Group::lone(a, None),
+                Group::lone(b, None),
+                Group::lone(c, level),
+                Group::lone(d, None),
+                Group::lone(e, rolling),
+                Group::interacting(quiet, level, rates(0.02)),
+                Group::interacting(restless, rolling, rates(0.3)),
+                Group::interacting(restless, None, rates(0.3)),
+            ],
+            shares: [1.0 / GROUPS as f64; GROUPS],
+            mean: [0.0; STATES],
+            noise: ReferenceNoise::new(),
+            has_started: false,
+            was_inertial: false,
+            rim_speed: 0.0,
+            path: [0.0; 2],
+            rim_path: [0.0; 2],
+            turned: 0.0,
+            slip_prior: slip,
+        }
+    }
+
+    /// Forgets place and motion; keeps the learnt noise.
+    pub(crate) fn restart(&mut self) {
+        let noise = core::mem::replace(&mut self.noise, ReferenceNoise::new());
+        *self = Self::new(self.slip_prior);
+        self.noise = noise;
+        self.noise.interrupt();
+    }
+
+    /// Totals for a history: the rims' way in the reference's frame, m, and the turn, rad.
+    pub(crate) const fn totals(&self) -> [f64; 3] {
+        [self.rim_path[0], self.rim_path[1], self.turned]
+    }
+
+    /// Predicts over one step.
+    pub(crate) fn advance(&mut self, wheels: &WheelStep) {
+        self.rim_speed = wheels.rim_speed;
+        if !self.has_started {
+            return;
+        }
+        let rim = Rim {
+            speed: wheels.rim_speed,
+            variance: wheels.rim_variance,
+        };
+        let is_inertial = wheels.acceleration.is_some();
+        let begins = is_inertial && !self.was_inertial;
+        self.was_inertial = is_inertial;
+        let before = self.mean;
+        for group in &mut self.groups {
+            if begins {
+                group.each(|model| model.follow_rim(rim));
+            }
+            let uses = is_inertial && group.is_inertial;
+            let step = Step {
+                dt: wheels.dt,
+                rim_way: wheels.rim_way,
+                direction: wheels.direction,
+                turn: wheels.turn,
+                acceleration: wheels.acceleration.filter(|_| uses),
+            };
+            group.mix(wheels.dt);
+            group.each(|model| model.predict(&step));
+            if uses && wheels.ties {
+                group.weigh(|model| model.tie(rim));
+            }
+        }
+        self.average();
+        for (axis, path) in [X, Y].into_iter().zip(&mut self.path) {
+            *path += self.mean[axis] - before[axis];
+        }
+        let (sin, cos) = Real::sin_cos(before[HEADING] + wheels.direction + 0.5 * wheels.turn);
+        self.rim_path[0] += cos * wheels.rim_way;
+        self.rim_path[1] += sin * wheels.rim_way;
+        self.turned += wheels.turn;
+        if self.mean.iter().any(|x| !x.is_finite()) {
+            self.restart();
+        }
+    }
+
+    /// Starts at a place (m) with a heading (rad), known to `position_sigma` and `heading_sigma`.
+    pub(crate) fn start(
+        &mut self,
+        place: [f64; 2],
+        heading: f64,
+        position_sigma: f64,
+        heading_sigma: f64,
+    ) {
+        let (rim, slip) = (self.rim_speed, self.slip_prior);
+        for group in &mut self.groups {
+            group.each(|model| {
+                model.start(place, heading, [position_sigma, heading_sigma], rim, slip)
+            });
+        }
+        self.has_started = true;
+        self.average();
+    }
+
+    /// Sets the prior of the slip for the next start: mean and standard deviation.
+    pub(crate) fn set_slip_prior(&mut self, slip: [f64; 2]) {
+        self.slip_prior = slip;
+    }
+
+    /// Has it started?
+    pub(crate) const fn has_started(&self) -> bool {
+        self.has_started
+    }
+
+    /// A position, m; `since` are [`totals`](Self::totals) now less those when it was taken. `prior_sigma` (m) holds until the noise is learnt.
+    pub(crate) fn update_position(
+        &mut self,
+        place: [f64; 2],
+        since: [f64; 3],
+        prior_sigma: f64,
+    ) -> Agreement {
+        let share = self.mean_share();
+        self.noise.push(core::array::from_fn(|i| {
+            place[i] - (self.path[i] - since[i] * share)
+        }));
+        let sigma = self.noise.sigma(prior_sigma).max(MIN_POSITION_SIGMA_M);
+        let variance = sigma * sigma;
+        let agreement = self.agreement(place, since, variance);
+        self.fade_evidence();
+        for group in &mut self.groups {
+            group.weigh_and_score(|model| {
+                model.update_position(place, [since[0], since[1]], variance)
+            });
+        }
+        self.reweigh();
+        agreement
+    }
+
+    /// A heading in the reference's frame (rad), `turned` (rad) ago.
+    pub(crate) fn update_heading(&mut self, heading: f64, turned: f64, sigma: f64) {
+        let variance = sigma.max(MIN_HEADING_SIGMA_RAD) * sigma.max(MIN_HEADING_SIGMA_RAD);
+        for group in &mut self.groups {
+            group.weigh_and_score(|model| model.update_heading(heading, turned, variance));
+        }
+        self.reweigh();
+    }
+
+    /// A speed along the direction of the rims, m/s.
+    pub(crate) fn update_speed(&mut self, speed: f64, sigma: f64) {
+        let rim = self.rim_speed;
+        self.fade_evidence();
+        for group in &mut self.groups {
+            let inertial = self.was_inertial && group.is_inertial;
+            group.weigh_and_score(|model| model.update_speed(speed, rim, inertial, sigma * sigma));
+        }
+        self.reweigh();
+    }
+
+    /// The robot may have moved by `distance` (m) without a measurement.
+    pub(crate) fn inflate_position(&mut self, distance: f64) {
+        self.noise.interrupt();
+        for group in &mut self.groups {
+            group.each(|model| model.inflate_position(distance * distance));
+        }
+    }
+
+    /// The reference's frame may have wandered by `distance` (m).
+    pub(crate) fn wander(&mut self, distance: f64) {
+        for group in &mut self.groups {
+            group.each(|model| model.inflate_position(distance * distance));
+        }
+    }
+
+    /// Standard deviation of a position, m, once it is learnt.
+    pub(crate) fn position_sigma(&self) -> Option<f64> {
+        self.noise.learnt()
+    }
+
+    /// The estimate; `None` before the first position.
+    pub(crate) fn motion(&self) -> Option<ModelMotion> {
+        let [slip, drift] = [SLIP, DRIFT].map(|i| (self.mean[i], Real::sqrt(self.variance(i))));
+        self.has_started.then_some(ModelMotion {
+            speed: self.rim_speed * self.mean_share(),
+            slip: slip.0.clamp(-1.0, 1.0),
+            slip_sigma: slip.1,
+            drift: drift.0,
+            drift_sigma: drift.1,
+            place: [self.mean[X], self.mean[Y]],
+            heading: self.mean[HEADING],
+        })
+    }
+
+    /// Lets the evidence fade, so that a change of ground changes the shares.
+    fn fade_evidence(&mut self) {
+        for group in &mut self.groups {
+            group.log_evidence *= EVIDENCE_KEPT;
+        }
+    }
+
+    /// Recomputes shares and means after a measurement.
+    fn reweigh(&mut self) {
+        let best = self
+            .groups
+            .iter()
+            .map(|group| group.log_evidence)
+            .fold(f64::MIN, f64::max);
+        let mut total = 0.0;
+        for (group, share) in self.groups.iter_mut().zip(&mut self.shares) {
+            group.log_evidence -= best;
+            *share = Real::exp(group.log_evidence);
+            total += *share;
+        }
+        for share in &mut self.shares {
+            *share /= total;
+        }
+        self.average();
+    }
+
+    fn average(&mut self) {
+        self.mean = [0.0; STATES];
+        for (group, share) in self.groups.iter().zip(self.shares) {
+            for (model, weight) in group.models() {
+                for (slot, value) in self.mean.iter_mut().zip(&model.mean) {
+                    *slot += share * weight * value;
+                }
+            }
+        }
+    }
+
+    /// Variance of a state over all groups, each with a least share.
+    fn variance(&self, i: usize) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (group, share) in self.groups.iter().zip(self.shares) {
+            let share = share.max(MIN_SHARE_IN_VARIANCE);
+            total += share;
+            for (model, weight) in group.models() {
+                let off = model.mean[i] - self.mean[i];
+                sum += share * weight * (model.covariance[i][i] + off * off);
+            }
+        }
+        sum / total
+    }
+
+    fn mean_share(&self) -> f64 {
+        model::rim_share(self.mean[SLIP]).0
+    }
+
+    /// The agreement of a position with the prediction over all groups.
+    fn agreement(&self, place: [f64; 2], since: [f64; 3], variance: f64) -> Agreement {
+        let share = self.mean_share();
+        let mut nis = 0.0;
+        for (axis, i) in [X, Y].into_iter().enumerate() {
+            let residual = place[axis] - (self.mean[i] - since[axis] * share);
+            nis += residual * residual / (self.variance(i) + variance);
+        }
+        Agreement {
+            inlier: model::inlier_probability(nis),
+            nis,
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! One hypothesis about how fast slip changes: a Kalman filter over place, heading, speed and slip.
+
+use grouser_real::Real;
+
+/// Number of states.
+pub(super) const STATES: usize = 7;
+/// Place in the reference's frame, m.
+pub(super) const X: usize = 0;
+/// Its second coordinate, m.
+pub(super) const Y: usize = 1;
+/// Heading in the reference's frame, rad.
+pub(super) const HEADING: usize = 2;
+/// Speed along the direction in which the rims run, m/s.
+pub(super) const SPEED: usize = 3;
+/// Common slip of the powered wheels.
+pub(super) const SLIP: usize = 4;
+/// Sideways speed over forward speed.
+pub(super) const DRIFT: usize = 5;
+/// Bias of the accelerometer along the direction of travel, m/s².
+const BIAS: usize = 6;
+
+/// Prior share of outliers among the readings of a reference; the cells of `known_truth` draw half of it.
+const OUTLIER_SHARE: f64 = 0.02;
+/// Standard deviation of an outlier over that of a good reading.
+const OUTLIER_FACTOR: f64 = 30.0;
+/// Process noise of the sideways motion beside the modelled drift, as a share of the speed, √s: a rover's wander on level sand.
+const SIDE_NOISE: f64 = 0.03;
+/// Process noise density of the drift, 1/√s, and its time constant, s: slopes are crossed for seconds.
+const DRIFT_NOISE: f64 = 0.03;
+const DRIFT_MEMORY_S: f64 = 5.0;
+/// Process noise density of the heading beside the gyro's bias, rad/√s.
+const HEADING_NOISE: f64 = 1e-3;
+/// Slip lies within ±1.
+const MAX_SLIP: f64 = 1.0;
+
+/// The measurements of wheels and inertial sensors over one step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Length, s.
+    pub(super) dt: f64,
+    /// Way of the rims over the step, m, and its direction beside the robot's heading, rad.
+    pub(super) rim_way: f64,
+    pub(super) direction: f64,
+    /// Turn of the robot over the step, rad.
+    pub(super) turn: f64,
+    /// Specific force along the direction, m/s², and its noise density, m/s/√s.
+    pub(super) acceleration: Option<(f64, f64)>,
+}
+
+/// The rims' mean speed over a window, which ties speed and slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rim {
+    /// m/s.
+    pub(super) speed: f64,
+    /// Variance of it, m²/s².
+    pub(super) variance: f64,
+}
+
+/// One hypothesis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Model {
+    pub(super) mean: [f64; STATES],
+    pub(super) covariance: [[f64; STATES]; STATES],
+    /// Process noise density of slip, 1/√s.
+    slip_noise: f64,
+    /// Process noise density of the accelerometer's bias, m/s² per √s.
+    bias_noise: f64,
+}
+
+impl Model {
+    pub(super) const fn new(slip_noise: f64, bias_noise: f64) -> Self {
+        Self {
+            mean: [0.0; STATES],
+            covariance: [[0.0; STATES]; STATES],
+            slip_noise,
+            bias_noise,
+        }
+    }
+
+    /// Starts at a place, with the rims running at `rim` (m/s).
+    pub(super) fn start(
+        &mut self,
+        place: [f64; 2],
+        heading: f64,
+        sigma: [f64; 2],
+        rim: f64,
+        slip: [f64; 2],
+    ) {
+        self.mean = [
+            place[0],
+            place[1],
+            heading,
+            rim * (1.0 - slip[0]),
+            slip[0],
+            0.0,
+            0.0,
+        ];
+        self.covariance = [[0.0; STATES]; STATES];
+        let speed = rim.abs() * slip[1] + 0.01;
+        let sigmas = [sigma[0], sigma[0], sigma[1], speed, slip[1], 0.05, 0.3];
+        for (i, sigma) in sigmas.into_iter().enumerate() {
+            self.covariance[i][i] = sigma * sigma;
+        }
+    }
+
+    /// Propagates the covariance by x_i ← x_i + slope x_j.
+    fn propagate(&mut self, i: usize, j: usize, slope: f64) {
+        let row = self.covariance[j];
+        for (slot, value) in self.covariance[i].iter_mut().zip(row) {
+            *slot += slope * value;
+        }
+        for row in &mut self.covariance {
+            row[i] += slope * row[j];
+        }
+    }
+
+    /// Predicts over one step.
+    pub(super) fn predict(&mut self, step: &Step) {
+        let dt = step.dt;
+        let [.., slip, drift, bias] = self.mean;
+        let (sin, cos) = Real::sin_cos(self.mean[HEADING] + step.direction + 0.5 * step.turn);
+        self.mean[HEADING] += step.turn;
+        self.covariance[HEADING][HEADING] += HEADING_NOISE * HEADING_NOISE * dt;
+        let way;
+        if let Some((force, noise)) = step.acceleration {
+            let speed = self.mean[SPEED];
+            way = (speed + 0.5 * (force - bias) * dt) * dt;
+            self.mean[SPEED] += (force - bias) * dt;
+            self.propagate(X, SPEED, cos * dt);
+            self.propagate(Y, SPEED, sin * dt);
+            self.propagate(SPEED, BIAS, -dt);
+            self.covariance[SPEED][SPEED] += noise * noise * dt;
+        } else {
+            // The way by rim and slip is an exact sum of ticks; no speed is in between.
+            let (share, slope) = rim_share(slip);
+            way = step.rim_way * share;
+            let slope = step.rim_way * slope;
+            self.propagate(X, SLIP, cos * slope);
+            self.propagate(Y, SLIP, sin * slope);
+        }
+        let across = drift * way;
+        let (east, north) = (cos * way - sin * across, sin * way + cos * across);
+        self.mean[X] += east;
+        self.mean[Y] += north;
+        self.propagate(X, HEADING, -north);
+        self.propagate(Y, HEADING, east);
+        self.propagate(X, DRIFT, -sin * way);
+        self.propagate(Y, DRIFT, cos * way);
+        let side = if dt > 0.0 {
+            SIDE_NOISE * SIDE_NOISE * way * way / dt
+        } else {
+            0.0
+        };
+        self.covariance[X][X] += side * sin * sin;
+        self.covariance[Y][Y] += side * cos * cos;
+        self.covariance[X][Y] -= side * sin * cos;
+        self.covariance[Y][X] -= side * sin * cos;
+        let kept = 1.0 - dt / DRIFT_MEMORY_S;
+        self.mean[DRIFT] *= kept;
+        for i in 0..STATES {
+            self.covariance[i][DRIFT] *= kept;
+            self.covariance[DRIFT][i] *= kept;
+        }
+        self.covariance[DRIFT][DRIFT] += DRIFT_NOISE * DRIFT_NOISE * dt;
+        self.covariance[BIAS][BIAS] += self.bias_noise * self.bias_noise * dt;
+        self.covariance[SLIP][SLIP] += self.slip_noise * self.slip_noise * dt;
+    }
+
+    /// Without an accelerometer the speed follows from rim and slip.
+    pub(super) fn follow_rim(&mut self, rim: Rim) {
+        let (share, slope) = rim_share(self.mean[SLIP]);
+        let slope = rim.speed * slope;
+        self.mean[SPEED] = rim.speed * share;
+        let slips = self.covariance[SLIP].map(|c| slope * c);
+        self.covariance[SPEED] = slips;
+        for (row, c) in self.covariance.iter_mut().zip(slips) {
+            row[SPEED] = c;
+        }
+        self.covariance[SPEED][SPEED] = slope * slips[SLIP] + rim.variance;
+    }
+
+    /// Ties speed and slip by the rims' speed: u = v + s m, m the faster of u and v. Returns the likelihood.
+    pub(super) fn tie(&mut self, rim: Rim) -> f64 {
+        let (slip, speed) = (self.mean[SLIP], self.mean[SPEED]);
+        let (faster, by_speed) = if slip >= 0.0 {
+            (rim.speed, 1.0)
+        } else {
+            (speed, 1.0 + slip)
+        };
+        let residual = rim.speed - speed - faster * slip;
+        let likelihood = self.update(
+            &[(SPEED, by_speed), (SLIP, faster)],
+            residual,
+            rim.variance,
+            false,
+        );
+        self.clamp_slip();
+        likelihood
+    }
+
+    fn clamp_slip(&mut self) {
+        self.mean[SLIP] = self.mean[SLIP].clamp(-MAX_SLIP, MAX_SLIP);
+    }
+
+    /// Inflates the variance of the position (m²).
+    pub(super) fn inflate_position(&mut self, variance: f64) {
+        for i in [X, Y] {
+            self.covariance[i][i] += variance;
+        }
+    }
+
+    /// Updates by a position of the past; `since` is the rims' way since then, in the reference's frame, m.
+    pub(super) fn update_position(
+        &mut self,
+        place: [f64; 2],
+        since: [f64; 2],
+        variance: f64,
+    ) -> f64 {
+        let mut likelihood = 1.0;
+        for axis in [X, Y] {
+            let (share, slope) = rim_share(self.mean[SLIP]);
+            let predicted = self.mean[axis] - since[axis] * share;
+            likelihood *= self.update(
+                &[(axis, 1.0), (SLIP, -since[axis] * slope)],
+                place[axis] - predicted,
+                variance,
+                true,
+            );
+        }
+        self.clamp_slip();
+        likelihood
+    }
+
+    /// Updates by a heading in the reference's frame, as it was `turned` (rad) ago.
+    pub(super) fn update_heading(&mut self, heading: f64, turned: f64, variance: f64) -> f64 {
+        let residual = wrap(heading + turned - self.mean[HEADING]);
+        self.update(&[(HEADING, 1.0)], residual, variance, true)
+    }
+
+    /// Updates by a speed along the direction of the rims.
+    pub(super) fn update_speed(
+        &mut self,
+        speed: f64,
+        rim: f64,
+        inertial: bool,
+        variance: f64,
+    ) -> f64 {
+        let (share, slope) = rim_share(self.mean[SLIP]);
+        let likelihood = if inertial {
+            self.update(&[(SPEED, 1.0)], speed - self.mean[SPEED], variance, true)
+        } else {
+            self.update(&[(SLIP, rim * slope)], speed - rim * share, variance, true)
+        };
+        self.clamp_slip();
+        likelihood
+    }
+
+    /// One scalar update; returns its likelihood. A share of the readings of a reference (`robust`) are outliers: both cases
+    /// enter, each by its probability, so that no steady reference is refused for ever.
+    fn update(
+        &mut self,
+        jacobian: &[(usize, f64)],
+        residual: f64,
+        variance: f64,
+        robust: bool,
+    ) -> f64 {
+        let mut spread = [0.0; STATES];
+        for &(j, slope) in jacobian {
+            for (slot, row) in spread.iter_mut().zip(&self.covariance) {
+                *slot += slope * row[j];
+            }
+        }
+        let known: f64 = jacobian.iter().map(|&(j, slope)| slope * spread[j]).sum();
+        let good = 1.0 / (known + variance);
+        let density =
+            |inverse: f64| Real::sqrt(inverse) * Real::exp(-0.5 * residual * residual * inverse);
+        let (mut gain, mut square, mut likelihood) = (good, good * good, density(good));
+        if robust {
+            let bad = 1.0 / (known + variance * OUTLIER_FACTOR * OUTLIER_FACTOR);
+            let (as_good, as_bad) = (
+                (1.0 - OUTLIER_SHARE) * likelihood,
+                OUTLIER_SHARE * density(bad),
+            );
+            likelihood = as_good + as_bad;
+            let share = if likelihood > 0.0 {
+                as_good / likelihood
+            } else {
+                0.0
+            };
+            gain = share * good + (1.0 - share) * bad;
+            square = share * good * good + (1.0 - share) * bad * bad;
+        }
+        let doubt = (square - gain * gain) * residual * residual;
+        for (i, row) in self.covariance.iter_mut().enumerate() {
+            for (slot, other) in row.iter_mut().zip(&spread) {
+                *slot += (doubt - gain) * spread[i] * other;
+            }
+        }
+        for (slot, spread) in self.mean.iter_mut().zip(&spread) {
+            *slot += gain * residual * spread;
+        }
+        likelihood
+    }
+}
+
+/// The robot's way over the rims' at slip s, v/u: 1 − s driving, 1/(1 + s) braking; and its derivative.
+pub(super) fn rim_share(slip: f64) -> (f64, f64) {
+    if slip >= 0.0 {
+        (1.0 - slip, -1.0)
+    } else {
+        let ratio = 1.0 / (1.0 + slip.max(-0.95));
+        (ratio, -ratio * ratio)
+    }
+}
+
+/// The probability that a position with this normalised innovation squared is no outlier.
+pub(super) fn inlier_probability(nis: f64) -> f64 {
+    let square = OUTLIER_FACTOR * OUTLIER_FACTOR;
+    let good = (1.0 - OUTLIER_SHARE) * Real::exp(-0.5 * nis);
+    let bad = OUTLIER_SHARE / square * Real::exp(-0.5 * nis / square);
+    good / (good + bad).max(1e-300)
+}
+
+/// An angle in [−π, π].
+fn wrap(angle: f64) -> f64 {
+    let (sin, cos) = Real::sin_cos(angle);
+    Real::atan2(sin, cos)
+}
+
+impl Model {
+    /// Takes on the moments of a mixture; its process noise stays.
+    pub(super) fn blend(&mut self, models: &[Self], shares: &[f64], count: usize) {
+        let mut mean = [0.0; STATES];
+        for (model, share) in models.iter().zip(shares).take(count) {
+            for (slot, value) in mean.iter_mut().zip(&model.mean) {
+                *slot += share * value;
+            }
+        }
+        let mut covariance = [[0.0; STATES]; STATES];
+        for (model, share) in models.iter().zip(shares).take(count) {
+            let off: [f64; STATES] = core::array::from_fn(|i| model.mean[i] - mean[i]);
+            for i in 0..STATES {
+                for j in 0..STATES {
+                    covariance[i][j] += share * (model.covariance[i][j] + off[i] * off[j]);
+                }
+            }
+        }
+        self.mean = mean;
+        self.covariance = covariance;
+    }
+}

@@ -1,0 +1,74 @@
+//! The noise of a reference, learnt from its own readings.
+
+use grouser_real::Real;
+
+/// Number of second differences kept.
+const KEPT: usize = 32;
+/// The noise is learnt from at least this many.
+const ENOUGH: usize = 8;
+/// The median of |N(0, 1)|.
+const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
+/// Variance of the second difference of white noise over that of the noise.
+const SECOND_DIFFERENCE: f64 = 6.0;
+
+/// Standard deviation of the positions about the way of the wheels, by the median of second differences: a constant slip
+/// drops out, and outliers and changes of slip are few.
+#[derive(Clone, Debug)]
+pub(crate) struct ReferenceNoise {
+    last: [[f64; 2]; 2],
+    seen: usize,
+    sizes: [f64; KEPT],
+    next: usize,
+    count: usize,
+    sigma: Option<f64>,
+}
+
+impl ReferenceNoise {
+    pub(crate) const fn new() -> Self {
+        Self {
+            last: [[0.0; 2]; 2],
+            seen: 0,
+            sizes: [0.0; KEPT],
+            next: 0,
+            count: 0,
+            sigma: None,
+        }
+    }
+
+    /// Adds a position less the way of the wheels.
+    pub(crate) fn push(&mut self, reading: [f64; 2]) {
+        let [before, last] = self.last;
+        self.last = [last, reading];
+        self.seen += 1;
+        if self.seen < 3 {
+            return;
+        }
+        for axis in 0..2 {
+            self.sizes[self.next] = (reading[axis] - 2.0 * last[axis] + before[axis]).abs();
+            self.next = (self.next + 1) % KEPT;
+            self.count = (self.count + 1).min(KEPT);
+        }
+        if self.count >= ENOUGH {
+            let mut sorted = self.sizes;
+            let sorted = &mut sorted[..self.count];
+            sorted.sort_unstable_by(f64::total_cmp);
+            self.sigma =
+                Some(sorted[self.count / 2] / (MEDIAN_OF_NORMAL * Real::sqrt(SECOND_DIFFERENCE)));
+        }
+    }
+
+    /// Restarts the differences after a gap or in a new frame; what was learnt stays.
+    pub(crate) fn interrupt(&mut self) {
+        self.seen = 0;
+    }
+
+    /// The learnt standard deviation, m.
+    pub(crate) const fn learnt(&self) -> Option<f64> {
+        self.sigma
+    }
+
+    /// Standard deviation of one reading on one axis.
+    pub(crate) fn sigma(&self, prior: f64) -> f64 {
+        self.sigma.unwrap_or(prior)
+    }
+}
