@@ -4,7 +4,7 @@
 
 use super::point::violation;
 use super::qp::{QpSolution, RowKind, Rows};
-use super::{Expansion, LAST_PRICE, Phase, Sqp, subspace};
+use super::{Expansion, MAX_PRICE, Phase, Sqp, subspace};
 use crate::program::Program;
 
 /// A tenfold price must lower the linearised violation at least to this share to be worth it.
@@ -26,7 +26,7 @@ impl Sqp<'_, '_, '_> {
         let tolerance = 0.1 * self.settings.constraint_tolerance;
         let mut left = linear_violation(self.program, &rows, &best.step);
         let mut trial_price = price;
-        while left > tolerance && trial_price < LAST_PRICE {
+        while left > tolerance && trial_price < MAX_PRICE {
             trial_price *= 10.0;
             set_price(&mut rows, trial_price);
             let trial = self.subproblem(model, &rows, &best.multipliers);
