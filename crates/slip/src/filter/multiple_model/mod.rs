@@ -30,6 +30,9 @@ const GROUPS: usize = LONE_SLIP_NOISE.len() + 3;
 const EVIDENCE_KEPT: f64 = 0.97;
 /// Smallest share of a group in the variance: the ground may have changed since the last reading.
 const MIN_SHARE_IN_VARIANCE: f64 = 0.03;
+/// Logarithm of the prior odds of a group with the accelerometer over one without, while there is an accelerometer: on steady
+/// ground positions do not tell them apart, and a jump of the slip must count at once.
+const INERTIAL_LOG_PRIOR: f64 = 4.0;
 /// A learnt noise is at least this, m.
 const MIN_POSITION_SIGMA_M: f64 = 1e-4;
 /// A measured heading is at least this uncertain, rad.
@@ -309,10 +312,16 @@ impl MultipleModel {
             .iter()
             .map(|group| group.log_evidence)
             .fold(f64::MIN, f64::max);
+        let inertial = self.was_inertial;
         let mut total = 0.0;
         for (group, share) in self.groups.iter_mut().zip(&mut self.shares) {
             group.log_evidence -= best;
-            *share = Real::exp(group.log_evidence);
+            let prior = if inertial && group.is_inertial {
+                INERTIAL_LOG_PRIOR
+            } else {
+                0.0
+            };
+            *share = Real::exp(group.log_evidence + prior);
             total += *share;
         }
         for share in &mut self.shares {
