@@ -54,8 +54,6 @@ pub(crate) struct WheelStep {
     /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
     pub(crate) rim_speed: f64,
     pub(crate) rim_variance: f64,
-    /// Has a new window of the rims ended, so that it ties speed and slip?
-    pub(crate) ties: bool,
 }
 
 /// The estimate, along the direction of the rims.
@@ -175,7 +173,7 @@ impl MultipleModel {
             };
             group.mix(wheels.dt);
             group.each(|model| model.predict(&step));
-            if uses && wheels.ties {
+            if uses {
                 group.weigh(|model| model.tie(rim));
             }
         }
