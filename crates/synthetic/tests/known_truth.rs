@@ -223,19 +223,3 @@ fn every_profile() {
     use SlipProfile::{Blips, Constant, Ramp, Walk, Waves};
     table(&[Constant, Blips, Ramp, Waves, Walk], 2);
 }
-#[test]
-fn trace() {
-    let d = drive(2.0, true, Disturbance::Clean, 1);
-    let robot = KnownTruth::robot().unwrap();
-    let settings = FilterSettings { position_sigma: 0.02, ..FilterSettings::any_ground() };
-    let mut filter = SlipFilter::new(&robot, settings).unwrap();
-    let (mut sq, mut n) = ([0.0; 24], [0.0; 24]);
-    for (k, step) in d.steps().iter().enumerate() {
-        for &s in &step.samples { let _ = filter.update(s); }
-        let e = filter.latest().body.common_slip;
-        let b = k / 500; sq[b] += (e.value - step.wheel_slips.iter().sum::<f64>() / 4.0).powi(2); n[b] += 1.0;
-        if (3996..4080).contains(&k) && k % 4 == 0 { println!("T {:.2} {:.3} {:.3} {:.3}", step.time_s, step.slip, e.value, e.variance.sqrt()); }
-    }
-    for b in 0..24 { print!(" {:.4}", (sq[b] / n[b]).sqrt()); }
-    println!();
-}

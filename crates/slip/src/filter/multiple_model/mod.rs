@@ -29,7 +29,9 @@ const GROUPS: usize = LONE_SLIP_NOISE.len() + 3;
 /// Share of a group's evidence that is kept from one reading of the reference to the next: a memory of 7 s at 5 Hz.
 const EVIDENCE_KEPT: f64 = 0.97;
 /// Smallest share of a group in the variance: the ground may have changed since the last reading.
-const MIN_SHARE_IN_VARIANCE: f64 = 0.03;
+const MIN_SHARE_IN_VARIANCE: f64 = 0.015;
+/// The same for a group without the accelerometer while there is one.
+const UNAIDED_SHARE_IN_VARIANCE: f64 = 0.001;
 /// Logarithm of the prior odds of a group with the accelerometer over one without, while there is an accelerometer: on steady
 /// ground positions do not tell them apart, and a jump of the slip must count at once.
 const INERTIAL_LOG_PRIOR: f64 = 4.0;
@@ -343,7 +345,13 @@ impl MultipleModel {
     fn variance(&self, i: usize) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for (group, share) in self.groups.iter().zip(self.shares) {
-            let share = share.max(MIN_SHARE_IN_VARIANCE);
+            let unaided = self.was_inertial && !group.is_inertial;
+            let least = if unaided {
+                UNAIDED_SHARE_IN_VARIANCE
+            } else {
+                MIN_SHARE_IN_VARIANCE
+            };
+            let share = share.max(least);
             total += share;
             for (model, weight) in group.models() {
                 let off = model.mean[i] - self.mean[i];
