@@ -7,6 +7,7 @@
 //! wheels = "/joint_states"              # sensor_msgs/JointState
 //! yaw_rate = "/imu/data"                # sensor_msgs/Imu
 //! imu_up = "z"                          # its axis that points up: x, y, z, -x, -y or -z
+//! imu_forward = "x"                     # its axis that points forwards
 //! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry, geometry_msgs/PoseStamped
 //! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry, geometry_msgs/TwistStamped
 //! command = "/cmd_vel"                  # geometry_msgs/Twist, TwistStamped
@@ -80,6 +81,8 @@ pub struct Topics {
     pub yaw_rate: Option<String>,
     /// The direction in the IMU's own frame that points up.
     pub imu_up: Option<[f64; 3]>,
+    /// The direction in the IMU's own frame that points forwards.
+    pub imu_forward: Option<[f64; 3]>,
     /// The topic of the robot's pose.
     pub pose: Option<String>,
     /// The topic of its speed over ground.
@@ -117,7 +120,7 @@ impl Topics {
     }
 }
 
-pub(crate) const UP: [(&str, [f64; 3]); 6] = [
+pub(crate) const AXES: [(&str, [f64; 3]); 6] = [
     ("x", [1.0, 0.0, 0.0]),
     ("y", [0.0, 1.0, 0.0]),
     ("z", [0.0, 0.0, 1.0]),
@@ -167,7 +170,8 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
     let topics = Topics {
         wheels: text("wheels")?,
         yaw_rate: text("yaw_rate")?,
-        imu_up: section.optional_choice("imu_up", &UP)?,
+        imu_up: section.optional_choice("imu_up", &AXES)?,
+        imu_forward: section.optional_choice("imu_forward", &AXES)?,
         pose: text("pose")?,
         speed: text("speed")?,
         command: text("command")?,
@@ -184,6 +188,14 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         fields,
         joints: Vec::new(),
     };
+    if let (Some(up), Some(forward)) = (topics.imu_up, topics.imu_forward)
+        && up.iter().zip(forward).any(|(a, b)| a * b != 0.0)
+    {
+        return Err(Error::Contradiction {
+            at: section.place_of("imu_forward"),
+            message: "`imu_forward` and `imu_up` are one axis of the IMU".into(),
+        });
+    }
     if let Some(ignored) = topics
         .named()
         .find(|topic| topics.ignore.iter().any(|other| other == topic))

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_files::columns::{self, Column, ColumnMap, Meaning, Table, TimeColumn};
+use grouser_files::columns::{self, Column, ColumnMap, Meaning, Table, TimeColumn, TimeUnit};
 use grouser_files::{Document, robot};
 use proptest::prelude::*;
 
@@ -66,7 +66,7 @@ fn robot_text() -> impl Strategy<Value = String> {
             "format = 1\nname = {name:?}\n[estimator]\nwindow_s = {window:?}\nlow_speed_m_per_s = {low:?}\n\
              yaw_sigma_deg = {yaw:?}\nwheel_sensor = \"angle\"\n[filter]\nslip_mean = {mean:?}\n\
              slip_sigma = {sigma:?}\nyaw_walk_deg_per_s_sqrt_s = {walk:?}\n[topics]\npose = {name:?}\n\
-             imu_up = \"-y\"\ntime = \"log\"\nignore = [\"/a\", \"/b\"]\n"
+             imu_up = \"-y\"\nimu_forward = \"z\"\ntime = \"log\"\nignore = [\"/a\", \"/b\"]\n"
         );
         if has_body {
             text += &format!(
@@ -106,7 +106,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
         (
             any::<bool>(),
             name(),
-            proptest::sample::select(&[1_i64, 1_000, 1_000_000, 1_000_000_000][..]),
+            proptest::sample::select(&TimeUnit::NAMES[..]),
         ),
         (
             name(),
@@ -116,7 +116,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
         ),
     );
     let table = table.prop_map(
-        |(file, separator, (a, b), (align_clock, time, nanoseconds), rest)| {
+        |(file, separator, (a, b), (align_clock, time, (_, unit)), rest)| {
             let (column, wheel, factor, missing) = rest;
             let of = |meaning, wheel, factor| Column {
                 column: column.clone(),
@@ -132,10 +132,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 decimal: b'.',
                 missing,
                 align_clock,
-                time: TimeColumn {
-                    column: time,
-                    nanoseconds,
-                },
+                time: TimeColumn { column: time, unit },
                 columns: vec![
                     of(Meaning::WheelRate, Some(wheel), factor),
                     of(Meaning::YawRate, None, std::f64::consts::PI / 180.0),

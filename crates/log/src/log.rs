@@ -207,6 +207,12 @@ impl Log {
         self.recording.as_ref().map_or(&[], |all| &all.choice.notes)
     }
 
+    /// The standard deviation of a place by the reference, m, where the log states it.
+    #[must_use]
+    pub fn position_sigma(&self) -> Option<f64> {
+        self.recording.as_ref()?.choice.position_sigma
+    }
+
     /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
     /// or came too late. Tables leave nothing out.
     #[must_use]

@@ -52,15 +52,27 @@ pub struct LeftOut {
     pub problem: Option<String>,
     /// Messages that stood too far from their place in time.
     pub late: u64,
+    /// Readings that cannot be used.
+    pub excluded: u64,
+    /// Why the first of them cannot be.
+    pub exclusion: Option<&'static str>,
 }
 
 impl LeftOut {
+    /// A reading that cannot be used.
+    pub(crate) fn exclude(&mut self, why: &'static str) {
+        self.excluded += 1;
+        self.exclusion.get_or_insert(why);
+    }
+
     /// What was left out of another file of the same run.
     pub(crate) fn add(&mut self, other: &Self) {
         self.damages += other.damages;
         self.bytes_lost += other.bytes_lost;
         self.undecoded += other.undecoded;
         self.late += other.late;
+        self.excluded += other.excluded;
+        self.exclusion = self.exclusion.or(other.exclusion);
         if self.problem.is_none() {
             self.problem.clone_from(&other.problem);
         }

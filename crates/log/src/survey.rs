@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::message::known::TRUTH;
 use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
 use crate::messages::stamp_of;
+use crate::recording::is_over_ground;
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -279,7 +280,9 @@ impl Tally {
                 let names = names.iter().filter(|name| name.len() <= JOINT_NAME);
                 topic.joints = names.take(JOINTS).cloned().collect();
                 let robots = !topic.channel.topic.starts_with(TRUTH);
-                topic.use_for = view.as_ref().filter(|_| robots).and_then(use_of);
+                let name = topic.channel.topic.as_str();
+                let view = view.as_ref().filter(|_| robots);
+                topic.use_for = view.and_then(|view| use_of(view, name));
             }
             Ok(()) => {}
         }
@@ -321,7 +324,7 @@ fn bin(interval_ns: u64) -> usize {
     (place as usize).min(BINS - 1)
 }
 
-fn use_of(view: &View) -> Option<Use> {
+fn use_of(view: &View, topic: &str) -> Option<Use> {
     Some(match view {
         View::JointState(_) | View::WheelTicks { .. } => Use::Wheels,
         View::Imu(imu) => {
@@ -329,8 +332,9 @@ fn use_of(view: &View) -> Option<Use> {
             Use::YawRate
         }
         View::Odometry(_) | View::Pose { .. } | View::Displacement { .. } => Use::Motion,
+        View::Twist { .. } if is_over_ground(topic) => Use::Motion,
         View::Twist { .. } => Use::Command,
-        View::NavSatFix { .. } => Use::Position,
+        View::NavSatFix(_) => Use::Position,
         View::Transforms(_) => Use::Mounting,
     })
 }

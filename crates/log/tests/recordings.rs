@@ -513,3 +513,113 @@ fn typed_readings_written_as_messages_are_the_same_again() {
     };
     assert_eq!(plain(&readings(&log)), plain(&all));
 }
+
+#[test]
+fn the_robot_file_names_the_forward_axis_of_an_imu() {
+    let folder = Folder::new("imu-forward");
+    // Mounted backwards: x to the rear, y to the right, z up.
+    let messages = [(
+        "/imu",
+        IMU,
+        2,
+        imu(2, [0.0, 0.0, 0.2], [-0.5, 0.1, 9.8], [0.0; 3]),
+    )];
+    let log = log(
+        &folder,
+        "[topics]\nimu_up = \"z\"\nimu_forward = \"-x\"",
+        &messages,
+    )
+    .unwrap();
+    let found: Vec<Measurement> = readings(&log).iter().map(|s| s.measurement).collect();
+    let (forward, left) = (0.5, -0.1);
+    assert!(
+        found.contains(&Measurement::Acceleration { forward, left }),
+        "{found:?}"
+    );
+    assert!(log.notes().is_empty(), "{:?}", log.notes());
+
+    // Without the axis the accelerations are not used, and a note says so.
+    let log = self::log(&folder, "", &messages).unwrap();
+    assert_eq!(readings(&log).len(), 1);
+    let notes = log.notes().join("\n");
+    assert!(notes.contains("imu_forward"), "{notes}");
+}
+
+#[test]
+fn a_gnss_velocity_is_a_speed_and_no_command() {
+    let folder = Folder::new("gnss-velocity");
+    let twist =
+        |time_ns| build::twist_stamped(build::header(time_ns, "gps"), [-0.3, 0.4, 0.0], [0.0; 3]);
+    let kind = "geometry_msgs/TwistStamped";
+    let messages = [
+        ("/gps/velocity", kind, 5, twist(5)),
+        ("/cmd_vel", kind, 6, twist(6)),
+    ];
+    let log = log(&folder, "", &messages).unwrap();
+    let found: Vec<Measurement> = readings(&log).iter().map(|s| s.measurement).collect();
+    // to the east and north: its size is the robot's speed
+    let (forward, left) = (0.5, None);
+    assert_eq!(found[0], Measurement::Speed { forward, left });
+    assert!(matches!(found[1], Measurement::Command { .. }));
+    let path = folder.0.join("log.mcap");
+    let survey = grouser_log::Survey::read(&path, |_| ()).unwrap();
+    let uses: Vec<_> = survey
+        .topics
+        .iter()
+        .map(|topic| topic.use_for.unwrap())
+        .collect();
+    assert_eq!(uses, [grouser_log::Use::Motion, grouser_log::Use::Command]);
+}
+
+#[test]
+fn wheels_are_found_by_their_own_names_where_their_joints_are_not() {
+    let folder = Folder::new("own-names");
+    let path = folder.0.join("log.mcap");
+    let names = ["left", "right"].map(String::from);
+    let mut writer = SampleWriter::new(File::create(&path).unwrap(), &names).unwrap();
+    let (wheel, angle) = (0, 7.5);
+    let measurement = Measurement::WheelAngle { wheel, angle };
+    let sample = Sample {
+        time_ns: 5,
+        measurement,
+    };
+    writer.sample(&sample).unwrap();
+    writer.finish().unwrap();
+    let wheels = WHEELS.replace(
+        "name = \"left\"",
+        "name = \"left\"\njoint = \"base_to_left\"",
+    );
+    let text = format!("format = 1\nname = \"cart\"\n{wheels}");
+    let robot = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    let log = Log::find_any(&[path], None, &robot.topics).unwrap();
+    assert_eq!(readings(&log), [sample]);
+}
+
+#[test]
+fn dates_are_times_and_rim_speeds_keep_their_unit() {
+    let map = "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"date\" }\ncolumns = [\n\
+               { column = \"v\", meaning = \"wheel_speed\", wheel = \"left\", unit = \"km/h\" },\n]\n";
+    let map =
+        grouser_files::columns::parse(&Document::from_text("map", map.into()).unwrap()).unwrap();
+    let over = |table: &'static str| {
+        let bytes = std::io::Cursor::new(table.as_bytes());
+        let topics = grouser_files::topics::Topics::default();
+        let log = Log::over("log.csv".as_ref(), bytes, Some(map.clone()), &topics).unwrap();
+        assert!(log.measures_wheel(Meaning::WheelSpeed, "left"));
+        log.samples(&[]).unwrap().collect::<Result<Vec<_>, _>>()
+    };
+    let found = over("t,v\n1970-01-01T00:00:01Z,3.6\n1970-01-01 01:00:01.5+01:00,7.2\n").unwrap();
+    assert_eq!(
+        found.iter().map(|s| s.time_ns).collect::<Vec<_>>(),
+        [1_000_000_000, 1_500_000_000]
+    );
+    let Measurement::WheelRate { rate, .. } = found[1].measurement else {
+        panic!("{found:?}")
+    };
+    assert!(
+        (rate - 2.0).abs() < 1e-15,
+        "m/s until the radius is known: {rate}"
+    );
+    let error = over("t,v\n1970-02-30,3.6\n").unwrap_err().to_string();
+    assert!(error.contains("must be a date"), "{error}");
+}

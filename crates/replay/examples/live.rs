@@ -50,6 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let inputs = Inputs {
         wheel_sensor: WheelSensor::Count,
         reference: Reference::FreeWheel,
+        position_sigma: None,
     };
     let mut engine = Engine::new(&robot, inputs, &Options::default())?;
 

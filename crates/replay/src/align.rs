@@ -5,6 +5,7 @@ use grouser_log::Log;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
+use crate::choice::LogWheel;
 use crate::error::Result;
 use crate::samples::{is_used, of_robot, rotating_wheel};
 
@@ -30,7 +31,7 @@ const MIN_TURN_RAD: f64 = 0.002;
 pub(crate) fn gyro_offset(
     log: &Log,
     file: &RobotFile,
-    wheels: &[usize],
+    wheels: &[LogWheel],
     sensor: WheelSensor,
 ) -> Result<Option<f64>> {
     let (encoders, gyro) = turns(log, &file.robot, wheels, sensor)?;
@@ -63,7 +64,7 @@ pub(crate) fn gyro_offset(
 /// Yaw rate by the wheels in windows around a time, and yaw by the gyro at a time; s, rad/s, rad.
 type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
 
-fn turns(log: &Log, robot: &Robot, wheels: &[usize], sensor: WheelSensor) -> Result<Turns> {
+fn turns(log: &Log, robot: &Robot, wheels: &[LogWheel], sensor: WheelSensor) -> Result<Turns> {
     let settings = WindowSettings {
         reference: Reference::Grip,
         window: WINDOW_S,

@@ -39,15 +39,19 @@ pub fn calibrate_radius(logs: &[Log], file: &RobotFile, options: &Options) -> Re
     let mut factors = Vec::new();
     for log in logs {
         let along = run(log, file, options, |_| Ok(()))?.along;
-        let factor = along.travel_reference / along.travel_wheels;
+        let travel_reference = along.travel_reference.ok_or(Error::NoReference {
+            reference: "any",
+            needs: "a displacement, a pose, a speed over ground or a free wheel",
+        })?;
+        let factor = travel_reference / along.travel_wheels;
         if !(factor > 0.2 && factor < 5.0) {
             return Err(Error::NoCalibration {
-                travel_reference: along.travel_reference,
+                travel_reference,
                 travel_wheels: along.travel_wheels,
             });
         }
         factors.push(factor);
-        reference += along.travel_reference.abs();
+        reference += travel_reference.abs();
         wheels += along.travel_wheels.abs();
     }
     Ok(Calibration {

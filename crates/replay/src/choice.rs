@@ -10,12 +10,14 @@ use crate::error::{Error, Result};
 use crate::options::Options;
 
 /// By which sensors a robot is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     /// The wheels' sensor; samples of the others are not used.
     pub wheel_sensor: WheelSensor,
     /// What measures how fast the robot travels.
     pub reference: Reference,
+    /// The standard deviation of a place by the reference, m, where the log states it.
+    pub position_sigma: Option<f64>,
 }
 
 impl Inputs {
@@ -29,34 +31,47 @@ impl Inputs {
         Ok(Self {
             wheel_sensor,
             reference: reference(log, file, wheel_sensor, options.reference)?,
+            position_sigma: log.position_sigma(),
         })
     }
 }
 
+/// A wheel of a log: its index in the robot's order, and the rate of its sensor's shaft for one unit that the log holds.
+pub(crate) type LogWheel = (usize, f64);
+
 /// For every wheel of the log the robot's wheel.
-pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<usize>> {
+pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<LogWheel>> {
     let robot = &file.robot;
     log.wheels()
         .iter()
         .map(|name| {
-            robot.wheel_index(name).ok_or_else(|| {
+            let index = robot.wheel_index(name).ok_or_else(|| {
                 let names = robot.wheels().iter().map(|wheel| wheel.name.as_str());
                 Error::UnknownWheel {
                     wheel: name.clone(),
                     robot: robot.name().into(),
                     meant: nearest(name, names).map(Into::into),
                 }
-            })
+            })?;
+            let in_metres = log.measures_wheel(Meaning::WheelSpeed, name);
+            let per_metre = 1.0 / robot.wheels()[index].travel_per_radian();
+            Ok((index, if in_metres { per_metre } else { 1.0 }))
         })
         .collect()
 }
 
-const fn meaning(sensor: WheelSensor) -> Meaning {
+/// The meanings of a sensor's readings.
+const fn meanings(sensor: WheelSensor) -> &'static [Meaning] {
     match sensor {
-        WheelSensor::Count => Meaning::WheelCount,
-        WheelSensor::Angle => Meaning::WheelAngle,
-        WheelSensor::Rate => Meaning::WheelRate,
+        WheelSensor::Count => &[Meaning::WheelCount],
+        WheelSensor::Angle => &[Meaning::WheelAngle],
+        WheelSensor::Rate => &[Meaning::WheelRate, Meaning::WheelSpeed],
     }
+}
+
+fn measures(log: &Log, sensor: WheelSensor, wheel: &str) -> bool {
+    let mut all = meanings(sensor).iter();
+    all.any(|meaning| log.measures_wheel(*meaning, wheel))
 }
 
 /// The sensor by which the wheels are measured: the option's, else the robot file's, else the first of
@@ -66,7 +81,13 @@ fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Res
     let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
     let sensor = chosen
         .or(file.wheel_sensor)
-        .or_else(|| order.find(|&sensor| log.measures(meaning(sensor))))
+        .or_else(|| {
+            order.find(|&sensor| {
+                meanings(sensor)
+                    .iter()
+                    .any(|meaning| log.measures(*meaning))
+            })
+        })
         .ok_or_else(|| Error::NoWheels {
             robot: robot.name().into(),
         })?;
@@ -75,7 +96,7 @@ fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Res
         .iter()
         .filter(|w| w.role == WheelRole::Powered)
     {
-        if !log.measures_wheel(meaning(sensor), &wheel.name) {
+        if !measures(log, sensor, &wheel.name) {
             return Err(Error::WheelNotMeasured {
                 wheel: wheel.name.clone(),
                 sensor: sensor.name(),
@@ -90,7 +111,8 @@ fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Res
     Ok(sensor)
 }
 
-/// The reference: the option's, else the robot file's, else the best that the log holds.
+/// The reference: the option's, else the robot file's, else the best that the log holds. A robot file's `grip` is what
+/// remains where nothing measures the robot's motion, so that anything that does outranks it.
 fn reference(
     log: &Log,
     file: &RobotFile,
@@ -112,14 +134,17 @@ fn reference(
                     .iter()
                     .filter(|w| w.role == WheelRole::Free);
                 let any = free.clone().next().is_some();
-                let all = free.all(|w| log.measures_wheel(meaning(sensor), &w.name));
+                let all = free.all(|w| measures(log, sensor, &w.name));
                 (!(any && all)).then_some("a free wheel that is measured")
             }
             Reference::Grip => needs(Meaning::YawRate, "a column of yaw rate"),
             _ => None,
         }
     };
-    match chosen.or(file.reference) {
+    let preferred = file
+        .reference
+        .filter(|reference| *reference != Reference::Grip);
+    match chosen.or(preferred) {
         Some(reference) => match missing(reference) {
             None => Ok(reference),
             Some(needs) => Err(Error::NoReference {

@@ -122,6 +122,7 @@ impl Engine {
         let mut settings = file.settings;
         settings.reference = inputs.reference;
         settings.window = options.window_s.unwrap_or(settings.window);
+        settings.position_sigma = inputs.position_sigma.unwrap_or(settings.position_sigma);
         let method = options
             .method
             .unwrap_or_else(|| Method::of(&robot, inputs.reference));
@@ -303,7 +304,7 @@ impl Engine {
         let reference = self.inputs.reference;
         let (method, fused, rejected) = match &self.slips {
             Slips::Filter(fusion, _) => {
-                let summary = fusion.summary();
+                let summary = fusion.summary(self.reckoning.ways());
                 let rejected = summary.rejected;
                 (Method::Filter, Some(summary), rejected)
             }
@@ -330,7 +331,7 @@ impl Engine {
                     tally.summary(wheel, is_free && reference == Reference::FreeWheel)
                 })
                 .collect(),
-            along: self.ways.along(),
+            along: self.ways.along(reference != Reference::Grip),
             yaw: self.ways.yaw(),
             turns: self.turns.as_ref().map(TurnWatch::summary),
             clock_offset_s: self.clock_offset_s,

@@ -87,6 +87,12 @@ pub enum Error {
         /// How many there are.
         known: usize,
     },
+    /// A source of true slips that holds none.
+    #[error("{source_name}: holds no slip of a wheel of the robot")]
+    NoTruth {
+        /// The table or the topic.
+        source_name: String,
+    },
     /// Whoever takes the rows cannot.
     #[error(transparent)]
     Sink(#[from] std::io::Error),
@@ -99,6 +105,10 @@ impl Error {
         match self {
             Self::Log(error) => error.hint(),
             Self::File(error) => error.hint(),
+            Self::NoTruth { .. } => Some(
+                "a table has `time_s` and `NAME_slip` of each wheel; a topic is grouser_msgs/WheelSlip"
+                    .into(),
+            ),
             Self::UnknownWheel {
                 meant: Some(meant), ..
             } => Some(format!("did you mean `{meant}`?")),

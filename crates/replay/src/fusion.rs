@@ -6,6 +6,7 @@ use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::window::{WindowBody, WindowSettings};
 use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample};
 
+use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
 use crate::consistency::{Consistency, Kind, Residuals};
 use crate::error::Result;
 use crate::gather::Gather;
@@ -23,6 +24,12 @@ pub struct FusedSummary {
     pub is_smoothed: bool,
     /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
     pub consistency: Vec<(&'static str, Consistency)>,
+    /// How much of the reference was used, where a sensor measures the robot's motion.
+    pub reference: Option<ReferenceUse>,
+    /// The filter's way beside the reference's.
+    pub ways: WayCheck,
+    /// Why the result is doubtful; empty where its checks passed.
+    pub doubts: Vec<Doubt>,
     /// Samples missing between those that came, by each sensor's usual period.
     pub dropped: u64,
     /// How often the clock was set.
@@ -52,6 +59,8 @@ pub(crate) struct Fusion {
     waiting: Vec<Sample>,
     filter: SlipFilter,
     residuals: Residuals,
+    /// Readings of the reference that the filter was given.
+    readings: u64,
     detector: Detector,
     torques: Vec<Option<f64>>,
     start_ns: Option<i64>,
@@ -67,6 +76,7 @@ impl Fusion {
         let own = FilterSettings {
             // a log is in order of time: there is nothing to wait for
             horizon: 0.0,
+            position_sigma: settings.position_sigma,
             ..file.filter
         };
         let detect = DetectSettings {
@@ -79,6 +89,7 @@ impl Fusion {
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,
             residuals: Residuals::default(),
+            readings: 0,
             torques: vec![None; robot.wheels().len()],
             reference: settings.reference,
             robot: robot.clone(),
@@ -103,10 +114,12 @@ impl Fusion {
         {
             *slot = Some(torque);
         }
+        let kind = kind_of(&sample.measurement);
+        self.readings += u64::from(kind == Some(Kind::Reference));
         let Ok(known) = self.filter.update(sample) else {
             return;
         };
-        if let Some(kind) = kind_of(&sample.measurement) {
+        if let Some(kind) = kind {
             self.residuals.add(kind, known.body.nis);
         }
         if let Some(smoother) = &mut self.smoother {
@@ -162,9 +175,16 @@ impl Fusion {
         Ok(left.unwrap_or_default())
     }
 
-    pub(crate) fn summary(&self) -> FusedSummary {
+    pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {
         let known = self.filter.latest();
+        let reference = (self.readings > 0).then(|| ReferenceUse {
+            readings: self.readings,
+            used: self.residuals.count(Kind::Reference),
+        });
         FusedSummary {
+            reference,
+            ways,
+            doubts: doubts(reference, &ways),
             is_smoothed: self.is_smoothed,
             consistency: self.residuals.summary(),
             dropped: known.dropped,

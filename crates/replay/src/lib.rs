@@ -28,6 +28,7 @@
 
 mod align;
 mod calibration;
+mod checks;
 mod choice;
 mod consistency;
 mod engine;
@@ -49,11 +50,13 @@ mod smooth;
 mod soil_reading;
 mod summary;
 mod tally;
+mod truth;
 mod turn_watch;
 mod unreferenced;
 mod ways;
 
 pub use calibration::{Calibration, calibrate_radius};
+pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::Inputs;
 pub use consistency::Consistency;
 pub use engine::Engine;
@@ -69,5 +72,6 @@ pub use sink::{Row, Sink, Step};
 pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
+pub use truth::{Compared, Truth, TruthError};
 pub use turn_watch::TurnCheck;
 pub use unreferenced::{KnownGround, SlipRange, Stretch, roller_ripple, slip_without_reference};

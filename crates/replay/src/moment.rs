@@ -16,6 +16,8 @@ pub(crate) struct Moment {
     pub(crate) motion: Option<BodyMotion>,
     /// The motion that the powered wheels would give without slip, over a window.
     pub(crate) wheels_motion: Option<BodyMotion>,
+    /// The motion by the reference alone, over a window.
+    pub(crate) reference_motion: Option<BodyMotion>,
     /// Up to when the motions are known.
     pub(crate) until_ns: Option<i64>,
     /// The filter's own odometry.
@@ -35,6 +37,7 @@ impl Moment {
             wheels: wheels.to_vec(),
             motion: body.motion.or(body.wheels_motion),
             wheels_motion: body.wheels_motion,
+            reference_motion: body.motion,
             until_ns: body.until_ns,
             odometry: None,
         }
@@ -61,6 +64,7 @@ impl Moment {
                 covariance,
             }),
             wheels_motion: body.wheels_motion,
+            reference_motion: body.motion,
             until_ns: Some(time_ns),
             odometry: Some(Odometry::of_filter(fused)),
         }

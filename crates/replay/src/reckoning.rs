@@ -2,6 +2,7 @@
 
 use grouser_slip::BodyMotion;
 
+use crate::checks::WayCheck;
 use crate::moment::Moment;
 use crate::odometry::{Odometry, sandwich};
 
@@ -21,6 +22,7 @@ pub(crate) struct Reckoning {
     pose: [f64; 3],
     covariance: [[f64; 3]; 3],
     distances: [f64; 2],
+    ways: WayCheck,
     /// The filter's odometry at the first step.
     origin: Option<Odometry>,
 }
@@ -34,6 +36,11 @@ impl Reckoning {
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
             distances: [0.0; 2],
+            ways: WayCheck {
+                wheels: 0.0,
+                filter: 0.0,
+                reference: 0.0,
+            },
             origin: None,
         }
     }
@@ -53,6 +60,11 @@ impl Reckoning {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
             self.distances[0] += along.abs() * seconds;
             self.distances[1] += by_wheels * seconds;
+            if let Some(reference) = moment.reference_motion {
+                self.ways.wheels += by_wheels * seconds;
+                self.ways.filter += along * seconds;
+                self.ways.reference += along_the_wheels(&wheels, &reference).1 * seconds;
+            }
             covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
         }
         let [distance, distance_of_wheels] = self.distances;
@@ -72,6 +84,11 @@ impl Reckoning {
             distance,
             distance_of_wheels,
         })
+    }
+
+    /// Ways so far, for comparison.
+    pub(crate) const fn ways(&self) -> WayCheck {
+        self.ways
     }
 
     fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
@@ -124,6 +141,7 @@ mod tests {
             wheels: Vec::new(),
             motion: Some(motion(velocity)),
             wheels_motion: Some(motion(wheels)),
+            reference_motion: None,
             until_ns: Some(until_s * 1_000_000_000),
             odometry: None,
         }

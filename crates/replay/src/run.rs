@@ -9,6 +9,7 @@ use crate::align::gyro_offset;
 use crate::choice::{Inputs, robot_wheels};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::method::Method;
 use crate::options::Options;
 use crate::samples::of_robot;
 use crate::sink::{Row, Rows, Sink};
@@ -32,6 +33,32 @@ pub fn run(
 /// # Errors
 /// As [`run`].
 pub fn run_into(
+    log: &Log,
+    file: &RobotFile,
+    options: &Options,
+    sink: &mut impl Sink,
+) -> Result<Summary> {
+    let mut summary = run_once(log, file, options, sink)?;
+    // Where the filter's own checks fail, the window estimator's result stands beside it.
+    if summary
+        .fused
+        .as_ref()
+        .is_some_and(|fused| !fused.doubts.is_empty())
+    {
+        let by_windows = Options {
+            method: Some(Method::Window),
+            smooth: false,
+            ..*options
+        };
+        let beside = run_once(log, file, &by_windows, &mut Rows(|_: &Row<'_>| Ok(())))?;
+        for (wheel, other) in summary.wheels.iter_mut().zip(beside.wheels) {
+            wheel.window_slip = Some(other.slip);
+        }
+    }
+    Ok(summary)
+}
+
+fn run_once(
     log: &Log,
     file: &RobotFile,
     options: &Options,

@@ -3,14 +3,24 @@
 use grouser_files::robot::WheelSensor;
 use grouser_slip::{Measurement, Sample};
 
+use crate::choice::LogWheel;
+
 /// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`.
-pub(crate) fn of_robot(sample: Sample, wheels: &[usize]) -> Sample {
-    match sample.measurement.wheel() {
-        Some(wheel) => Sample {
-            measurement: sample.measurement.with_wheel(wheels[wheel]),
-            ..sample
+pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Sample {
+    let Some(wheel) = sample.measurement.wheel() else {
+        return sample;
+    };
+    let (wheel, scale) = wheels[wheel];
+    let measurement = match sample.measurement {
+        Measurement::WheelRate { rate, .. } => Measurement::WheelRate {
+            wheel,
+            rate: rate * scale,
         },
-        None => sample,
+        other => other.with_wheel(wheel),
+    };
+    Sample {
+        measurement,
+        ..sample
     }
 }
 

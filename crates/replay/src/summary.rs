@@ -43,6 +43,8 @@ pub struct WheelSummary {
     pub is_reference: bool,
     /// Its slip.
     pub slip: Spread,
+    /// Its slip by the window estimator, where the filter's result is doubtful.
+    pub window_slip: Option<Spread>,
     /// The angle from its heading to the way of its centre, to the left positive, rad.
     pub side_slip_angle: Spread,
     /// Share of time in each motion, in [`Motion::ALL`]'s order, and under [`UNKNOWN`] where the motion
@@ -61,8 +63,8 @@ pub struct AlongSummary {
     pub overall: Option<f64>,
     /// The way by the wheels, m: the distance without compensation.
     pub travel_wheels: f64,
-    /// The way by the reference, m.
-    pub travel_reference: f64,
+    /// The way by the reference, m; `None` where no absolute reference was measured.
+    pub travel_reference: Option<f64>,
 }
 
 /// What the log says of the yaw rate: the powered wheels against the gyro.

@@ -53,6 +53,7 @@ impl Tally {
             name: wheel.name.clone(),
             is_reference,
             slip: Spread::from(&self.slips),
+            window_slip: None,
             side_slip_angle: Spread::from(&self.angles),
             states: self.shares.motions(),
             healths: self.shares.healths(),

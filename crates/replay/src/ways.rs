@@ -57,14 +57,22 @@ impl Ways {
         }
     }
 
-    pub(crate) fn along(&self) -> AlongSummary {
+    /// The robot along its track. Without an absolute reference a slip common to all wheels is not observable: then there
+    /// is no way but the wheels', and no slip.
+    pub(crate) fn along(&self, is_observable: bool) -> AlongSummary {
         let travel_wheels = self.after.0 - self.before.0;
+        if !is_observable {
+            return AlongSummary {
+                travel_wheels,
+                ..AlongSummary::default()
+            };
+        }
         let travel_reference = self.after.1 - self.before.1;
         AlongSummary {
             slip: Spread::from(&self.along),
             overall: overall(travel_reference, travel_wheels),
             travel_wheels,
-            travel_reference,
+            travel_reference: Some(travel_reference),
         }
     }
 

@@ -243,3 +243,88 @@ proptest! {
         }
     }
 }
+
+/// Runs 2000 steps at the times that `time_ns` gives, with every sensor alive where `is_measured`; gives the step of the
+/// end and the rims' greatest speed after it.
+fn run_on_clock(
+    time_ns: impl Fn(i64) -> i64,
+    is_measured: impl Fn(i64) -> bool,
+) -> (Option<i64>, f64) {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let mut commands = vec![WheelCommand::default(); 4];
+    let mut ended = None;
+    for step in 0..2000 {
+        let wheels = following(&commands);
+        let mut now = ControlInput {
+            time_ns: time_ns(step),
+            ..input(0.0, &wheels)
+        };
+        if !is_measured(step) {
+            now.speed = None;
+            now.wheels = &[];
+        }
+        let output = controller.step(&now);
+        commands = output.commands.to_vec();
+        if output.mode == Mode::Stopped {
+            ended = ended.or(Some(step));
+        }
+    }
+    let fastest = commands.iter().map(|command| command.rim_speed.abs());
+    (ended, fastest.fold(0.0, f64::max))
+}
+
+#[test]
+fn a_clock_that_stands_or_runs_back_stops_the_robot() {
+    let period = 10_000_000;
+    for direction in [0, -1] {
+        // three seconds of a good clock, then one that does not advance
+        let (ended, fastest) = run_on_clock(
+            |step| step.min(300) * period + direction * (step - 300).max(0) * period,
+            |_| true,
+        );
+        let ended = ended.unwrap();
+        assert!((300..420).contains(&ended), "{direction}: {ended}");
+        assert_eq!(fastest, 0.0, "{direction}");
+    }
+    // a clock that is set once is followed
+    let (ended, fastest) =
+        run_on_clock(|step| step * period - (step / 500) * 60 * period, |_| true);
+    assert!(ended.is_none() && fastest > 0.1);
+}
+
+#[test]
+fn sensors_that_are_silent_most_of_each_second_stop_the_robot() {
+    let period = 10_000_000;
+    let (ended, fastest) = run_on_clock(|step| step * period, |step| step < 300 || step % 100 == 0);
+    assert!(ended.is_some_and(|step| step < 600), "{ended:?}");
+    assert_eq!(fastest, 0.0);
+    // a dropout of half a second now and then is driven through
+    let (ended, _) = run_on_clock(|step| step * period, |step| step % 400 >= 50);
+    assert_eq!(ended, None);
+}
+
+#[test]
+fn no_rim_runs_faster_than_its_limit() {
+    let mut settings = ControlSettings::default();
+    settings.max_rim_speed = 0.25;
+    let mut controller = Controller::new(&robot(), settings).unwrap();
+    let mut fastest = 0.0_f64;
+    let mut commands = vec![WheelCommand::default(); 4];
+    for step in 0..1000 {
+        // without a slip nothing else limits the rims
+        let wheels = following(&commands).map(|wheel| WheelObservation {
+            slip: None,
+            sigma: None,
+            forward_speed: None,
+            ..wheel
+        });
+        let mut now = input(f64::from(step) * 0.01, &wheels);
+        now.request.speed = 40.0;
+        commands = controller.step(&now).commands.to_vec();
+        fastest = commands
+            .iter()
+            .map(|command| command.rim_speed)
+            .fold(fastest, f64::max);
+    }
+    assert_eq!(fastest, 0.25);
+}

@@ -10,7 +10,7 @@
 //! names_line = 1               # which of them names the columns
 //! decimal = "."                # or ","
 //! missing = ["nan"]            # what stands for "no value", besides an empty field
-//! time = { column = "stamp", unit = "ns" }
+//! time = { column = "stamp", unit = "ns" }   # s, ms, us, ns, or "date" for 2026-03-02T09:15:30.25Z
 //! columns = [
 //!     { column = "left",  meaning = "wheel_angle", wheel = "left",  unit = "rad" },
 //!     { column = "right", meaning = "wheel_angle", wheel = "right", unit = "rad" },
@@ -38,6 +38,8 @@ pub enum Meaning {
     WheelAngle,
     /// The rate of a wheel's sensor shaft.
     WheelRate,
+    /// The speed of a wheel's rim; [`Self::WheelRate`] by the wheel's radius.
+    WheelSpeed,
     /// Torque on a wheel, positive when it drives forwards.
     WheelTorque,
     /// The robot's yaw rate.
@@ -70,10 +72,11 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 17] = [
+    pub const ALL: [(&'static str, Self, Quantity); 18] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
+        ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
         (
@@ -111,7 +114,11 @@ impl Meaning {
     pub const fn is_of_a_wheel(self) -> bool {
         matches!(
             self,
-            Self::WheelCount | Self::WheelAngle | Self::WheelRate | Self::WheelTorque
+            Self::WheelCount
+                | Self::WheelAngle
+                | Self::WheelRate
+                | Self::WheelSpeed
+                | Self::WheelTorque
         )
     }
 
@@ -159,8 +166,28 @@ pub struct Column {
 pub struct TimeColumn {
     /// Its name in the file.
     pub column: String,
-    /// Nanoseconds in one of its unit.
-    pub nanoseconds: i64,
+    /// Its unit.
+    pub unit: TimeUnit,
+}
+
+/// The unit of a column of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// A number; so many nanoseconds are one of it.
+    Nanoseconds(i64),
+    /// A date with a time of day, such as `2026-03-02T09:15:30.25Z` (ISO 8601); UTC without a zone.
+    Date,
+}
+
+impl TimeUnit {
+    /// Every unit with its name in files.
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("s", Self::Nanoseconds(1_000_000_000)),
+        ("ms", Self::Nanoseconds(1_000_000)),
+        ("us", Self::Nanoseconds(1_000)),
+        ("ns", Self::Nanoseconds(1)),
+        ("date", Self::Date),
+    ];
 }
 
 /// One kind of table.
@@ -253,11 +280,9 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         });
     }
     let time = section.section("time", |time| {
-        let units = Quantity::Time.units();
-        let seconds = time.choice("unit", &units)?;
         Ok(TimeColumn {
             column: time.text("column")?.into(),
-            nanoseconds: nanoseconds(seconds),
+            unit: time.choice("unit", &TimeUnit::NAMES)?,
         })
     })?;
     let Some(time) = time else {
@@ -284,15 +309,6 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         time,
         columns,
     })
-}
-
-/// A unit of time in whole nanoseconds.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "one of 1, 1e3, 1e6, 1e9, rounded"
-)]
-fn nanoseconds(seconds: f64) -> i64 {
-    (seconds * 1e9).round() as i64
 }
 
 fn single_byte(section: &Section<'_>, key: &'static str, text: &str) -> Result<u8> {

@@ -1,6 +1,6 @@
 //! Column maps as text.
 
-use super::{Column, ColumnMap, Meaning, Table};
+use super::{Column, ColumnMap, Meaning, Table, TimeUnit};
 use crate::toml_text::{TomlText, quoted};
 use crate::unit::Quantity;
 
@@ -40,15 +40,13 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
     out.text("decimal", &char::from(table.decimal).to_string());
     out.texts("missing", &table.missing);
     out.flag("align_clock", table.align_clock);
-    let units = Quantity::Time.units().into_iter();
-    let unit = units.min_by(|a, b| {
-        let far = |seconds: f64| (seconds * 1e9 - table.time.nanoseconds as f64).abs();
-        far(a.1).total_cmp(&far(b.1))
-    });
+    let unit = TimeUnit::NAMES
+        .iter()
+        .find(|(_, unit)| *unit == table.time.unit);
     out.line(&format!(
         "time = {{ column = {}, unit = \"{}\" }}",
         quoted(&table.time.column),
-        unit.map_or("s", |(name, _)| name)
+        unit.map_or("s", |(name, _)| *name)
     ));
     out.line("columns = [");
     for column in &table.columns {

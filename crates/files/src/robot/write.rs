@@ -8,7 +8,7 @@ use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::toml_text::TomlText;
-use crate::topics::{Topics, UP};
+use crate::topics::{AXES, Topics};
 
 /// The text of a robot file that reads back to the same robot; values that the reader assumes are left out.
 ///
@@ -86,8 +86,13 @@ fn write_topics(out: &mut TomlText, topics: &Topics) {
     ] {
         out.optional_text(key, topic.as_deref());
     }
-    let up = UP.iter().find(|(_, up)| topics.imu_up == Some(*up));
-    out.optional_text("imu_up", up.map(|(name, _)| *name));
+    for (key, axis) in [
+        ("imu_up", topics.imu_up),
+        ("imu_forward", topics.imu_forward),
+    ] {
+        let named = AXES.iter().find(|(_, own)| axis == Some(*own));
+        out.optional_text(key, named.map(|(name, _)| *name));
+    }
     if let Some(odometry) = &topics.wheel_odometry {
         out.text("wheel_odometry", &odometry.topic);
         out.number("wheel_odometry_track_m", odometry.track);

@@ -3,6 +3,7 @@
 //! [`Lines`] reads lines of bounded length, [`split`] cuts a line into its fields, [`finite`] reads a number, and every
 //! error names its line and column ([`Cell`](crate::Cell)). Logs, operating points and soil tests are all read by these.
 
+mod date;
 mod fields;
 mod lines;
 mod number;

@@ -1,5 +1,9 @@
 //! Numbers in fields: finite ones, with a declared decimal mark, and times to the nanosecond.
 
+use grouser_files::columns::TimeUnit;
+
+use super::date;
+
 /// Why a field is no number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotANumber {
@@ -66,11 +70,22 @@ pub(crate) fn count(text: &str) -> Result<u64, NotANumber> {
         })
 }
 
+/// A time by the unit of its column, ns.
+pub(crate) fn time_ns(text: &str, decimal: u8, unit: TimeUnit) -> Result<i64, NotANumber> {
+    match unit {
+        TimeUnit::Nanoseconds(unit) => nanoseconds(text, decimal, unit),
+        TimeUnit::Date => date::nanoseconds(text.trim()).ok_or(NotANumber {
+            expected: "a date with a time such as 2026-03-02T09:15:30.25Z",
+            hint: None,
+        }),
+    }
+}
+
 /// A time in nanoseconds; `unit` is one of the field's unit in nanoseconds.
 ///
 /// Plain decimals are exact, to the nanosecond below (a clock that counts nanoseconds from 1970 has
 /// more digits than an f64 holds); others go through f64.
-pub(crate) fn nanoseconds(text: &str, decimal: u8, unit: i64) -> Result<i64, NotANumber> {
+fn nanoseconds(text: &str, decimal: u8, unit: i64) -> Result<i64, NotANumber> {
     let text = text.trim();
     if let Some(time) = exact(text, decimal, unit) {
         return i64::try_from(time).map_err(|_| too_far());

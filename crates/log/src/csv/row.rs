@@ -1,6 +1,6 @@
 //! From the fields of a row to typed readings.
 
-use grouser_files::columns::Table;
+use grouser_files::columns::{Table, TimeUnit};
 
 use super::number::{self, NotANumber};
 use crate::slots::{Part, Slots};
@@ -14,7 +14,7 @@ pub(crate) struct Plan {
     fields: Vec<usize>,
     missing: Vec<String>,
     decimal: u8,
-    nanoseconds: i64,
+    time_unit: TimeUnit,
 }
 
 /// What is wrong with one field of a row.
@@ -34,13 +34,13 @@ impl Plan {
             fields,
             missing: table.missing.clone(),
             decimal: table.decimal,
-            nanoseconds: table.time.nanoseconds,
+            time_unit: table.time.unit,
         }
     }
 
     /// The row's time, ns.
     pub(crate) fn time_ns(&self, text: &str) -> Result<i64, BadField> {
-        number::nanoseconds(text, self.decimal, self.nanoseconds).map_err(|problem| BadField {
+        number::time_ns(text, self.decimal, self.time_unit).map_err(|problem| BadField {
             field: self.time,
             problem,
         })

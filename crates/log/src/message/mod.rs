@@ -16,7 +16,7 @@ pub use definition::Definition;
 pub(crate) use shared::{Decoders, SharedDecoder};
 pub(crate) use spare::{Spare, is_spare};
 pub use value::Value;
-pub use view::{Imu, JointState, Odometry, Transform, View};
+pub use view::{Imu, JointState, NavSatFix, Odometry, Transform, View};
 
 use crate::container::{Channel, Encoding};
 

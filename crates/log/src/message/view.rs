@@ -23,17 +23,8 @@ pub enum View {
         /// rad/s.
         angular: [f64; 3],
     },
-    /// `sensor_msgs/NavSatFix`: degrees and metres, as the message has them.
-    NavSatFix {
-        /// deg.
-        latitude_deg: f64,
-        /// deg.
-        longitude_deg: f64,
-        /// m.
-        altitude: f64,
-        /// Is there a fix?
-        fixed: bool,
-    },
+    /// `sensor_msgs/NavSatFix`.
+    NavSatFix(NavSatFix),
     /// `geometry_msgs/PoseStamped`.
     Pose {
         /// m.
@@ -89,6 +80,23 @@ pub struct Imu {
     pub acceleration: Option<[f64; 3]>,
     /// What the variances say of each acceleration.
     pub acceleration_trust: [Trust; 3],
+}
+
+/// A fix of a satellite receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavSatFix {
+    /// deg, north positive.
+    pub latitude_deg: f64,
+    /// deg, east positive.
+    pub longitude_deg: f64,
+    /// m above the ellipsoid.
+    pub altitude: f64,
+    /// Is there a fix?
+    pub is_fixed: bool,
+    /// 0: satellites alone, 1: with augmentation, 2: with a ground station.
+    pub status: i8,
+    /// The larger of the variances to the east and to the north, m²; `None` where it is not known, or 0.
+    pub variance: Option<f64>,
 }
 
 /// A pose and a twist; the twist is in the child frame.
@@ -229,12 +237,25 @@ impl View {
             "geometry_msgs/TwistStamped" => twist("twist."),
             "sensor_msgs/NavSatFix" => {
                 let at = |name| value.at(name)?.number();
-                Some(Self::NavSatFix {
+                let status = at("status.status")?;
+                let [east, north] =
+                    [0, 4].map(
+                        |place| match trust(value, "position_covariance", [place; 3])[0] {
+                            Trust::Variance(variance) => Some(variance),
+                            Trust::DoNotUse => Some(f64::INFINITY),
+                            _ => None,
+                        },
+                    );
+                let known = at("position_covariance_type").is_none_or(|kind| kind > 0.0);
+                Some(Self::NavSatFix(NavSatFix {
                     latitude_deg: at("latitude")?,
                     longitude_deg: at("longitude")?,
                     altitude: at("altitude")?,
-                    fixed: at("status.status")? >= 0.0,
-                })
+                    is_fixed: status >= 0.0,
+                    #[allow(clippy::cast_possible_truncation, reason = "the cast saturates")]
+                    status: status as i8,
+                    variance: east.zip(north).map(|(a, b)| a.max(b)).filter(|_| known),
+                }))
             }
             "geometry_msgs/PoseStamped" => Some(Self::Pose {
                 position: vector(value, "pose.position")?,

@@ -6,6 +6,8 @@ use grouser_slip::Sample;
 
 use super::UsedTopic;
 use super::choose::Choice;
+use super::job::Job;
+use super::navigation::Track;
 use crate::container::Channel;
 use crate::message::{Decoders, SharedDecoder, Value, View, is_spare};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
@@ -49,6 +51,8 @@ pub struct Intake {
     choice: Arc<Choice>,
     /// What is added to the times of each topic, ns.
     shifts_ns: Vec<i64>,
+    /// The antenna's track, where a satellite receiver is used.
+    track: Track,
     channels: Vec<Known>,
     decoders: Decoders,
     ordered: Ordered<Sample>,
@@ -70,6 +74,7 @@ impl Intake {
         Self {
             choice,
             shifts_ns,
+            track: Track::default(),
             channels: Vec::new(),
             decoders: Decoders::default(),
             ordered: Ordered::new(LOOK_AHEAD),
@@ -157,6 +162,19 @@ impl Intake {
         }
         let view = View::new(&known.channel.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
+            if let (Job::Fix, Some(View::NavSatFix(fix))) = (job, &view) {
+                match fix.fault() {
+                    Some(fault) => self.left_out.exclude(fault),
+                    None => {
+                        if let Some(measurement) = self.track.displacement(fix) {
+                            self.ordered.push(Sample {
+                                time_ns,
+                                measurement,
+                            });
+                        }
+                    }
+                }
+            }
             job.measurements(view.as_ref(), &known.value, |measurement| {
                 self.ordered.push(Sample {
                     time_ns,

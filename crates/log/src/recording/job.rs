@@ -19,8 +19,12 @@ pub(crate) enum Job {
     Acceleration([[f64; 3]; 2]),
     /// A pose.
     Pose,
-    /// A speed over ground.
+    /// A speed over ground, in the robot's frame.
     Speed,
+    /// A speed over ground to the east and north, whose size is the robot's speed.
+    SpeedOnEarth,
+    /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows.
+    Fix,
     /// A way since the last message.
     Displacement,
     /// A commanded speed.
@@ -91,6 +95,10 @@ impl Job {
             (Job::Speed, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
                 forward: linear[0],
                 left: Some(linear[1]),
+            }),
+            (Job::SpeedOnEarth, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
+                forward: linear[0].hypot(linear[1]),
+                left: None,
             }),
             (Job::Command, Some(View::Twist { linear, .. })) => push(Measurement::Command {
                 forward: linear[0],

@@ -16,6 +16,8 @@ const MAX_GRAVITY_ERROR: f64 = 0.15;
 const SQUARE_COS: f64 = 0.94;
 /// Transforms and gravity that are further apart than this contradict each other, cos 30°.
 const AGREE_COS: f64 = 0.866;
+/// A forward axis that rises by more than this (sine) is not level.
+const MAX_LEVEL_SIN: f64 = 0.17;
 /// A longer chain of transforms is a circle.
 const MAX_CHAIN: usize = 64;
 
@@ -62,6 +64,11 @@ pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 
         }
     }
     Some(axes)
+}
+
+/// The directions forwards, to the left and up by two axes; `None` where they are not square to each other.
+pub(super) fn axes_by_file(forward: [f64; 3], up: [f64; 3]) -> Option<[[f64; 3]; 3]> {
+    (dot(forward, up).abs() < MAX_LEVEL_SIN).then(|| [forward, cross(up, forward), up])
 }
 
 /// The mean of accelerations.

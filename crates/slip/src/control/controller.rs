@@ -134,6 +134,11 @@ impl Controller {
         self.supervisor
             .update(&self.settings, &robot, silence, step, &mut self.decisions);
         let motion = self.supervisor.motion(&self.settings, &robot);
+        let step = if motion.stopped {
+            self.watchdog.ramp_step(step)
+        } else {
+            step
+        };
         self.feedforward
             .update(&self.settings, &motion, robot.slip, step);
         for (index, (wheel, command)) in self.wheels.iter_mut().zip(&mut self.commands).enumerate()

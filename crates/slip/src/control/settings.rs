@@ -17,6 +17,8 @@ pub struct ControlSettings {
     pub sigma_half: f64,
     /// Greatest acceleration of a rim's setpoint, m/s².
     pub max_acceleration: f64,
+    /// No rim runs faster than this, m/s, whatever is requested and however much it slips.
+    pub max_rim_speed: f64,
     /// Rims run at least at this share of the requested speed while the drive goes on.
     pub creep: f64,
     /// The same on level ground and backwards, where a slow wheel does not dig.
@@ -85,6 +87,7 @@ impl Default for ControlSettings {
             integral_gain: 0.3,
             sigma_half: 0.1,
             max_acceleration: 0.5,
+            max_rim_speed: 20.0,
             creep: 0.6,
             crawl: 0.15,
             feedforward_gain: 2.0,
@@ -129,6 +132,10 @@ impl ControlSettings {
             &mut s.max_acceleration
         })
         .key("most_acceleration_m_per_s2"),
+        Row::new("max_rim_speed", "m/s", (1e-3, 1e3), |s| {
+            &mut s.max_rim_speed
+        })
+        .key("max_rim_speed_m_per_s"),
         Row::new("creep", "1", SHARE, |s| &mut s.creep).key("creep"),
         Row::new("crawl", "1", SHARE, |s| &mut s.crawl),
         Row::new("feedforward_gain", "1/s", GAIN, |s| &mut s.feedforward_gain).key("cruise_gain"),

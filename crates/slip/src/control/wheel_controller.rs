@@ -97,7 +97,8 @@ impl WheelController {
         let setpoint = if motion.stopped {
             0.0
         } else {
-            limit.unwrap_or(unlimited)
+            let most = settings.max_rim_speed;
+            limit.unwrap_or(unlimited).clamp(-most, most)
         };
         let max_change = settings.max_acceleration * step;
         let max_change = if motion.stopped {

@@ -194,15 +194,15 @@ impl Core {
         for (i, _) in considered {
             self.state.set_considered(i, false);
         }
-        let highest = if free {
+        let (lowest, highest) = if free {
             // No motor drives it, so that it hardly runs ahead of the robot.
             let prior = self.settings.free_slip.by_rim();
-            prior.mean + 3.0 * prior.sigma
+            let reach = 3.0 * prior.sigma;
+            ((prior.mean - reach).min(-MAX_OWN_SLIP), prior.mean + reach)
         } else {
-            MAX_OWN_SLIP
+            (-MAX_OWN_SLIP, MAX_OWN_SLIP)
         };
-        self.state
-            .clamp_mean(own_slip(w.index), -MAX_OWN_SLIP, highest);
+        self.state.clamp_mean(own_slip(w.index), lowest, highest);
         self.state.clamp_mean(COMMON_SLIP, -1.0, 1.0);
     }
 

@@ -14,16 +14,18 @@ use std::path::PathBuf;
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
+use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Method, Options, Row, Sink, SoilReading, Status, Step, Summary, run_into, soil_readings,
+    Compared, Doubt, Method, Options, Row, Sink, SoilReading, Status, Step, Summary, Truth,
+    run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
 use self::object::Found;
 use self::output::Outputs;
 use self::request::Request;
-use self::text::text;
+use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
@@ -70,7 +72,7 @@ pub(crate) struct Arguments {
     /// By what the wheels are measured; the robot file's unless told
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Sink means over this time in s; the robot file's unless told
+    /// Take means over this time in s; the robot file's unless told
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
@@ -79,6 +81,9 @@ pub(crate) struct Arguments {
     /// Leave out what comes after this time in s
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     to_s: Option<f64>,
+    /// Compare with true slips: a CSV table (`time_s`, `NAME_slip` of each wheel), or a topic of the log
+    #[arg(long, value_name = "FILE.csv|/TOPIC")]
+    truth: Option<PathBuf>,
     /// Write the robot file with the radius at which these logs, runs without slip, show none
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil"])]
     calibrate_radius: Option<PathBuf>,
@@ -132,8 +137,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         log: &log,
         progress: &progress,
         outputs: &mut outputs,
+        compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
+    let errors = watched.compared.map(|compared| compared.errors());
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -149,22 +156,27 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
+    if let Some(errors) = &errors {
+        text.push_str(&beside_truth(errors));
+    }
     text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&request.robot, &summary)?);
     Ok(Report {
         outcome: match summary.status {
-            Status::Done => Outcome::Done,
+            Status::Done if doubts(&summary).is_empty() => Outcome::Done,
+            Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
         object: object::fields().object(Found {
             summary: &summary,
             log: &log,
             readings: &readings,
+            errors: errors.as_deref(),
         }),
         text,
         is_aside: false,
         failure: failure(&summary),
-        warnings: warnings(&summary, &log, &arguments.logs, &readings),
+        warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
     })
 }
 
@@ -173,17 +185,53 @@ struct Watched<'a> {
     log: &'a Log,
     progress: &'a Progress,
     outputs: &'a mut Outputs,
+    compared: Option<Compared>,
 }
 
 impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
+        if let Some(compared) = &mut self.compared {
+            compared.row(row)?;
+        }
         self.outputs.row(row)
     }
 
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        if let Some(compared) = &mut self.compared {
+            compared.step(step)?;
+        }
         self.outputs.step(step)
     }
+}
+
+/// The true slips to compare with: a file, else a topic of the log.
+fn truth(
+    arguments: &Arguments,
+    log: &Log,
+    robot: &RobotFile,
+    session: &mut Session,
+) -> Result<Option<Truth>> {
+    let Some(source) = &arguments.truth else {
+        return Ok(None);
+    };
+    if source.is_file() {
+        session.used_file(source)?;
+        return Ok(Some(Truth::read(source, &robot.robot)?));
+    }
+    let topic = source.to_string_lossy();
+    let recordings = log
+        .files()
+        .filter(|file| matches!(Container::kind(file), Ok(Some(_))));
+    Ok(Some(Truth::read_topic(recordings, &topic, &robot.robot)?))
+}
+
+/// Why the result is doubtful.
+fn doubts(summary: &Summary) -> &[Doubt] {
+    summary
+        .fused
+        .as_ref()
+        .map_or(&[], |fused| fused.doubts.as_slice())
 }
 
 fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
@@ -253,15 +301,24 @@ fn failure(summary: &Summary) -> Option<String> {
 fn warnings(
     summary: &Summary,
     log: &Log,
+    request: &Request,
     named: &[PathBuf],
     readings: &[SoilReading],
 ) -> Vec<String> {
     let mut out = Vec::new();
+    out.extend(doubts(summary).iter().map(ToString::to_string));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"
                 .to_owned(),
         );
+    } else if request.robot.reference == Some(Reference::Grip)
+        && request.options.reference.is_none()
+    {
+        out.push(format!(
+            "the robot file names `grip`, but the log measures the robot's motion: `{}` is used",
+            summary.reference.name()
+        ));
     }
     if summary.rejected.total() > 0 {
         out.push(format!(
@@ -288,6 +345,13 @@ fn warnings(
         out.push(format!(
             "{} messages came more than {LOOK_AHEAD} messages too late and were left out",
             left_out.late
+        ));
+    }
+    if left_out.excluded > 0 {
+        out.push(format!(
+            "{} readings are not used: {}",
+            left_out.excluded,
+            left_out.exclusion.unwrap_or_default()
         ));
     }
     // What else lies in a folder is no matter.

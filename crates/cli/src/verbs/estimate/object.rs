@@ -3,7 +3,7 @@
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
     AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
-    TurnCheck, WheelSummary, YawSummary,
+    TruthError, TurnCheck, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::detect::Event;
@@ -14,6 +14,7 @@ pub(super) struct Found<'a> {
     pub(super) summary: &'a Summary,
     pub(super) log: &'a Log,
     pub(super) readings: &'a [SoilReading],
+    pub(super) errors: Option<&'a [TruthError]>,
 }
 
 /// A part of the summary beside the whole, which has the names of the wheels.
@@ -52,6 +53,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
             Part::with(found.summary, &found.summary.yaw);
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
         "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, &found.summary.fused);
+        "truth" "errors beside the true slips" rows(truth()) = found.errors.unwrap_or_default().iter();
         "rejected" "samples that were rejected" group(rejected()) = found.summary;
         "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
         "unused_files" "files that fit no table of the column map" =
@@ -68,10 +70,25 @@ fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a [SoilReading])> {
         "states" "share of the time in each motion" values = Some(of.0.states.iter().copied());
         "healths" "share of the time in each health" values =
             Some(of.0.healths.iter().map(|(name, share)| (name.as_str(), *share)));
+        "window_slip" "slip by the window estimator, where the filter's is doubtful" group(spread()) =
+            of.0.window_slip.as_ref();
         "side_slip_angle_deg" "side slip angle" group(angle()) = &of.0.side_slip_angle;
         "is_reference" "whether the others are measured by it" = of.0.is_reference;
         "soil" "the wheel at its median slip and load on the soil" group(soil()) =
             of.1.iter().find(|reading| reading.wheel == of.0.name);
+    }
+}
+
+/// The errors of one wheel beside its truth.
+pub(super) fn truth<'a>() -> Fields<'a, &'a TruthError> {
+    fields! { |of: &'a TruthError|
+        "wheel" "the wheel" = of.wheel.as_str();
+        "count" "estimates with a truth" = of.count;
+        "rmse" "root of the mean squared error" = of.rmse;
+        "bias" "mean error" = of.bias;
+        "nees" "mean of the squared error over its variance" = of.nees;
+        "coverage_90" "share of the 90 % intervals that hold the truth" = of.coverage_90;
+        "lag_s" "how much later the estimate is" = of.lag_s;
     }
 }
 
@@ -156,6 +173,12 @@ fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
         "smoothed" "whether the log was filtered both ways" = filter.part.is_smoothed;
         "nis" "consistency of each kind of measurement" named(nis) =
             filter.part.consistency.iter().map(|(kind, nis)| (*kind, nis));
+        "reference_readings" "readings of the reference" = filter.part.reference.map(|of| of.readings);
+        "reference_used" "how many of them changed the filter's state" = filter.part.reference.map(|of| of.used);
+        "way_slip" "slip of the whole way by the filter" = filter.part.ways.slip_by_filter();
+        "way_slip_of_reference" "the same by the reference alone" = filter.part.ways.slip_by_reference();
+        "doubts" "why the result is doubtful" =
+            filter.part.doubts.iter().map(ToString::to_string).collect::<Vec<_>>();
         "dropped" "samples that are missing" = filter.part.dropped;
         "clock_steps" "clocks that were set" = filter.part.clock_steps;
         "events" "events" rows(event()) =

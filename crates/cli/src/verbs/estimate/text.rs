@@ -3,8 +3,8 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TurnCheck, UNKNOWN};
-use grouser_slip::Motion;
+use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TruthError, TurnCheck, UNKNOWN};
+use grouser_slip::{Motion, Reference};
 
 use super::object::{self, cause, event_name};
 use grouser_report::{Fields, Table};
@@ -30,14 +30,15 @@ pub(super) fn text(
             None => format!("windows of {} s", summary.window_s),
         },
     );
+    text.push_str(&observability(summary));
     text.push_str(&wheels(summary));
     let along = &summary.along;
-    if let Some(overall) = along.overall {
+    if let Some((overall, travel_reference)) = along.overall.zip(along.travel_reference) {
         let _ = writeln!(
             text,
             "\nwhole way: the wheels ran {:.3} m, the robot went {:.3} m: slip {}",
             along.travel_wheels,
-            along.travel_reference,
+            travel_reference,
             slip(Some(overall)),
         );
     }
@@ -57,7 +58,12 @@ pub(super) fn text(
         let [x, y, yaw] = odometry.pose;
         let _ = writeln!(
             text,
-            "odometry: {:.3} m driven, {:.3} m without compensation; ends at x {} m, y {} m, {}°",
+            "{}: {:.3} m driven, {:.3} m without compensation; ends at x {} m, y {} m, {}°",
+            if summary.reference == Reference::Grip {
+                "odometry by the wheel that grips best"
+            } else {
+                "odometry"
+            },
             odometry.distance,
             odometry.distance_of_wheels,
             number(Some(x), 3),
@@ -79,6 +85,54 @@ pub(super) fn text(
         text.push_str(&table.table(readings));
     }
     text
+}
+
+/// What the log can show, and why the result is doubtful.
+fn observability(summary: &Summary) -> String {
+    if summary.reference == Reference::Grip {
+        return "no sensor measures the robot's motion: a slip common to all wheels is not observable; differences \
+                only\n\n"
+            .to_owned();
+    }
+    let Some(fused) = &summary.fused else {
+        return String::new();
+    };
+    let used = fused.reference.map_or_else(String::new, |of| {
+        format!(
+            "{} of {} readings of the reference used\n",
+            of.used, of.readings
+        )
+    });
+    let doubts = fused
+        .doubts
+        .iter()
+        .map(|doubt| format!("DOUBTFUL: {doubt}\n"));
+    let lines: String = doubts.chain([used]).collect();
+    if lines.is_empty() {
+        lines
+    } else {
+        lines + "\n"
+    }
+}
+
+/// The errors beside the truth.
+pub(super) fn beside_truth(errors: &[TruthError]) -> String {
+    let mut table = Table::new().text("wheel");
+    for column in ["rmse", "bias", "nees", "in 90 %", "lag s"] {
+        table = table.number(column);
+    }
+    for error in errors.iter().filter(|error| error.count > 0) {
+        let cells = [
+            (error.rmse, 4),
+            (error.bias, 4),
+            (error.nees, 2),
+            (error.coverage_90, 3),
+            (error.lag_s, 2),
+        ];
+        let cells = cells.map(|(value, digits)| number(value, digits));
+        table.row(std::iter::once(error.wheel.clone()).chain(cells));
+    }
+    format!("\nbeside the true slips:\n{}", table.render())
 }
 
 /// Whether wheels and gyro disagree, and the cause.
@@ -146,9 +200,17 @@ fn wheels(summary: &Summary) -> String {
         .number("median")
         .number("p5")
         .number("p95");
+    let doubtful = summary
+        .wheels
+        .iter()
+        .any(|wheel| wheel.window_slip.is_some());
+    if doubtful {
+        table = table.number("by windows");
+    }
     for state in &states {
         table = table.number(state);
     }
+    table = table.number("Ok");
     for wheel in &summary.wheels {
         let name = if wheel.is_reference {
             format!("{} (reference)", wheel.name)
@@ -159,10 +221,14 @@ fn wheels(summary: &Summary) -> String {
             let share = wheel.states.iter().find(|(name, _)| name == state);
             share.map_or_else(String::new, |(_, share)| format!("{:.1} %", 100.0 * share))
         });
+        let windows = wheel.window_slip.map(|of| slip(of.median));
+        let ok = wheel.healths.get("Ok").copied().unwrap_or(0.0);
         table.row(
             std::iter::once(name)
                 .chain(numbers(&wheel.slip))
-                .chain(shares),
+                .chain(windows.filter(|_| doubtful))
+                .chain(shares)
+                .chain([format!("{:.1} %", 100.0 * ok)]),
         );
     }
     let along = std::iter::once("along the track".to_owned());

@@ -14,7 +14,9 @@ use crate::error::Result;
 use crate::report::Report;
 use crate::session::Session;
 
+// No group: it would have the name of the group of the verb's own arguments.
 #[derive(clap::Args, Debug)]
+#[group(skip)]
 pub(super) struct Arguments {
     /// Print how the robot stands: loads, margins, tip-over and the adjusted posture
     #[arg(long, conflicts_with = "output")]

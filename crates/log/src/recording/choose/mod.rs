@@ -14,6 +14,7 @@ use super::preview::{Preview, Seen};
 use crate::error::{Error, Result};
 use crate::message::known::TRUTH;
 use crate::messages::Clock;
+pub(crate) use names::is_over_ground;
 
 /// One topic that is used.
 #[derive(Clone, Debug)]
@@ -32,6 +33,8 @@ pub(crate) struct Choice {
     pub(crate) topics: Vec<Chosen>,
     pub(crate) wheels: Vec<String>,
     pub(crate) clock: Clock,
+    /// The standard deviation of a place by the reference, m, where its messages state it.
+    pub(crate) position_sigma: Option<f64>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -48,6 +51,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
             topics: Vec::new(),
             wheels: topics.joints.iter().map(|j| j.wheel.clone()).collect(),
             clock: Clock::Header,
+            position_sigma: None,
             notes: Vec::new(),
         },
     };

@@ -7,6 +7,9 @@ use super::{Choosing, Job, Seen};
 use crate::error::Result;
 use crate::message::View;
 
+/// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
+const ON_EARTH: &[&str] = &["gps", "gnss", "fix", "navsat", "ublox"];
+
 const POSE: [(Meaning, Option<usize>); 3] = [
     (Meaning::PoseX, None),
     (Meaning::PoseY, None),
@@ -64,6 +67,9 @@ impl Choosing<'_> {
         {
             self.take(seen, Job::Pose, "pose", POSE);
         }
+        if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
+            self.fixes(first(|view, _| matches!(view, View::NavSatFix(_))));
+        }
         if !self.measures(Meaning::SpeedForward)
             && let Some(seen) = first(|view, topic| {
                 matches!(view, View::Odometry(_) | View::Twist { .. })
@@ -71,9 +77,33 @@ impl Choosing<'_> {
                     && !words(topic).any(|word| word == "cmd")
             })
         {
-            self.take(seen, Job::Speed, "speed over ground", SPEED);
+            let is_twist = matches!(seen.view, Some(View::Twist { .. }));
+            if is_twist && words(&seen.channel.topic).any(|word| ON_EARTH.contains(&word.as_str()))
+            {
+                let word = "size of the speed over ground, to the east and north";
+                self.take(seen, Job::SpeedOnEarth, word, [SPEED[0]]);
+            } else {
+                self.take(seen, Job::Speed, "speed over ground", SPEED);
+            }
         }
         Ok(())
+    }
+
+    /// Fixes of a satellite receiver that are accurate enough to measure slip.
+    fn fixes(&mut self, seen: Option<&Seen>) {
+        let Some((seen, Some(View::NavSatFix(fix)))) = seen.map(|seen| (seen, &seen.view)) else {
+            return;
+        };
+        match fix.fault() {
+            None => {
+                self.take(seen, Job::Fix, "way between fixes", WAY);
+                self.choice.position_sigma = Some(fix.sigma());
+            }
+            Some(fault) => self.choice.notes.push(format!(
+                "`{}` is not used: it begins with {fault}",
+                seen.channel.topic
+            )),
+        }
     }
 
     pub(super) fn command(&mut self) -> Result<()> {
@@ -89,6 +119,7 @@ impl Choosing<'_> {
         } else {
             self.free().find(|seen| {
                 matches!(seen.view, Some(View::Twist { .. }))
+                    && !is_over_ground(&seen.channel.topic)
                     && words(&seen.channel.topic).any(|word| word == "cmd" || word == "command")
             })
         };

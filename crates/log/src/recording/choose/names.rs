@@ -27,6 +27,8 @@ const OVER_GROUND: &[&str] = &[
     "apriltag",
     "flow",
     "ground",
+    "fix",
+    "navsat",
 ];
 /// The words of a name: `/vicon/robot_1` is `vicon`, `robot`, `1`.
 pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
@@ -35,7 +37,7 @@ pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
         .map(str::to_lowercase)
 }
 
-pub(super) fn is_over_ground(topic: &str) -> bool {
+pub(crate) fn is_over_ground(topic: &str) -> bool {
     let mut words = words(topic);
     words.any(|word| OVER_GROUND.contains(&word.as_str()))
 }

@@ -53,7 +53,11 @@ impl Choosing<'_> {
             let joints = self.topics.joints.iter().enumerate();
             let found = joints.filter_map(|(index, wheel)| {
                 let name = match &wheel.joint {
-                    Some(joint) => seen.joints.contains_key(joint).then(|| joint.clone()),
+                    // Logs of our own name the wheels themselves.
+                    Some(joint) => [joint, &wheel.wheel]
+                        .into_iter()
+                        .find(|name| seen.joints.contains_key(*name))
+                        .cloned(),
                     None => joint_by_name(&wheel.wheel, seen.joints.keys()),
                 };
                 Some((name?, index))

@@ -6,7 +6,7 @@ use super::names::words;
 use super::{Choosing, Job, Seen};
 use crate::error::Result;
 use crate::message::{Imu, Trust, View};
-use crate::recording::mounting::{agree, axes_by_transforms};
+use crate::recording::mounting::{agree, axes_by_file, axes_by_transforms};
 
 impl Choosing<'_> {
     pub(super) fn yaw_rate(&mut self) -> Result<()> {
@@ -51,10 +51,28 @@ impl Choosing<'_> {
         Ok(())
     }
 
-    /// The acceleration, where transforms give the forward axis and neither gravity nor covariances contradict them.
+    /// The acceleration, where the robot file or transforms give the forward axis and neither gravity nor covariances
+    /// contradict it.
     fn acceleration(&mut self, seen: &Seen, imu: &Imu, up: [f64; 3]) {
-        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
-        let Some([forward, left, _]) = axes.filter(|axes| agree(axes[2], up)) else {
+        let axes = match self.topics.imu_forward {
+            Some(forward) => axes_by_file(forward, up),
+            None => axes_by_transforms(&self.preview.transforms, &imu.frame)
+                .filter(|axes| agree(axes[2], up)),
+        };
+        let Some([forward, left, _]) = axes else {
+            // Drivers without an accelerometer leave zeros.
+            if seen.accelerations.up().is_some() {
+                let topic = &seen.channel.topic;
+                let why = match self.topics.imu_forward {
+                    Some(_) => "`imu_forward` in the robot file is not level",
+                    None => {
+                        "no transforms give its forward axis (`imu_forward` in the robot file does)"
+                    }
+                };
+                self.choice.notes.push(format!(
+                    "the accelerations of `{topic}` are not used: {why}"
+                ));
+            }
             return;
         };
         let unusable = |axis: usize| imu.acceleration_trust[axis] == Trust::DoNotUse;

@@ -1,0 +1,107 @@
+//! Dates with a time of day (ISO 8601, RFC 3339) as nanoseconds since 1970.
+
+const DAY_S: i64 = 86_400;
+
+/// `2026-03-02T09:15:30.25Z`, `2026-03-02 09:15:30+01:00`; without a zone it is UTC. `None` for anything else.
+pub(super) fn nanoseconds(text: &str) -> Option<i64> {
+    let (day, rest) = text.split_at_checked(10)?;
+    let mut parts = day.split('-');
+    let (year, month, date) = (
+        number(parts.next()?, 4)?,
+        number(parts.next()?, 2)?,
+        number(parts.next()?, 2)?,
+    );
+    let rest = rest.strip_prefix(['T', 't', ' '])?;
+    let zone_at = rest.find(['Z', 'z', '+', '-']).unwrap_or(rest.len());
+    let (time, zone) = rest.split_at(zone_at);
+    let mut parts = time.split(':');
+    let (hour, minute) = (number(parts.next()?, 2)?, number(parts.next()?, 2)?);
+    let (whole, fraction) = parts.next().map_or(Some((0, 0)), seconds)?;
+    let valid = (1..=12).contains(&month)
+        && (1..=31).contains(&date)
+        && hour < 24
+        && minute < 60
+        && whole <= 60
+        && parts.next().is_none();
+    if !valid {
+        return None;
+    }
+    let s = days(year, month, date) * DAY_S + hour * 3600 + minute * 60 + whole - offset_s(zone)?;
+    s.checked_mul(1_000_000_000)?.checked_add(fraction)
+}
+
+fn number(text: &str, digits: usize) -> Option<i64> {
+    let plain = text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit());
+    plain.then(|| text.parse().ok()).flatten()
+}
+
+/// Whole seconds, and the nanoseconds behind the point.
+fn seconds(text: &str) -> Option<(i64, i64)> {
+    let (whole, fraction) = text.split_once(['.', ',']).unwrap_or((text, "0"));
+    let plain = !fraction.is_empty() && fraction.bytes().all(|byte| byte.is_ascii_digit());
+    let nine: String = fraction
+        .chars()
+        .chain(std::iter::repeat('0'))
+        .take(9)
+        .collect();
+    Some((
+        number(whole, 2)?,
+        plain.then(|| nine.parse().ok()).flatten()?,
+    ))
+}
+
+/// How far a zone is ahead of UTC, s.
+fn offset_s(zone: &str) -> Option<i64> {
+    let (sign, digits) = match zone.chars().next() {
+        None | Some('Z' | 'z') if zone.len() <= 1 => return Some(0),
+        Some('+') => (1, &zone[1..]),
+        Some('-') => (-1, &zone[1..]),
+        _ => return None,
+    };
+    let digits = digits.replace(':', "");
+    let (hours, minutes) = match digits.len() {
+        2 => (digits.as_str(), "00"),
+        4 => digits.split_at(2),
+        _ => return None,
+    };
+    Some(sign * (number(hours, 2)? * 3600 + number(minutes, 2)? * 60))
+}
+
+/// Days since 1970-01-01 in the Gregorian calendar (Fliegel and Van Flandern 1968, shifted).
+const fn days(year: i64, month: i64, date: i64) -> i64 {
+    let a = (month - 14) / 12;
+    let julian = (1461 * (year + 4800 + a)) / 4 + (367 * (month - 2 - 12 * a)) / 12
+        - (3 * ((year + 4900 + a) / 100)) / 4
+        + date
+        - 32_075;
+    julian - 2_440_588
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nanoseconds;
+
+    #[test]
+    fn dates_are_exact_to_the_nanosecond() {
+        assert_eq!(nanoseconds("1970-01-01T00:00:00Z"), Some(0));
+        assert_eq!(
+            nanoseconds("2012-09-01 00:00:00"),
+            Some(1_346_457_600_000_000_000)
+        );
+        assert_eq!(
+            nanoseconds("2024-02-29T12:30:15.000000001+01:00"),
+            Some(1_709_206_215_000_000_001)
+        );
+        assert_eq!(nanoseconds("1969-12-31T23:59:59.5Z"), Some(-500_000_000));
+        for bad in [
+            "2024-13-01T00:00:00Z",
+            "2024-01-01",
+            "2024-01-01T25:00:00Z",
+            "yesterday",
+            "2024-01-01T00:00:00+1",
+            "",
+        ] {
+            assert_eq!(nanoseconds(bad), None, "{bad}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Checks at the end of a run: does the filter's result agree with the log that it was made of?
+
+use std::fmt;
+
+/// A reference of which the filter used less than this share was locked out, not noisy.
+const MIN_USED_SHARE: f64 = 0.5;
+/// Fewer readings than this are no series.
+const MIN_READINGS: u64 = 10;
+/// The whole way's slip by the filter and by the reference may differ by this: sums over windows at starts, stops and
+/// turns differ by up to 0.02 in the shipped logs.
+const MAX_SLIP_DIFFERENCE: f64 = 0.05;
+/// A shorter way by the wheels is not compared, m.
+const MIN_WAY_M: f64 = 0.5;
+
+/// How many readings of the reference there were, and how many of them the filter used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReferenceUse {
+    /// Readings that the filter was given.
+    pub readings: u64,
+    /// Readings that changed its state.
+    pub used: u64,
+}
+
+/// Ways while the reference was known, m, each along the direction in which the wheels drove.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WayCheck {
+    /// By the wheels.
+    pub wheels: f64,
+    /// By the filter.
+    pub filter: f64,
+    /// By the reference alone, over windows.
+    pub reference: f64,
+}
+
+impl WayCheck {
+    /// Slip of the whole way by the filter; `None` of a way too short to compare.
+    #[must_use]
+    pub fn slip_by_filter(&self) -> Option<f64> {
+        (self.wheels > MIN_WAY_M).then(|| 1.0 - self.filter / self.wheels)
+    }
+
+    /// Slip of the whole way by the reference; `None` of a way too short to compare.
+    #[must_use]
+    pub fn slip_by_reference(&self) -> Option<f64> {
+        (self.wheels > MIN_WAY_M).then(|| 1.0 - self.reference / self.wheels)
+    }
+}
+
+/// Why a result is doubtful.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// The filter refused most readings of its only reference.
+    ReferenceRefused(ReferenceUse),
+    /// The filter's way differs from the reference's.
+    WaysDiffer {
+        /// Slip of the whole way by the filter.
+        filter: f64,
+        /// Slip of the whole way by the reference.
+        reference: f64,
+    },
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
+                f,
+                "the filter used {used} of {readings} readings of its reference: its slips do not follow from this log"
+            ),
+            Self::WaysDiffer { filter, reference } => write!(
+                f,
+                "the slip of the whole way is {filter:.3} by the filter, but {reference:.3} by the reference alone"
+            ),
+        }
+    }
+}
+
+/// The doubts about a filter's run; `reference` is `None` where no sensor measures the robot's motion.
+pub(crate) fn doubts(reference: Option<ReferenceUse>, ways: &WayCheck) -> Vec<Doubt> {
+    let refused = reference.filter(|of| {
+        of.readings >= MIN_READINGS && (of.used as f64) < MIN_USED_SHARE * of.readings as f64
+    });
+    let differ = ways
+        .slip_by_filter()
+        .zip(ways.slip_by_reference())
+        .filter(|(filter, reference)| !((filter - reference).abs() <= MAX_SLIP_DIFFERENCE));
+    let refused = refused.map(Doubt::ReferenceRefused);
+    let differ = differ.map(|(filter, reference)| Doubt::WaysDiffer { filter, reference });
+    refused.into_iter().chain(differ).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reference_that_is_locked_out_and_a_way_that_differs_are_doubts() {
+        let of = |used| {
+            Some(ReferenceUse {
+                readings: 306,
+                used,
+            })
+        };
+        let ways = |filter| WayCheck {
+            wheels: 20.0,
+            filter,
+            reference: 12.0,
+        };
+        assert!(doubts(of(300), &ways(12.4)).is_empty());
+        assert!(doubts(None, &WayCheck::default()).is_empty());
+        let found = doubts(of(24), &ways(20.2));
+        assert_eq!(found.len(), 2);
+        assert!(found[0].to_string().contains("24 of 306"), "{}", found[0]);
+        assert!(found[1].to_string().contains("0.400"), "{}", found[1]);
+    }
+}

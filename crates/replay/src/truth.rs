@@ -1,0 +1,356 @@
+//! Estimated slips beside their truth.
+
+use std::io;
+use std::path::Path;
+
+use grouser_log::csv::{Lines, finite, split};
+use grouser_log::{Clock, Messages};
+use grouser_slip::{Health, Robot};
+
+use crate::error::{Error, Result};
+use crate::sink::{Row, Sink, Step};
+
+/// Truth is linear between two samples that are no further apart than this, s.
+const MAX_GAP_S: f64 = 0.5;
+/// An estimate's lag is looked for up to this, s, in these steps.
+const MAX_LAG_S: f64 = 1.0;
+const LAG_STEP_S: f64 = 0.02;
+/// The truth must vary by this standard deviation for a lag to be found.
+const MIN_VARIATION: f64 = 0.02;
+/// 90 % of a normal distribution lie within so many standard deviations.
+const SIGMAS_90: f64 = 1.644_854;
+
+/// True slips over time, of each wheel.
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_replay::{Options, Truth, run_into};
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?;
+/// let truth = Truth::read(&example.join("truth.csv"), &robot.robot)?;
+/// let mut compared = truth.compare();
+/// run_into(&log, &robot, &Options::default(), &mut compared)?;
+/// let errors = compared.errors();
+/// assert!(errors[0].rmse.unwrap() < 0.05, "{errors:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    names: Vec<String>,
+    /// Of each wheel: s from the log's start (of a topic: ns), and slip, in the order of time.
+    wheels: Vec<Vec<(f64, f64)>>,
+    /// Are times on the log's clock, and not from its start?
+    is_on_clock: bool,
+}
+
+/// The errors of one wheel's estimates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TruthError {
+    /// The wheel.
+    pub wheel: String,
+    /// Estimates with a truth.
+    pub count: u64,
+    /// Root of the mean squared error.
+    pub rmse: Option<f64>,
+    /// Mean error, estimate less truth.
+    pub bias: Option<f64>,
+    /// Mean of the squared error over its variance, of estimates that are Ok: 1 where sigmas are right.
+    pub nees: Option<f64>,
+    /// The share of these whose 90 % interval holds the truth.
+    pub coverage_90: Option<f64>,
+    /// How much later the estimate is, s, where the truth varies enough to find it.
+    pub lag_s: Option<f64>,
+}
+
+impl Truth {
+    /// Reads a CSV table: a column `time_s` or `time_ms` from the log's start, and a column `NAME_slip` of each wheel;
+    /// an empty field is no truth.
+    ///
+    /// # Errors
+    /// What is wrong with the table; [`Error::NoTruth`] where it has no such columns.
+    pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
+        let mut truth = Self::new(robot, false);
+        let absent = || Error::NoTruth {
+            source_name: path.display().to_string(),
+        };
+        let mut lines = Lines::open(path)?;
+        let mut fields = Vec::new();
+        if !lines.advance()? {
+            return Err(absent());
+        }
+        let text = lines.text()?;
+        split(text, b',', &mut fields).map_err(|_| absent())?;
+        let names: Vec<String> = fields.iter().map(|f| f.value(text).into_owned()).collect();
+        let place = |name: &str| names.iter().position(|own| own == name);
+        let time = place("time_s").map(|at| (at, 1.0));
+        let (time, scale) = time
+            .or(place("time_ms").map(|at| (at, 1e-3)))
+            .ok_or_else(absent)?;
+        let columns: Vec<Option<usize>> = truth
+            .names
+            .iter()
+            .map(|wheel| place(&format!("{wheel}_slip")))
+            .collect();
+        if columns.iter().all(Option::is_none) {
+            return Err(absent());
+        }
+        while lines.advance()? {
+            let text = lines.text()?;
+            if text.is_empty() {
+                continue;
+            }
+            split(text, b',', &mut fields).map_err(|_| absent())?;
+            let number = |at: usize| -> Result<Option<f64>> {
+                let field = fields.get(at).map_or("", |field| field.text(text).trim());
+                if field.is_empty() {
+                    return Ok(None);
+                }
+                finite(field, b'.').map(Some).map_err(|bad| {
+                    grouser_log::Error::NotANumber {
+                        at: grouser_log::Cell {
+                            column: Some(at + 1),
+                            ..lines.cell()
+                        },
+                        found: field.chars().take(64).collect(),
+                        expected: bad.expected,
+                        hint: bad.hint,
+                    }
+                    .into()
+                })
+            };
+            let Some(time) = number(time)? else { continue };
+            for (wheel, column) in truth.wheels.iter_mut().zip(&columns) {
+                if let Some(slip) = column.map(number).transpose()?.flatten() {
+                    wheel.push((time * scale, slip));
+                }
+            }
+        }
+        Ok(truth)
+    }
+
+    /// Reads the messages of a topic of type `grouser_msgs/WheelSlip`, as a simulated drive writes it.
+    ///
+    /// # Errors
+    /// What does not let a file be read; [`Error::NoTruth`] where no message names a wheel of the robot.
+    pub fn read_topic<'a>(
+        files: impl Iterator<Item = &'a Path>,
+        topic: &str,
+        robot: &Robot,
+    ) -> Result<Self> {
+        let mut truth = Self::new(robot, true);
+        for file in files {
+            let named = topic.to_owned();
+            let wanted = move |channel: &grouser_log::container::Channel| channel.topic == named;
+            for message in Messages::open(file, Clock::Header, wanted)? {
+                let names = message.value.at("name").and_then(|names| names.elements());
+                let slips = message.value.at("slip").and_then(|slips| slips.elements());
+                for (name, slip) in names.into_iter().flatten().zip(slips.into_iter().flatten()) {
+                    let wheel = name.text().and_then(|name| robot.wheel_index(name));
+                    if let (Some(wheel), Some(slip)) = (wheel, slip.number())
+                        && slip.is_finite()
+                    {
+                        truth.wheels[wheel].push((message.time_ns as f64, slip));
+                    }
+                }
+            }
+        }
+        if truth.wheels.iter().all(Vec::is_empty) {
+            return Err(Error::NoTruth {
+                source_name: topic.to_owned(),
+            });
+        }
+        Ok(truth)
+    }
+
+    fn new(robot: &Robot, is_on_clock: bool) -> Self {
+        let wheels = robot.wheels();
+        Self {
+            names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
+            wheels: vec![Vec::new(); wheels.len()],
+            is_on_clock,
+        }
+    }
+
+    /// A sink that keeps the estimates for comparison: about 40 bytes each.
+    #[must_use]
+    pub fn compare(self) -> Compared {
+        Compared {
+            estimates: vec![Vec::new(); self.wheels.len()],
+            start_ns: None,
+            truth: self,
+        }
+    }
+}
+
+/// Estimates kept beside their truth.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    truth: Truth,
+    estimates: Vec<Vec<Estimate>>,
+    start_ns: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Estimate {
+    time_s: f64,
+    slip: f64,
+    /// Of an estimate that is Ok.
+    sigma: Option<f64>,
+}
+
+impl Sink for Compared {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        if let Some(slip) = row.slip {
+            self.estimates[row.wheel].push(Estimate {
+                time_s: row.time_s,
+                slip,
+                sigma: row.slip_sigma.filter(|_| row.health == Health::Ok),
+            });
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        let start = step.time_ns as f64 - step.time_s * 1e9;
+        self.start_ns.get_or_insert(start);
+        Ok(())
+    }
+}
+
+impl Compared {
+    /// The errors of each wheel that has a truth.
+    #[must_use]
+    pub fn errors(&self) -> Vec<TruthError> {
+        let all = self
+            .truth
+            .names
+            .iter()
+            .zip(&self.truth.wheels)
+            .zip(&self.estimates);
+        all.filter(|((_, truth), _)| !truth.is_empty())
+            .map(|((name, truth), estimates)| {
+                let start = self.start_ns.unwrap_or(0.0);
+                let from_start: Vec<(f64, f64)> = if self.truth.is_on_clock {
+                    let seconds = |&(time, slip): &(f64, f64)| ((time - start) * 1e-9, slip);
+                    truth.iter().map(seconds).collect()
+                } else {
+                    truth.clone()
+                };
+                errors_of(name, &from_start, estimates)
+            })
+            .collect()
+    }
+}
+
+/// The truth at a time, where it is known.
+fn at(truth: &[(f64, f64)], time: f64) -> Option<f64> {
+    let next = truth.partition_point(|sample| sample.0 < time);
+    let after = *truth.get(next)?;
+    if after.0 == time {
+        return Some(after.1);
+    }
+    let before = truth[next.checked_sub(1)?];
+    let gap = after.0 - before.0;
+    (gap <= MAX_GAP_S).then(|| before.1 + (after.1 - before.1) * (time - before.0) / gap)
+}
+
+fn errors_of(name: &str, truth: &[(f64, f64)], estimates: &[Estimate]) -> TruthError {
+    let (mut count, mut sum, mut squares) = (0_u32, 0.0, 0.0);
+    let (mut sure, mut nees, mut covered) = (0_u32, 0.0, 0_u32);
+    for estimate in estimates {
+        let Some(truth) = at(truth, estimate.time_s) else {
+            continue;
+        };
+        let error = estimate.slip - truth;
+        count += 1;
+        sum += error;
+        squares += error * error;
+        if let Some(sigma) = estimate.sigma.filter(|sigma| *sigma > 0.0) {
+            sure += 1;
+            nees += (error / sigma).powi(2);
+            covered += u32::from(error.abs() <= SIGMAS_90 * sigma);
+        }
+    }
+    let mean = |sum: f64, count: u32| (count > 0).then(|| sum / f64::from(count));
+    TruthError {
+        wheel: name.to_owned(),
+        count: count.into(),
+        rmse: mean(squares, count).map(f64::sqrt),
+        bias: mean(sum, count),
+        nees: mean(nees, sure),
+        coverage_90: mean(covered.into(), sure),
+        lag_s: lag(truth, estimates),
+    }
+}
+
+/// The delay of the truth at which the estimates are nearest to it.
+fn lag(truth: &[(f64, f64)], estimates: &[Estimate]) -> Option<f64> {
+    let (first, last) = (
+        estimates.first()?.time_s + MAX_LAG_S,
+        estimates.last()?.time_s,
+    );
+    // The same estimates for every delay, or the ends would choose it.
+    let inner: Vec<&Estimate> = estimates
+        .iter()
+        .filter(|e| e.time_s >= first && e.time_s <= last)
+        .filter(|e| at(truth, e.time_s).is_some() && at(truth, e.time_s - MAX_LAG_S).is_some())
+        .collect();
+    let known: Vec<f64> = inner.iter().filter_map(|e| at(truth, e.time_s)).collect();
+    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    let variance = known.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / known.len() as f64;
+    if !(variance > MIN_VARIATION * MIN_VARIATION) {
+        return None;
+    }
+    let cost = |delay: f64| -> f64 {
+        let one = |e: &&Estimate| Some((e.slip - at(truth, e.time_s - delay)?).powi(2));
+        let (sum, count) = inner
+            .iter()
+            .filter_map(one)
+            .fold((0.0, 0.0), |(sum, count), square| {
+                (sum + square, count + 1.0)
+            });
+        sum / f64::max(count, 1.0)
+    };
+    let mut best = (f64::INFINITY, 0.0);
+    let mut delay = 0.0;
+    while delay <= MAX_LAG_S {
+        let here = cost(delay);
+        if here < best.0 {
+            best = (here, delay);
+        }
+        delay += LAG_STEP_S;
+    }
+    Some(best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_estimate_of_a_step_has_its_lag_and_right_sigmas_have_nees_one() {
+        let truth: Vec<(f64, f64)> = (0..1000)
+            .map(|i| (f64::from(i) * 0.01, if i < 500 { 0.1 } else { 0.4 }))
+            .collect();
+        let estimates: Vec<Estimate> = (0..1000)
+            .map(|i| Estimate {
+                time_s: f64::from(i) * 0.01,
+                slip: if i < 530 { 0.1 } else { 0.4 } + if i % 2 == 0 { 0.01 } else { -0.01 },
+                sigma: Some(0.01),
+            })
+            .collect();
+        let found = errors_of("left", &truth, &estimates);
+        assert_eq!(found.count, 1000);
+        assert!((found.lag_s.unwrap() - 0.3).abs() < 0.021, "{found:?}");
+        assert!((found.coverage_90.unwrap() - 0.97).abs() < 1e-9);
+        // thirty samples of thirty sigma
+        assert!((found.nees.unwrap() - (0.97 + 0.03 * 900.0)).abs() < 2.0);
+        let on_time = errors_of("left", &truth, &estimates[530..]);
+        assert!((on_time.nees.unwrap() - 1.0).abs() < 1e-9 && on_time.lag_s.is_none());
+        assert!(at(&[(0.0, 0.1), (2.0, 0.2)], 1.0).is_none());
+    }
+}
