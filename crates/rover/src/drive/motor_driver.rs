@@ -1,7 +1,7 @@
 //! The motor driver of a wheel: a speed loop with a limit of torque.
 
 /// Gains over the motor's greatest torque: per rad/s, and per rad.
-const GAIN: f64 = 0.6;
+const RATE_GAIN_S_PER_RAD: f64 = 0.6;
 const INTEGRAL_GAIN: f64 = 4.0;
 
 /// A speed loop.
@@ -22,7 +22,7 @@ impl MotorDriver {
     ) -> f64 {
         let limit = limit.clamp(0.0, most);
         let off = wanted - rate;
-        let proportional = GAIN * most * off;
+        let proportional = RATE_GAIN_S_PER_RAD * most * off;
         // The integral never asks for more than the limit leaves: no wind-up.
         let room = (
             (-limit - proportional).min(0.0).max(-limit),

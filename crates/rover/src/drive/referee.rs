@@ -9,7 +9,7 @@ use crate::vector::Vector;
 const STUCK_TIME: f64 = 15.0;
 const STUCK_SHARE: f64 = 0.02;
 /// Tilt at which a robot has fallen over, rad.
-const FALLEN: f64 = 1.2;
+const FALLEN_TILT_RAD: f64 = 1.2;
 
 /// Where on its way the robot is.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ impl Referee {
     pub(super) fn look(&mut self, time: f64, place: Vector, tilt: f64) -> Option<Outcome> {
         self.way += (place - self.last).length();
         self.last = place;
-        if tilt > FALLEN {
+        if tilt > FALLEN_TILT_RAD {
             return Some(Outcome::Tipped);
         }
         let Some(leg) = self.legs.get(self.leg) else {

@@ -9,9 +9,9 @@ use super::outcome::SlipScore;
 const LEAST_SPEED: f64 = 0.05;
 
 /// A wheel has started for this long, s.
-const START: f64 = 1.0;
+const START_TIME_S: f64 = 1.0;
 /// What is off by more than this many sigma is wrong.
-const WRONG: f64 = 4.0;
+const WRONG_SIGMA: f64 = 4.0;
 
 /// Ways of rim and centre over the estimator's window, as long ago as its estimate.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ impl Scoring {
             Some((_, speed)) if speed >= LEAST_SPEED => *moving + period,
             _ => 0.0,
         };
-        let settled = *moving >= START;
+        let settled = *moving >= START_TIME_S;
         let wrong = &mut self.wrong[wheel];
         let (Some(slip), Some(sigma), Some((truth, speed))) =
             (observation.slip, observation.sigma, truth)
@@ -109,7 +109,7 @@ impl Scoring {
             return;
         };
         let off = slip - truth;
-        if observation.health == Health::Ok && off.abs() > WRONG * sigma {
+        if observation.health == Health::Ok && off.abs() > WRONG_SIGMA * sigma {
             *wrong += period;
             self.longest = self.longest.max(*wrong);
         } else {

@@ -16,7 +16,7 @@ use crate::vector::{Attitude, Vector};
 const BEARING_RATE: f64 = 0.05;
 /// The contact plane is laid through the ground this share of the radius before and behind the wheel: about the
 /// half contact of a wheel sunk by a tenth of its radius.
-const REACH: f64 = 0.45;
+const CONTACT_REACH_RADII: f64 = 0.45;
 /// A rut ends this many cells behind the wheel's axle: between the nodes it fades over one.
 const RUT_BEHIND: f64 = 1.05;
 
@@ -301,7 +301,7 @@ impl Vehicle {
         let spot = ground.under(
             (place.x, place.y),
             (across.y / level, -across.x / level),
-            REACH * radius,
+            CONTACT_REACH_RADII * radius,
             mount.wheel.width(),
         );
         let up = self

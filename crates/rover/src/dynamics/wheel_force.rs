@@ -21,9 +21,9 @@ const LOOK_AHEAD: f64 = 0.015;
 /// The same for the sinkage, s.
 const LOOK_AHEAD_DOWN: f64 = 0.006;
 /// Steepness of unloading over load per sinkage. Sand's own is 5 to 50; beyond about 10 it no longer matters.
-const UNLOADING: f64 = 6.0;
+const UNLOADING_STIFFNESS: f64 = 6.0;
 /// A wheel sunk deeper than this share of its radius is held to be buried.
-const DEEPEST: f64 = 0.9;
+const MAX_SINKAGE_RADII: f64 = 0.9;
 /// Greatest drift sideways over rolling speed that the laws are asked at: the shear is saturated there.
 const MOST_DRIFT: f64 = 4.0;
 /// Drift below which side shear is taken as proportional, so that a wheel that runs straight is asked for
@@ -96,7 +96,7 @@ impl WheelContact {
         let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
         let share = step * rolling / length;
         let forgotten = self.pressed - (self.pressed - motion.sinkage) * (share / (1.0 + share));
-        let limit = DEEPEST * radius;
+        let limit = MAX_SINKAGE_RADII * radius;
         let buried = motion.sinkage > limit;
         self.pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
         if self.pressed <= 0.0 {
@@ -115,7 +115,7 @@ impl WheelContact {
         let mut load = self.steady(pair, slips);
         // W − k (z_p − z), the line of unloading, with its damping
         let gap = (self.pressed - motion.sinkage.min(limit)) - LOOK_AHEAD_DOWN * motion.sinking;
-        let share = (1.0 - UNLOADING * gap / self.pressed).clamp(0.0, 3.0);
+        let share = (1.0 - UNLOADING_STIFFNESS * gap / self.pressed).clamp(0.0, 3.0);
         let scale = strength * share;
         load.normal *= scale;
         load.along *= scale;
@@ -185,7 +185,8 @@ impl WheelContact {
 /// Length of the contact, m: the arc in front of the wheel's lowest point.
 fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
     let radius = wheel.running_radius();
-    let theta_1 = grouser_terra::entry_angle(sinkage.clamp(0.0, DEEPEST * radius), radius);
+    let theta_1 =
+        grouser_terra::entry_angle(sinkage.clamp(0.0, MAX_SINKAGE_RADII * radius), radius);
     radius * theta_1.max(0.05)
 }
 

@@ -11,9 +11,9 @@ const MOST: usize = 3 + MAX_FREEDOMS;
 /// Steps at most: a wheel that lifts and a link that runs to its stop take some.
 const MOST_STEPS: usize = 400;
 /// Forces balance to this share of the weight, N and N m/m.
-const BALANCED: f64 = 1e-9;
+const BALANCE_SHARE: f64 = 1e-9;
 /// Longest step in a height (m) or an angle (rad).
-const LONGEST: f64 = 0.1;
+const MAX_NEWTON_STEP: f64 = 0.1;
 /// Heights of the ground under the wheels, m.
 const HEIGHTS: (f64, f64) = (-10.0, 10.0);
 /// Stiffness of the ground under a wheel, N/m.
@@ -83,14 +83,14 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
         let off = system.right[..size]
             .iter()
             .fold(0.0, |most: f64, r| most.max(r.abs()));
-        if off <= BALANCED * model.weight() {
+        if off <= BALANCE_SHARE * model.weight() {
             settled = true;
             break;
         }
         solve(&mut system.matrix, &mut system.right, size);
         let step = &system.right[..size];
         let longest = step.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
-        let share = (LONGEST / longest.max(1e-300)).min(1.0);
+        let share = (MAX_NEWTON_STEP / longest.max(1e-300)).min(1.0);
         state.position.z += share * step[0];
         let turn = Vector::new(step[1], step[2], 0.0) * share;
         state.attitude = state
