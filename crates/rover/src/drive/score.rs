@@ -5,12 +5,12 @@ use grouser_slip::control::WheelObservation;
 
 use super::outcome::SlipScore;
 
-/// Speed below which no slip is compared, m/s.
-const LEAST_SPEED: f64 = 0.05;
+/// Below this speed no slip is compared, m/s: two and a half times the filter's own limit.
+const MIN_SPEED_M_PER_S: f64 = 0.05;
 
-/// A wheel has started for this long, s.
+/// The first seconds of motion after a stop, s: unsheared soil makes true slips of up to 0.9 there.
 const START_TIME_S: f64 = 1.0;
-/// What is off by more than this many sigma is wrong.
+/// An error beyond this many sigma is wrong: by chance one in 16 000.
 const WRONG_SIGMA: f64 = 4.0;
 
 /// Ways of rim and centre over the estimator's window, as long ago as its estimate.
@@ -97,7 +97,7 @@ impl Scoring {
     ) {
         let moving = &mut self.moving[wheel];
         *moving = match truth {
-            Some((_, speed)) if speed >= LEAST_SPEED => *moving + period,
+            Some((_, speed)) if speed >= MIN_SPEED_M_PER_S => *moving + period,
             _ => 0.0,
         };
         let settled = *moving >= START_TIME_S;
@@ -115,7 +115,7 @@ impl Scoring {
         } else {
             *wrong = 0.0;
         }
-        if speed >= LEAST_SPEED && observation.health == Health::Ok {
+        if speed >= MIN_SPEED_M_PER_S && observation.health == Health::Ok {
             self.count += 1;
             self.sum += off;
             self.square += off * off;
