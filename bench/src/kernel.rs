@@ -129,9 +129,9 @@ fn worst(sets: &[Points], forces: impl Fn(&Points, usize) -> [f64; 3]) -> f64 {
                 ..Settings::default()
             };
             let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
-            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let contact = WheelOnSoil::new(wheel, set.soil, exact).expect("a wheel on its soil");
             let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
-            let f = pair.forces_at(set.sinkage[i], &motion).expect("forces");
+            let f = contact.forces_at(set.sinkage[i], &motion).expect("forces");
             let r = set.radius[i];
             let exact = [f.vertical_force, f.drawbar_pull, f.torque / r];
             let [w, pull, torque] = forces(set, i);
@@ -157,9 +157,9 @@ fn worst_angle(set: &Points, out: &Out, load: &[f64]) -> f64 {
     (0..load.len())
         .map(|i| {
             let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
-            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let contact = WheelOnSoil::new(wheel, set.soil, exact).expect("a wheel on its soil");
             let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
-            let found = pair.sinkage_under(load[i], &motion).expect("a search");
+            let found = contact.sinkage_under(load[i], &motion).expect("a search");
             let angle = |z: f64| entry_angle(z, set.radius[i]);
             let exact = angle(found.sinkage().expect("carried"));
             (angle(out.sinkage[i]) / exact - 1.0).abs()

@@ -121,15 +121,15 @@ pub fn run() {
     );
     for (name, params, motion, shear, depth) in paths() {
         let soil = Soil::new(params).expect("a soil");
-        let pair = |accuracy| {
+        let contact = |accuracy| {
             let settings = Settings {
                 accuracy,
                 shear,
                 ..Settings::default()
             };
-            WheelOnSoil::new(wheel, soil, settings).expect("a pair")
+            WheelOnSoil::new(wheel, soil, settings).expect("a wheel on its soil")
         };
-        let (fast, exact) = (pair(Accuracy::Standard), pair(Accuracy::Reference));
+        let (fast, exact) = (contact(Accuracy::Standard), contact(Accuracy::Reference));
         let sinkage = depth * wheel.radius();
         let f = exact.forces_at(sinkage, &motion).expect("forces");
         // the error over a hundred sinkages, not at one only
@@ -166,18 +166,18 @@ pub fn run() {
 /// same rule.
 fn derivatives(wheel: RigidWheel) {
     let soil = Soil::new(sand()).expect("a soil");
-    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a pair");
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
     let motion = Kinematics::straight(Slip::new(0.3).expect("a slip"));
     let sinkage = 0.15 * wheel.radius();
     let value = {
-        let inputs = DualInputs::<0>::new(&pair, &motion);
+        let inputs = DualInputs::<0>::new(&contact, &motion);
         median_ns(|| {
             let theta_1 = entry_angle(Dual::constant(black_box(sinkage)), inputs.size.radius);
             inputs.forces(theta_1).drawbar_pull.value
         })
     };
     let jacobian = {
-        let mut inputs = DualInputs::<9>::new(&pair, &motion);
+        let mut inputs = DualInputs::<9>::new(&contact, &motion);
         inputs.size = WheelSize::smooth(
             Dual::variable(wheel.radius(), 0),
             Dual::variable(wheel.width(), 1),

@@ -70,9 +70,9 @@ pub fn print(count: usize) {
         };
         for i in 0..set.slip.len() {
             let wheel = RigidWheel::new(set.radius[i], set.width[i]).expect("a wheel");
-            let pair = WheelOnSoil::new(wheel, set.soil, exact).expect("a pair");
+            let contact = WheelOnSoil::new(wheel, set.soil, exact).expect("a wheel on its soil");
             let motion = Kinematics::straight(Slip::new(set.slip[i]).expect("a slip"));
-            let f = pair.forces_at(set.sinkage[i], &motion).expect("forces");
+            let f = contact.forces_at(set.sinkage[i], &motion).expect("forces");
             let w = f.vertical_force;
             let numbers = [
                 law.k_c,

@@ -15,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let radius = point.wheel.radius();
     for _ in 0..4 {
         let sinkage = if bytes.u8() % 8 == 0 { bytes.any() } else { bytes.within(0.0, 1.1) * radius };
-        let Ok(solution) = point.pair.at_sinkage(sinkage, &point.motion) else {
+        let Ok(solution) = point.contact.at_sinkage(sinkage, &point.motion) else {
             continue;
         };
         let f = solution.forces;

@@ -66,8 +66,8 @@ fuzz_target!(|bytes: &[u8]| {
         let scalar = (|| {
             let soil = SoilParams { rebound: rebound[i], ..*point.soil.params() };
             let wheel = RigidWheel::new(radius[i], width[i])?;
-            let pair = WheelOnSoil::new(wheel, Soil::new(soil)?, Settings::default())?;
-            pair.at_sinkage(sinkage[i], &Kinematics::straight(Slip::new(slip[i])?))
+            let contact = WheelOnSoil::new(wheel, Soil::new(soil)?, Settings::default())?;
+            contact.at_sinkage(sinkage[i], &Kinematics::straight(Slip::new(slip[i])?))
         })();
         match (out[i], portable[i], scalar) {
             ((SolveStatus::Solved, a), (SolveStatus::Solved, b), Ok(c)) => {

@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
             1 => bytes.within(0.0, 1e6),
             _ => 10_f64.powf(bytes.within(-3.0, 5.0)),
         };
-        let Ok(solution) = point.pair.under_load(load, &point.motion) else {
+        let Ok(solution) = point.contact.under_load(load, &point.motion) else {
             continue;
         };
         let Some(found) = solution.point else { continue };

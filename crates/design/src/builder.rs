@@ -12,7 +12,7 @@ use crate::formula::{Formula, FormulaError, Relation, constraint, is_free_name};
 use crate::quantity::{Fixed, Parameter, Place, Quantity};
 use crate::scope::{Scope, first_missing};
 
-/// What the wheel of a design carries or how deep it stands, and how it moves.
+/// The load or the sinkage of the wheel of a design, and its motion.
 ///
 /// ```
 /// use grouser_design::State;
@@ -78,6 +78,8 @@ pub struct ObjectiveParams {
     pub weight: f64,
     /// Does |f| count?
     pub absolute: bool,
+    /// Is the formula to be as large as possible? Goal and printed value keep the formula's sign.
+    pub maximise: bool,
 }
 
 impl ObjectiveParams {
@@ -98,6 +100,7 @@ impl ObjectiveParams {
             goal: None,
             weight: 1.0,
             absolute: false,
+            maximise: false,
         }
     }
 }
@@ -221,6 +224,28 @@ impl DesignBuilder {
     #[must_use]
     pub fn minimise(self, name: &str, formula: &str) -> Self {
         self.objective(ObjectiveParams::new(name, formula))
+    }
+
+    /// One more objective that is to be as large as possible, of scale 1 and weight 1.
+    ///
+    /// ```
+    /// use grouser_design::{Answer, Design, State};
+    /// use grouser_opt::Variable;
+    /// use grouser_terra::{RigidWheel, catalogue};
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let design = Design::builder(&RigidWheel::new(0.125, 0.10)?, &soil, State::under_load(60.0))
+    ///     .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+    ///     .maximise("efficiency", "tractive_efficiency")
+    ///     .build()?;
+    /// let Answer::Optimum(optimum) = design.solve()? else { unreachable!("minimax gives one point") };
+    /// assert!(optimum.objectives[0].1 > 0.15 && optimum.utility < -0.15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn maximise(self, name: &str, formula: &str) -> Self {
+        let mut objective = ObjectiveParams::new(name, formula);
+        objective.maximise = true;
+        self.objective(objective)
     }
 
     /// One more objective.
@@ -443,6 +468,12 @@ fn objective(
             high: f64::MAX,
         }));
     }
+    if params.maximise && params.absolute {
+        return Err(Error::Contradiction {
+            at: at.clone(),
+            message: format!("objective `{name}` is both maximised and `absolute`"),
+        });
+    }
     let has_goals = matches!(task, Task::Attain | Task::Chebyshev);
     if has_goals && params.goal.is_none() {
         return Err(Error::Contradiction {
@@ -460,6 +491,7 @@ fn objective(
         goal: params.goal.filter(|_| has_goals),
         weight: params.weight,
         absolute: params.absolute,
+        maximise: params.maximise,
         formula: Formula::parse(&params.formula, scope).map_err(|e| refuse(at, name, e))?,
     })
 }
@@ -498,7 +530,7 @@ fn compile(design: &mut Design) {
         .into_iter()
         .map(|i| {
             let objective = &design.objectives[i];
-            (objective.formula.clone(), objective.scale)
+            (objective.formula.clone(), objective.factor())
         })
         .collect();
     for equal in [false, true] {

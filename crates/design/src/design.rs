@@ -1,4 +1,4 @@
-//! A problem as its file says it, checked, and the functions it asks the solver to work on.
+//! A checked problem, and the functions that the solver works on.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::formula::Formula;
 use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
 
-/// What is asked of the objectives.
+/// How the objectives are joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// The best worst case.
@@ -26,6 +26,17 @@ pub enum Task {
     Chebyshev,
     /// The whole front.
     Pareto,
+}
+
+impl Objective {
+    /// What the solver minimises is this times the objective.
+    pub(crate) fn factor(&self) -> f64 {
+        if self.maximise {
+            -self.scale
+        } else {
+            self.scale
+        }
+    }
 }
 
 impl Task {
@@ -60,6 +71,8 @@ pub struct Objective {
     pub weight: f64,
     /// Does |f| count?
     pub absolute: bool,
+    /// Is it to be as large as possible?
+    pub maximise: bool,
     pub(crate) formula: Formula,
 }
 
@@ -79,7 +92,7 @@ pub(crate) enum Slot {
     Equality(usize),
 }
 
-/// A world that the design must stand.
+/// A world in which the design must hold.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WorldInputs {
     pub(crate) name: String,
@@ -93,7 +106,7 @@ pub struct Design {
     pub file: String,
     /// A title, if the file gives one.
     pub title: Option<String>,
-    /// What is asked.
+    /// How the objectives are joined.
     pub task: Task,
     /// The variables, in the order of the file.
     pub variables: Vec<Variable>,

@@ -5,7 +5,7 @@ use crate::formula::FormulaError;
 /// The result of reading or solving a problem.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a problem file cannot be solved as it stands.
+/// Why a problem cannot be solved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -15,7 +15,7 @@ pub enum Error {
     /// A formula is wrong; its column counts within the formula.
     #[error("{at}: `{name}`, {source}")]
     Formula {
-        /// Where the formula stands.
+        /// The place of the formula.
         at: grouser_files::Place,
         /// Whose formula it is.
         name: String,
@@ -39,7 +39,7 @@ pub enum Error {
         "{at}: `{name}` uses `{quantity}`, which needs `{parameter}`; neither [{section}] nor a variable gives it"
     )]
     MissingParameter {
-        /// Where the formula stands.
+        /// The place of the formula.
         at: grouser_files::Place,
         /// Whose formula it is.
         name: String,

@@ -11,7 +11,7 @@ use crate::quantity::{Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity};
 #[derive(Clone, Debug)]
 pub(crate) struct Scope {
     variables: Vec<String>,
-    /// The variable that stands for a parameter.
+    /// The variable that replaces a parameter.
     replaced: [Option<usize>; Parameter::COUNT],
 }
 

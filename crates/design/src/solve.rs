@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    Callback, Counts, Front, Kkt, Method, MultiStart, Progress, Solution, Status, multi_start,
-    pareto, solve_with,
+    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Progress, Solution, Status,
+    multi_start, pareto, solve_with,
 };
 
 use crate::design::{Design, Slot, SolverProblem, Task};
@@ -34,7 +34,7 @@ pub struct Optimum {
     /// Every objective by name, without scaling; under several worlds one per world where they count
     /// separately.
     pub objectives: Vec<(String, f64)>,
-    /// The greatest of them, |f| where absolute.
+    /// The greatest of them, |f| where absolute and −f where maximised.
     pub maximum: f64,
     /// What was minimised: γ, with scaling.
     pub utility: f64,
@@ -107,7 +107,7 @@ impl Design {
 
     /// The method for the solver's objectives.
     fn method(&self, problem: &SolverProblem) -> Method {
-        // Under several worlds an objective may stand once per world.
+        // Under several worlds an objective may occur once per world.
         let order = self.solver_order();
         let copies = (problem.problem().objectives().len() / order.len()).max(1);
         let spread = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -117,7 +117,8 @@ impl Design {
                 .collect()
         };
         let weights = spread(&|i| self.objectives[i].weight);
-        let goals = spread(&|i| self.objectives[i].goal.unwrap_or(0.0) * self.objectives[i].scale);
+        let goals =
+            spread(&|i| self.objectives[i].goal.unwrap_or(0.0) * self.objectives[i].factor());
         match self.task {
             Task::Minimax | Task::Pareto => Method::Minimax,
             Task::Attain => Method::Attain { goals, weights },
@@ -135,6 +136,17 @@ impl Design {
     /// As [`Design::solve_with`].
     pub fn solve(&self) -> Result<Answer> {
         self.solve_with(&mut |_| ControlFlow::Continue(()))
+    }
+
+    /// What a solve would minimise at `x` (the variables of the file), and the worst violation there.
+    ///
+    /// # Errors
+    /// [`Error::Problem`] for a point of the wrong length; a measure over worlds that has helper variables of
+    /// its own has no merit at a point.
+    pub fn merit(&self, x: &[f64]) -> Result<Merit> {
+        let problem = self.problem()?;
+        let method = self.method(&problem);
+        grouser_opt::evaluate(problem.problem(), &method, x).map_err(|e| self.refuse(e))
     }
 
     /// Solves it; `callback` is called once an iteration of a single solve, and may stop it.
@@ -169,9 +181,9 @@ impl Design {
         Ok(Answer::Optimum(Box::new(optimum)))
     }
 
-    /// The scale of the solver's objective `index`.
+    /// What the solver's objective `index` is of the file's: its scale, negative where it is maximised.
     fn scale_of(&self, problem: &SolverProblem, index: usize) -> f64 {
-        self.objectives[self.file_place(problem, index)].scale
+        self.objectives[self.file_place(problem, index)].factor()
     }
 
     /// Which objective of the file the solver's objective `index` is.
@@ -195,10 +207,11 @@ impl Design {
             .iter()
             .enumerate()
             .map(|(i, f)| {
-                if self.objectives[self.file_place(problem, i)].absolute {
-                    f.abs()
-                } else {
-                    *f
+                let objective = &self.objectives[self.file_place(problem, i)];
+                match (objective.absolute, objective.maximise) {
+                    (true, _) => f.abs(),
+                    (_, true) => -f,
+                    _ => *f,
                 }
             })
             .fold(
@@ -293,7 +306,7 @@ impl Design {
         let parts = &solution.multipliers;
         let worlds = self.worlds.len();
         let inner = problem.problem();
-        // Helpers of a measure stand before the file's own inequalities.
+        // Helpers of a measure come before the file's own inequalities.
         let own = self.constraints.iter().filter(|c| !c.equal).count() * worlds;
         let first = inner.inequalities().len() - own;
         let mut list = Vec::new();

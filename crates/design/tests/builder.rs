@@ -48,6 +48,7 @@ reserve = \"gradeability_deg >= 3\"
         .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
         .minimise("efficiency", "-tractive_efficiency")
         .constraint("reserve", "gradeability_deg >= 3")
+        .starts(8, 1) // what a file of bounded variables has
         .build()
         .unwrap();
     assert_eq!(solved(&file), solved(&built));
@@ -179,4 +180,45 @@ fn what_a_builder_refuses() {
         running_slip(&wheel(), &weak, 60.0),
         Err(Error::NoRunningSlip { .. })
     ));
+}
+
+/// `maximise` is the same problem as a minus sign, with goals and values in the quantity's own sign.
+#[test]
+fn a_maximised_objective_keeps_its_sign() {
+    let of = |method: &str, objective: &str| {
+        let text = format!(
+            "method = \"{method}\"
+[variables]
+slip = {{ start = 0.2, lower = 0.01, upper = 0.8 }}
+[wheel]
+radius_m = 0.125
+width_m = 0.1
+[soil]
+key = \"dry-sand\"
+[state]
+load_n = 60.0
+[objectives]
+efficiency = {objective}
+"
+        );
+        solved(&parse(&Document::from_text("p.toml", text).unwrap()).unwrap())
+    };
+    let minus = of("minimax", "\"-tractive_efficiency\"");
+    let plain = of("minimax", "{ maximise = \"tractive_efficiency\" }");
+    assert_eq!(minus.x, plain.x);
+    assert_eq!(minus.objectives[0].1, -plain.objectives[0].1);
+    assert_eq!(
+        (minus.maximum, minus.utility),
+        (plain.maximum, plain.utility)
+    );
+    let minus = of(
+        "attain",
+        "{ expr = \"-tractive_efficiency\", goal = -0.1, weight = 0.1 }",
+    );
+    let plain = of(
+        "attain",
+        "{ maximise = \"tractive_efficiency\", goal = 0.1, weight = 0.1 }",
+    );
+    assert_eq!((minus.x, minus.attainment), (plain.x, plain.attainment));
+    assert!(plain.attainment.unwrap() < 0.0 && plain.objectives[0].1 > 0.1);
 }

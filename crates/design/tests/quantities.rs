@@ -40,7 +40,7 @@ fn quantities_agree_with_terra() {
     let design = design(&format!("{HEAD}[objectives]\nf = \"drawbar_pull_n\"\n"));
     let x = at_start(&design);
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
-    let pair = WheelOnSoil::new(
+    let contact = WheelOnSoil::new(
         RigidWheel::new(0.125, 0.1).unwrap(),
         soil,
         Settings::default(),
@@ -49,8 +49,12 @@ fn quantities_agree_with_terra() {
     let slope = Angle::from_deg(4.0);
     let carried = 80.0 * slope.cos();
     let motion = Kinematics::straight(Slip::new(0.5).unwrap());
-    let point = pair.under_load(carried, &motion).unwrap().point().unwrap();
-    let SlopeOutcome::Holds { slip } = pair.slip_demand(80.0, slope).unwrap() else {
+    let point = contact
+        .under_load(carried, &motion)
+        .unwrap()
+        .point()
+        .unwrap();
+    let SlopeOutcome::Holds { slip } = contact.slip_demand(80.0, slope).unwrap() else {
         panic!("the slope is held")
     };
     for (name, expected) in [
@@ -72,18 +76,23 @@ fn quantities_agree_with_terra() {
         ("slip_demand", slip.value()),
         (
             "max_drawbar_pull_n",
-            pair.slip_of_maximum_pull(carried).unwrap().unwrap().value,
+            contact
+                .slip_of_maximum_pull(carried)
+                .unwrap()
+                .unwrap()
+                .value,
         ),
         (
             "max_tractive_efficiency",
-            pair.slip_of_maximum_efficiency(carried)
+            contact
+                .slip_of_maximum_efficiency(carried)
                 .unwrap()
                 .unwrap()
                 .value,
         ),
         (
             "max_gradeability_deg",
-            pair.gradeability(80.0).unwrap().unwrap().deg(),
+            contact.gradeability(80.0).unwrap().unwrap().deg(),
         ),
     ] {
         let got = design.quantity(Quantity::named(name).unwrap(), &x).unwrap();

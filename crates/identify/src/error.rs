@@ -22,7 +22,7 @@ pub enum Error {
         upper: f64,
     },
     /// Fewer measurements than numbers to be found.
-    #[error("{residuals} measurements cannot tell {parameters} parameters")]
+    #[error("{residuals} measurements cannot determine {parameters} parameters")]
     TooFew {
         /// Measurements.
         residuals: usize,

@@ -17,7 +17,7 @@ use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
 /// A soil and how it was found.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// The soil; NaN where no test and no statement told a number.
+    /// The soil; NaN where neither a test nor a statement gives a number.
     pub soil: SoilParams,
     /// Plate tests.
     pub plates: Option<PlateStage>,
@@ -27,34 +27,34 @@ pub struct Identification {
     pub wheel: Option<WheelStage>,
 }
 
-/// What plate tests told.
+/// The result of plate tests.
 #[derive(Clone, Debug)]
 pub struct PlateStage {
     /// The tests.
     pub tests: Vec<PlateTest>,
     /// How those out of bags were read.
     pub records: Vec<PlateRecord>,
-    /// What they told.
+    /// Their result.
     pub fit: PlateFit,
 }
 
-/// What shear tests told.
+/// The result of shear tests.
 #[derive(Clone, Debug)]
 pub struct ShearStage {
     /// The readings.
     pub readings: Vec<ShearReading>,
-    /// What they told.
+    /// Their result.
     pub fit: ShearFit,
 }
 
-/// One number that wheel tests told.
+/// One number that wheel tests determined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelNumber {
     /// Which.
     pub parameter: Parameter,
     /// Its value, SI.
     pub value: f64,
-    /// Its standard error, SI; NaN where the data cannot tell.
+    /// Its standard error, SI; NaN where the data do not determine it.
     pub standard_error: f64,
     /// Its 95 % interval, SI.
     pub interval: Interval,
@@ -62,12 +62,12 @@ pub struct WheelNumber {
     pub verdict: Verdict,
 }
 
-/// What wheel tests told.
+/// The result of wheel tests.
 #[derive(Clone, Debug)]
 pub struct WheelStage {
     /// The tests.
     pub tests: Vec<WheelTest>,
-    /// What the model says of them.
+    /// The model's predictions of them.
     pub said: Vec<Prediction>,
     /// The numbers.
     pub numbers: Vec<WheelNumber>,
@@ -86,7 +86,7 @@ pub struct WheelStage {
 /// Does a job.
 ///
 /// # Errors
-/// What a test's file lacks; [`Error::Missing`] for a number that a later stage needs and nobody told.
+/// What a test's file lacks; [`Error::Missing`] for a number that a later stage needs and nothing gives.
 pub fn identify(job: &Job) -> Result<Identification> {
     let mut out = Identification {
         soil: job.soil,
@@ -202,7 +202,7 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
     })
 }
 
-/// Every number that a wheel needs must be known or be asked for.
+/// Every number that a wheel needs must be known or be fitted.
 fn check_known(job: &WheelJob, soil: &SoilParams) -> Result<()> {
     for parameter in [
         Parameter::Exponent,
@@ -225,7 +225,7 @@ fn check_known(job: &WheelJob, soil: &SoilParams) -> Result<()> {
 }
 
 impl Identification {
-    /// The numbers that a soil file needs and that nobody told.
+    /// The numbers that a soil file needs and that nothing gives.
     #[must_use]
     pub fn missing(&self) -> Vec<&'static str> {
         [

@@ -75,7 +75,7 @@ pub struct Job {
     pub wheel: Option<WheelJob>,
 }
 
-/// Where a plate test stands.
+/// The source of a plate test.
 #[derive(Clone, Debug)]
 pub enum PlateSource {
     /// In a table.
@@ -97,7 +97,7 @@ pub struct BagTest {
     pub depth: DepthColumn,
 }
 
-/// Wheel tests and what they are to tell.
+/// Wheel tests and the numbers to be found from them.
 #[derive(Clone, Debug)]
 pub struct WheelJob {
     /// The table.
@@ -120,7 +120,7 @@ impl Job {
     /// Reads a job; paths in it are beside its file.
     ///
     /// # Errors
-    /// What the file lacks or says wrong, with its place.
+    /// What is missing or wrong in the file, with its place.
     pub fn read(document: &Document) -> Result<Self> {
         let beside = Path::new(document.name())
             .parent()

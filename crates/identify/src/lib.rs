@@ -1,5 +1,4 @@
-//! Soil parameters from simple tests, with what the data say about each, and the model held against
-//! measurement.
+//! Soil parameters from simple tests, with what the data say about each.
 //!
 //! ```text
 //! plate tests → n, k_c, k_phi      ln p = ln(k_c/b + k_phi) + n ln(z − z_0)
@@ -20,8 +19,7 @@
 //! ```
 //!
 //! The primary type is [`Identification`], which a [`Job`] file leads to ([`identify()`]); each kind of test
-//! has a module of its own. The crate
-//! fits; the laws themselves stand in `grouser-terra`.
+//! has its own module. The crate fits; the laws are in `grouser-terra`.
 #![forbid(unsafe_code)]
 
 mod error;

@@ -1,4 +1,4 @@
-//! The numbers that wheel tests can tell.
+//! The numbers that wheel tests can determine.
 
 use grouser_real::Dual;
 use grouser_terra::{Angle, Pressure, SoilLaws, SoilParams};

@@ -1,8 +1,10 @@
 //! Tables of tests: one header of names with units, then numbers.
 
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
 use grouser_files::nearest;
+use grouser_log::csv::{Lines, split};
 
 use crate::error::{Error, Result};
 
@@ -28,32 +30,10 @@ impl Table {
     /// Reads a table: comma-separated, the first line names its columns; `#` begins a remark.
     ///
     /// # Errors
-    /// [`Error::File`] for a file that is absent, no file or too large; [`Error::Content`] for text that is
-    /// no table, with the line.
+    /// [`Error::Log`] for a file that is absent or no text; [`Error::Content`] for text that is no table or
+    /// that is too large, with the line.
     pub fn read(path: &Path) -> Result<Self> {
-        use std::io::Read as _;
-        let unreadable = |source| {
-            Error::File(grouser_files::Error::Unreadable {
-                file: path.display().to_string(),
-                source,
-            })
-        };
-        let file = grouser_files::regular::open(path)?;
-        let mut bytes = Vec::new();
-        file.take(TABLE_LIMIT + 1)
-            .read_to_end(&mut bytes)
-            .map_err(unreadable)?;
-        if bytes.len() as u64 > TABLE_LIMIT {
-            return Err(Error::File(grouser_files::Error::TooLarge {
-                file: path.display().to_string(),
-                limit: TABLE_LIMIT,
-            }));
-        }
-        let text = String::from_utf8(bytes).map_err(|_| Error::Content {
-            path: path.to_owned(),
-            message: "is not UTF-8 text".to_owned(),
-        })?;
-        Self::parse(path, &text)
+        Self::from_lines(path, Lines::open(path)?)
     }
 
     /// Reads a table out of text; `path` is for messages.
@@ -61,28 +41,38 @@ impl Table {
     /// # Errors
     /// As [`Table::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .map(|(index, line)| (index + 1, line.trim()))
-            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let lines = Lines::over(text.as_bytes(), &path.display().to_string());
+        Self::from_lines(path, lines)
+    }
+
+    fn from_lines<R: BufRead>(path: &Path, mut lines: Lines<R>) -> Result<Self> {
         let wrong = |message: String| Error::Content {
             path: path.to_owned(),
             message,
         };
-        let split = |line: &str| -> Vec<String> {
-            line.split(',')
-                .map(|field| field.trim().trim_matches('"').to_owned())
-                .collect()
-        };
-        let names = match lines.next() {
-            Some((_, header)) => split(header),
-            None => return Err(wrong("holds no header".to_owned())),
-        };
-        let mut rows = Vec::new();
-        for (number, line) in lines {
-            let row = split(line);
+        let mut names: Option<Vec<String>> = None;
+        let (mut rows, mut fields) = (Vec::new(), Vec::new());
+        while lines.advance()? {
+            let number = lines.number();
+            if lines.bytes() > TABLE_LIMIT {
+                return Err(wrong(format!(
+                    "line {number} is beyond the limit of {TABLE_LIMIT} bytes"
+                )));
+            }
+            let line = lines.text()?;
+            if line.trim().is_empty() || line.trim_start().starts_with('#') {
+                continue;
+            }
+            split(line, b',', &mut fields)
+                .map_err(|quote| wrong(format!("line {number}: {}", quote.what)))?;
+            let row: Vec<String> = fields
+                .iter()
+                .map(|field| field.value(line).into_owned())
+                .collect();
+            let Some(names) = &names else {
+                names = Some(row);
+                continue;
+            };
             if row.len() != names.len() {
                 return Err(wrong(format!(
                     "line {number} has {} fields, but the header has {}",
@@ -97,6 +87,7 @@ impl Table {
             }
             rows.push(row);
         }
+        let names = names.ok_or_else(|| wrong("holds no header".to_owned()))?;
         if rows.is_empty() {
             return Err(wrong("holds a header and no data".to_owned()));
         }
@@ -217,7 +208,7 @@ mod tests {
     const DEPTH: Column = Column(&[("depth_m", 1.0), ("depth_mm", 1e-3)]);
 
     #[test]
-    fn units_stand_in_the_names() {
+    fn units_are_in_the_names() {
         let table = Table::parse(
             Path::new("t.csv"),
             "# a remark\nforce_n,depth_mm\n1,2\n3,\n",
@@ -228,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_place() {
+    fn an_error_names_its_place() {
         let parse = |text| Table::parse(Path::new("t.csv"), text);
         let ragged = parse("a,b\n1,2\n3\n").unwrap_err().to_string();
         assert!(ragged.contains("line 3"), "{ragged}");

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-/// Where a solve stands after an iteration.
+/// The state of a solve after an iteration.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Iterations done.

@@ -42,7 +42,7 @@ pub enum Error {
         lower: f64,
         /// Its upper bound.
         upper: f64,
-        /// Who asks: `multi-start`, `a Pareto front`, …
+        /// What needs them: `multi-start`, `a Pareto front`, …
         purpose: &'static str,
     },
     /// A list has the wrong number of entries.
@@ -67,7 +67,7 @@ pub enum Error {
         /// The greatest value allowed.
         high: f64,
     },
-    /// Two things have the same name, so no report could tell them apart.
+    /// Two things have the same name, so that a report could not distinguish them.
     #[error("the name `{name}` is used twice")]
     DuplicateName {
         /// The name.
@@ -83,10 +83,10 @@ pub enum Error {
         /// What stood there.
         value: f64,
     },
-    /// More points were asked for than the sequence has dimensions or length for.
+    /// More points were requested than the sequence has dimensions or length for.
     #[error("{what} is {given}, but at most {limit} is supported")]
     TooLarge {
-        /// What was asked for.
+        /// What was requested.
         what: &'static str,
         /// How much.
         given: usize,

@@ -67,5 +67,5 @@ pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};
 pub use settings::Settings;
 pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
-pub use solve::{solve, solve_with};
+pub use solve::{Merit, evaluate, solve, solve_with};
 pub use status::{Limit, Status, Violation};

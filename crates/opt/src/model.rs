@@ -4,9 +4,9 @@ use crate::jacobian::Jacobian;
 
 /// Objectives and nonlinear constraints as functions of the variables.
 ///
-/// All functions stand in one list: first the objectives, then the inequalities c(x) ≤ 0, then the
+/// All functions are in one list: first the objectives, then the inequalities c(x) ≤ 0, then the
 /// equalities c_eq(x) = 0. A function that has no value at a point gives NaN there; a solver steps
-/// around such points and says so if it cannot.
+/// around such points and reports it if it cannot.
 ///
 /// Three ways to get one: [`Exact`](crate::Exact) (written once over a generic number, exact
 /// derivatives), [`Differences`](crate::Differences) (a closure, finite differences), or this trait

@@ -99,7 +99,7 @@ impl<'a> ProblemParams<'a> {
 /// A checked optimisation problem.
 pub struct Problem<'a> {
     params: ProblemParams<'a>,
-    /// Only so many leading variables enter the functions nonlinearly.
+    /// The number of leading variables that enter the functions nonlinearly.
     curved: usize,
 }
 

@@ -3,7 +3,7 @@
 use crate::method::Method;
 use crate::problem::{Problem, Relation};
 
-/// What a row stands for.
+/// What a row represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Row value ≤ γ, and γ is minimised.

@@ -12,10 +12,13 @@ pub struct Settings {
     pub constraint_tolerance: f64,
     /// A step shorter than this · (1 + ‖x‖∞) ends the solve.
     pub step_tolerance: f64,
-    /// At most so many iterations.
+    /// The maximum number of iterations.
     pub max_iterations: usize,
-    /// At most so many evaluations of the functions (an evaluation with derivatives counts once here too).
+    /// The maximum number of evaluations of the functions (an evaluation with derivatives counts once here too).
     pub max_values: usize,
+    /// Pairs of random probes around a point before it is called a solution, beside those along each variable and
+    /// each gradient; 0 for no probes at all. From a probe that lowers the level the search starts again.
+    pub probes: usize,
 }
 
 impl Default for Settings {
@@ -26,6 +29,7 @@ impl Default for Settings {
             step_tolerance: 1e-14,
             max_iterations: 1000,
             max_values: 10_000,
+            probes: 64,
         }
     }
 }

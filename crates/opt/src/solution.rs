@@ -47,6 +47,8 @@ pub struct Counts {
     pub values: usize,
     /// Points at which derivatives were evaluated.
     pub jacobians: usize,
+    /// Points at which the functions were evaluated to confirm a solution.
+    pub probes: usize,
 }
 
 impl core::ops::AddAssign for Counts {
@@ -54,6 +56,7 @@ impl core::ops::AddAssign for Counts {
         self.iterations += other.iterations;
         self.values += other.values;
         self.jacobians += other.jacobians;
+        self.probes += other.probes;
     }
 }
 

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use crate::callback::Callback;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
@@ -40,4 +40,46 @@ pub fn solve_with(
         Method::Weighted { weights } => weighted::solve(problem, weights, settings, callback),
         _ => Ok(sqp::solve(problem, method, settings, callback)),
     }
+}
+
+/// What a solve minimises and what it must not violate, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Merit {
+    /// What is minimised: the greatest (scaled) objective, or their weighted sum.
+    pub utility: f64,
+    /// The greatest violation of any constraint or bound; 0 where all hold.
+    pub violation: f64,
+}
+
+/// The merit of a point, for comparison with a solution's.
+///
+/// ```
+/// use grouser_opt::{Exact, Functions, Method, Problem, ProblemParams, evaluate};
+/// use grouser_real::Scalar;
+/// struct Parabola;
+/// impl Functions for Parabola {
+///     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+///         f[0] = x[0].square();
+///     }
+/// }
+/// let problem = Problem::new(ProblemParams::new(&[1.0], 1, Exact(Parabola)))?;
+/// assert_eq!(evaluate(&problem, &Method::Minimax, &[3.0])?.utility, 9.0);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`solve`]; a point of the wrong length.
+pub fn evaluate(problem: &Problem<'_>, method: &Method, x: &[f64]) -> Result<Merit> {
+    method.check(problem)?;
+    Error::check_length("the point", x.len(), problem.variables().len())?;
+    let (utility, violation) = sqp::merit(problem, method, x);
+    let weighted = match method {
+        Method::Weighted { weights } => weighted::utility(problem, weights, x),
+        _ => utility,
+    };
+    Ok(Merit {
+        utility: weighted,
+        violation,
+    })
 }

@@ -24,10 +24,10 @@ pub enum Limit {
 pub enum Status {
     /// The optimality conditions hold to the tolerance.
     Converged,
-    /// No longer step could be taken; the optimality conditions hold less exactly than asked.
+    /// No longer step could be taken; the optimality conditions hold less exactly than required.
     SmallStep,
     /// The model of the problem promises no decrease above rounding; the conditions hold less exactly
-    /// than asked.
+    /// than required.
     SmallDirectionalDerivative,
     /// No step improves on the point, yet the optimality conditions are far from holding: the functions
     /// have a kink here, or their derivatives are wrong.

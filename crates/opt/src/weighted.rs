@@ -101,6 +101,16 @@ impl Model for Sum<'_> {
     }
 }
 
+/// Σ w_i f_i at a point, |f_i| where absolute.
+pub(crate) fn utility(problem: &Problem<'_>, weights: &[f64], x: &[f64]) -> f64 {
+    let mut values = vec![f64::NAN; problem.function_count()];
+    problem.model().values(x, &mut values);
+    let sized = |(i, f): (usize, &f64)| if i < problem.absolute() { f.abs() } else { *f };
+    let counted = values.iter().enumerate().zip(weights);
+    let counted = counted.filter(|(_, weight)| **weight > 0.0);
+    counted.map(|(f, weight)| weight * sized(f)).sum()
+}
+
 pub(crate) fn solve(
     problem: &Problem<'_>,
     weights: &[f64],
@@ -153,7 +163,7 @@ pub(crate) fn solve(
     })?
     .linear_after(problem.curved());
     let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
-    // Back to the problem as it was asked.
+    // Back to the variables and objectives of the original problem.
     solution.x.truncate(n);
     problem.model().values(&solution.x, &mut values);
     solution.objectives = values[..m].to_vec();

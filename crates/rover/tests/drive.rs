@@ -9,6 +9,7 @@ use std::path::Path;
 
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, Scenario, Simulation, read_scenario};
 use grouser_slip::control::{Action, Ending, Reason};
+use grouser_terra::ShearLaw;
 
 /// Near what the running-slip problem gives for the robot on dry sand.
 const OPTIMUM: f64 = 0.39;
@@ -49,6 +50,22 @@ fn slips_called_ok_hold() {
         assert!(result.slip.settled.unwrap() < most);
         assert!(result.slip.rmse.unwrap() < 3.0 * most);
         assert!(result.energy_error.abs() < 0.01);
+    }
+}
+
+/// The simulated ground obeys other published laws of shear than those by which the robot estimates: its free wheel skids
+/// otherwise, and its sigmas must cover that.
+#[test]
+fn slips_called_ok_hold_under_foreign_laws() {
+    for law in [ShearLaw::SlipVelocity, ShearLaw::TowedWongReece] {
+        for name in ["sandbox", "dunes"] {
+            let mut scenario = scenario(name);
+            scenario.ground.world_laws = Some(law);
+            let result = drive(&scenario, Pilot::Controller, scenario.seed);
+            println!("{law:?}: bias {:.4}", result.slip.bias.unwrap());
+            assert!(result.slip.longest_wrong < 1.0);
+            assert!(result.slip.nees.unwrap() < 2.0);
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! An angle whose unit stands at the call.
+//! An angle whose unit is visible at the call.
 
 /// A plane angle. It exists because an angle of friction given in degrees where radians are meant
 /// produces plausible nonsense.

@@ -19,14 +19,14 @@ use crate::wheel_on_soil::WheelOnSoil;
 /// use grouser_real::Dual;
 /// use grouser_terra::{DualInputs, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
-/// let pair = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+/// let wheel_on_soil = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
 /// let motion = Kinematics::straight(Slip::new(0.2)?);
-/// let mut inputs = DualInputs::<1>::new(&pair, &motion);
+/// let mut inputs = DualInputs::<1>::new(&wheel_on_soil, &motion);
 /// inputs.motion.slip = Dual::variable(0.2, 0);
-/// let solved = inputs.under_load(&pair, &motion, Dual::constant(80.0))?.expect("80 N are carried");
+/// let solved = inputs.under_load(&wheel_on_soil, &motion, Dual::constant(80.0))?.expect("80 N are carried");
 /// let [by_slip] = solved.forces.drawbar_pull.gradient; // N per unit of slip
 /// let at = |s: f64| -> grouser_terra::Result<f64> {
-///     let solution = pair.under_load(80.0, &Kinematics::straight(Slip::new(s)?))?;
+///     let solution = wheel_on_soil.under_load(80.0, &Kinematics::straight(Slip::new(s)?))?;
 ///     Ok(solution.point().expect("carried").forces.drawbar_pull)
 /// };
 /// let difference = (at(0.2 + 1e-5)? - at(0.2 - 1e-5)?) / 2e-5;
@@ -62,17 +62,17 @@ pub struct DualSolution<const N: usize> {
 }
 
 impl<const N: usize> DualInputs<N> {
-    /// All inputs of `pair` in this motion, as constants.
+    /// All inputs of `wheel_on_soil` in this motion, as constants.
     #[must_use]
-    pub fn new(pair: &WheelOnSoil, kinematics: &Kinematics) -> Self {
+    pub fn new(wheel_on_soil: &WheelOnSoil, kinematics: &Kinematics) -> Self {
         Self {
-            size: pair.wheel().size(),
-            soil: pair.soil().laws(),
+            size: wheel_on_soil.wheel().size(),
+            soil: wheel_on_soil.soil().laws(),
             motion: kinematics.motion(),
-            law: pair.settings().shear,
-            bulldozing: pair.settings().bulldozing,
-            kappa: match pair.soil().params().unit_weight {
-                Some(_) => pair.settings().bulldozing.kappa(kinematics),
+            law: wheel_on_soil.settings().shear,
+            bulldozing: wheel_on_soil.settings().bulldozing,
+            kappa: match wheel_on_soil.soil().params().unit_weight {
+                Some(_) => wheel_on_soil.settings().bulldozing.kappa(kinematics),
                 None => 0.0,
             },
             side: if kinematics.q_y() == 0.0 {
@@ -89,7 +89,7 @@ impl<const N: usize> DualInputs<N> {
         Contact::new(&self.size, &self.soil, self.law, &self.motion, theta_1).forces()
     }
 
-    /// Sinkage and forces under `load` (N). `pair` and `kinematics` hold the values of these inputs and
+    /// Sinkage and forces under `load` (N). `wheel_on_soil` and `kinematics` hold the values of these inputs and
     /// find the sinkage; one Newton step in dual numbers then gives its exact derivatives,
     /// dθ_1 = (dW_load − ∂W)/(∂W/∂θ_1). `None` where nothing carries the load.
     ///
@@ -97,15 +97,15 @@ impl<const N: usize> DualInputs<N> {
     /// As [`WheelOnSoil::under_load`].
     pub fn under_load(
         &self,
-        pair: &WheelOnSoil,
+        wheel_on_soil: &WheelOnSoil,
         kinematics: &Kinematics,
         load: Dual<N>,
     ) -> Result<Option<DualSolution<N>>> {
-        let found = pair.sinkage_under(load.value, kinematics)?;
+        let found = wheel_on_soil.sinkage_under(load.value, kinematics)?;
         let Some(Sinkage { theta_1: angle, .. }) = found.outcome.solved() else {
             return Ok(None);
         };
-        let slope = pair
+        let slope = wheel_on_soil
             .contact(Dual::<1>::variable(angle, 0), kinematics)
             .forces()
             .vertical_force;

@@ -49,7 +49,7 @@ pub enum Error {
     Missing {
         /// The field's name.
         field: &'static str,
-        /// What asks for it.
+        /// What needs it.
         needed_by: &'static str,
     },
     /// The wheel has sunk to its hub: outside the model.

@@ -12,8 +12,8 @@
 //!
 //! let soil = catalogue::find("lunar").expect("in the catalogue").soil()?;
 //! let wheel = RigidWheel::new(0.125, 0.15)?; // radius and width in m
-//! let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
-//! let solution = pair.under_load(65.0, &Kinematics::straight(Slip::new(0.25)?))?;
+//! let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
+//! let solution = contact.under_load(65.0, &Kinematics::straight(Slip::new(0.25)?))?;
 //! let point = solution.point().expect("65 N are carried");
 //! // independent 1e-10 quadrature: 17.007 mm and 3.295 N
 //! assert!((point.sinkage - 0.017_007).abs() < 1e-6);
@@ -32,7 +32,7 @@
 //! to Terrain-Vehicle Systems · \[JH61\] Janosi & Hanamoto 1961 · \[Wong08\] Theory of Ground Vehicles ·
 //! \[Ishigami07\] J. Field Robotics 24 · \[Ding11\] J. Terramechanics 48 · \[Shibly05\] J. Terramechanics 42.
 //!
-//! The crate does not know robots, time, sensors or terrain; those stand on it.
+//! The crate contains no robots, time, sensors or terrain; other crates build these on it.
 #![cfg_attr(not(feature = "std"), no_std)]
 // denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]

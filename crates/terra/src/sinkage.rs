@@ -227,7 +227,7 @@ impl WheelOnSoil {
     }
 
     /// Narrows `search` to the lowest interval of a coarse scan in which the vertical force rises through
-    /// `load`; tells whether there is another. `Err` with the greatest force seen if there is none.
+    /// `load`; returns whether there is another. `Err` with the greatest force seen if there is none.
     fn scan(
         &self,
         load: f64,

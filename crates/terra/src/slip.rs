@@ -44,7 +44,7 @@ impl Slip {
     /// The slip of a wheel that travels at `forward_speed` while its rim runs at `rim_speed`, in m/s.
     ///
     /// Both speeds negative is the mirror image of both positive: the same slip. Measured speeds go
-    /// through [`WheelMotion::from_speeds`], which knows what stands still.
+    /// through [`WheelMotion::from_speeds`], which recognises a standstill.
     ///
     /// # Errors
     /// [`Error::NoSlip`] when both are zero (standstill) or their signs are opposite (roll-back);

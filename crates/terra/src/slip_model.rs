@@ -4,7 +4,7 @@
 //!
 //! S(θ, x) = 1 − [θ_1 − θ + (K/r) ln(1 − x)]/(sin θ_1 − sin θ), cos θ_1 = 1 − z/r (P18)
 //!
-//! What it says, wherever it is shown:
+//! What it means:
 //! - This S is 1 − q, the driving formula continued below zero. As a [`Slip`], s = S for S ≥ 0 and
 //!   s = S/(1 − S) for S < 0.
 //! - S_0 = 1 − sec ξ with ξ between θ and θ_1 is never positive: it is the slip at which the shear

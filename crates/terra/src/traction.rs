@@ -14,7 +14,7 @@ const SAMPLES: u32 = 33;
 
 /// Relative precision of a refined slip: an optimum is flat, so that its place is known to about the root
 /// of the precision of its height.
-const PRECISION: f64 = 1e-9;
+const SLIP_PRECISION: f64 = 1e-9;
 
 /// The slip at which a quantity is greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct BestSlip {
     pub value: f64,
 }
 
-/// What a slope asks of a wheel.
+/// What a slope requires of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SlopeOutcome {
@@ -98,7 +98,7 @@ impl WheelOnSoil {
             }
             before = Some((slip, now));
         }
-        // Between two samples the pull may still touch what is asked.
+        // Between two samples the pull may still reach the required pull.
         if let Some(best) = self.slip_of_maximum_pull(load)? {
             if best.value >= asked {
                 let low = (best.slip.value() - 1.0 / f64::from(SAMPLES)).max(-1.0);
@@ -220,7 +220,7 @@ impl WheelOnSoil {
         let mut c = b - golden * (b - a);
         let mut d = a + golden * (b - a);
         let (mut f_c, mut f_d) = (at(c)?, at(d)?);
-        while b - a > PRECISION {
+        while b - a > SLIP_PRECISION {
             if f_c > f_d {
                 (b, d, f_d) = (d, c, f_c);
                 c = b - golden * (b - a);

@@ -23,7 +23,7 @@ pub struct RigidWheel {
 /// Bars across the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grousers {
-    /// How far they stand out from the rim, h_g in m.
+    /// Height above the rim, h_g in m.
     pub height: f64,
     /// Which of the wheel's radii each law uses.
     pub rule: GrouserRule,

@@ -1,4 +1,4 @@
-//! A wheel on a soil, ready to be asked.
+//! A wheel on a soil.
 
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
@@ -20,9 +20,9 @@ use grouser_real::Scalar;
 /// use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil, catalogue};
 /// let soil = catalogue::find("dry-sand").expect("it is in the catalogue").soil()?;
 /// let wheel = RigidWheel::new(0.125, 0.1)?;
-/// let pair = WheelOnSoil::new(wheel, soil, Settings::default())?;
+/// let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
 /// let motion = Kinematics::straight(Slip::new(0.2)?);
-/// let solution = pair.under_load(80.0, &motion)?;
+/// let solution = contact.under_load(80.0, &motion)?;
 /// let point = solution.point().expect("80 N are carried");
 /// assert!((point.forces.vertical_force - 80.0).abs() < 1e-9);
 /// # Ok::<(), grouser_terra::Error>(())

@@ -118,7 +118,7 @@ fn done(solved: &Solved) -> Solved {
     *solved
 }
 
-fn pair(soil: &Soil, p: Point) -> WheelOnSoil {
+fn contact(soil: &Soil, p: Point) -> WheelOnSoil {
     let exact = Settings {
         accuracy: Accuracy::Reference,
         ..Settings::default()
@@ -136,7 +136,7 @@ proptest! {
         for kernel in [BatchKernel::new(soil), BatchKernel::new(soil).portable()] {
             for (p, outcome) in points.iter().zip(columns.forces(&kernel)) {
                 let motion = Kinematics::straight(Slip::new(p.3).unwrap());
-                let f = pair(&soil, *p).forces_at(p.4 * p.0, &motion).unwrap();
+                let f = contact(&soil, *p).forces_at(p.4 * p.0, &motion).unwrap();
                 let got = done(&outcome);
                 let size = f.vertical_force.abs().max(f.drawbar_pull.abs()).max(f.torque.abs() / p.0);
                 let off = (f.vertical_force - got.vertical_force).abs()
@@ -158,7 +158,7 @@ proptest! {
             if got.status == SolveStatus::Solved {
                 prop_assert!((got.vertical_force / load - 1.0).abs() < 2e-9);
                 let motion = Kinematics::straight(Slip::new(p.3).unwrap());
-                let exact = pair(&soil, *p).sinkage_under(*load, &motion).unwrap();
+                let exact = contact(&soil, *p).sinkage_under(*load, &motion).unwrap();
                 let exact = exact.sinkage().unwrap();
                 prop_assert!((got.sinkage / exact - 1.0).abs() < 1e-8, "{} {exact}", got.sinkage);
             } else {
@@ -344,7 +344,7 @@ fn a_curve_is_as_good_as_its_points() {
             for (s, got) in slip.iter().zip(&out) {
                 let p = (0.2, 0.15, 0.0, *s, 0.0);
                 let motion = Kinematics::straight(Slip::new(*s).unwrap());
-                let exact = pair(kernel.soil(), p).under_load(load, &motion).unwrap();
+                let exact = contact(kernel.soil(), p).under_load(load, &motion).unwrap();
                 let Some(point) = exact.point() else {
                     assert_eq!(got.status, SolveStatus::NoSolution);
                     continue;
@@ -403,9 +403,9 @@ fn d13_a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
             ..Settings::default()
         };
         let wheel = RigidWheel::new(radius, 0.495).unwrap();
-        let pair = WheelOnSoil::new(wheel, soil, exact).unwrap();
+        let contact = WheelOnSoil::new(wheel, soil, exact).unwrap();
         let straight = Kinematics::straight(Slip::new(0.866_8).unwrap());
-        let reference = pair
+        let reference = contact
             .at_sinkage(columns.sinkage[0], &straight)
             .unwrap()
             .forces;

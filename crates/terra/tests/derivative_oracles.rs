@@ -257,7 +257,7 @@ fn the_jacobian_agrees_with_num_dual_and_the_complex_step() {
 fn a_solved_sinkages_derivatives_agree_too() {
     // dθ_1/dx = −(∂W/∂x)/(∂W/∂θ_1) with both partial derivatives from num-dual
     let wheel = RigidWheel::new(POINT[0], POINT[1]).unwrap();
-    let pair = WheelOnSoil::new(
+    let contact = WheelOnSoil::new(
         wheel,
         catalogue::find("dry-sand").unwrap().soil().unwrap(),
         Settings::default(),
@@ -265,14 +265,14 @@ fn a_solved_sinkages_derivatives_agree_too() {
     .unwrap();
     for slip in [0.05, 0.4, -0.2] {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let params = *pair.soil().params();
-        let mut inputs = DualInputs::<3>::new(&pair, &motion);
+        let params = *contact.soil().params();
+        let mut inputs = DualInputs::<3>::new(&contact, &motion);
         inputs.motion.slip = Dual::variable(slip, 0);
         inputs.soil.strength.phi = Dual::variable(params.phi.rad(), 1);
         inputs.soil.k_shear = Dual::variable(params.k_shear, 2);
         let load = 60.0;
         let solved = inputs
-            .under_load(&pair, &motion, Dual::constant(load))
+            .under_load(&contact, &motion, Dual::constant(load))
             .unwrap()
             .unwrap();
         let point = [

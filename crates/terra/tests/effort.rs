@@ -18,12 +18,15 @@ fn evaluations() -> Vec<(f64, f64, u32)> {
             let soil = catalogue::find(cells[1]).unwrap().soil().unwrap();
             let soil = soil.with_rebound(number(4)).unwrap();
             let wheel = RigidWheel::new(number(2), number(3)).unwrap();
-            let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+            let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
             let motion = Kinematics::straight(Slip::new(number(5)).unwrap());
             (
                 number(4),
                 number(5),
-                pair.sinkage_under(number(7), &motion).unwrap().evaluations,
+                contact
+                    .sinkage_under(number(7), &motion)
+                    .unwrap()
+                    .evaluations,
             )
         })
         .collect()

@@ -100,8 +100,8 @@ fn d3_negative_sinkage_is_an_error() {
 
 #[test]
 fn d4_tiny_sinkage_keeps_its_digits() {
-    let pair = on(sand());
-    let nothing = pair.forces_at(0.0, &at(0.1)).unwrap();
+    let contact = on(sand());
+    let nothing = contact.forces_at(0.0, &at(0.1)).unwrap();
     assert_eq!(
         [nothing.vertical_force, nothing.drawbar_pull, nothing.torque],
         [0.0; 3]
@@ -128,8 +128,8 @@ fn both_accuracies(params: SoilParams, sinkage: f64, slip: f64) -> (Forces, Forc
             accuracy,
             ..Settings::default()
         };
-        let pair = WheelOnSoil::new(wheel(), Soil::new(params).unwrap(), settings).unwrap();
-        pair.forces_at(sinkage, &at(slip)).unwrap()
+        let contact = WheelOnSoil::new(wheel(), Soil::new(params).unwrap(), settings).unwrap();
+        contact.forces_at(sinkage, &at(slip)).unwrap()
     };
     (forces(Accuracy::Standard), forces(Accuracy::Reference))
 }
@@ -242,15 +242,16 @@ fn d10_a_soil_that_pulls_is_an_error() {
         c_2: 0.3,
         ..SoilParams::bekker(-1e3, 0.0, 1.0)
     };
-    let pair = WheelOnSoil::new(wheel(), Soil::new(negative).unwrap(), Settings::default());
-    assert!(names(&pair, "k_c/b + k_phi"));
+    let contact = WheelOnSoil::new(wheel(), Soil::new(negative).unwrap(), Settings::default());
+    assert!(names(&contact, "k_c/b + k_phi"));
 }
 
 #[test]
 fn d11_loads_that_nothing_carries() {
-    let pair = on(sand());
+    let contact = on(sand());
     assert_eq!(
-        pair.under_load(0.0, &at(0.1))
+        contact
+            .under_load(0.0, &at(0.1))
             .unwrap()
             .point()
             .unwrap()
@@ -258,9 +259,9 @@ fn d11_loads_that_nothing_carries() {
         0.0
     );
     for load in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(names(&pair.under_load(load, &at(0.1)), "load"));
+        assert!(names(&contact.under_load(load, &at(0.1)), "load"));
     }
-    for (pair, slip) in [
+    for (contact, slip) in [
         (on(sand()), 0.1),
         (on(sand()), -0.5),
         (
@@ -272,7 +273,7 @@ fn d11_loads_that_nothing_carries() {
         ),
         (on(SoilParams { c_1: 1.0, ..sand() }), 0.3),
     ] {
-        let solution = pair.under_load(1e9, &at(slip)).unwrap();
+        let solution = contact.under_load(1e9, &at(slip)).unwrap();
         let LoadOutcome::NoSolution { max_load } = solution.outcome else {
             panic!("{:?}", solution.outcome)
         };
@@ -281,7 +282,8 @@ fn d11_loads_that_nothing_carries() {
         assert!(solution.point().is_none());
         // and what it says is true: a little less is carried
         assert!(
-            pair.under_load(0.999 * max_load, &at(slip))
+            contact
+                .under_load(0.999 * max_load, &at(slip))
                 .unwrap()
                 .point()
                 .is_some()
@@ -293,7 +295,7 @@ fn d11_loads_that_nothing_carries() {
 fn d12_the_lowest_rising_branch_and_word_of_the_others() {
     // Snow that rises behind a slipping wheel: the vertical force is negative at small sinkage.
     let snow = *catalogue::find("snow").unwrap().soil().unwrap().params();
-    let pair = WheelOnSoil::new(
+    let contact = WheelOnSoil::new(
         RigidWheel::new(0.2, 0.1).unwrap(),
         Soil::new(SoilParams {
             rebound: 0.6,
@@ -305,15 +307,16 @@ fn d12_the_lowest_rising_branch_and_word_of_the_others() {
     .unwrap();
     let motion = at(0.6);
     let force = |z_over_r: f64| {
-        pair.forces_at(0.2 * z_over_r, &motion)
+        contact
+            .forces_at(0.2 * z_over_r, &motion)
             .unwrap()
             .vertical_force
     };
     assert!((force(0.01) + 0.0098).abs() < 5e-5 && (force(0.02) - 0.018).abs() < 5e-4);
     for load in [0.005, 0.1, 10.0] {
-        let point = pair.under_load(load, &motion).unwrap().point().unwrap();
+        let point = contact.under_load(load, &motion).unwrap().point().unwrap();
         assert!((point.forces.vertical_force / load - 1.0).abs() < 1e-9);
-        let above = pair
+        let above = contact
             .forces_at(1.001 * point.sinkage, &motion)
             .unwrap()
             .vertical_force;
@@ -330,12 +333,12 @@ fn d13_continuous_across_every_internal_switch() {
         let x = f64::from(i) / 4000.0;
         let slip = -0.999 + 1.998 * x;
         for (k_shear, rebound) in [(0.025, 0.0), (0.002, 0.5)] {
-            let pair = on(SoilParams {
+            let contact = on(SoilParams {
                 k_shear,
                 rebound,
                 ..sand()
             });
-            let f = |slip: f64| pair.forces_at(0.02, &at(slip)).unwrap();
+            let f = |slip: f64| contact.forces_at(0.02, &at(slip)).unwrap();
             let h = 1e-10;
             let (a, b) = (f(slip), f(slip + h));
             // a slope of a few hundred per unit of slip at most, near the locked wheel
@@ -347,17 +350,19 @@ fn d13_continuous_across_every_internal_switch() {
     }
     assert!(worst < 1e-8, "{worst:e}");
     // at the switch from driving to braking, and from straight to drifting
-    let pair = on(sand());
+    let contact = on(sand());
     let (a, b) = (
-        pair.forces_at(0.02, &at(0.0)).unwrap(),
-        pair.forces_at(0.02, &at(-1e-14)).unwrap(),
+        contact.forces_at(0.02, &at(0.0)).unwrap(),
+        contact.forces_at(0.02, &at(-1e-14)).unwrap(),
     );
     assert!((a.torque - b.torque).abs() < 1e-9 * a.vertical_force);
     for slip in [-0.3, 0.0, 0.3] {
         let slip = Slip::new(slip).unwrap();
         let drifting = Kinematics::with_slip_angle(slip, Angle::from_rad(1e-12)).unwrap();
-        let a = pair.forces_at(0.02, &Kinematics::straight(slip)).unwrap();
-        let b = pair.forces_at(0.02, &drifting).unwrap();
+        let a = contact
+            .forces_at(0.02, &Kinematics::straight(slip))
+            .unwrap();
+        let b = contact.forces_at(0.02, &drifting).unwrap();
         assert!((a.drawbar_pull - b.drawbar_pull).abs() < 1e-9 * a.vertical_force);
     }
 }

@@ -91,9 +91,9 @@ fn exact_derivatives_agree_with_differences() {
 fn without_a_prepared_rule_the_forces_are_the_same() {
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
     let wheel = grouser_terra::RigidWheel::new(POINT[0], POINT[1]).unwrap();
-    let pair = grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let wheel_on_soil = grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
     let motion = Kinematics::straight(Slip::new(0.3).unwrap());
-    let prepared = three(&pair.forces_at(0.02, &motion).unwrap());
+    let prepared = three(&wheel_on_soil.forces_at(0.02, &motion).unwrap());
     let contact: Contact = Contact::new(
         &wheel.size(),
         &soil.laws(),
@@ -113,13 +113,14 @@ fn a_solved_wheels_derivatives_agree_with_differences() {
         let soil = catalogue::find(key).unwrap().soil().unwrap();
         let params = *soil.params();
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let pair = grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
-        let mut inputs = DualInputs::<4>::new(&pair, &motion);
+        let wheel_on_soil =
+            grouser_terra::WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let mut inputs = DualInputs::<4>::new(&wheel_on_soil, &motion);
         inputs.size = WheelSize::smooth(Dual::variable(0.125, 0), Dual::constant(0.1));
         inputs.soil.strength.phi = Dual::variable(params.phi.rad(), 1);
         inputs.soil.exponent.n_0 = Dual::variable(params.n, 2);
         let solved = inputs
-            .under_load(&pair, &motion, Dual::variable(20.0, 3))
+            .under_load(&wheel_on_soil, &motion, Dual::variable(20.0, 3))
             .unwrap()
             .unwrap();
         let at = |x: [f64; 4]| {
@@ -134,8 +135,12 @@ fn a_solved_wheels_derivatives_agree_with_differences() {
                 ..Settings::default()
             };
             let wheel = grouser_terra::RigidWheel::new(x[0], 0.1).unwrap();
-            let pair = grouser_terra::WheelOnSoil::new(wheel, soil, exact).unwrap();
-            let point = pair.under_load(x[3], &motion).unwrap().point().unwrap();
+            let wheel_on_soil = grouser_terra::WheelOnSoil::new(wheel, soil, exact).unwrap();
+            let point = wheel_on_soil
+                .under_load(x[3], &motion)
+                .unwrap()
+                .point()
+                .unwrap();
             [
                 point.sinkage,
                 point.forces.drawbar_pull,

@@ -56,7 +56,7 @@ fn any_wheel() -> impl Strategy<Value = Any> {
 }
 
 impl Any {
-    fn pair(&self, settings: Settings) -> WheelOnSoil {
+    fn contact(&self, settings: Settings) -> WheelOnSoil {
         let wheel = RigidWheel::new(self.radius, self.width).unwrap();
         WheelOnSoil::new(wheel, Soil::new(self.soil).unwrap(), settings).unwrap()
     }
@@ -93,8 +93,8 @@ proptest! {
     #[test]
     fn the_standard_rule_is_good_to_1e_9(any in any_wheel()) {
         let exact = Settings { accuracy: Accuracy::Reference, ..Settings::default() };
-        let point = any.pair(Settings::default()).at_sinkage(any.sinkage(), &any.motion()).unwrap();
-        let f = any.pair(exact).forces_at(any.sinkage(), &any.motion()).unwrap();
+        let point = any.contact(Settings::default()).at_sinkage(any.sinkage(), &any.motion()).unwrap();
+        let f = any.contact(exact).forces_at(any.sinkage(), &any.motion()).unwrap();
         let off = (f.vertical_force - point.forces.vertical_force).abs()
             .max((f.drawbar_pull - point.forces.drawbar_pull).abs())
             .max((f.torque - point.forces.torque).abs() / any.radius);
@@ -108,7 +108,7 @@ proptest! {
     fn energy_is_lost_and_the_balance_closes(any in any_wheel(), beta in -80.0..80.0_f64) {
         let motion = Kinematics::with_slip_angle(Slip::new(any.slip).unwrap(), Angle::from_deg(beta)).unwrap();
         for motion in [any.motion(), motion] {
-            let f = any.pair(Settings::default()).forces_at(any.sinkage(), &motion).unwrap();
+            let f = any.contact(Settings::default()).forces_at(any.sinkage(), &motion).unwrap();
             let scale = (f.torque.abs() + f.drawbar_pull.abs() * any.radius + f.lost_work.abs())
                 .max((f.thrust.abs() + f.compaction_resistance + f.side_shear) * any.radius);
             prop_assert!(f.energy_residual.abs() <= 1e-12 * scale, "{:e}", f.energy_residual / scale);
@@ -122,11 +122,11 @@ proptest! {
 
     #[test]
     fn a_load_is_carried_at_its_own_sinkage(any in any_wheel(), share in 0.01..0.9_f64) {
-        let pair = any.pair(Settings::default());
-        let force = pair.forces_at(any.sinkage(), &any.motion()).unwrap().vertical_force;
+        let contact = any.contact(Settings::default());
+        let force = contact.forces_at(any.sinkage(), &any.motion()).unwrap().vertical_force;
         prop_assume!(force > 1e-3);
         let load = share * force;
-        let solution = pair.under_load(load, &any.motion()).unwrap();
+        let solution = contact.under_load(load, &any.motion()).unwrap();
         let point = solution.point().expect("less than the soil carries at a known sinkage");
         prop_assert!((point.forces.vertical_force / load - 1.0).abs() < 1e-9);
         prop_assert!(point.sinkage < any.sinkage());
@@ -136,10 +136,10 @@ proptest! {
     #[test]
     fn more_load_sinks_deeper(any in any_wheel(), more in 1.001..3.0_f64) {
         let any = Any { slip: any.slip.abs(), ..any };
-        let pair = any.pair(Settings::default());
-        let load = 0.3 * pair.forces_at(any.sinkage(), &any.motion()).unwrap().vertical_force;
+        let contact = any.contact(Settings::default());
+        let load = 0.3 * contact.forces_at(any.sinkage(), &any.motion()).unwrap().vertical_force;
         prop_assume!(load > 1e-6);
-        let sinkage = |load| pair.sinkage_under(load, &any.motion()).unwrap().sinkage();
+        let sinkage = |load| contact.sinkage_under(load, &any.motion()).unwrap().sinkage();
         if let (Some(light), Some(heavy)) = (sinkage(load), sinkage(load * more)) {
             prop_assert!(heavy > light);
         }
@@ -159,8 +159,8 @@ proptest! {
             law.k_c *= pascal / metre.powf(n - 1.0);
             law.k_phi *= pascal / metre.powf(n);
         }
-        let a = any.pair(Settings::default()).forces_at(any.sinkage(), &any.motion()).unwrap();
-        let b = scaled.pair(Settings::default()).forces_at(scaled.sinkage(), &scaled.motion()).unwrap();
+        let a = any.contact(Settings::default()).forces_at(any.sinkage(), &any.motion()).unwrap();
+        let b = scaled.contact(Settings::default()).forces_at(scaled.sinkage(), &scaled.motion()).unwrap();
         let size = size(&a, any.radius);
         // the stiffness that chooses the rule may round to the other side of its limit: then two rules of 1e-9
         prop_assert!((b.vertical_force / newton - a.vertical_force).abs() < 2e-9 * size);
@@ -171,11 +171,11 @@ proptest! {
     #[test]
     fn left_and_right_are_mirror_images(any in any_wheel(), beta in 0.1..85.0_f64, law in 0..3_usize) {
         let shear = [ShearLaw::Coupled, ShearLaw::SlipVelocity, ShearLaw::Independent][law];
-        let pair = any.pair(Settings { shear, ..Settings::default() });
+        let contact = any.contact(Settings { shear, ..Settings::default() });
         let slip = Slip::new(any.slip).unwrap();
         let at = |beta: f64| {
             let motion = Kinematics::with_slip_angle(slip, Angle::from_deg(beta)).unwrap();
-            pair.at_sinkage(any.sinkage(), &motion).unwrap()
+            contact.at_sinkage(any.sinkage(), &motion).unwrap()
         };
         let (left, right) = (at(beta), at(-beta));
         prop_assert_eq!(left.forces, right.forces);
@@ -189,8 +189,8 @@ proptest! {
         let beta = Angle::from_deg(10_f64.powf(log_beta));
         let motion = Kinematics::with_slip_angle(Slip::new(any.slip).unwrap(), beta).unwrap();
         let exact = Settings { accuracy: Accuracy::Reference, shear, ..Settings::default() };
-        let fast = any.pair(Settings { shear, ..Settings::default() }).forces_at(any.sinkage(), &motion).unwrap();
-        let f = any.pair(exact).forces_at(any.sinkage(), &motion).unwrap();
+        let fast = any.contact(Settings { shear, ..Settings::default() }).forces_at(any.sinkage(), &motion).unwrap();
+        let f = any.contact(exact).forces_at(any.sinkage(), &motion).unwrap();
         let size = size(&f, any.radius).max(f.side_shear);
         let off = (f.vertical_force - fast.vertical_force).abs()
             .max((f.drawbar_pull - fast.drawbar_pull).abs())
@@ -202,10 +202,10 @@ proptest! {
     fn rolling_backwards_is_the_mirror_image(any in any_wheel()) {
         let speed = |q: f64| if q.is_finite() { (q, 1.0) } else { (1.0, 0.0) };
         let (v, rim) = speed(any.motion().slip().speed_ratio());
-        let pair = any.pair(Settings::default());
+        let contact = any.contact(Settings::default());
         let at = |sign: f64| {
             let motion = Kinematics::from_speeds(sign * v, 0.0, sign * rim).unwrap();
-            pair.at_sinkage(any.sinkage(), &motion).unwrap()
+            contact.at_sinkage(any.sinkage(), &motion).unwrap()
         };
         let (forwards, backwards) = (at(1.0), at(-1.0));
         prop_assert_eq!(forwards.forces.vertical_force, backwards.forces.vertical_force);

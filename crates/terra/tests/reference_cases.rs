@@ -7,7 +7,7 @@ use grouser_terra::{Accuracy, Kinematics, RigidWheel, Settings, Slip, WheelOnSoi
 
 struct Case {
     solve: bool,
-    pair: WheelOnSoil,
+    contact: WheelOnSoil,
     motion: Kinematics,
     sinkage: f64,
     /// W, DP, T
@@ -29,11 +29,11 @@ fn cases(accuracy: Accuracy) -> Vec<Case> {
                 accuracy,
                 ..Settings::default()
             };
-            let pair =
+            let contact =
                 WheelOnSoil::new(wheel, soil.with_rebound(number(4)).unwrap(), settings).unwrap();
             Case {
                 solve: cells[0] == "sinkage",
-                pair,
+                contact,
                 motion: Kinematics::straight(Slip::new(number(5)).unwrap()),
                 sinkage: number(6),
                 expected: [number(7), number(8), number(9)],
@@ -47,7 +47,7 @@ fn cases(accuracy: Accuracy) -> Vec<Case> {
 
 /// Worst error of W, DP and T/r over max(|W|, |DP|, |T|/r).
 fn error(case: &Case, got: [f64; 3]) -> f64 {
-    let r = case.pair.wheel().radius();
+    let r = case.contact.wheel().radius();
     let scaled = |f: [f64; 3]| [f[0], f[1], f[2] / r];
     let (got, expected) = (scaled(got), scaled(case.expected));
     let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -60,7 +60,7 @@ fn error(case: &Case, got: [f64; 3]) -> f64 {
 fn worst_over_cases(accuracy: Accuracy) -> (f64, String) {
     let mut worst = (0.0, String::new());
     for case in cases(accuracy).iter().filter(|case| !case.solve) {
-        let f = case.pair.forces_at(case.sinkage, &case.motion).unwrap();
+        let f = case.contact.forces_at(case.sinkage, &case.motion).unwrap();
         let error = error(case, [f.vertical_force, f.drawbar_pull, f.torque]);
         assert!(!error.is_nan(), "{}", case.name);
         if error > worst.0 {
@@ -87,7 +87,7 @@ fn sinkage_under_load_to_the_same_accuracy() {
     for (accuracy, limit) in [(Accuracy::Standard, 1e-9), (Accuracy::Reference, 1e-13)] {
         for case in cases(accuracy).iter().filter(|case| case.solve) {
             let solution = case
-                .pair
+                .contact
                 .under_load(case.expected[0], &case.motion)
                 .unwrap();
             let point = solution.point().expect("every case has a solution");
@@ -103,7 +103,7 @@ fn sinkage_under_load_to_the_same_accuracy() {
 #[test]
 fn the_error_estimate_is_of_the_errors_size() {
     for case in cases(Accuracy::Standard).iter().filter(|case| !case.solve) {
-        let point = case.pair.at_sinkage(case.sinkage, &case.motion).unwrap();
+        let point = case.contact.at_sinkage(case.sinkage, &case.motion).unwrap();
         let f = point.forces;
         let size = f.vertical_force.abs().max(f.drawbar_pull.abs());
         let true_error = (f.vertical_force - case.expected[0])

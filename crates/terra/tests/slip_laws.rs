@@ -117,8 +117,8 @@ fn check_derivatives(motion: &Kinematics) {
         (sand().rear_drift, |p, x| p.rear_drift = x),
         (sand().transport_layer, |p, x| p.transport_layer = x),
     ];
-    let pair = on(sand());
-    let mut inputs = DualInputs::<6>::new(&pair, motion);
+    let wheel_on_soil = on(sand());
+    let mut inputs = DualInputs::<6>::new(&wheel_on_soil, motion);
     inputs.soil.exponent.n_1 = Dual::variable(changes[0].0, 0);
     inputs.soil.exponent.n_2 = Dual::variable(changes[1].0, 1);
     inputs.soil.c_2 = Dual::variable(changes[2].0, 2);
@@ -126,7 +126,7 @@ fn check_derivatives(motion: &Kinematics) {
     inputs.soil.rear_drift = Dual::variable(changes[4].0, 4);
     inputs.soil.transport_layer = Dual::variable(changes[5].0, 5);
     let exact = inputs
-        .under_load(&pair, motion, Dual::constant(22.0))
+        .under_load(&wheel_on_soil, motion, Dual::constant(22.0))
         .unwrap()
         .unwrap();
     let exact = [

@@ -9,7 +9,7 @@ use crate::bytes::Bytes;
 pub struct Point {
     pub wheel: RigidWheel,
     pub soil: Soil,
-    pub pair: WheelOnSoil,
+    pub contact: WheelOnSoil,
     pub motion: Kinematics,
     pub slip: f64,
 }
@@ -43,12 +43,12 @@ pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
     let wheel = RigidWheel::new(radius, width).ok()?;
     let accuracy = if reference { Accuracy::Reference } else { Accuracy::Standard };
     let settings = Settings { accuracy, ..Settings::default() };
-    let pair = WheelOnSoil::new(wheel, soil, settings).ok()?;
+    let contact = WheelOnSoil::new(wheel, soil, settings).ok()?;
     let given = Slip::new(slip).ok()?;
     let motion = if straight {
         Kinematics::straight(given)
     } else {
         Kinematics::with_slip_angle(given, Angle::from_deg(beta)).ok()?
     };
-    Some(Point { wheel, soil, pair, motion, slip })
+    Some(Point { wheel, soil, contact, motion, slip })
 }

@@ -122,7 +122,7 @@ figcaption { color: #55555c; }\n";
 
 fn escaped(text: &str) -> String {
     let plain = grouser_figure::escaped(text);
-    // What stands between backticks is code.
+    // Text between backticks is code.
     let mut parts = plain.split('`');
     let mut out = parts.next().unwrap_or_default().to_owned();
     for (index, part) in parts.enumerate() {
@@ -132,7 +132,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// Text that a Markdown reader takes as it stands; what stands between backticks is code.
+/// Text that Markdown shows unchanged; text between backticks is code.
 fn cell(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut code = false;

@@ -16,7 +16,7 @@ use grouser_design::{Design, Result, parse};
 /// The optimum slip that the paper prints.
 pub const PRINTED_SLIP: f64 = 0.1146;
 
-/// What is assumed where the paper says nothing.
+/// What is assumed where the paper is silent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Its name in tables.

@@ -18,11 +18,11 @@ use grouser_report::{Fields, fields};
 /// The powered wheel that is shown: the larger of the two on the fifth wheel's arm, which drives like the other four.
 const WHEEL: &str = "fifth";
 /// Slower than this a slip is the quotient of two rests and is not compared, m/s.
-const SLOWEST: f64 = 0.05;
+const MIN_SLIP_SPEED_M_PER_S: f64 = 0.05;
 /// Slip below which a wheel brakes, for the second panel.
-const BRAKES: f64 = -0.02;
+const BRAKING_SLIP: f64 = -0.02;
 /// Shown before and after the braking, s.
-const AROUND: f64 = 2.5;
+const SHOWN_AROUND_BRAKING_S: f64 = 2.5;
 
 /// A moment.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl Means {
         let count = self.0.len() as f64;
         let mean = |which: usize| self.0.iter().map(|s| s[which]).sum::<f64>() / count;
         let (rim, centre) = (mean(0), mean(1));
-        if self.0.len() < length || rim.abs().max(centre.abs()) < SLOWEST {
+        if self.0.len() < length || rim.abs().max(centre.abs()) < MIN_SLIP_SPEED_M_PER_S {
             return None;
         }
         Slip::from_speeds(centre, rim).ok().map(Slip::value)
@@ -216,7 +216,7 @@ impl SandRun {
 
     /// The stretch of the hardest braking, with what is around it, s.
     fn braking(&self) -> [f64; 2] {
-        let brakes = |point: &Point| point.truth.is_some_and(|slip| slip < BRAKES);
+        let brakes = |point: &Point| point.truth.is_some_and(|slip| slip < BRAKING_SLIP);
         let groups = self.points.chunk_by(|a, b| brakes(a) == brakes(b));
         let least = |group: &[Point]| {
             let slips = group.iter().filter_map(|point| point.truth);
@@ -228,7 +228,10 @@ impl SandRun {
         let ends = deepest.and_then(|group| Some([group.first()?.time, group.last()?.time]));
         let last = self.points.last().map_or(1.0, |point| point.time);
         ends.map_or([0.0, last], |[from, to]| {
-            [(from - AROUND).max(0.0), (to + AROUND).min(last)]
+            [
+                (from - SHOWN_AROUND_BRAKING_S).max(0.0),
+                (to + SHOWN_AROUND_BRAKING_S).min(last),
+            ]
         })
     }
 

@@ -8,7 +8,7 @@ use grouser_identify::table::{Column, Table};
 use grouser_identify::wheel::{Support, WheelTest};
 use grouser_identify::{Error, Result};
 
-/// Where the trials stand below the folder of measured data.
+/// The file of the trials below the folder of measured data.
 pub const TRIALS: &str = "cmu-wheel/trials.csv";
 
 /// Radius and width of the rim, m.
@@ -52,20 +52,20 @@ pub fn smooth_wheel() -> Result<RigidWheel> {
 /// # Errors
 /// As [`Table::read`]; [`Error::Content`] where a column is missing.
 pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>> {
-    const NEWTON: f64 = 1.0;
-    const MILLI: f64 = 1e-3;
+    const ONE_NEWTON: f64 = 1.0;
+    const SI_PER_MILLI: f64 = 1e-3;
     let table = Table::read(path)?;
     let number = |name: &'static [(&'static str, f64)]| table.numbers(Column(name));
     let angle = number(&[("slip_angle_deg", 1.0)])?;
     let slip = number(&[("slip", 1.0)])?;
-    let rim = number(&[("rim_speed_mm_s", MILLI)])?;
-    let travel = number(&[("carriage_speed_mm_s", MILLI)])?;
-    let side = number(&[("side_force_n", NEWTON)])?;
-    let side_deviation = number(&[("side_force_sd_n", NEWTON)])?;
-    let drag = number(&[("drag_force_n", NEWTON)])?;
-    let drag_deviation = number(&[("drag_force_sd_n", NEWTON)])?;
-    let vertical = number(&[("vertical_force_n", NEWTON)])?;
-    let height = number(&[("height_mm", MILLI)])?;
+    let rim = number(&[("rim_speed_mm_s", SI_PER_MILLI)])?;
+    let travel = number(&[("carriage_speed_mm_s", SI_PER_MILLI)])?;
+    let side = number(&[("side_force_n", ONE_NEWTON)])?;
+    let side_deviation = number(&[("side_force_sd_n", ONE_NEWTON)])?;
+    let drag = number(&[("drag_force_n", ONE_NEWTON)])?;
+    let drag_deviation = number(&[("drag_force_sd_n", ONE_NEWTON)])?;
+    let vertical = number(&[("vertical_force_n", ONE_NEWTON)])?;
+    let height = number(&[("height_mm", SI_PER_MILLI)])?;
     let wheels = table.texts("wheel").ok_or_else(|| Error::Content {
         path: path.to_owned(),
         message: "there is no column `wheel`".to_owned(),

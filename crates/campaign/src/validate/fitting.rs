@@ -1,4 +1,4 @@
-//! A model fitted to some tests and asked about others.
+//! A model fitted to some tests, and its predictions of others.
 
 use grouser_terra::{RigidWheel, SoilParams};
 
@@ -71,6 +71,10 @@ impl Job<'_> {
                 verdict: uncertainty.verdicts[index],
             })
             .collect();
+        let mut soil = self.soil;
+        for (parameter, value) in self.parameters.iter().zip(&best.x) {
+            parameter.put(&mut soil, *value);
+        }
         Ok(Fitted {
             fixed,
             parameters: self.parameters.to_vec(),
@@ -78,6 +82,7 @@ impl Job<'_> {
                 data_set: self.data_set,
                 model: self.model,
                 fit: self.fit,
+                soil,
                 status: best.status,
                 found,
                 condition: uncertainty.condition,
@@ -86,7 +91,7 @@ impl Job<'_> {
         })
     }
 
-    /// The model as it stands, nothing fitted.
+    /// The model with nothing fitted.
     pub(super) fn unfitted(&self) -> Fitted {
         Fitted {
             fixed: Fixed {
@@ -100,6 +105,7 @@ impl Job<'_> {
                 data_set: self.data_set,
                 model: self.model,
                 fit: self.fit,
+                soil: self.soil,
                 status: grouser_identify::least_squares::Status::Converged,
                 found: Vec::new(),
                 condition: 1.0,
@@ -109,7 +115,7 @@ impl Job<'_> {
 }
 
 impl Fitted {
-    /// What it says of `tests`, as read.
+    /// Its predictions of `tests`, as read.
     pub(super) fn predict(&self, tests: &[WheelTest]) -> Result<Vec<Prediction>> {
         predict(&self.fixed, tests, &self.parameters, &self.x)
     }

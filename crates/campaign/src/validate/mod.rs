@@ -13,5 +13,5 @@ mod score;
 mod text;
 
 pub use rows::{FitReport, Found, MeasuredPoint, ModelName, Row, Series, Split, Validation};
-pub use run::{GREATEST_SLIP, PLATES, plate_tests, validate};
+pub use run::{MAX_SLIP, PLATES, plate_tests, validate};
 pub use score::Score;

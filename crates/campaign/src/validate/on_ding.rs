@@ -78,7 +78,7 @@ impl Validation {
     }
 }
 
-/// Ours, fitted, and plain Wong-Reece as it stands.
+/// Ours, fitted, and plain Wong-Reece without a fit.
 fn models(tests: &[WheelTest]) -> Result<[Fitted; 2]> {
     let (radius, width, _) = ding::WHEEL;
     let wheel = RigidWheel::new(radius, width).map_err(law_error)?;

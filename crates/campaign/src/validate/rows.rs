@@ -1,6 +1,7 @@
 //! The table and the figures of a validation.
 
 use super::score::Score;
+use grouser_files::soil::SoilFile;
 use grouser_identify::Parameter;
 use grouser_identify::least_squares::Verdict;
 use grouser_identify::plate::PlateFit;
@@ -14,6 +15,9 @@ pub enum ModelName {
     Grouser,
     /// \[WR67\] alone: stress place by the slip in the wheel's plane, no slip-sinkage, no rear contact.
     WongReece,
+    /// Laws that others have published, with as many fitted numbers as ours: the baseline that shows what ours
+    /// add.
+    PublishedLaws,
 }
 
 impl ModelName {
@@ -23,6 +27,7 @@ impl ModelName {
         match self {
             Self::Grouser => "grouser",
             Self::WongReece => "wong-reece",
+            Self::PublishedLaws => "published-laws",
         }
     }
 }
@@ -98,6 +103,8 @@ pub struct FitReport {
     pub model: ModelName,
     /// To what it was fitted.
     pub fit: &'static str,
+    /// The soil with what was found.
+    pub soil: grouser_terra::SoilParams,
     /// How it ended.
     pub status: grouser_identify::least_squares::Status,
     /// What it found.
@@ -141,8 +148,38 @@ pub struct Validation {
     pub rows: Vec<Row>,
     /// The fits behind it.
     pub fits: Vec<FitReport>,
-    /// What the plate tests told.
+    /// The result of the plate tests.
     pub plates: PlateFit,
     /// The figures' data.
     pub series: Vec<Series>,
+}
+
+impl Validation {
+    /// The soil of the main fit (this project's laws on the smooth wheel at slip angle 0) with every number and
+    /// law, and its remarks; `None` where that fit is missing.
+    #[must_use]
+    pub fn soil_file(&self) -> Option<(SoilFile, Vec<String>)> {
+        let fit = self
+            .fits
+            .iter()
+            .find(|fit| fit.model == ModelName::Grouser)?;
+        let name = format!("{}, fitted on {}", fit.data_set, fit.fit);
+        let source = format!(
+            "grouser validate: {} on {} of {}",
+            fit.model.key(),
+            fit.fit,
+            fit.data_set
+        );
+        let remarks = fit.found.iter().map(|found| {
+            let value = |x| found.parameter.to_key_unit(x);
+            format!(
+                "{} {:.4}, standard error {:.4}, {}",
+                found.parameter.key(),
+                value(found.value),
+                value(found.standard_error),
+                found.verdict.key()
+            )
+        });
+        Some((SoilFile::new(&name, &source, fit.soil), remarks.collect()))
+    }
 }

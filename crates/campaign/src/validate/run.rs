@@ -10,9 +10,9 @@ use grouser_identify::plate::{
 };
 
 /// Beyond this stated slip a trial is left out: locked and nearly spinning wheels are no steady state here.
-pub const GREATEST_SLIP: f64 = 0.75;
+pub const MAX_SLIP: f64 = 0.75;
 
-/// Where the plate tests stand below the folder of measured data: name, disc diameter (m) and the height of the
+/// The files of the plate tests below the folder of measured data: name, disc diameter (m) and the height of the
 /// sand's surface (m), as the script that was published with them has it.
 pub const PLATES: [(&str, f64, f64); 2] = [
     (
@@ -38,8 +38,8 @@ pub const PLATES: [(&str, f64, f64); 2] = [
 pub fn validate(data: &Path) -> Result<Validation> {
     let tests = plate_tests(data)?;
     let plates = fit_plates(&tests, &PlateSettings::default())?;
-    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", GREATEST_SLIP + 0.01)?;
-    let grouser = cmu::trials(&data.join(cmu::TRIALS), "grouser", GREATEST_SLIP + 0.01)?;
+    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", MAX_SLIP + 0.01)?;
+    let grouser = cmu::trials(&data.join(cmu::TRIALS), "grouser", MAX_SLIP + 0.01)?;
     let mut out = Validation {
         rows: Vec::new(),
         fits: Vec::new(),

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::Stdio;
 
-use super::program::{Folder, grouser, start, wait};
+use super::program::{Folder, grouser, line, start, wait};
 
 /// The cases that the laws are tested with: 30-digit quadrature of MODEL.md's formulas.
 const REFERENCE: &str = include_str!("../../../terra/tests/oracle/wheel_cases.csv");
@@ -266,4 +266,54 @@ fn standard_input_is_streamed_and_an_endless_line_is_refused() {
         loads.iter().copied().eq(1..=10_000),
         "the order of the rows is kept"
     );
+}
+
+/// A row with a slip angle is the operating point of `wheel --slip-angle-deg`, with its side force.
+#[test]
+fn a_slip_angle_is_read() {
+    let folder = Folder::new();
+    let text = "soil,radius_m,width_m,slip,slip_angle_deg,load_n\ndry-sand,0.1,0.1,0.3,20,40\n\
+                dry-sand,0.1,0.1,0.3,,40\n";
+    let (rows, out) = solve(&folder, text);
+    assert!(
+        out.lines()
+            .next()
+            .unwrap()
+            .ends_with("torque_nm,side_force_n,status")
+    );
+    let wheel = line(
+        "wheel --soil dry-sand --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0.3 --slip-angle-deg 20 --json",
+    );
+    let wheel = wheel.json();
+    for key in ["drawbar_pull_n", "side_force_n", "sinkage_m", "torque_nm"] {
+        assert_eq!(number(&rows[0], key), wheel[key].as_f64().unwrap(), "{key}");
+    }
+    assert_eq!(number(&rows[1], "side_force_n"), 0.0);
+    assert!(number(&rows[1], "drawbar_pull_n") > number(&rows[0], "drawbar_pull_n"));
+}
+
+/// A column that another quantity or another unit names is refused, not ignored.
+#[test]
+fn a_quantity_that_is_not_read_is_refused_by_name() {
+    let folder = Folder::new();
+    for column in [
+        "slope_deg",
+        "slip_angle_rad",
+        "radius_mm",
+        "load_kn",
+        "phi_deg",
+        "mass_kg",
+    ] {
+        let text =
+            format!("soil,radius_m,width_m,slip,load_n,{column}\ndry-sand,0.1,0.1,0.3,40,1\n");
+        let input = folder.file("in.csv", &text);
+        let arguments = ["batch".into(), input, "-o".into(), folder.path("out.csv")];
+        let said = grouser(arguments);
+        said.assert_refused(column);
+        assert!(said.err.contains(&format!("`{column}`")), "{said:?}");
+    }
+    let text =
+        "soil,radius_m,width_m,slip,load_n,note,measured_pull_n\ndry-sand,0.1,0.1,0.3,40,x,1\n";
+    let (rows, _) = solve(&folder, text);
+    assert_eq!(rows[0]["measured_pull_n"], "1");
 }

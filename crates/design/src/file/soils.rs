@@ -40,7 +40,7 @@ fn read_section(section: &Section<'_>, place: Place, fixed: &mut Fixed) -> Resul
     Ok(())
 }
 
-/// Takes over everything that the catalogue says of a soil.
+/// Copies the numbers of a soil of the catalogue.
 fn fill_from_catalogue(
     section: &Section<'_>,
     field: &str,

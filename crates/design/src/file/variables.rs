@@ -31,7 +31,7 @@ pub(super) fn read_variables(section: &Section<'_>, builder: &mut DesignBuilder)
     Ok(())
 }
 
-/// `name = "formula"` or `name = { expr, scale, goal, weight, absolute }`, in the order of the file.
+/// `name = "formula"` or `name = { expr or maximise, scale, goal, weight, absolute }`, in the order of the file.
 pub(super) fn read_objectives(
     section: &Section<'_>,
     absolute: bool,
@@ -41,7 +41,13 @@ pub(super) fn read_objectives(
         let mut objective = match entry.as_text() {
             Some(text) => ObjectiveParams::new(entry.name(), text),
             None => entry.section("a formula, or a table with `expr`", |table| {
-                let mut objective = ObjectiveParams::new(entry.name(), table.text("expr")?);
+                let maximise = table.optional_text("maximise")?;
+                let text = match maximise {
+                    Some(text) => text,
+                    None => table.text("expr")?,
+                };
+                let mut objective = ObjectiveParams::new(entry.name(), text);
+                objective.maximise = maximise.is_some();
                 objective.scale = table.optional_number("scale", FINITE)?.unwrap_or(1.0);
                 objective.goal = table.optional_number("goal", FINITE)?;
                 let weight = table.optional_number("weight", (0.0, f64::MAX))?;

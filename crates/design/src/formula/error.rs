@@ -12,9 +12,9 @@ pub enum FormulaError {
     Unexpected {
         /// Where.
         column: usize,
-        /// What stands there.
+        /// What was found there.
         found: String,
-        /// What must stand there.
+        /// What is expected there.
         expected: &'static str,
     },
     /// A character that no formula contains.
@@ -33,7 +33,7 @@ pub enum FormulaError {
         /// The number as written.
         text: String,
     },
-    /// A name that stands for nothing.
+    /// A name without a meaning.
     #[error("column {column}: nothing is called `{name}`")]
     UnknownName {
         /// Where.
@@ -56,7 +56,7 @@ pub enum FormulaError {
     /// A function with too few or too many arguments.
     #[error("column {column}: `{name}` takes {expected} arguments, but has {given}")]
     Arguments {
-        /// Where the function stands.
+        /// The place of the function.
         column: usize,
         /// The function.
         name: &'static str,
@@ -84,7 +84,7 @@ pub enum FormulaError {
         "column {column}: a constraint has exactly one of `<=`, `>=` and `=`, this one has {given}"
     )]
     Relations {
-        /// Where the second relation stands, or the text ends.
+        /// The place of the second relation, or the end of the text.
         column: usize,
         /// How many it has.
         given: usize,

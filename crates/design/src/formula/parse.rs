@@ -43,7 +43,7 @@ impl Waiting {
     }
 }
 
-/// What a name stands for.
+/// The meaning of a name.
 pub trait Names {
     /// The number of the variable of this name.
     fn variable(&self, name: &str) -> Option<usize>;

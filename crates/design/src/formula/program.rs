@@ -70,7 +70,7 @@ pub(super) enum Step {
     Power,
     /// A small whole power, which is exact where `Power` is not.
     WholePower(i32),
-    /// The number of arguments tells how often a function of two is applied.
+    /// The number of arguments determines how often a function of two is applied.
     Call(Function, usize),
 }
 

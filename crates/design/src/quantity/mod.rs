@@ -209,7 +209,7 @@ pub(crate) struct Evaluation<'i, R> {
     point: Option<Result<Point<R>, NoValue>>,
 }
 
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;
 
 impl<'i, R: Scalar> Evaluation<'i, R> {
     pub(crate) fn new(inputs: &'i Inputs<R>) -> Self {
@@ -263,8 +263,8 @@ impl<'i, R: Scalar> Evaluation<'i, R> {
     pub(crate) fn quantity(&mut self, quantity: Quantity) -> Result<R, NoValue> {
         let forces = |point: Point<R>| point.forces;
         Ok(match quantity {
-            Quantity::Theta1 => self.entry()? * R::from_f64(DEGREES),
-            Quantity::ThetaM => self.point()?.theta_m * R::from_f64(DEGREES),
+            Quantity::Theta1 => self.entry()? * R::from_f64(DEG_PER_RAD),
+            Quantity::ThetaM => self.point()?.theta_m * R::from_f64(DEG_PER_RAD),
             Quantity::Sinkage => self.sinkage()?,
             Quantity::VerticalForce => self.point().map(forces)?.vertical_force,
             Quantity::DrawbarPull => self.point().map(forces)?.drawbar_pull,
@@ -286,7 +286,7 @@ impl<'i, R: Scalar> Evaluation<'i, R> {
             }
             Quantity::Gradeability => {
                 let forces = self.point()?.forces;
-                (forces.drawbar_pull / forces.vertical_force).atan() * R::from_f64(DEGREES)
+                (forces.drawbar_pull / forces.vertical_force).atan() * R::from_f64(DEG_PER_RAD)
             }
             Quantity::SlipDemand => self.inputs.slip_demand()?,
             Quantity::MaxPull => self.inputs.greatest_pull()?,

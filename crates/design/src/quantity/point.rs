@@ -61,7 +61,7 @@ fn contact<R: Scalar>(inputs: &Inputs<R>, slip: R, theta_1: R) -> Contact<R> {
 }
 
 impl Inputs<f64> {
-    pub(super) fn pair(&self) -> Result<WheelOnSoil, NoValue> {
+    pub(super) fn wheel_on_soil(&self) -> Result<WheelOnSoil, NoValue> {
         Ok(WheelOnSoil::new(
             self.wheel()?,
             self.soil()?,
@@ -86,7 +86,7 @@ impl<R: Scalar> Inputs<R> {
             let plain = self.plain();
             let kinematics = Kinematics::straight(Slip::new(slip.value())?);
             plain
-                .pair()?
+                .wheel_on_soil()?
                 .forces_at(plain.get(Parameter::Sinkage), &kinematics)?;
             let theta_1 = entry_angle(self.get(Parameter::Sinkage), self.radius());
             Ok(self.at(slip, theta_1))
@@ -108,7 +108,9 @@ impl<R: Scalar> Inputs<R> {
     pub(super) fn loaded(&self, slip: R, load: R) -> Result<Point<R>, NoValue> {
         let plain = self.plain();
         let kinematics = Kinematics::straight(Slip::new(slip.value())?);
-        let solution = plain.pair()?.sinkage_under(load.value(), &kinematics)?;
+        let solution = plain
+            .wheel_on_soil()?
+            .sinkage_under(load.value(), &kinematics)?;
         let Some(sinkage) = solution.sinkage() else {
             return Err(NoValue::NotCarried(load.value()));
         };
@@ -136,7 +138,7 @@ impl<R: Scalar> Inputs<R> {
     pub(super) fn slip_demand(&self) -> Result<R, NoValue> {
         let plain = self.plain();
         let slope = plain.get(Parameter::Slope);
-        let outcome = plain.pair()?.slip_demand(
+        let outcome = plain.wheel_on_soil()?.slip_demand(
             plain.get(Parameter::Load),
             grouser_terra::Angle::from_deg(slope),
         )?;
@@ -168,7 +170,11 @@ impl<R: Scalar> Inputs<R> {
     /// its derivatives are those at that slip held fixed.
     pub(super) fn greatest_pull(&self) -> Result<R, NoValue> {
         let load = self.carried();
-        match self.plain().pair()?.slip_of_maximum_pull(load.value())? {
+        match self
+            .plain()
+            .wheel_on_soil()?
+            .slip_of_maximum_pull(load.value())?
+        {
             Some(best) => {
                 let slip = R::from_f64(best.slip.value());
                 Ok(self.loaded(slip, load)?.forces.drawbar_pull)
@@ -182,7 +188,7 @@ impl<R: Scalar> Inputs<R> {
         let load = self.carried();
         match self
             .plain()
-            .pair()?
+            .wheel_on_soil()?
             .slip_of_maximum_efficiency(load.value())?
         {
             Some(best) => efficiency(&self.loaded(R::from_f64(best.slip.value()), load)?),
@@ -193,15 +199,15 @@ impl<R: Scalar> Inputs<R> {
     /// The steepest slope that the wheel holds at any slip, degrees.
     pub(super) fn greatest_slope(&self) -> Result<R, NoValue> {
         let weight = self.get(Parameter::Load);
-        let pair = self.plain().pair()?;
-        let Some(steepest) = pair.gradeability(weight.value())? else {
+        let wheel_on_soil = self.plain().wheel_on_soil()?;
+        let Some(steepest) = wheel_on_soil.gradeability(weight.value())? else {
             return Err(NoValue::Undefined(
                 "the wheel cannot pull itself on the level",
             ));
         };
         let alpha = steepest.rad();
         let carried = weight.value() * alpha.cos();
-        let Some(best) = pair.slip_of_maximum_pull(carried)? else {
+        let Some(best) = wheel_on_soil.slip_of_maximum_pull(carried)? else {
             return Err(NoValue::NotCarried(carried));
         };
         let slip = best.slip.value();

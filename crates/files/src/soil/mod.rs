@@ -155,7 +155,12 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
         stress_position: root
             .optional_choice(
                 "stress_position",
-                &[StressPosition::InPlane, StressPosition::Whole].map(|law| (law.key(), law)),
+                &[
+                    StressPosition::InPlane,
+                    StressPosition::Magnitude,
+                    StressPosition::Whole,
+                ]
+                .map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.stress_position),
         shear: root.optional_choice(

@@ -3,7 +3,7 @@
 /// Eigenvalues with their unit eigenvectors, in no particular order.
 ///
 /// Jacobi's method is slower than others and more exact for small eigenvalues of a scaled matrix, which is
-/// what tells whether a parameter can be identified.
+/// what decides whether a parameter can be identified.
 pub(crate) fn symmetric(mut a: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     const SWEEPS: usize = 60;
     let n = a.len();

@@ -2,7 +2,7 @@
 
 /// min ‖A x + b‖² + ‖D x‖², A given by rows, D diagonal. `None` where a column is empty to rounding.
 ///
-/// The rows of D stand below those of A, so that AᵀA is never formed: its condition is the square of A's.
+/// The rows of D come below those of A, so that AᵀA is never formed: its condition is the square of A's.
 pub(crate) fn solve_damped(rows: &[Vec<f64>], right: &[f64], damping: &[f64]) -> Option<Vec<f64>> {
     let columns = damping.len();
     let mut a: Vec<Vec<f64>> = rows.to_vec();

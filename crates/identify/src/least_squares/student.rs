@@ -59,8 +59,14 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
 }
 
 fn fraction(x: f64, a: f64, b: f64) -> f64 {
-    const TINY: f64 = 1e-300;
-    let away = |value: f64| if value.abs() < TINY { TINY } else { value };
+    const MIN_DENOMINATOR: f64 = 1e-300;
+    let away = |value: f64| {
+        if value.abs() < MIN_DENOMINATOR {
+            MIN_DENOMINATOR
+        } else {
+            value
+        }
+    };
     let mut c = 1.0;
     let mut d = 1.0 / away(1.0 - (a + b) * x / (a + 1.0));
     let mut h = d;

@@ -1,4 +1,4 @@
-//! Standard errors, correlation, and what the data cannot tell.
+//! Standard errors, correlation, and what the data do not determine.
 
 use super::eigen::symmetric;
 use super::fit::Fit;
@@ -7,13 +7,13 @@ use super::student::student_quantile;
 
 /// A direction of the scaled parameters along which the residuals change by less than this share of what
 /// they change along the best one is not seen by the data.
-const BLIND: f64 = 1e-8;
+const BLIND_SINGULAR_RATIO: f64 = 1e-8;
 
 /// What the data say about one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Verdict {
-    /// It is told.
+    /// The data determine it.
     Identified,
     /// It lies on a bound: the data would have it beyond.
     OnBound,
@@ -58,7 +58,7 @@ impl Uncertainty {
     ///
     /// Covariance s² (JᵀWJ)⁻¹ with s² = Σ w r²/(m − n), on the parameters that lie on no bound. The matrix is
     /// scaled to unit diagonal and taken apart into eigenvectors; those whose eigenvalue is nothing beside the
-    /// greatest belong to what the data cannot tell, and every parameter with a share in them is named.
+    /// greatest belong to what the data do not determine, and every parameter with a share in them is named.
     #[must_use]
     pub fn of(fit: &Fit, loss: Loss) -> Self {
         let n = fit.x.len();
@@ -109,7 +109,7 @@ impl Uncertainty {
                 .collect(),
             condition: (greatest / least.max(0.0)).sqrt(),
         };
-        let blind = |value: f64| !(value > BLIND * BLIND * greatest);
+        let blind = |value: f64| !(value > BLIND_SINGULAR_RATIO * BLIND_SINGULAR_RATIO * greatest);
         for (place, &i) in seen.iter().enumerate() {
             let lost = modes
                 .iter()
@@ -118,12 +118,12 @@ impl Uncertainty {
                 continue;
             }
             let k = free[i];
-            let variance: f64 = told(&modes, &blind, place, place);
+            let variance: f64 = determined(&modes, &blind, place, place);
             out.standard_errors[k] = residual_deviation * variance.sqrt() / norms[i];
             out.verdicts[k] = Verdict::Identified;
             for (other, &j) in seen.iter().enumerate() {
-                let shared = told(&modes, &blind, place, other);
-                let apart = (variance * told(&modes, &blind, other, other)).sqrt();
+                let shared = determined(&modes, &blind, place, other);
+                let apart = (variance * determined(&modes, &blind, other, other)).sqrt();
                 out.correlation[k][free[j]] = shared / apart;
             }
         }
@@ -158,7 +158,7 @@ impl Uncertainty {
 }
 
 /// An entry of the inverse, without what is not seen.
-fn told(modes: &[(f64, Vec<f64>)], blind: &impl Fn(f64) -> bool, i: usize, j: usize) -> f64 {
+fn determined(modes: &[(f64, Vec<f64>)], blind: &impl Fn(f64) -> bool, i: usize, j: usize) -> f64 {
     modes
         .iter()
         .filter(|(value, _)| !blind(*value))

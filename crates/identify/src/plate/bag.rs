@@ -10,23 +10,23 @@ use super::test::{Plate, PlateTest};
 use crate::error::{Error, Result};
 use crate::least_squares::solve_damped;
 
-/// How far above the noise the force must stand for the plate to have met the ground, N and deviations.
+/// How far above the noise the force must be for the plate to have met the ground, N and deviations.
 const CONTACT: (f64, f64) = (0.5, 6.0);
-/// For how long it must stand there, s.
-const LASTING: f64 = 0.5;
+/// For how long it must stay there, s.
+const CONTACT_TIME_S: f64 = 0.5;
 /// How much of the record's beginning shows the force without contact, s.
-const QUIET: f64 = 3.0;
+const QUIET_TIME_S: f64 = 3.0;
 /// How close to its deepest place the plate still counts as being pressed in, m.
-const BOTTOM: f64 = 3e-4;
+const STROKE_END_M: f64 = 3e-4;
 /// Clock offsets beyond the time zone that are tried, s, and their step.
 const OFFSETS: (f64, f64) = (1.0, 0.01);
 
-/// Where the force stands.
+/// The source of the force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BagSource {
     /// The bag (or MCAP file).
     pub bag: PathBuf,
-    /// The topic; the only one of the file unless told.
+    /// The topic; the only one of the file unless given.
     pub topic: Option<String>,
     /// The field of the force, N: `wrench.wrench.force.z`.
     pub force: String,
@@ -36,7 +36,7 @@ pub struct BagSource {
     pub sign: f64,
 }
 
-/// Where the depth stands: fields of each line of a text file, counted from 1.
+/// The source of the depth: fields of each line of a text file, counted from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthColumn {
     /// The file.
@@ -96,7 +96,7 @@ pub fn read_bag(
     let mut quiet: Vec<f64> = times
         .iter()
         .zip(&force)
-        .take_while(|(t, _)| **t - start <= QUIET)
+        .take_while(|(t, _)| **t - start <= QUIET_TIME_S)
         .map(|(_, f)| *f)
         .collect();
     let zero = median(&mut quiet);
@@ -154,7 +154,7 @@ fn contact(times: &[f64], force: &[f64], threshold: f64) -> Option<usize> {
     for (index, (t, f)) in times.iter().zip(force).enumerate() {
         if *f > threshold {
             let began = *since.get_or_insert(index);
-            if t - times[began] >= LASTING {
+            if t - times[began] >= CONTACT_TIME_S {
                 return Some(began);
             }
         } else {
@@ -182,13 +182,13 @@ fn loading(
         .iter()
         .zip(&force[first..])
         .map(|(t, f)| (at(clock, height, *t), *f))
-        .take_while(|(h, _)| *h > lowest + BOTTOM)
+        .take_while(|(h, _)| *h > lowest + STROKE_END_M)
         .map(|(h, f)| (contact_height - h, f))
         .unzip()
 }
 
 /// How far force is from being a smooth function of depth when the depth's clock is shifted: the mean square of
-/// ln force about its best quartic in ln depth. A plate that is pressed in by fits and starts tells the
+/// ln force about its best quartic in ln depth. A plate that is pressed in by fits and starts shows the
 /// offset: with a wrong one the force rises while the depth rests.
 fn roughness(
     times: &[f64],

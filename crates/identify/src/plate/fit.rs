@@ -38,7 +38,7 @@ pub struct PlateParameter {
     /// Its value, SI.
     pub value: f64,
     /// Its standard error, with the correlation from reading to reading taken into account; NaN where the
-    /// data cannot tell.
+    /// data do not determine.
     pub standard_error: f64,
     /// Its 95 % interval by profile likelihood, likewise widened.
     pub interval: Interval,
@@ -46,7 +46,7 @@ pub struct PlateParameter {
     pub verdict: Verdict,
 }
 
-/// What plate tests tell of a soil.
+/// What plate tests determine of a soil.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlateFit {
     /// Sinkage exponent n.
@@ -75,7 +75,7 @@ struct Law<'a> {
     fit_datum: bool,
 }
 
-/// Plates of one width tell k alone; of several, k at the least and the greatest width.
+/// Plates of one width determine k alone; of several, k at the least and the greatest width.
 #[derive(Clone, Copy)]
 enum Shape {
     One,
@@ -125,9 +125,9 @@ impl Functions for Law<'_> {
 
 /// n, k_c and k_phi by least squares in ln p, p = (k_c/b + k_phi) (z − z_0)ⁿ.
 ///
-/// A power law spans decades of pressure, so its errors are relative. Plates of two widths or more tell k_c
+/// A power law spans decades of pressure, so its errors are relative. Plates of two widths or more determine k_c
 /// and k_phi apart; of one width only their sum, which is given as k_phi. Readings follow each other closely
-/// and their residuals are alike: with the correlation ρ of neighbours, m of them tell no more than
+/// and their residuals are alike: with the correlation ρ of neighbours, m of them count no more than
 /// m (1 − ρ)/(1 + ρ) independent ones, and errors are widened accordingly.
 ///
 /// Source: \[Bekker69\]; the widening: Bayley & Hammersley, J. Royal Statistical Society Supplement 8 (1946).

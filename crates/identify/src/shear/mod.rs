@@ -21,7 +21,7 @@ pub struct ShearReading {
     pub shear: f64,
 }
 
-/// What shear tests tell of a soil.
+/// What shear tests determine of a soil.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShearFit {
     /// Cohesion, Pa; angle of friction, rad; shear modulus K, m.
@@ -83,8 +83,8 @@ impl Functions for Law<'_> {
 ///
 /// Huber's threshold, if `loss` has one, is in Pa.
 ///
-/// Source: \[JH61\] with Mohr-Coulomb's strength. Readings at one normal stress only cannot tell cohesion
-/// from friction, and readings past the rise alone cannot tell K: both are said by name.
+/// Source: \[JH61\] with Mohr-Coulomb's strength. Readings at one normal stress only do not separate cohesion
+/// from friction, and readings past the rise alone do not determine K: the result names both.
 ///
 /// # Errors
 /// [`Error::TooFew`] for fewer readings than numbers.

@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::parameter::Parameter;
 
 /// How close to the hub a wheel is taken to sit whose load nothing below the hub carries, as a share of r.
-const HUB: f64 = 1.0 - 1e-6;
+const HUB_SINKAGE_PER_RADIUS: f64 = 1.0 - 1e-6;
 
 /// What does not change in a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed {
     /// The wheel.
     pub wheel: RigidWheel,
-    /// The soil, whose other numbers stand.
+    /// The soil, whose other numbers are fixed.
     pub soil: SoilParams,
     /// What residuals are divided by.
     pub scatter: Scatter,
@@ -33,7 +33,7 @@ pub struct WheelModel<'a> {
     parameters: &'a [Parameter],
 }
 
-/// What the model says of a test, SI, as it would be read: datum offsets included.
+/// The model's prediction of a test, SI, as it would be read: datum offsets included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
     /// Drawbar pull, N.
@@ -92,14 +92,14 @@ impl<'a> WheelModel<'a> {
         soil
     }
 
-    fn pair_at(&self, x: &[f64]) -> Option<WheelOnSoil> {
+    fn contact_at(&self, x: &[f64]) -> Option<WheelOnSoil> {
         let soil = Soil::new(self.soil_at(x)).ok()?;
         WheelOnSoil::new(self.fixed.wheel, soil, Settings::default()).ok()
     }
 
     /// Fills values and, for each row, its gradient in the first N parameters.
     fn run<const N: usize>(&self, x: &[f64], mut row_of: impl FnMut(Option<Dual<N>>)) {
-        let pair = self.pair_at(x);
+        let contact = self.contact_at(x);
         let mut offsets = [Dual::<N>::constant(0.0); 3];
         for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
             if let Some(slot) = nuisance(*parameter) {
@@ -107,12 +107,12 @@ impl<'a> WheelModel<'a> {
             }
         }
         for test in self.tests {
-            let solved = pair.as_ref().and_then(|pair| {
-                let mut inputs = DualInputs::<N>::new(pair, &test.kinematics);
+            let solved = contact.as_ref().and_then(|contact| {
+                let mut inputs = DualInputs::<N>::new(contact, &test.kinematics);
                 for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
                     parameter.put_dual(&mut inputs.soil, Dual::variable(*value, index));
                 }
-                solve(&inputs, pair, test)
+                solve(&inputs, contact, test)
             });
             for quantity in Quantity::ALL {
                 let Some(measured) = test.read(quantity) else {
@@ -153,18 +153,18 @@ fn read<const N: usize>(
 /// Under the test's load, or at the hub where nothing below carries it; and whether that is so.
 fn solve<const N: usize>(
     inputs: &DualInputs<N>,
-    pair: &WheelOnSoil,
+    contact: &WheelOnSoil,
     test: &WheelTest,
 ) -> Option<(DualSolution<N>, bool)> {
-    let radius = pair.wheel().running_radius();
+    let radius = contact.wheel().running_radius();
     let at = |sinkage: f64| {
-        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB * radius), radius);
+        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB_SINKAGE_PER_RADIUS * radius), radius);
         inputs.at_entry_angle(Dual::constant(theta_1))
     };
     match test.support {
         Support::Sinkage(sinkage) => Some((at(sinkage), sinkage >= radius)),
         Support::Load(load) => {
-            match inputs.under_load(pair, &test.kinematics, Dual::constant(load)) {
+            match inputs.under_load(contact, &test.kinematics, Dual::constant(load)) {
                 Ok(Some(solved)) => Some((solved, false)),
                 Ok(None) => Some((at(radius), true)),
                 Err(_) => None,
@@ -210,7 +210,7 @@ impl WheelModel<'_> {
     }
 }
 
-/// What the model says of each test, with the offsets that `parameters` name at the values `x`.
+/// The model's prediction of each test, with the offsets that `parameters` name at the values `x`.
 ///
 /// # Errors
 /// [`Error::Law`] for a soil that the laws refuse.
@@ -226,7 +226,7 @@ pub fn predict(
     };
     let model = WheelModel::new(*fixed, tests, parameters);
     let soil = Soil::new(model.soil_at(x)).map_err(law)?;
-    let pair = WheelOnSoil::new(fixed.wheel, soil, Settings::default()).map_err(law)?;
+    let contact = WheelOnSoil::new(fixed.wheel, soil, Settings::default()).map_err(law)?;
     let offset = |slot| {
         let mut named = parameters.iter().zip(x);
         named
@@ -237,14 +237,14 @@ pub fn predict(
     tests
         .iter()
         .map(|test| {
-            let inputs = DualInputs::<0>::new(&pair, &test.kinematics);
-            let Some((solved, hub_buried)) = solve(&inputs, &pair, test) else {
-                // the pair says what it does not like of this motion or this load
+            let inputs = DualInputs::<0>::new(&contact, &test.kinematics);
+            let Some((solved, hub_buried)) = solve(&inputs, &contact, test) else {
+                // the solver names what is wrong with this motion or this load
                 let load = match test.support {
                     Support::Load(load) => load,
                     Support::Sinkage(_) => 1.0,
                 };
-                let refused = pair.sinkage_under(load, &test.kinematics);
+                let refused = contact.sinkage_under(load, &test.kinematics);
                 return Err(law(refused.err().unwrap_or(
                     grouser_terra::Error::NotFinite {
                         field: "sinkage",

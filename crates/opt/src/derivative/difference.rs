@@ -3,7 +3,7 @@
 use crate::jacobian::Jacobian;
 use crate::model::Model;
 
-/// Which difference stands for the derivative.
+/// Which difference approximates the derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scheme {
     /// (f(x + h) − f(x))/h with h = ε^(1/2)·max(1, |x|): n + 1 values, error about 1e-8.

@@ -18,7 +18,7 @@ pub fn das_dennis(objectives: usize, divisions: usize) -> Vec<Vec<f64>> {
     parts[objectives - 1] = divisions;
     loop {
         all.push(parts.iter().map(|&k| k as f64 / divisions as f64).collect());
-        // The next composition: move one unit left, and what stands to its right back to the end.
+        // The next composition: move one unit left, and everything to its right back to the end.
         let Some(from) = (1..objectives).rev().find(|&i| parts[i] > 0) else {
             return all;
         };

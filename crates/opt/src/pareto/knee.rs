@@ -4,7 +4,7 @@
 ///
 /// Objectives are scaled to [0, 1] over the front; the plane is Σ f = 1, through the points that are
 /// best in one objective each; the knee has the least Σ f. `None` for fewer than three points or a
-/// front without extent in some objective, where no point stands out.
+/// front without extent in some objective, where no point is a knee.
 ///
 /// Source: Das 1999, "On characterizing the knee of the Pareto curve based on Normal-Boundary
 /// Intersection", Struct. Optim. 18, for two objectives; the sum for more is the same distance.

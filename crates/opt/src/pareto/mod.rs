@@ -45,7 +45,7 @@ pub struct FrontPoint {
 pub struct Front {
     /// The points, ordered by their first objective (then the second, …).
     pub points: Vec<FrontPoint>,
-    /// The index of the knee in `points`, where one stands out.
+    /// The index of the knee in `points`, where there is one.
     pub knee: Option<usize>,
     /// The best value of each objective over the front.
     pub ideal: Vec<f64>,

@@ -13,7 +13,7 @@ pub struct Mutation {
     pub probability: Option<f64>,
 }
 
-/// Mutates `x` in place; says whether anything changed.
+/// Mutates `x` in place; returns whether anything changed.
 pub(super) fn mutate(
     mutation: Mutation,
     random: &mut Random,

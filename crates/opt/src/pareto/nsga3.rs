@@ -59,7 +59,7 @@ impl Normalisation {
             })
             .collect();
         let scale = intercepts(&self.extremes, &self.ideal).unwrap_or_else(|| worst.clone());
-        // An intercept beyond everything known, or of no extent, says nothing.
+        // An intercept beyond everything known, or of no extent, has no meaning.
         let scale = scale
             .iter()
             .zip(&worst)

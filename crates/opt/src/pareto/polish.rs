@@ -35,6 +35,8 @@ pub(super) fn polish(
     // A point that is near needs few steps; one that does not get there is kept as the search left it.
     let settings = &Settings {
         max_iterations: settings.max_iterations.min(LONGEST),
+        // a point of the front is held against its neighbours instead
+        probes: 0,
         ..settings.clone()
     };
     let ends = ends(problem, settings, front, counts)?;
@@ -179,14 +181,15 @@ fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
 
 /// Without points that another one beats or repeats, to the solver's tolerance.
 fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
-    const SAME: f64 = 1e-9;
+    const SAME_POINT_DISTANCE: f64 = 1e-9;
     let beats = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = || a.objectives.iter().zip(&b.objectives);
-        pairs().all(|(a, b)| *a <= b + SAME) && pairs().any(|(a, b)| *a < b - SAME)
+        pairs().all(|(a, b)| *a <= b + SAME_POINT_DISTANCE)
+            && pairs().any(|(a, b)| *a < b - SAME_POINT_DISTANCE)
     };
     let same = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = a.objectives.iter().zip(&b.objectives);
-        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) <= SAME
+        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) <= SAME_POINT_DISTANCE
     };
     let mut kept: Vec<FrontPoint> = Vec::new();
     for (index, point) in points.iter().enumerate() {

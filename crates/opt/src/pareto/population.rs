@@ -44,7 +44,7 @@ pub(super) fn evaluate(problem: &Problem<'_>, points: Vec<Vec<f64>>) -> Vec<Indi
 }
 
 fn evaluate_one(problem: &Problem<'_>, x: Vec<f64>) -> Individual {
-    const TOLERANCE: f64 = 1e-8;
+    const FEASIBILITY_TOLERANCE: f64 = 1e-8;
     let m = problem.objectives().len();
     let p = problem.inequalities().len();
     let mut values = vec![f64::NAN; problem.function_count()];
@@ -52,7 +52,7 @@ fn evaluate_one(problem: &Problem<'_>, x: Vec<f64>) -> Individual {
     let mut violation = 0.0;
     for (j, &value) in values[m..].iter().enumerate() {
         let off = if j < p { value.max(0.0) } else { value.abs() };
-        if off > TOLERANCE {
+        if off > FEASIBILITY_TOLERANCE {
             violation += off;
         }
     }
@@ -62,7 +62,7 @@ fn evaluate_one(problem: &Problem<'_>, x: Vec<f64>) -> Individual {
             Relation::AtMost => (value - row.bound).max(0.0),
             Relation::Equal => (value - row.bound).abs(),
         };
-        if off > TOLERANCE {
+        if off > FEASIBILITY_TOLERANCE {
             violation += off;
         }
     }

@@ -85,7 +85,7 @@ impl ParetoSettings {
         })
     }
 
-    /// The divisions asked for, or the most that fit the population.
+    /// The requested divisions, or the most that fit the population.
     pub(super) fn divisions_for(&self, objectives: usize) -> usize {
         self.divisions.unwrap_or_else(|| {
             (1..=self.population)

@@ -21,7 +21,7 @@ struct Cvar<'a> {
 }
 
 impl Cvar<'_> {
-    /// Where η of an objective stands in x; s_k of world k follows it.
+    /// The index of η of an objective in x; s_k of world k follows it.
     fn eta(&self, objective: usize) -> usize {
         self.worlds.n + objective * (1 + self.worlds.count())
     }

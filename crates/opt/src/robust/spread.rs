@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
 
 /// A σ below this share of the mean is rounding.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_SHARE: f64 = 1e-12;
 
 struct Spread<'a> {
     worlds: Worlds<'a>,
@@ -66,7 +66,7 @@ impl Model for Spread<'_> {
             for (f, world) in all.iter().zip(&worlds) {
                 let sign = self.sign(i, *f);
                 // Without any spread but rounding σ has no slope of its own.
-                let outlying = if sigma > ROUNDING * mean.abs() {
+                let outlying = if sigma > ROUNDING_SHARE * mean.abs() {
                     self.kappa * (sign * f - mean) / sigma
                 } else {
                     0.0

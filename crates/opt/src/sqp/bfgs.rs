@@ -92,7 +92,7 @@ impl Curvature {
             return;
         }
         if self.fresh {
-            // The first step tells the scale (Nocedal & Wright, equation for the initial H, inverted).
+            // The first step sets the scale (Nocedal & Wright, equation for the initial H, inverted).
             if s_y > 1e-8 * (s_s * y_y).sqrt() {
                 self.reset(y_y / s_y);
             }

@@ -14,6 +14,7 @@ mod bfgs;
 mod factor;
 mod point;
 mod price;
+mod probe;
 mod project;
 mod qp;
 mod report;
@@ -47,11 +48,13 @@ enum Phase {
 /// First price of a unit of violation, in units of the objectives.
 const FIRST_PRICE: f64 = 10.0;
 /// Beyond this price a violation is not for sale.
-const LAST_PRICE: f64 = 1e12;
+const MAX_PRICE: f64 = 1e12;
 /// Optimality that passes for a solution when rounding allows no further step.
-const NEARLY: f64 = 1e-4;
+const NEARLY_OPTIMAL: f64 = 1e-4;
+/// Searches from a probe that lowered the level before the point is called stalled.
+const RESTARTS: usize = 20;
 /// A level below this is taken for a fall without limit.
-const UNBOUNDED: f64 = -1e30;
+const UNBOUNDED_LEVEL: f64 = -1e30;
 
 struct Sqp<'a, 'w, 'f> {
     program: &'a Program<'a>,
@@ -98,12 +101,69 @@ pub(crate) fn solve(
         }
     };
     let point = evaluator.values(&start);
+    let mut best = search(&program, settings, callback, evaluator.counts, point);
+    for _ in 0..RESTARTS {
+        if !best.0.status.is_solved() || settings.probes == 0 {
+            return best.0;
+        }
+        let mut evaluator = Evaluator {
+            program: &program,
+            counts: best.0.counts,
+        };
+        let improved = probe::improvement(&mut evaluator, settings, &best.1);
+        best.0.counts = evaluator.counts;
+        let Some(x) = improved else {
+            return best.0;
+        };
+        let point = evaluator.values(&x);
+        let again = search(&program, settings, callback, evaluator.counts, point);
+        best.0.counts = again.0.counts;
+        if matches!(again.0.status, Status::Stopped) || again.0.utility < best.0.utility {
+            best = again;
+        } else {
+            break;
+        }
+    }
+    // A probe lowers the level, yet no search does.
+    if best.0.status.is_solved() {
+        best.0.status = Status::Stalled;
+    }
+    best.0
+}
+
+/// The level and the worst violation at a point.
+pub(crate) fn merit(problem: &Problem<'_>, method: &Method, x: &[f64]) -> (f64, f64) {
+    let program = Program::new(problem, method);
+    let mut evaluator = Evaluator {
+        program: &program,
+        counts: Counts::default(),
+    };
+    let point = evaluator.values(x);
+    let linear = program.linear.iter().map(|row| {
+        let off = subspace::dot(&row.coefficients, x) - row.bound;
+        if row.equal { off.abs() } else { off }
+    });
+    let bounds = program.lower.iter().zip(&program.upper).zip(x);
+    let bounds = bounds.flat_map(|((low, high), x)| [low - x, x - high]);
+    let violation = point.worst_violation(&program);
+    let all = linear.chain(bounds).fold(violation, f64::max);
+    (point.level(&program), all)
+}
+
+/// One search from a point, with the point where it ended.
+fn search(
+    program: &Program<'_>,
+    settings: &Settings,
+    callback: &mut Callback<'_>,
+    counts: Counts,
+    point: Point,
+) -> (Solution, Point) {
     let n = program.dimension();
     Sqp {
-        program: &program,
+        program,
         settings,
-        curvature: Curvature::new(n, problem.curved(), 1.0),
-        evaluator,
+        curvature: Curvature::new(n, program.problem.curved(), 1.0),
+        evaluator: Evaluator { program, counts },
         phase: Phase::Optimality,
         price: FIRST_PRICE,
         multipliers: Vec::new(),
@@ -117,7 +177,7 @@ pub(crate) fn solve(
 }
 
 impl Sqp<'_, '_, '_> {
-    fn run(mut self, start: Point) -> Solution {
+    fn run(mut self, start: Point) -> (Solution, Point) {
         let mut point = start;
         let jacobian = self.evaluator.derivatives(&mut point);
         let start = report::gradient_scale(self.program, &jacobian);
@@ -130,15 +190,16 @@ impl Sqp<'_, '_, '_> {
         }
         let mut model = Expansion { point, jacobian };
         let status = self.iterate(&mut model);
-        report::solution(
+        let solution = report::solution(
             self.program,
             self.settings,
             &self.evaluator,
-            model.point,
+            model.point.clone(),
             Some(&model.jacobian),
             &self.multipliers,
             status,
-        )
+        );
+        (solution, model.point)
     }
 
     fn iterate(&mut self, model: &mut Expansion) -> Status {
@@ -168,7 +229,7 @@ impl Sqp<'_, '_, '_> {
                 // The way back: the price that did not suffice was too low.
                 returns += 1;
                 self.phase = Phase::Optimality;
-                self.price = (self.price * 100.0).min(LAST_PRICE);
+                self.price = (self.price * 100.0).min(MAX_PRICE);
                 self.restart(model);
                 continue;
             }
@@ -184,7 +245,7 @@ impl Sqp<'_, '_, '_> {
             if self.evaluator.counts.values >= self.settings.max_values {
                 return Status::Limit(Limit::Values);
             }
-            if model.point.level(self.program) < UNBOUNDED {
+            if model.point.level(self.program) < UNBOUNDED_LEVEL {
                 return Status::Unbounded;
             }
             self.evaluator.counts.iterations += 1;
@@ -394,7 +455,7 @@ impl Sqp<'_, '_, '_> {
         solution: &QpSolution,
         stationarity: f64,
     ) -> bool {
-        let tolerance = self.settings.optimality_tolerance.max(NEARLY);
+        let tolerance = self.settings.optimality_tolerance.max(NEARLY_OPTIMAL);
         self.optimality(model, rows, solution, stationarity) <= tolerance
     }
 

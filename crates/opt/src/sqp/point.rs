@@ -99,6 +99,17 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Values at a probe, which has a count of its own.
+    pub(super) fn probe(&mut self, x: &[f64]) -> Point {
+        let counts = self.counts;
+        let point = self.values(x);
+        self.counts = Counts {
+            probes: counts.probes + 1,
+            ..counts
+        };
+        point
+    }
+
     /// Derivatives at a point whose values are known; its values are refreshed.
     pub(super) fn derivatives(&mut self, point: &mut Point) -> Jacobian {
         let mut jacobian = Jacobian::zeros(point.functions.len(), point.x.len());

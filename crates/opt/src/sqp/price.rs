@@ -4,11 +4,11 @@
 
 use super::point::violation;
 use super::qp::{QpSolution, RowKind, Rows};
-use super::{Expansion, LAST_PRICE, Phase, Sqp, subspace};
+use super::{Expansion, MAX_PRICE, Phase, Sqp, subspace};
 use crate::program::Program;
 
 /// A tenfold price must lower the linearised violation at least to this share to be worth it.
-const WORTH: f64 = 0.9;
+const MIN_FEASIBILITY_GAIN: f64 = 0.9;
 
 impl Sqp<'_, '_, '_> {
     /// Linearises and solves the subproblem, raising the price while that lowers the violation.
@@ -26,15 +26,15 @@ impl Sqp<'_, '_, '_> {
         let tolerance = 0.1 * self.settings.constraint_tolerance;
         let mut left = linear_violation(self.program, &rows, &best.step);
         let mut trial_price = price;
-        while left > tolerance && trial_price < LAST_PRICE {
+        while left > tolerance && trial_price < MAX_PRICE {
             trial_price *= 10.0;
             set_price(&mut rows, trial_price);
             let trial = self.subproblem(model, &rows, &best.multipliers);
             let trial_left = linear_violation(self.program, &rows, &trial.step);
-            if trial_left > WORTH * left && trial_price > 1e3 * self.price {
+            if trial_left > MIN_FEASIBILITY_GAIN * left && trial_price > 1e3 * self.price {
                 break;
             }
-            if trial_left <= WORTH * left {
+            if trial_left <= MIN_FEASIBILITY_GAIN * left {
                 (best, left) = (trial, trial_left);
                 self.price = trial_price;
             }

@@ -69,7 +69,7 @@ pub(super) struct QpSolution {
 }
 
 /// Residuals below this times the size of their terms are rounding.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_SHARE: f64 = 1e-12;
 
 impl Qp<'_> {
     fn n(&self) -> usize {
@@ -208,7 +208,7 @@ impl Qp<'_> {
                 for (member, change) in members.iter().zip(&direction) {
                     let change = length * change;
                     u[member.row] += change;
-                    moved |= change.abs() > ROUNDING * u[member.row].abs();
+                    moved |= change.abs() > ROUNDING_SHARE * u[member.row].abs();
                 }
                 if moved {
                     barred.clear();
@@ -330,7 +330,7 @@ impl Qp<'_> {
                 continue;
             };
             if gain > most
-                && gain > ROUNDING * size
+                && gain > ROUNDING_SHARE * size
                 && !barred.contains(&row)
                 && members.iter().all(|m| m.row != row)
             {

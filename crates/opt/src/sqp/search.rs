@@ -14,15 +14,15 @@ use super::qp::{QpSolution, Rows};
 use super::{Expansion, Phase, Sqp, subspace};
 
 /// Share of the promised decrease that a step must deliver.
-const SHARE: f64 = 1e-4;
-/// So many past merits may stand in for the current one.
+const MIN_DECREASE_SHARE: f64 = 1e-4;
+/// Number of past merits that a step may be compared with.
 const MEMORY: usize = 3;
 /// So many steps in a row may promise no more than rounding: they can still improve the multipliers.
 const QUIET: usize = 4;
 /// ‖d̂ − d‖² may be at most this share of ‖d‖².
-const LONGEST_BEND: f64 = 0.5;
+const MAX_BEND_SHARE: f64 = 0.5;
 /// Shortest fraction of a step that is tried.
-const SHORTEST: f64 = 1e-14;
+const MIN_STEP_SHARE: f64 = 1e-14;
 
 pub(super) enum Outcome {
     /// A point with less merit.
@@ -102,7 +102,7 @@ impl Sqp<'_, '_, '_> {
         let reference = self.history.iter().fold(merit, |m, &v| m.max(v));
         let accept = |sqp: &Self, point: &Point, alpha: f64| {
             point.not_finite(sqp.program).is_none()
-                && sqp.merit(point) <= reference - SHARE * alpha * promise + rounding
+                && sqp.merit(point) <= reference - MIN_DECREASE_SHARE * alpha * promise + rounding
         };
         let step = &solution.step;
         let full = self.at(model, step, None, 1.0);
@@ -117,7 +117,7 @@ impl Sqp<'_, '_, '_> {
             }
         }
         let mut alpha = 0.5;
-        while alpha > SHORTEST {
+        while alpha > MIN_STEP_SHARE {
             let point = self.at(model, step, bend.as_deref(), alpha);
             if accept(self, &point, alpha) {
                 return Outcome::Step(point);
@@ -159,6 +159,6 @@ impl Sqp<'_, '_, '_> {
             .map(|(a, b)| (b * b, (a - b) * (a - b)))
             .fold((0.0, 0.0), |s, t| (s.0 + t.0, s.1 + t.1));
         // A correction about as long as the step is no correction: it may even lead back to the start.
-        (corrected.exact && bend <= LONGEST_BEND * d).then_some(corrected.step)
+        (corrected.exact && bend <= MAX_BEND_SHARE * d).then_some(corrected.step)
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Member {
     pub(super) range: (f64, f64),
 }
 
-/// What the working set says.
+/// The solution on the working set.
 pub(super) enum Outcome {
     /// The best multipliers, one per member, and the y and γ that go with them.
     Best {
@@ -41,7 +41,7 @@ pub(super) struct Subspace<'a> {
 }
 
 /// A vector whose part outside the span of the others is below this share of it lies in the span.
-const DEPENDENT: f64 = 1e-11;
+const DEPENDENT_PIVOT: f64 = 1e-11;
 
 impl<'a> Subspace<'a> {
     pub(super) fn new(members: &'a [Member], held: &[Member], u: &[f64], n: usize) -> Self {
@@ -98,7 +98,7 @@ impl<'a> Subspace<'a> {
                 }
             }
             let rest = norm(&v);
-            if !(rest > DEPENDENT * size) {
+            if !(rest > DEPENDENT_PIVOT * size) {
                 return self.dependent(&others[..=column], &r, k, &b_hat);
             }
             r[column * k + column] = rest;

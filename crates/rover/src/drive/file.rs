@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Angle, Soil, SoilParams, catalogue};
+use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue};
 
 use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
 use crate::error::{Error, Result};
@@ -16,6 +16,13 @@ use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 const PLACE: (f64, f64) = (-1e6, 1e6);
 const LENGTH: (f64, f64) = (1e-6, 1e6);
 const ANY: (f64, f64) = (-1e18, 1e18);
+/// The laws of shear that a simulated ground may obey.
+const SHEAR_LAWS: [ShearLaw; 4] = [
+    ShearLaw::Coupled,
+    ShearLaw::SlipVelocity,
+    ShearLaw::Independent,
+    ShearLaw::TowedWongReece,
+];
 /// A slip to run at.
 const SLIP: (f64, f64) = (0.01, 0.95);
 
@@ -255,6 +262,7 @@ fn read_ground(
         regions,
         packing,
         rocks: (density > 0.0).then_some(Rocks { density, size }),
+        world_laws: root.optional_choice("world_laws", &SHEAR_LAWS.map(|law| (law.key(), law)))?,
     })
 }
 

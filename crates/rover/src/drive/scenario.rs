@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use grouser_slip::control::ControlSettings;
-use grouser_terra::Soil;
+use grouser_terra::{ShearLaw, Soil, SoilParams};
 
 use crate::error::{Error, Result};
 use crate::ground::{Ground, HeightFile, HeightMap, Packing, Place, Rocks, Shape, read_heights};
@@ -75,6 +75,9 @@ pub struct GroundSpec {
     pub packing: Packing,
     /// Rocks, if any.
     pub rocks: Option<Rocks>,
+    /// The law of shear that the simulated ground obeys, where it is another one than that of the soils, by which the
+    /// robot's computer estimates.
+    pub world_laws: Option<ShearLaw>,
 }
 
 /// A scenario.
@@ -132,8 +135,8 @@ impl GroundSpec {
             }
             GroundShape::File(file) => read_heights(file)?,
         };
-        let soils = self.soils.iter().map(|spec| spec.soil).collect();
-        let mut ground = Ground::new(map, soils)?;
+        let soils: Result<Vec<Soil>> = self.soils.iter().map(|spec| self.in_world(spec)).collect();
+        let mut ground = Ground::new(map, soils?)?;
         let mut noise = crate::ground::Noise::new(seed, 50);
         for region in &self.regions {
             let mut move_by = || region.wander * (2.0 * noise.uniform() - 1.0);
@@ -142,6 +145,25 @@ impl GroundSpec {
         }
         ground.pack(self.packing, seed)?;
         Ok(ground)
+    }
+}
+
+impl GroundSpec {
+    /// A soil as the simulated ground obeys it.
+    fn in_world(&self, spec: &SoilSpec) -> Result<Soil> {
+        let Some(law) = self.world_laws else {
+            return Ok(spec.soil);
+        };
+        let mut laws = spec.soil.params().laws;
+        laws.shear = Some(law);
+        Soil::new(SoilParams {
+            laws,
+            ..*spec.soil.params()
+        })
+        .map_err(|source| Error::Law {
+            of: format!("soil \"{}\"", spec.name),
+            source,
+        })
     }
 }
 

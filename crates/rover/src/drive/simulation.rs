@@ -74,7 +74,8 @@ impl Simulation {
         )?;
         let model = vehicle.model();
         let loads = wheel_loads(model, 0.0, 0.0).loads;
-        let known = (loads.as_slice(), &ground.soils()[0], scenario.start.2);
+        let soil = &scenario.ground.soils[0].soil;
+        let known = (loads.as_slice(), soil, scenario.start.2);
         let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
         let on_board = on_board(model, known, &scenario.sensors, control)?;
         let count = model.wheels.len();

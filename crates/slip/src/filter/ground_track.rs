@@ -17,8 +17,6 @@ use crate::speed::Measured;
 
 /// The models are predicted this often, s: rims and slips change slowly against it.
 const STEP_S: f64 = 0.005;
-/// Rim speed ties speed and slip this often, s: once a window of the wheels.
-const TIE_PERIOD_S: f64 = 0.05;
 /// Positions are used at most this often, s: errors of faster ones are correlated.
 const POSITION_PERIOD_S: f64 = 0.1;
 /// A wheel counts while its rim speed is within this share, or this many sigma, of the median.
@@ -84,7 +82,6 @@ pub(super) struct GroundTrack {
     models: MultipleModel,
     history: History<3>,
     stepped_ns: Option<i64>,
-    tied_ns: Option<i64>,
     /// Travel of each rim at the last step, m.
     travels: [f64; MAX_FILTER_WHEELS],
     direction: f64,
@@ -116,7 +113,6 @@ impl GroundTrack {
             models: MultipleModel::new([settings.slip.mean, settings.slip.sigma]),
             history: History::new(HISTORY_ENTRIES, nanoseconds(MAX_DELAY_S + 0.5)),
             stepped_ns: None,
-            tied_ns: None,
             travels: [0.0; MAX_FILTER_WHEELS],
             direction: 0.0,
             rim_speed: 0.0,
@@ -144,7 +140,6 @@ impl GroundTrack {
         self.models.restart();
         self.history.clear();
         self.stepped_ns = None;
-        self.tied_ns = None;
         self.accel_ns = None;
         self.used_ns = None;
         self.received_ns = None;
@@ -226,12 +221,6 @@ impl GroundTrack {
         };
         self.direction = rims.direction;
         self.rim_speed = rims.speed;
-        let ties = self
-            .tied_ns
-            .is_none_or(|tied| seconds_between(tied, now_ns) >= TIE_PERIOD_S);
-        if ties {
-            self.tied_ns = Some(now_ns);
-        }
         let density = self.accel_density(settings);
         let (sin, cos) = Real::sin_cos(rims.direction);
         self.models.advance(&WheelStep {
@@ -243,8 +232,8 @@ impl GroundTrack {
                 .force
                 .map(|last| (cos * last.force[0] + sin * last.force[1], density)),
             rim_speed: rims.speed,
-            rim_variance: rims.variance,
-            ties,
+            // windows overlap from step to step: their errors are the same
+            rim_variance: rims.variance * (settings.wheel_window / dt).max(1.0),
         });
         self.history.push(now_ns, self.models.totals());
     }

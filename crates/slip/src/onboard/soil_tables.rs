@@ -30,7 +30,7 @@ pub type TorqueTable = [f64; TORQUE_POINTS];
 /// microcontroller takes ready-made ones: every field is plain numbers.
 #[derive(Clone, Debug, Default)]
 pub struct SoilTables {
-    /// Mean skid of the free wheels; `None`: the filter's default.
+    /// Mean skid of the free wheels, over laws and soil; `None`: the filter's default.
     pub free_slip: Option<SlipPrior>,
     /// The slip that holds a slope.
     pub slip_demand: Option<SlipDemand>,
@@ -65,7 +65,7 @@ impl SoilTables {
             let load = setup.load.max(MIN_LOAD_N);
             if wheel.role == WheelRole::Free {
                 let bearing = setup.bearing_torque;
-                let skid = FreeWheelSkid::new(rigid, soil, bearing, (load, load), doubt)
+                let skid = FreeWheelSkid::over_laws(rigid, soil, bearing, (load, load), doubt)
                     .map_err(of(&wheel.name))?;
                 skids.extend(skid.at(load));
             }

@@ -1,7 +1,7 @@
 //! The skid of a free wheel on soft ground, over its load.
 
 use grouser_real::Real;
-use grouser_terra::{Error, Result, RigidWheel, Settings, Soil, WheelOnSoil};
+use grouser_terra::{Error, Result, RigidWheel, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
 
 use super::doubt::SoilDoubt;
 use super::table::Table;
@@ -9,6 +9,13 @@ use crate::filter::SlipPrior;
 
 /// Points of the table.
 const POINTS: u32 = 9;
+
+/// The published laws of shear between which no measurement of a free wheel has decided.
+const LAWS: [ShearLaw; 3] = [
+    ShearLaw::Coupled,
+    ShearLaw::SlipVelocity,
+    ShearLaw::TowedWongReece,
+];
 
 /// The slip s_f < 0 at which the soil turns a free wheel against its bearing: torque + bearing torque = 0.
 ///
@@ -75,9 +82,72 @@ impl FreeWheelSkid {
         })
     }
 
+    /// The table over the published laws of shear as well as over the soil: the skid depends on the law more than on the soil
+    /// (MODEL.md 7: −.03 to −.13 for one wheel), and no measurement has decided between them.
+    ///
+    /// The mean is that of the laws, each taken for as likely as the others; its variance is the mean of theirs and the spread
+    /// between them. Laws under which the soil does not turn the wheel are left out.
+    ///
+    /// ```
+    /// use grouser_slip::prior::{FreeWheelSkid, SoilDoubt};
+    /// use grouser_terra::{RigidWheel, catalogue};
+    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let wheel = RigidWheel::new(0.05, 0.03)?;
+    /// let skid = FreeWheelSkid::over_laws(wheel, &sand, 0.0, (4.0, 6.0), SoilDoubt::default())?;
+    /// let skid = skid.at(5.0).expect("in the table");
+    /// for of_a_law in [-0.027, -0.095] {
+    ///     assert!((skid.mean - of_a_law).abs() < 2.0 * skid.sigma);
+    /// }
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`FreeWheelSkid::new`], if no law has a skid.
+    pub fn over_laws(
+        wheel: RigidWheel,
+        soil: &Soil,
+        bearing_torque: f64,
+        loads: (f64, f64),
+        doubt: SoilDoubt,
+    ) -> Result<Self> {
+        let own = Self::new(wheel, soil, bearing_torque, loads, doubt)?;
+        let tables = LAWS.map(|law| {
+            let mut laws = soil.params().laws;
+            laws.shear = Some(law);
+            let soil = Soil::new(SoilParams {
+                laws,
+                ..*soil.params()
+            });
+            Self::new(wheel, &soil.ok()?, bearing_torque, loads, doubt).ok()
+        });
+        let places = own.table.points().iter().map(|(place, prior)| {
+            let known = tables.iter().flatten();
+            let known = known.filter_map(|table| table.table.at(*place));
+            (*place, Some(mixture(known).unwrap_or(*prior)))
+        });
+        Ok(Self {
+            table: Table::new(places),
+        })
+    }
+
     /// The skid under `load` (N); `None` outside the table, or where the soil does not turn the wheel.
     #[must_use]
     pub fn at(&self, load: f64) -> Option<SlipPrior> {
         self.table.at(Real::sqrt(load))
     }
+}
+
+/// Mean and standard deviation of several priors, one as likely as the other; `None` of none.
+fn mixture(priors: impl Iterator<Item = SlipPrior> + Clone) -> Option<SlipPrior> {
+    let count = priors.clone().count() as f64;
+    let average = |of: &dyn Fn(SlipPrior) -> f64| priors.clone().map(of).sum::<f64>() / count;
+    let mean = average(&|prior| prior.mean);
+    let variance = average(&|prior| {
+        let off = prior.mean - mean;
+        prior.sigma * prior.sigma + off * off
+    });
+    (count > 0.0).then(|| SlipPrior {
+        mean,
+        sigma: Real::sqrt(variance),
+    })
 }

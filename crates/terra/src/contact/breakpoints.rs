@@ -15,7 +15,7 @@ pub(crate) enum Detail {
 
 impl Detail {
     /// Multiples of K of displacement at which a panel ends. Between two of them 1 − e^(−|j|/K) is tame;
-    /// after the last it is 1 to within what is asked.
+    /// after the last it is 1 within the accuracy.
     const fn levels(self) -> &'static [f64] {
         match self {
             Self::Standard => &[2.0, 6.0, 13.0, 26.0],
@@ -167,7 +167,7 @@ impl<R: Scalar> ShearState<R> {
 
     /// Does the stress turn too sharply along the contact for a fixed rule? With |q_y| small against some
     /// of 1 − q cos θ and not against all of it, the direction swings within a part of the arc that no
-    /// level of displacement tells.
+    /// level of displacement shows.
     pub(crate) fn swings(&self, arc: R) -> bool {
         if !self.sideways || self.locked || self.law == ShearLaw::Independent {
             return false;

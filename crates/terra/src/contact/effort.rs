@@ -25,17 +25,20 @@ fn table() -> String {
             .and_then(|soil| soil.with_rebound(number(4)))
             .expect("complete");
         let wheel = RigidWheel::new(number(2), number(3)).expect("a wheel");
-        let pair = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a pair");
+        let wheel_on_soil =
+            WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
         let slip = Slip::new(number(5)).expect("a slip");
         let motion = Kinematics::straight(slip);
         let given = if cells[0] == "sinkage" { 7 } else { 6 };
         let effort = if given == 7 {
-            let general = pair.sinkage_under(number(7), &motion).expect("a search");
+            let general = wheel_on_soil
+                .sinkage_under(number(7), &motion)
+                .expect("a search");
             std::format!("{}", general.evaluations)
         } else {
             let theta_1 = super::entry_angle(number(6), number(2));
-            let contact = pair.contact(theta_1, &motion);
-            let (_, nodes) = contact.forces_by(pair.tables(), pair.order());
+            let contact = wheel_on_soil.contact(theta_1, &motion);
+            let (_, nodes) = contact.forces_by(wheel_on_soil.tables(), wheel_on_soil.order());
             std::format!("{nodes}")
         };
         let names = [

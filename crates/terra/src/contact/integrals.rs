@@ -30,11 +30,11 @@ pub(crate) struct Integrals<R> {
 pub(crate) enum Order {
     /// The coarsest rule that is good to 1e-9 of the forces.
     Standard,
-    /// The next finer rule, to tell the error of `Standard`.
+    /// The next finer rule, to estimate the error of `Standard`.
     Check,
     /// To rounding.
     Reference,
-    /// Finer still, to tell the error of `Reference`.
+    /// Finer still, to estimate the error of `Reference`.
     Beyond,
 }
 
@@ -78,7 +78,7 @@ impl<R: Scalar> Contact<R> {
             self.shear.stiffness(arc)
         };
         let step = Step::for_stiffness(stiffness, self.angles.theta_1.value())?;
-        // A stress whose direction turns along the contact is less smooth than its growth tells.
+        // A stress whose direction turns along the contact is less smooth than its growth suggests.
         let step = if self.shear.sideways {
             step.finer()?
         } else {

@@ -13,7 +13,7 @@ use crate::quadrature::{
 pub(crate) const LIMITS: [f64; 5] = [1.2, 4.5, 16.0, 40.0, 90.0];
 
 /// Entry angle (rad) up to which the first step is good; beyond it the sines ask for the second.
-const SHALLOW: f64 = 1.048;
+const SHALLOW_ENTRY_RAD: f64 = 1.048;
 
 /// A step of the ladder of smooth rules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,7 +25,7 @@ impl Step {
 
     /// The least step that serves; `None` where no fixed rule does.
     pub(crate) fn for_stiffness(stiffness: f64, theta_1: f64) -> Option<Self> {
-        let least = usize::from(theta_1 > SHALLOW);
+        let least = usize::from(theta_1 > SHALLOW_ENTRY_RAD);
         // counted without a branch: in a batch the answer is as good as random
         let step = LIMITS
             .iter()
@@ -50,7 +50,7 @@ impl Step {
     }
 }
 
-/// The terms of the polynomial that stands for ratioⁿ.
+/// The terms of the polynomial that approximates ratioⁿ.
 pub(crate) const POWER_TERMS: usize = 13;
 
 /// What one sinkage exponent prepares: Gauss-Jacobi rules and the power of the lean kernel.

@@ -7,7 +7,7 @@
 //!
 //! σ is A (L sin θ_1)ⁿ tⁿ ratioⁿ with ratio = (cos(θ_1 − u) − cos θ_1)/(u sin θ_1) in [½, 1]: its power is a
 //! polynomial of the soil. The cohesion rule is symmetric about the middle of the arc: two nodes share one
-//! sine and cosine. sin θ − θ and cos θ − 1 + θ²/2 are what the polynomials stand for, so that differences
+//! sine and cosine. sin θ − θ and cos θ − 1 + θ²/2 are what the polynomials approximate, so that differences
 //! of sines and cosines keep their digits at small angles.
 
 use grouser_real::Real;
@@ -34,15 +34,15 @@ const COSINE: [f64; 4] = [
 
 /// Least share of the front in θ_1, per exponent n: (cos θ − cos θ_1)/front, to the power n, is as exact as the short
 /// cosine's error, 3e-11 at 60°, over the front: n · 6e-11/(0.07 n · 1.05 · sin 60°) = 1e-9.
-pub(crate) const NARROW: f64 = 0.07;
+pub(crate) const NARROW_FRONT_SHARE: f64 = 0.07;
 
 /// Greatest half arc that the rules of the ladder were tried on, rad.
-pub(crate) const HALF_ARC: f64 = 0.85;
+pub(crate) const MAX_HALF_ARC_RAD: f64 = 0.85;
 
 /// Least sinkage over radius: below it j loses digits by cancellation when slip is near 0.
-pub(crate) const LEAST_SINKAGE: f64 = 4.5e-4;
+pub(crate) const MIN_SINKAGE_PER_RADIUS: f64 = 4.5e-4;
 /// Greatest sinkage over radius: θ_1 = 60°.
-pub(crate) const GREATEST_SINKAGE: f64 = 0.5;
+pub(crate) const MAX_SINKAGE_PER_RADIUS: f64 = 0.5;
 
 /// A number whose power of two may be short.
 pub(crate) trait Short: Real {
@@ -191,7 +191,7 @@ impl<R: Short> LeanContact<R> {
                 &mut sums,
             );
         }
-        // every rule of Legendre's in use has an even number of nodes: its upper half tells them all
+        // every rule of Legendre's in use has an even number of nodes: its upper half determines them all
         let half = rules.1.nodes.len() / 2;
         for (&x, &weight) in rules.1.nodes[half..].iter().zip(&rules.1.weights[half..]) {
             frame.cohesion(R::from_f64(x - 0.5), R::from_f64(weight), &mut sums);

@@ -11,6 +11,10 @@ pub enum StressPosition {
     /// The slip in the wheel's plane, signed. The default.
     #[default]
     InPlane,
+    /// |s| of the slip in the wheel's plane: the same place driving and braking.
+    ///
+    /// Source: unverified. Published models of braking wheels use the magnitude; no equation was seen.
+    Magnitude,
     /// hypot(s_x⁺, s_t⁺), what the wheel drives and what it ploughs along its way together: both move the
     /// greatest stress forwards ([`SlipVelocity`](crate::SlipVelocity)). Straight ahead |s|.
     ///
@@ -26,6 +30,7 @@ impl StressPosition {
     pub const fn key(self) -> &'static str {
         match self {
             Self::InPlane => "in-plane",
+            Self::Magnitude => "magnitude",
             Self::Whole => "whole",
         }
     }
@@ -34,6 +39,7 @@ impl StressPosition {
     pub(crate) fn slip_of<R: Scalar>(self, motion: &Motion<R>) -> R {
         match self {
             Self::InPlane => motion.slip,
+            Self::Magnitude => motion.slip.abs(),
             Self::Whole => motion.slip_velocity().working(),
         }
     }

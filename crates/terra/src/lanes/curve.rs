@@ -1,7 +1,7 @@
 //! A slip curve of one wheel under one load: most points begin where their neighbours say.
 //!
 //! Eight slips, Chebyshev's of the curve's range, are solved from nothing. What their searches ended with
-//! is smooth in slip: interpolated, it tells every other point its sinkage to 1e-6 and better, and one evaluation
+//! is smooth in slip. Interpolated, it gives the sinkage of every other point to 1e-6 and better, and one evaluation
 //! of the fine rule ends the search. The residual of every point is looked at; where the curve is less
 //! smooth, the fine rule goes on.
 
@@ -14,11 +14,11 @@ use super::plan::{CHUNK, Chunk};
 use super::vector::Vector;
 
 /// Slips that are solved from nothing: one group.
-const NODES: usize = 8;
+const CURVE_NODES: usize = 8;
 /// Least number of points for which this is worth while.
-const LEAST: usize = if CHUNK < 24 { CHUNK } else { 24 };
+const MIN_CURVE_POINTS: usize = if CHUNK < 24 { CHUNK } else { 24 };
 /// How far the interpolated slopes are trusted: a residual of ln W below 2e-6 is gone straight.
-pub(super) const TRUST: f64 = 1e-4;
+pub(super) const SLOPE_TRUST: f64 = 1e-4;
 
 /// cos(π i/16) for i from 0 to 8.
 const COSINES: [f64; 9] = [
@@ -42,14 +42,14 @@ const fn cosine(i: usize) -> f64 {
 
 /// What the value at the k-th node gives to the j-th coefficient, by the discrete orthogonality of the
 /// cosines.
-const TRANSFORM: [[f64; NODES]; NODES] = {
-    let mut rows = [[0.0; NODES]; NODES];
+const TRANSFORM: [[f64; CURVE_NODES]; CURVE_NODES] = {
+    let mut rows = [[0.0; CURVE_NODES]; CURVE_NODES];
     let mut k = 0;
-    while k < NODES {
+    while k < CURVE_NODES {
         let mut j = 0;
-        while j < NODES {
+        while j < CURVE_NODES {
             let share = if j == 0 { 1.0 } else { 2.0 };
-            rows[k][j] = share / NODES as f64 * cosine(j * (2 * k + 1));
+            rows[k][j] = share / CURVE_NODES as f64 * cosine(j * (2 * k + 1));
             j += 1;
         }
         k += 1;
@@ -59,14 +59,14 @@ const TRANSFORM: [[f64; NODES]; NODES] = {
 
 /// Four smooth functions of slip as sums of Chebyshev polynomials.
 pub(super) struct Smooth {
-    coefficients: [[f64; NODES]; 4],
+    coefficients: [[f64; CURVE_NODES]; 4],
     middle: f64,
     per_half: f64,
 }
 
 impl Smooth {
     fn new(values: [&[f64]; 4], (low, high): (f64, f64)) -> Self {
-        let mut coefficients = [[0.0; NODES]; 4];
+        let mut coefficients = [[0.0; CURVE_NODES]; 4];
         for (sums, values) in coefficients.iter_mut().zip(values) {
             for (value, row) in values.iter().zip(&TRANSFORM) {
                 for (sum, share) in sums.iter_mut().zip(row) {
@@ -92,26 +92,26 @@ impl Smooth {
         let (low, high) = good.fold((1.0, 0.0), |(low, high): (f64, f64), &slip| {
             (low.min(slip), high.max(slip))
         });
-        if inputs.len() < LEAST || !(high - low > 1e-3) {
+        if inputs.len() < MIN_CURVE_POINTS || !(high - low > 1e-3) {
             return None;
         }
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let slip: [f64; NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
+        let slip: [f64; CURVE_NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
         let [
             mut sinkage,
             mut vertical_force,
             mut drawbar_pull,
             mut torque,
-        ] = [[0.0; NODES]; 4];
-        let mut status = [SolveStatus::NotConverged; NODES];
+        ] = [[0.0; CURVE_NODES]; 4];
+        let mut status = [SolveStatus::NotConverged; CURVE_NODES];
         let mut nodes = Chunk {
             prepared: chunk.prepared,
             inputs: Inputs {
-                radius: &inputs.radius[..NODES],
-                width: &inputs.width[..NODES],
-                rebound: &inputs.rebound[..NODES],
+                radius: &inputs.radius[..CURVE_NODES],
+                width: &inputs.width[..CURVE_NODES],
+                rebound: &inputs.rebound[..CURVE_NODES],
                 slip: &slip,
-                given: &inputs.given[..NODES],
+                given: &inputs.given[..CURVE_NODES],
             },
             plan: &mut *chunk.plan,
             out: BatchColumns {
@@ -123,7 +123,7 @@ impl Smooth {
             },
         };
         level.load(&mut nodes, sheet, Start::Keeping);
-        (status == [SolveStatus::Solved; NODES]).then(|| {
+        (status == [SolveStatus::Solved; CURVE_NODES]).then(|| {
             let values = sheet.kept.each_ref().map(|column| &column.0[..]);
             Self::new(values, (low, high))
         })
@@ -154,8 +154,8 @@ mod tests {
     #[test]
     fn smooth_functions_come_back() {
         let (low, high) = (0.1, 0.7);
-        let slip: [f64; NODES] = core::array::from_fn(|k| {
-            0.4 + 0.3 * (core::f64::consts::PI * (k as f64 + 0.5) / NODES as f64).cos()
+        let slip: [f64; CURVE_NODES] = core::array::from_fn(|k| {
+            0.4 + 0.3 * (core::f64::consts::PI * (k as f64 + 0.5) / CURVE_NODES as f64).cos()
         });
         let values = slip.map(|s| (3.0 * s).exp());
         let smooth = Smooth::new([&values, &slip, &values, &values], (low, high));

@@ -1,12 +1,15 @@
 //! Forces of a chunk at given sinkages.
 
 use crate::contact::lean::estrin;
-use crate::contact::lean::{GREATEST_SINKAGE, HALF_ARC, LEAST_SINKAGE, LeanContact, NARROW};
+use crate::contact::lean::{
+    LeanContact, MAX_HALF_ARC_RAD, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS,
+    NARROW_FRONT_SHARE,
+};
 
 use crate::status::SolveStatus;
 
 use super::columns::Inputs;
-use super::plan::{Chunk, Plan, Prepared, SINGLE, step_of, within};
+use super::plan::{Chunk, Plan, Prepared, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -110,7 +113,7 @@ struct Placed<V> {
     stress: V,
     /// r b c (θ_1 − θ_2)
     hold: V,
-    /// The step of the ladder, or [`SINGLE`].
+    /// The step of the ladder, or [`SINGLE_STEP`].
     step: V,
 }
 
@@ -126,10 +129,10 @@ impl<V: Vector> Placed<V> {
             & within(width, 1e-3, 100.0)
             & within(rebound, 0.0, 100.0)
             & within(slip, 0.0, 1.0)
-            & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
-            & within(rise, 0.0, GREATEST_SINKAGE)
+            & within(z_over_r, MIN_SINKAGE_PER_RADIUS, MAX_SINKAGE_PER_RADIUS)
+            & within(rise, 0.0, MAX_SINKAGE_PER_RADIUS)
             & V::ZERO.lt(modulus)
-            & position.lt(c(1.0 - NARROW * prepared.n));
+            & position.lt(c(1.0 - NARROW_FRONT_SHARE * prepared.n));
 
         let theta_1 = angle(z_over_r);
         let behind = if V::any(V::ZERO.lt(rise)) {
@@ -142,7 +145,7 @@ impl<V: Vector> Placed<V> {
         let fastest = V::ONE - q * (V::ONE - z_over_r.max(rise));
         let r_over_k = radius * c(prepared.per_k_shear);
         let stiffness = r_over_k * c(core::f64::consts::LN_2) * arc * fastest;
-        let sound = sound & arc.le(c(2.0 * HALF_ARC));
+        let sound = sound & arc.le(c(2.0 * MAX_HALF_ARC_RAD));
 
         let theta_m = position.clamp(V::ZERO, V::ONE) * theta_1;
         let front = theta_1 - theta_m;
@@ -161,7 +164,7 @@ impl<V: Vector> Placed<V> {
             },
             stress: area * modulus * power * front,
             hold: area * c(prepared.cohesion) * arc,
-            step: V::select(sound, step_of(stiffness), c(SINGLE)),
+            step: V::select(sound, step_of(stiffness), c(SINGLE_STEP)),
         }
     }
 }

@@ -12,15 +12,16 @@ use grouser_real::Real;
 
 use crate::contact::ladder::Step;
 use crate::contact::lean::{
-    GREATEST_SINKAGE, LEAST_SINKAGE, LeanContact, NARROW, Three, horner, versine,
+    LeanContact, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS, NARROW_FRONT_SHARE, Three, horner,
+    versine,
 };
 use crate::quadrature::RuleView;
 
 use crate::status::SolveStatus;
 
 use super::columns::{BatchColumns, Inputs};
-use super::curve::{Smooth, TRUST};
-use super::plan::{Chunk, Group, Plan, Prepared, SINGLE, step_of, within};
+use super::curve::{SLOPE_TRUST, Smooth};
+use super::plan::{Chunk, Group, Plan, Prepared, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -36,16 +37,16 @@ const LN_SINC: [f64; 7] = [
 ];
 
 /// ln θ_1 at the least and the greatest sinkage of the lanes.
-const LOW: f64 = -3.507;
-const HIGH: f64 = 0.0461;
+const MIN_LN_THETA_1: f64 = -3.507;
+const MAX_LN_THETA_1: f64 = 0.0461;
 
 /// Where a lane may end: residual ln(W/load) times the last step in ln θ_1. The slopes were found over that
 /// step, on which they change by no more than its own length, so this bounds the error of going straight.
-const STRAIGHT: f64 = 2e-10;
+const STRAIGHT_RESIDUAL: f64 = 2e-10;
 /// Most further passes of the fine rule.
-const MORE: usize = 6;
+const MAX_FINE_PASSES: usize = 6;
 
-/// What does not depend on sinkage, and where the search stands.
+/// What does not depend on sinkage, and the state of the search.
 pub(super) struct LoadSheet {
     points: [Column; 6],
     x: Column,
@@ -141,7 +142,9 @@ impl<V: Vector> Base<V> {
                 scale: c(prepared.n + 1.0).mul_add(ahead.ln(), self.bare),
                 hold: self.hold,
             },
-            sound: self.sound & within(slip, 0.0, 1.0) & position.lt(c(1.0 - NARROW * prepared.n)),
+            sound: self.sound
+                & within(slip, 0.0, 1.0)
+                & position.lt(c(1.0 - NARROW_FRONT_SHARE * prepared.n)),
             x: self.x,
         }
     }
@@ -229,7 +232,7 @@ fn secant<V: Vector>(dx: V, dy: V, before: V) -> V {
 
 #[inline(always)]
 fn held<V: Vector>(x: V) -> V {
-    x.clamp(V::from_f64(LOW), V::from_f64(HIGH))
+    x.clamp(V::from_f64(MIN_LN_THETA_1), V::from_f64(MAX_LN_THETA_1))
 }
 
 /// Where the searches of a chunk begin.
@@ -365,7 +368,7 @@ fn interpolate<V: Vector>(
         sheet.first[3].store(at, sheet.x.gather::<V>(places));
         sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
         sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
-        sheet.slopes[2].store(at, V::from_f64(TRUST));
+        sheet.slopes[2].store(at, V::from_f64(SLOPE_TRUST));
     }
 }
 
@@ -407,7 +410,7 @@ fn keep<V: Vector>((sheet, plan): (&mut LoadSheet, &mut Plan), begun: &Begun<V>,
     for (column, x) in sheet.points.iter_mut().zip(kept) {
         column.store(at, x);
     }
-    V::from_f64(SINGLE).store(&mut plan.steps, at);
+    V::from_f64(SINGLE_STEP).store(&mut plan.steps, at);
 }
 
 /// The step of eight points, from a sinkage that is known to 1e-3.
@@ -421,8 +424,12 @@ fn choose<V: Vector>(sheet: &LoadSheet, plan: &mut Plan, at: usize) {
     let deepest = versine(theta_1);
     let stiffness = stiffness(theta_1, deepest, q.load(at), r_over_k.load(at));
     let good = V::ZERO.lt(sound.load::<V>(at))
-        & within(deepest, 1.05 * LEAST_SINKAGE, 0.99 * GREATEST_SINKAGE);
-    let step = V::select(good, step_of(stiffness), c(SINGLE));
+        & within(
+            deepest,
+            1.05 * MIN_SINKAGE_PER_RADIUS,
+            0.99 * MAX_SINKAGE_PER_RADIUS,
+        );
+    let step = V::select(good, step_of(stiffness), c(SINGLE_STEP));
     step.store(&mut plan.steps, at);
 }
 
@@ -451,8 +458,8 @@ fn finish<V: Vector>(
     let mut slopes: [V; 2] = [sheet.slopes[0].load(at), sheet.slopes[1].load(at)];
     let mut step: V = sheet.slopes[2].load(at);
     let mut found = loaded.found(prepared, rules, x);
-    for _ in 0..MORE {
-        let open = !((found.off * step).abs().le(c(STRAIGHT)));
+    for _ in 0..MAX_FINE_PASSES {
+        let open = !((found.off * step).abs().le(c(STRAIGHT_RESIDUAL)));
         if !V::any(open) {
             break;
         }
@@ -490,9 +497,9 @@ fn finish<V: Vector>(
     let z_over_r = versine(theta_1);
     let stiffness = stiffness(theta_1, z_over_r, loaded.q, loaded.r_over_k);
     let served = step_of(stiffness).le(step_number(group.step));
-    let fits = (found.off * step).abs().le(c(STRAIGHT))
+    let fits = (found.off * step).abs().le(c(STRAIGHT_RESIDUAL))
         & found.off.abs().le(c(1e-4))
-        & within(z_over_r, LEAST_SINKAGE, GREATEST_SINKAGE)
+        & within(z_over_r, MIN_SINKAGE_PER_RADIUS, MAX_SINKAGE_PER_RADIUS)
         & served;
     let fits = V::select(fits, V::ONE, V::ZERO).to_array();
     let pull = slopes[0].mul_add(dx, found.pull).to_array();

@@ -15,7 +15,7 @@ pub(super) const CHUNK: usize = if cfg!(feature = "std") { 192 } else { 64 };
 pub(super) const ROOM: usize = CHUNK + 8 * Step::COUNT;
 
 /// The step of a point that runs by itself.
-pub(super) const SINGLE: f64 = 5.0;
+pub(super) const SINGLE_STEP: f64 = 5.0;
 const _: () = assert!(
     LIMITS.len() == 5 && Step::COUNT == 5 && ROOM <= 1 << 16,
     "counts fit their types"
@@ -69,7 +69,7 @@ impl Prepared {
     }
 }
 
-/// The step (as a number) that the shear r·arc·max|1 − q cos θ|/K asks for; the same limits as
+/// The step (as a number) that the shear r·arc·max|1 − q cos θ|/K requires; the same limits as
 /// [`Step::for_stiffness`].
 #[inline(always)]
 pub(super) fn step_of<V: Vector>(stiffness: V) -> V {
@@ -89,7 +89,7 @@ pub(super) fn within<V: Vector>(x: V, low: f64, high: f64) -> V::Mask {
 
 /// The points of a chunk sorted by the step of the ladder that they need.
 pub(super) struct Plan {
-    /// The step of each point; [`SINGLE`] for one that runs by itself.
+    /// The step of each point; [`SINGLE_STEP`] for one that runs by itself.
     pub(super) steps: [f64; ROOM],
     /// Places by step, each step's from a whole group on, its last group filled up with its last place.
     order: [u16; ROOM],
@@ -108,7 +108,7 @@ pub(super) struct Chunk<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<'a> {
     pub(super) step: Step,
-    /// Where they stand in the order of the plan.
+    /// Their place in the order of the plan.
     pub(super) at: usize,
     pub(super) places: &'a [u16; 8],
     pub(super) count: usize,
@@ -117,7 +117,7 @@ pub(super) struct Group<'a> {
 impl Plan {
     pub(super) const fn new() -> Self {
         Self {
-            steps: [SINGLE; ROOM],
+            steps: [SINGLE_STEP; ROOM],
             order: [0; ROOM],
             ranges: [(0, 0); Step::COUNT],
         }
@@ -163,7 +163,7 @@ impl Plan {
     }
 
     pub(super) fn is_single(&self, i: usize) -> bool {
-        self.steps[i] >= SINGLE
+        self.steps[i] >= SINGLE_STEP
     }
 
     /// All groups.

@@ -10,9 +10,9 @@ pub(super) trait Vector: Short {
     fn from_array(array: [f64; 8]) -> Self;
     /// To eight numbers.
     fn to_array(self) -> [f64; 8];
-    /// 2ᵏ, where the number is [`ROUNDER`] + k with a whole k in [−1022, 1023].
+    /// 2ᵏ, where the number is [`TO_WHOLE`] + k with a whole k in [−1022, 1023].
     fn power_of_two(self) -> Self;
-    /// x 2ᵏ, where the other number is [`ROUNDER`] + k and the result a normal number.
+    /// x 2ᵏ, where the other number is [`TO_WHOLE`] + k and the result a normal number.
     fn times_power_of_two(self, shifted: Self) -> Self;
     /// k and m of x = 2ᵏ m, m in [1, 2), for a positive normal x.
     fn exponent_and_mantissa(self) -> (Self, Self);
@@ -41,8 +41,8 @@ pub(super) trait Vector: Short {
     }
 }
 
-/// 1.5 · 2⁵²: adding it rounds to a whole number that then stands in the low bits.
-pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
+/// 1.5 · 2⁵²: adding it rounds to a whole number in the low bits.
+pub(super) const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts, the first with trailing zeros so that a small multiple of it is exact.
 const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
@@ -81,8 +81,8 @@ pub(super) fn exp<V: Vector>(x: V) -> V {
     let (low, high) = (c(-708.0), c(709.0));
     let shifted = x
         .clamp(low, high)
-        .mul_add(c(core::f64::consts::LOG2_E), c(ROUNDER));
-    let whole = shifted - c(ROUNDER);
+        .mul_add(c(core::f64::consts::LOG2_E), c(TO_WHOLE));
+    let whole = shifted - c(TO_WHOLE);
     let r = whole.mul_add(c(-LN_2_HIGH), x);
     let r = whole.mul_add(c(-LN_2_LOW), r);
     let y = horner(r, &EXP) * shifted.power_of_two();
@@ -94,8 +94,8 @@ pub(super) fn exp<V: Vector>(x: V) -> V {
 #[inline(always)]
 pub(super) fn exp2_short<V: Vector>(x: V) -> V {
     let c = V::from_f64;
-    let shifted = x + c(ROUNDER);
-    let part = x - (shifted - c(ROUNDER));
+    let shifted = x + c(TO_WHOLE);
+    let part = x - (shifted - c(TO_WHOLE));
     horner(part, &EXP2_SHORT)
         .mul_add(part, V::ONE)
         .times_power_of_two(shifted)

@@ -19,7 +19,7 @@ pub enum ShearLaw {
     /// 3d-terramechanics code of Carnegie Mellon's Robomechanics Lab has it.
     SlipVelocity,
     /// τ_x from j with K and τ_y from j_y with K_side, each on its own. The sum may exceed the soil's
-    /// strength by √2, which a caution says. Source: Ishigami et al., J. Field Robotics 24 (2007)
+    /// strength by √2, which a caution reports. Source: Ishigami et al., J. Field Robotics 24 (2007)
     /// \[Ishigami07\].
     Independent,
     /// A towed wheel whose displacement starts anew at the transition angle

@@ -13,14 +13,14 @@ fn a_free_wheel_skids() {
     ] {
         let soil = catalogue::find(soil).unwrap().soil().unwrap();
         let wheel = RigidWheel::new(radius, width).unwrap();
-        let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
-        let slip = pair.free_slip(load, 0.0).unwrap().unwrap().value();
+        let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let slip = contact.free_slip(load, 0.0).unwrap().unwrap().value();
         assert!(
             (slip - skid).abs() < 5.1e-4,
             "{radius} {load}: {slip} for {skid}"
         );
         // friction in the bearing makes it lag more
-        let rubbing = pair
+        let rubbing = contact
             .free_slip(load, 0.01 * load * radius)
             .unwrap()
             .unwrap()

@@ -16,13 +16,13 @@ fn case_a() {
     })
     .unwrap();
     let wheel = RigidWheel::new(0.13, width).unwrap();
-    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
     for (slip, pull, torque, sinkage_mm) in [
         (0.1, 38.605_268_06, 10.296_703_69, 28.639_194_17),
         (0.5, 30.018_906_23, 10.170_275_41, 33.472_124_82),
     ] {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let point = pair.under_load(130.0, &motion).unwrap().point().unwrap();
+        let point = contact.under_load(130.0, &motion).unwrap().point().unwrap();
         let close = |got: f64, expected: f64| (got / expected - 1.0).abs() < 1e-8;
         assert!(
             close(point.forces.drawbar_pull, pull),

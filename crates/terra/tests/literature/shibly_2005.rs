@@ -16,11 +16,11 @@ fn the_closed_form_is_the_integral_of_its_straight_lines() {
     for (key, slip) in [("dry-sand", 0.2), ("lunar", 0.5)] {
         let soil = catalogue::find(key).unwrap().soil().unwrap();
         let (r, b) = (0.125, 0.1);
-        let pair =
+        let contact =
             WheelOnSoil::new(RigidWheel::new(r, b).unwrap(), soil, Settings::default()).unwrap();
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
-        let closed = pair.closed_form_shibly(0.015, &motion).unwrap();
-        let point = pair.at_sinkage(0.015, &motion).unwrap();
+        let closed = contact.closed_form_shibly(0.015, &motion).unwrap();
+        let point = contact.at_sinkage(0.015, &motion).unwrap();
         let (m, one) = (point.angles.theta_m, point.angles.theta_1);
         let line = |at_exit: f64, at_m: f64, theta: f64| {
             if theta < m {

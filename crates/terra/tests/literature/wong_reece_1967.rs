@@ -15,8 +15,9 @@ fn resistance(c_1: f64, n: f64, sinkage: f64) -> f64 {
     .unwrap();
     let wheel = RigidWheel::new(0.2, 0.1).unwrap();
     let motion = Kinematics::straight(Slip::new(0.2).unwrap());
-    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
-    pair.forces_at(sinkage, &motion)
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    contact
+        .forces_at(sinkage, &motion)
         .unwrap()
         .compaction_resistance
 }
@@ -50,9 +51,9 @@ fn a_braked_wheel_on_springy_soil_may_gain_work_and_says_so() {
     })
     .unwrap();
     let wheel = RigidWheel::new(0.281_316, 0.02).unwrap();
-    let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
     let motion = Kinematics::straight(Slip::new(-0.233_552).unwrap());
-    let point = pair.at_sinkage(0.891_25 * 0.281_316, &motion).unwrap();
+    let point = contact.at_sinkage(0.891_25 * 0.281_316, &motion).unwrap();
     assert!(point.forces.lost_work < 0.0);
     assert!(point.cautions.contains(grouser_terra::Caution::WorkGained));
 }

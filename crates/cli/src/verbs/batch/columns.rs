@@ -8,8 +8,88 @@ use crate::lines::Line;
 use crate::operation::Asked;
 use grouser_report::number::parse_finite;
 
-/// The columns that are added, in order.
-const ADDED: [&str; 4] = ["vertical_force_n", "drawbar_pull_n", "torque_nm", "status"];
+/// The columns that are added, in order; the side force only beside a column of slip angles.
+const ADDED: [&str; 5] = [
+    "vertical_force_n",
+    "drawbar_pull_n",
+    "torque_nm",
+    SIDE_FORCE,
+    "status",
+];
+const SIDE_FORCE: &str = "side_force_n";
+
+/// The columns that are read.
+const READ: [&str; 8] = [
+    "soil",
+    "radius_m",
+    "width_m",
+    "slip",
+    "slip_angle_deg",
+    "rebound",
+    "sinkage_m",
+    "load_n",
+];
+
+/// Quantities without their units: a column of one of them with another unit is refused, since to ignore it
+/// would give a result for another wheel.
+const QUANTITIES: [&str; 13] = [
+    "radius",
+    "diameter",
+    "width",
+    "slip",
+    "slip_angle",
+    "slope",
+    "rebound",
+    "sinkage",
+    "load",
+    "mass",
+    "weight",
+    "gravity",
+    "grouser_height",
+];
+const UNITS: [&str; 15] = [
+    "m", "mm", "cm", "n", "kn", "kg", "g", "deg", "rad", "percent", "pct", "1", "m_per_s2", "in",
+    "lbf",
+];
+
+/// Numbers of a soil, which come from the soil itself.
+const OF_THE_SOIL: [&str; 12] = [
+    "n",
+    "n_1",
+    "n_2",
+    "c_1",
+    "c_2",
+    "k_c_kn_per_m_n1",
+    "k_phi_kn_per_m_n2",
+    "cohesion_kpa",
+    "phi_deg",
+    "k_shear_m",
+    "unit_weight_n_per_m3",
+    "transport_layer_m",
+];
+
+/// Why a column that is not read must not be ignored; `None` where it may.
+fn refusal(name: &str) -> Option<&'static str> {
+    if READ.contains(&name) {
+        return None;
+    }
+    if OF_THE_SOIL.contains(&name) {
+        return Some("numbers of a soil come from the soil: name a soil file in `soil`");
+    }
+    let known = QUANTITIES.into_iter().any(|quantity| {
+        let rest = name.strip_prefix(quantity);
+        rest.is_some_and(|rest| {
+            rest.is_empty()
+                || rest
+                    .strip_prefix('_')
+                    .is_some_and(|unit| UNITS.contains(&unit))
+        })
+    });
+    known.then_some(
+        "read are `radius_m`, `width_m`, `slip`, `slip_angle_deg`, `rebound`, `sinkage_m` and `load_n`; rename a \
+         column that is only a remark",
+    )
+}
 
 /// Where the columns of the input stand.
 #[derive(Debug)]
@@ -20,6 +100,7 @@ pub(super) struct Columns {
     radius: usize,
     width: usize,
     slip: usize,
+    slip_angle: Option<usize>,
     rebound: Option<usize>,
     sinkage: Option<usize>,
     load: Option<usize>,
@@ -34,6 +115,7 @@ pub(super) struct Point {
     /// `None`: as the soil has it.
     pub(super) rebound: Option<f64>,
     pub(super) slip: f64,
+    pub(super) slip_angle_deg: f64,
     pub(super) asked: Asked,
 }
 
@@ -86,11 +168,16 @@ impl Columns {
                 refuse(format!("line 1: there is no column `{name}`"), Some(hint))
             })
         };
+        if let Some((name, hint)) = names.iter().find_map(|n| Some((n, refusal(n)?))) {
+            let message = format!("line 1: column `{name}` is a quantity that is not read");
+            return Err(refuse(message, Some(hint)));
+        }
         let columns = Self {
             soil: need("soil")?,
             radius: need("radius_m")?,
             width: need("width_m")?,
             slip: need("slip")?,
+            slip_angle: find("slip_angle_deg")?,
             rebound: find("rebound")?,
             sinkage: find("sinkage_m")?,
             load: find("load_n")?,
@@ -109,12 +196,20 @@ impl Columns {
         if self.sinkage.is_none() {
             line.push_str(",sinkage_m");
         }
-        for name in ADDED {
+        for name in self.added() {
             line.push(',');
             line.push_str(name);
         }
         line.push('\n');
         line
+    }
+
+    /// The columns that are added.
+    fn added(&self) -> impl Iterator<Item = &'static str> {
+        let drifting = self.slip_angle.is_some();
+        ADDED
+            .into_iter()
+            .filter(move |name| drifting || *name != SIDE_FORCE)
     }
 
     /// What the user should know of the header.
@@ -123,11 +218,7 @@ impl Columns {
         let told = |name: &str| {
             format!("column `{name}` was there already; the one that was added is the last")
         };
-        ADDED
-            .into_iter()
-            .filter(|name| there(name))
-            .map(told)
-            .collect()
+        self.added().filter(|name| there(name)).map(told).collect()
     }
 
     /// Reads a row.
@@ -197,12 +288,17 @@ impl Columns {
             .rebound
             .filter(filled)
             .map(|index| number(index, "rebound"));
+        let slip_angle = self
+            .slip_angle
+            .filter(filled)
+            .map(|index| number(index, "slip_angle_deg"));
         Ok(Point {
             soil: content(fields[self.soil]).into_owned(),
             radius_m: number(self.radius, "radius_m")?,
             width_m: number(self.width, "width_m")?,
             rebound: rebound.transpose()?,
             slip: number(self.slip, "slip")?,
+            slip_angle_deg: slip_angle.transpose()?.unwrap_or(0.0),
             asked,
         })
     }
@@ -212,7 +308,7 @@ impl Columns {
         &self,
         row: &Row,
         sinkage: &str,
-        results: &[String; 3],
+        results: &[String; 4],
         status: &str,
     ) -> String {
         let mut line = String::with_capacity(160);
@@ -227,6 +323,10 @@ impl Columns {
             line.push(',');
             line.push_str(sinkage);
         }
+        let results = match self.slip_angle {
+            Some(_) => &results[..],
+            None => &results[..3],
+        };
         for result in results {
             line.push(',');
             line.push_str(result);

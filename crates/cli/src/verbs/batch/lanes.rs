@@ -96,6 +96,9 @@ pub(super) fn solve(
     let mut kernels: BTreeMap<&str, Option<BatchKernel>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
         let Ok(point) = &row.point else { continue };
+        if point.slip_angle_deg != 0.0 {
+            continue;
+        }
         let kernel = kernels
             .entry(&point.soil)
             .or_insert_with(|| kernel_of(&point.soil));

@@ -9,7 +9,9 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use grouser_terra::{BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{
+    Angle, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
+};
 use rayon::prelude::*;
 
 use self::columns::{Columns, Row};
@@ -34,9 +36,10 @@ const SOILS: usize = 256;
 #[command(
     about = "Solve a table of operating points",
     long_about = "Solve a table of operating points, one per line of a CSV file with commas.\n\n\
-        Columns: soil, radius_m, width_m, slip, rebound (optional), and sinkage_m or load_n or both, of which \
-        exactly one is filled in each row. Every column of the input is kept; sinkage_m is filled in place, and \
-        vertical_force_n, drawbar_pull_n, torque_nm and status are added. A row that cannot be solved gets a \
+        Columns: soil, radius_m, width_m, slip, slip_angle_deg (optional), rebound (optional), and sinkage_m or \
+        load_n or both, of which exactly one is filled in each row. Every column of the input is kept; sinkage_m \
+        is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg) \
+        and status are added. A column that looks like another quantity is refused. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
     after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
 )]
@@ -199,7 +202,9 @@ type CacheKey = (String, [u64; 2], Option<u64>);
 
 /// A row that the lanes have solved, as a line.
 fn solved_line(columns: &Columns, row: &Row, solved: &lanes::Solved) -> String {
-    let results = solved.forces.map(exact);
+    // lanes have no slip angle
+    let [vertical_force, drawbar_pull, torque] = solved.forces.map(exact);
+    let results = [vertical_force, drawbar_pull, torque, exact(0.0)];
     columns.line(row, &exact(solved.sinkage), &results, Status::Ok.key())
 }
 
@@ -223,6 +228,7 @@ fn complete(
                 number(point.map(|point| point.forces.vertical_force)),
                 number(point.map(|point| point.forces.drawbar_pull)),
                 number(point.map(|point| point.forces.torque)),
+                number(point.map(|point| point.side_force)),
             ];
             let sinkage = number(point.map(|point| point.sinkage));
             let line = columns.line(row, &sinkage, &results, answer.status.key());
@@ -268,7 +274,13 @@ fn solve(
             pair
         }
     };
-    let kinematics = Kinematics::straight(Slip::new(point.slip).map_err(refuse)?);
+    let slip = Slip::new(point.slip).map_err(refuse)?;
+    let kinematics = if point.slip_angle_deg == 0.0 {
+        Kinematics::straight(slip)
+    } else {
+        let angle = Angle::from_deg(point.slip_angle_deg);
+        Kinematics::with_slip_angle(slip, angle).map_err(refuse)?
+    };
     operation::solve(&pair, point.asked, &kinematics).map_err(refuse)
 }
 

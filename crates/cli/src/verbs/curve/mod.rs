@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text,
         is_aside: false,
         failure: (!found).then(|| "no point of the curve has a solution".to_owned()),
-        warnings: Vec::new(),
+        warnings: families.iter().filter_map(most_at_spin).collect(),
     })
 }
 
@@ -149,6 +149,18 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
             }
         })
         .collect())
+}
+
+/// From this slip on a wheel spins nearly on the spot.
+const SPINNING_SLIP: f64 = 0.99;
+
+/// The caution where the laws give the most pull to a wheel that spins on the spot.
+fn most_at_spin(family: &Family) -> Option<String> {
+    let best = family.most_pull.as_ref()?;
+    (best.slip.value() >= SPINNING_SLIP).then(|| {
+        "the most pull is at slip 1, where the laws do not hold: they do not count the thrust that disturbed soil loses"
+            .to_owned()
+    })
 }
 
 fn family(

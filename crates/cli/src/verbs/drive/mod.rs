@@ -16,7 +16,7 @@ mod track;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use grouser_rover::drive::{Pilot, Scenario, Simulation, read_scenario};
+use grouser_rover::drive::{Pilot, Scenario, Simulation, SlipScore, read_scenario};
 use rayon::prelude::*;
 
 use self::log::Log;
@@ -209,12 +209,29 @@ fn drive_all(
                     pilot,
                     seed,
                     result,
+                    own_laws: own_laws(scenario, pilot, jobs.optimum, seed)?,
                     track,
                 }),
             }
         })
         .collect::<Result<Vec<Run>>>()?;
     Ok((runs, log.into_inner().ok().flatten()))
+}
+
+/// The slips of the same drive on ground that obeys the estimator's own laws, for a scenario with `world_laws`.
+fn own_laws(
+    scenario: &Scenario,
+    pilot: Pilot,
+    optimum: f64,
+    seed: u64,
+) -> Result<Option<SlipScore>> {
+    if scenario.ground.world_laws.is_none() {
+        return Ok(None);
+    }
+    let mut own = scenario.clone();
+    own.ground.world_laws = None;
+    let mut drive = Simulation::new(&own, pilot, optimum, seed)?;
+    Ok(Some(drive.run(|_| true).slip))
 }
 
 /// The JSON schema.

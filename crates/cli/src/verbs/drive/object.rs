@@ -1,7 +1,7 @@
 //! The drives of a scenario, as a list of fields.
 
 use grouser_report::{Fields, fields};
-use grouser_rover::drive::{NamedDecision, Scenario};
+use grouser_rover::drive::{NamedDecision, Scenario, SlipScore};
 
 use super::run::Run;
 
@@ -20,6 +20,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Drives<'a>> {
         "title" "its title" = drives.scenario.title.as_str();
         "seed" "first seed" = drives.seed;
         "optimum_slip" "slip to run at" = drives.optimum;
+        "world_laws" "law of shear of the ground; null: the estimator's own" =
+            drives.scenario.ground.world_laws.map(grouser_terra::ShearLaw::key);
         "runs" "the drives" rows(run()) = drives.runs.iter().map(move |run| (drives.scenario, run));
     }
 }
@@ -41,11 +43,23 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
         "slip_bias" "mean error of the slip" = of.1.result.slip.bias;
         "slip_squared_error_over_variance" "squared error over variance" = of.1.result.slip.nees;
         "slip_wrong_longest_s" "longest time that a slip was wrong" = of.1.result.slip.longest_wrong;
+        "own_laws" "the slips of the same drive where the ground obeys the estimator's own laws" group(score()) =
+            of.1.own_laws.as_ref();
         "worst_slip" "greatest slip" = of.1.result.worst_slip;
         "refused_samples" "samples that the estimator refused" = of.1.result.refused;
         "decision_count" "decisions" = of.1.result.decision_count;
         "decisions" "the first decisions" rows(decision()) =
             of.1.result.decisions.iter().map(move |named| (of.0, named));
+    }
+}
+
+fn score<'a>() -> Fields<'a, &'a SlipScore> {
+    fields! { |score: &'a SlipScore|
+        "slip_rmse" "root mean square error of the slip" = score.rmse;
+        "slip_rmse_without_starts" "the same without starts" = score.settled;
+        "slip_bias" "mean error of the slip" = score.bias;
+        "slip_squared_error_over_variance" "squared error over variance" = score.nees;
+        "slip_wrong_longest_s" "longest time that a slip was wrong" = score.longest_wrong;
     }
 }
 

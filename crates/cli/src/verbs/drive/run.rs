@@ -1,6 +1,6 @@
 //! One finished drive, and several.
 
-use grouser_rover::drive::{DriveResult, Outcome, Pilot};
+use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
 
 use super::track::Track;
 
@@ -9,6 +9,8 @@ pub(super) struct Run {
     pub(super) pilot: Pilot,
     pub(super) seed: u64,
     pub(super) result: DriveResult,
+    /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.
+    pub(super) own_laws: Option<SlipScore>,
     /// What was seen on the way, of the first seed.
     pub(super) track: Option<Track>,
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use grouser_rover::drive::{Outcome, Pilot, Scenario};
+use grouser_rover::drive::{Outcome, Pilot, Scenario, SlipScore};
 
 use super::run::{Run, count, pilots};
 use grouser_report::number::rounded;
@@ -52,6 +52,32 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
                 .rmse
                 .map_or_else(dash, |rmse| format!("{rmse:.3}")),
         );
+    }
+    if let Some(law) = scenario.ground.world_laws {
+        let _ = writeln!(
+            out,
+            "\nThe ground obeys the law `{}`; slip under it and under the estimator's own laws:",
+            law.key()
+        );
+        for run in runs {
+            let Some(own) = &run.own_laws else { continue };
+            let of = |score: &SlipScore| {
+                let number =
+                    |value: Option<f64>| value.map_or_else(dash, |value| format!("{value:.3}"));
+                format!(
+                    "rmse {}, squared error over variance {}",
+                    number(score.rmse),
+                    number(score.nees)
+                )
+            };
+            let (name, foreign) = (run.pilot.name(), of(&run.result.slip));
+            let _ = writeln!(
+                out,
+                "{name:<11} {:>8} {foreign}; own: {}",
+                run.seed,
+                of(own)
+            );
+        }
     }
     let drivers = pilots(runs);
     if runs.len() > drivers.len() {

@@ -123,7 +123,7 @@ fn trade_off(optimum: &Optimum) -> Vec<String> {
         .zip(&optimum.objective_multipliers)
         .zip(&optimum.objective_scales)
         .filter(|((_, (_, share)), _)| *share > SMALL)
-        .map(|(((name, f), (_, share)), scale)| (name.as_str(), *f, share * scale))
+        .map(|(((name, f), (_, share)), scale)| (name.as_str(), *f, share * scale.abs()))
         .collect();
     let Some((first, rest)) = held.split_first() else {
         return Vec::new();

@@ -6,8 +6,12 @@ use std::path::PathBuf;
 
 use grouser_campaign::validate::{PLATES, cmu, validate};
 
+use grouser_files::soil;
+
 use crate::error::Result;
 use crate::figure_file::Target;
+use crate::law_error::Names;
+use crate::output::OutputFile;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
@@ -16,7 +20,8 @@ use crate::session::Session;
 #[command(
     about = "Hold the model against measured data",
     long_about = "Hold the model against measured data: one table of errors by data set and quantity, for this model, \
-        for plain Wong-Reece, and beside the error of what was published with the data.\n\nThe soil's moduli are \
+        for plain Wong-Reece, for published laws with as many fitted numbers as this model, and beside the error of \
+        what was published with the data.\n\nThe soil's moduli are \
         identified from plate tests, the wheel's numbers from the smooth wheel at slip angle 0; all else is \
         predicted. docs/validate.md says which numbers are fitted and where the data come from.",
     after_help = "Examples:\n  grouser validate --data ../data\n  \
@@ -32,6 +37,9 @@ pub(crate) struct Arguments {
     /// Write the rows (.csv); may be given again
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    /// Write the soil of the main fit, with every number and law
+    #[arg(long, value_name = "FILE.toml")]
+    write_soil: Option<PathBuf>,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
@@ -52,6 +60,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     for target in figures {
         text.push_str(&target.write(&validation.draw())?);
+    }
+    if let Some(path) = &arguments.write_soil {
+        if let Some((file, remarks)) = validation.soil_file() {
+            let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
+            let toml =
+                soil::to_toml(&file, &remarks).map_err(|error| Names::Flags.error(&error))?;
+            text.push_str(&OutputFile::create(path)?.write_whole(toml.as_bytes())?);
+        }
     }
     Ok(Report::done(object::fields().object(&validation), text))
 }

@@ -29,7 +29,12 @@ const GROUPS: usize = LONE_SLIP_NOISE.len() + 3;
 /// Share of a group's evidence that is kept from one reading of the reference to the next: a memory of 7 s at 5 Hz.
 const EVIDENCE_KEPT: f64 = 0.97;
 /// Smallest share of a group in the variance: the ground may have changed since the last reading.
-const MIN_SHARE_IN_VARIANCE: f64 = 0.03;
+const MIN_SHARE_IN_VARIANCE: f64 = 0.015;
+/// The same for a group without the accelerometer while there is one.
+const UNAIDED_SHARE_IN_VARIANCE: f64 = 0.001;
+/// Logarithm of the prior odds of a group with the accelerometer over one without, while there is an accelerometer: on steady
+/// ground positions do not tell them apart, and a jump of the slip must count at once.
+const INERTIAL_LOG_PRIOR: f64 = 4.0;
 /// A learnt noise is at least this, m.
 const MIN_POSITION_SIGMA_M: f64 = 1e-4;
 /// A measured heading is at least this uncertain, rad.
@@ -51,8 +56,6 @@ pub(crate) struct WheelStep {
     /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
     pub(crate) rim_speed: f64,
     pub(crate) rim_variance: f64,
-    /// Has a new window of the rims ended, so that it ties speed and slip?
-    pub(crate) ties: bool,
 }
 
 /// The estimate, along the direction of the rims.
@@ -172,7 +175,7 @@ impl MultipleModel {
             };
             group.mix(wheels.dt);
             group.each(|model| model.predict(&step));
-            if uses && wheels.ties {
+            if uses {
                 group.weigh(|model| model.tie(rim));
             }
         }
@@ -309,10 +312,16 @@ impl MultipleModel {
             .iter()
             .map(|group| group.log_evidence)
             .fold(f64::MIN, f64::max);
+        let inertial = self.was_inertial;
         let mut total = 0.0;
         for (group, share) in self.groups.iter_mut().zip(&mut self.shares) {
             group.log_evidence -= best;
-            *share = Real::exp(group.log_evidence);
+            let prior = if inertial && group.is_inertial {
+                INERTIAL_LOG_PRIOR
+            } else {
+                0.0
+            };
+            *share = Real::exp(group.log_evidence + prior);
             total += *share;
         }
         for share in &mut self.shares {
@@ -336,7 +345,13 @@ impl MultipleModel {
     fn variance(&self, i: usize) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for (group, share) in self.groups.iter().zip(self.shares) {
-            let share = share.max(MIN_SHARE_IN_VARIANCE);
+            let unaided = self.was_inertial && !group.is_inertial;
+            let least = if unaided {
+                UNAIDED_SHARE_IN_VARIANCE
+            } else {
+                MIN_SHARE_IN_VARIANCE
+            };
+            let share = share.max(least);
             total += share;
             for (model, weight) in group.models() {
                 let off = model.mean[i] - self.mean[i];

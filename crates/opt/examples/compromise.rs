@@ -1,0 +1,37 @@
+//! The best worst case of two objectives, and what each constraint costs.
+//! `cargo run -p grouser-opt --example compromise`
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
+use grouser_opt::{Exact, Functions, Method, Problem, ProblemParams, Settings, Variable, solve};
+use grouser_real::Scalar;
+
+/// Two distances and a disc that the point must stay outside of.
+struct Detour;
+
+impl Functions for Detour {
+    fn evaluate<R: Scalar>(&self, x: &[R], out: &mut [R]) {
+        let c = R::from_f64;
+        out[0] = (x[0] - c(1.0)).square() + x[1].square();
+        out[1] = (x[0] + c(1.0)).square() + x[1].square();
+        out[2] = c(0.25) - x[0].square() - x[1].square();
+    }
+}
+
+fn main() -> Result<(), grouser_opt::Error> {
+    let problem = Problem::new(ProblemParams {
+        variables: vec![
+            Variable::bounded("x", 0.5, -2.0, 2.0),
+            Variable::bounded("y", 0.5, -2.0, 2.0),
+        ],
+        inequalities: vec!["outside the disc".to_owned()],
+        ..ProblemParams::new(&[0.5, 0.5], 2, Exact(Detour))
+    })?;
+    let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
+    println!("{}: x = {:.4?}", solution.status.name(), solution.x);
+    println!("objectives {:.4?}", solution.objectives);
+    println!(
+        "price of the disc {:.4?}",
+        solution.multipliers.inequalities
+    );
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! No point that is called a solution is refuted by random probes around it, from random starts of the published
+//! problems. `GROUSER_STARTS=600 cargo test --release -p grouser-opt --test refuted` makes 10 800 solves.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first surprise, and prints what it measured"
+)]
+
+#[path = "literature/luksan_vlcek_linear.rs"]
+mod luksan_vlcek_linear;
+#[path = "literature/luksan_vlcek_unconstrained.rs"]
+mod luksan_vlcek_unconstrained;
+#[path = "literature/other.rs"]
+mod other;
+#[allow(dead_code, reason = "shared with the literature's tests")]
+#[path = "literature/suite.rs"]
+mod suite;
+
+use std::collections::BTreeMap;
+
+use grouser_opt::{
+    Exact, Functions, Method, Problem, ProblemParams, Settings, Status, Variable, evaluate, solve,
+};
+use grouser_real::Scalar;
+
+/// How many starts for each problem: `GROUSER_STARTS` overrides the default.
+fn starts(default: u64) -> u64 {
+    let given = std::env::var("GROUSER_STARTS").ok();
+    given.map_or(default, |given| given.parse().unwrap())
+}
+
+/// Numbers in [0, 1) from a seed (SplitMix64).
+struct Stream(u64);
+
+impl Stream {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The best of 200 probes of up to 1e-4 (1 + |x|) in each variable; `None` where none lowers the utility by
+/// 1e-6 (1 + |utility|).
+fn refuted(problem: &Problem<'_>, x: &[f64], stream: &mut Stream) -> Option<f64> {
+    let here = evaluate(problem, &Method::Minimax, x).unwrap();
+    let allowed = here.violation.max(0.0);
+    let best = (0..200)
+        .filter_map(|_| {
+            let probe: Vec<f64> = x
+                .iter()
+                .zip(problem.variables())
+                .map(|(x, v)| {
+                    let step = 1e-4 * (1.0 + x.abs()) * (2.0 * stream.next() - 1.0);
+                    (x + step).clamp(v.lower, v.upper)
+                })
+                .collect();
+            let merit = evaluate(problem, &Method::Minimax, &probe).unwrap();
+            (merit.violation <= allowed).then_some(merit.utility)
+        })
+        .fold(f64::INFINITY, f64::min);
+    let decrease = here.utility - best;
+    (decrease > 1e-6 * (1.0 + here.utility.abs())).then_some(decrease)
+}
+
+#[test]
+fn no_solution_of_a_published_problem_is_refuted() {
+    let mut stream = Stream(7);
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut bad = Vec::new();
+    for case in suite::all() {
+        let problem = Problem::new((case.params)()).unwrap();
+        for start in 0..starts(20) {
+            let x: Vec<f64> = problem
+                .variables()
+                .iter()
+                .map(|v| (v.start + 5.0 * (2.0 * stream.next() - 1.0)).clamp(v.lower, v.upper))
+                .collect();
+            let from = problem.from_start(&x).unwrap();
+            let solution = solve(&from, &Method::Minimax, &Settings::default()).unwrap();
+            *counts.entry(solution.status.name()).or_default() += 1;
+            if solution.status.is_solved() {
+                if let Some(decrease) = refuted(&problem, &solution.x, &mut stream) {
+                    bad.push((case.name, start, solution.utility, decrease));
+                }
+            }
+        }
+    }
+    println!("{counts:?}; refuted: {bad:?}");
+    assert!(bad.is_empty(), "{bad:?}");
+}
+
+/// The derivative that a function reports at a kink may be that of the flat side.
+struct Step;
+
+impl Functions for Step {
+    /// x² + y left of x = 1; flat from there on, with the value and the derivative of the flat side at the kink.
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = if x[0].value() < 1.0 {
+            x[0].square()
+        } else {
+            R::ONE
+        } + x[1].square();
+    }
+}
+
+/// At (1, 0) the reported gradient is 0, and the optimality conditions hold.
+#[test]
+fn a_flat_side_of_a_kink_is_not_called_a_solution() {
+    let problem = Problem::new(ProblemParams {
+        variables: vec![
+            Variable::bounded("x", 1.0, -2.0, 2.0),
+            Variable::bounded("y", 0.5, -2.0, 2.0),
+        ],
+        ..ProblemParams::new(&[1.0, 0.5], 1, Exact(Step))
+    })
+    .unwrap();
+    let settings = Settings::default();
+    let solution = solve(&problem, &Method::Minimax, &settings).unwrap();
+    assert!(
+        solution.status.is_solved() && solution.utility < 1e-9,
+        "{solution:?}"
+    );
+    let blind = Settings {
+        probes: 0,
+        ..settings
+    };
+    let solution = solve(&problem, &Method::Minimax, &blind).unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    assert!((solution.utility - 1.0).abs() < 1e-9);
+}
