@@ -14,7 +14,6 @@ use crate::verbs::Verb;
         Every flag carries its unit. Under --json standard output holds one JSON object, of an error too: \
         `grouser help VERB --schema` describes it.",
     after_help = exit_codes(),
-    term_width = 100,
     arg_required_else_help = true,
     disable_help_subcommand = true,
     infer_long_args = false

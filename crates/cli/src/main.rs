@@ -28,6 +28,7 @@ mod terminal;
 mod usage;
 mod verbs;
 mod wheel_choice;
+mod wrap;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -9,6 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use crate::command::Command;
 use crate::error::Error;
 use crate::terminal;
+use crate::wrap::wrapped;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
 pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
@@ -21,7 +22,7 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
         ErrorKind::DisplayHelp
         | ErrorKind::DisplayVersion
         | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            match terminal::print(&error.render().to_string()) {
+            match terminal::print(&wrapped(&error.render().to_string())) {
                 Ok(()) => ExitCode::SUCCESS,
                 Err(error) => terminal::complain(&error, json),
             }

@@ -14,6 +14,12 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
+/// Under `--json` standard output has the error, and no result.
+fn is_error_alone(output: &Output) -> bool {
+    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
+    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
+}
+
 fn grouser(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_grouser"))
         .current_dir(root())
@@ -34,7 +40,7 @@ fn refused(arguments: &[&str], message: &str) {
     let output = grouser(&arguments);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
+    assert!(is_error_alone(&output), "{arguments:?}");
     assert!(
         told.starts_with("error: ") && told.contains(message),
         "{arguments:?}: {told}"
@@ -327,4 +333,27 @@ fn a_wide_window_of_time_or_none_of_it_is_no_panic() {
         assert_eq!(output.status.code(), Some(code), "{from} {to}");
         json(&output);
     }
+}
+
+#[test]
+fn a_wrong_unit_is_found_by_the_check() {
+    let folder = Folder::new("check");
+    let example = root().join("examples/five-wheel");
+    let columns = fs::read_to_string(example.join("columns.toml")).unwrap();
+    // The gyro's numbers are rad/s; they are read as degrees.
+    let wrong = columns.replace("unit = \"rad/s\"", "unit = \"deg/s\"");
+    assert_ne!(wrong, columns);
+    let map = folder.file("columns.toml", &wrong);
+    let right = grouser(&[LOG, "--robot", ROBOT, "--check", "--json"]);
+    assert_eq!(right.status.code(), Some(0));
+    assert_eq!(json(&right)["start_check"]["status"], "plausible");
+    let output = grouser(&[LOG, "--robot", ROBOT, "--map", &map, "--check", "--json"]);
+    assert_eq!(output.status.code(), Some(3), "a result that is doubtful");
+    let check = json(&output)["start_check"].clone();
+    assert_eq!(check["status"], "implausible", "{check}");
+    assert!(
+        check["message"].as_str().unwrap().contains("yaw rate"),
+        "{check}"
+    );
+    assert!(json(&grouser(&[LOG, "--robot", ROBOT, "--json"]))["start_check"].is_null());
 }

@@ -16,6 +16,12 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
+/// Under `--json` standard output has the error, and no result.
+fn is_error_alone(output: &Output) -> bool {
+    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
+    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
+}
+
 /// A folder of its own for each test, removed at its end.
 struct Folder(PathBuf);
 
@@ -65,7 +71,7 @@ fn grouser(arguments: &[&str]) -> Output {
             );
         }
         Some(2) => {
-            assert!(output.stdout.is_empty(), "{arguments:?}");
+            assert!(is_error_alone(&output), "{arguments:?}");
             assert!(told.starts_with("error: "), "{arguments:?}: {told}");
         }
         _ => panic!("{arguments:?} ends with {code:?}: {told}"),

@@ -3,6 +3,15 @@
 use super::style::{Colour, Dash, Marker, Style};
 
 /// A panel with axes.
+///
+/// ```
+/// use grouser_figure::{Area, Axis, Chart, Curve, Figure};
+///
+/// let chart = Chart::new(Axis::new("Slip *s*"), Axis::new("Pull (N)"))
+///     .curve(Curve::new([[0.0, 0.0], [0.5, 12.0]]))
+///     .area(Area::columns(0.1, 0.2));
+/// assert!(Figure::new("pull").panel(chart).svg().contains("Pull (N)"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     pub(super) x: Axis,
@@ -66,6 +75,13 @@ impl Chart {
 }
 
 /// One axis.
+///
+/// ```
+/// use grouser_figure::Axis;
+///
+/// let slip = Axis::new("Slip *s*").range(0.0, 1.0);
+/// assert_ne!(slip, Axis::new("Slip *s*"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub(super) title: String,
@@ -91,6 +107,13 @@ impl Axis {
 }
 
 /// A line through points. NaN and infinity break it.
+///
+/// ```
+/// use grouser_figure::{Curve, Style};
+///
+/// let curve = Curve::new([[0.0, 0.0], [1.0, f64::NAN], [2.0, 1.0]]).style(Style::numbered(1)).label("*W* = 40 N");
+/// assert_ne!(curve, Curve::new([]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     pub(super) points: Vec<[f64; 2]>,
@@ -125,6 +148,13 @@ impl Curve {
 }
 
 /// A filled area.
+///
+/// ```
+/// use grouser_figure::{Area, Colour};
+///
+/// let band = Area::between([[0.0, -1.0], [1.0, -1.0]], [[0.0, 1.0], [1.0, 1.0]]).colour(Colour::GREEN, 0.2);
+/// assert_ne!(band, Area::columns(0.0, 1.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
     pub(super) shape: AreaShape,
@@ -201,6 +231,13 @@ fn finite(points: impl IntoIterator<Item = [f64; 2]>) -> impl Iterator<Item = [f
 }
 
 /// A measured point with its errors.
+///
+/// ```
+/// use grouser_figure::Measured;
+///
+/// let point = Measured { y_error: [0.5, 0.5], ..Measured::from([0.2, 14.0]) };
+/// assert_eq!(point.at, [0.2, 14.0]);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Where it lies.
@@ -221,6 +258,13 @@ impl From<[f64; 2]> for Measured {
 }
 
 /// A set of measured points.
+///
+/// ```
+/// use grouser_figure::{Colour, Marker, Points};
+///
+/// let points = Points::new([[0.1, 8.0], [0.2, 14.0]]).look(Marker::Square, Colour::RED).label("measured");
+/// assert_ne!(points, Points::new([[0.1, 8.0]]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Points {
     pub(super) measured: Vec<Measured>,
@@ -258,6 +302,13 @@ impl Points {
 }
 
 /// One marked point, such as an optimum.
+///
+/// ```
+/// use grouser_figure::Mark;
+///
+/// let optimum = Mark::new([0.18, 15.0]).label("best slip");
+/// assert_ne!(optimum, Mark::new([0.0, 0.0]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     pub(super) at: [f64; 2],
@@ -295,6 +346,13 @@ impl Mark {
 }
 
 /// A straight line across the frame.
+///
+/// ```
+/// use grouser_figure::Rule;
+///
+/// let limit = Rule::at_y(20.0).label("limit");
+/// assert_ne!(limit, Rule::at_x(20.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// Does it stand at a value of x? Otherwise it lies at a value of y.

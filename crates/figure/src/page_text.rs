@@ -5,6 +5,10 @@ use std::fmt::Write as _;
 /// Text that came from a user, safe as content and as an attribute of HTML and of SVG.
 ///
 /// XML has no place for most control characters, not even escaped: they become spaces.
+///
+/// ```
+/// assert_eq!(grouser_figure::escaped("a < b"), "a &lt; b");
+/// ```
 #[must_use]
 pub fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
@@ -23,6 +27,10 @@ pub fn escaped(text: &str) -> String {
 }
 
 /// A PNG as an address that holds the picture itself (RFC 2397, RFC 4648).
+///
+/// ```
+/// assert_eq!(grouser_figure::png_address(b"foo"), "data:image/png;base64,Zm9v");
+/// ```
 #[must_use]
 pub fn png_address(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -3,6 +3,14 @@
 use super::style::{Colour, Style};
 
 /// A panel without axes: shapes in one unit of length, in the order in which they are drawn.
+///
+/// ```
+/// use grouser_figure::{Colour, Dash, Figure, Scene, Shape, Style};
+///
+/// let wheel = Shape::Circle([0.0, 0.1], 0.1, Style::thin(Colour::INK, Dash::Solid));
+/// let scene = Scene::new([-0.2, 0.0], [0.2, 0.2]).shape(wheel).label([0.0, 0.1], "wheel", Colour::INK);
+/// assert!(Figure::new("a wheel").panel(scene).svg().contains("aria-label=\"wheel\""));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub(super) view: [[f64; 2]; 2],
@@ -20,6 +28,13 @@ pub(super) struct SceneLabel {
 }
 
 /// One shape of a scene.
+///
+/// ```
+/// use grouser_figure::{Colour, Shape};
+///
+/// let hub = Shape::Disc([0.0, 0.1], 0.01, Colour::INK);
+/// assert_ne!(hub, Shape::Disc([0.0, 0.1], 0.02, Colour::INK));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Shape {

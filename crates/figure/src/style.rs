@@ -1,6 +1,12 @@
 //! Colours, dashes and markers. Every curve is told apart by its dash as well as by its colour.
 
 /// An opaque colour, red, green and blue.
+///
+/// ```
+/// use grouser_figure::Colour;
+///
+/// assert_ne!(Colour::INK, Colour(255, 255, 255));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colour(pub u8, pub u8, pub u8);
 

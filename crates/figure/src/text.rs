@@ -6,6 +6,11 @@ use super::path::Path;
 use super::typeface::{self, Cut};
 
 /// `name` as it stands, whatever characters it holds.
+///
+/// ```
+/// assert_ne!(grouser_figure::plain("run_{2}"), "run_{2}");
+/// assert_eq!(grouser_figure::plain("run"), "run");
+/// ```
 #[must_use]
 pub fn plain(name: &str) -> String {
     let mut escaped = String::with_capacity(name.len());

@@ -45,8 +45,11 @@ macro_rules! fields {
     (@ $made:expr, $of:ident: $type:ty; $key:literal $words:literal values = $value:expr; $($rest:tt)*) => {
         $crate::fields!(@ $made.values($key, $words, move |$of: $type| $value), $of: $type; $($rest)*)
     };
-    (@ $made:expr, $of:ident: $type:ty; $key:literal $words:literal $kind:ident($part:expr) = $value:expr; $($rest:tt)*) => {
-        $crate::fields!(@ $made.$kind($key, $words, $part, move |$of: $type| $value), $of: $type; $($rest)*)
+    (@ $made:expr, $of:ident: $type:ty; $key:literal $words:literal $kind:ident($part:expr) $(.$view:ident($($argument:tt)*))* = $value:expr; $($rest:tt)*) => {
+        $crate::fields!(
+            @ $made.$kind($key, $words, $part, move |$of: $type| $value)$(.$view($($argument)*))*,
+            $of: $type; $($rest)*
+        )
     };
     (@ $made:expr, $of:ident: $type:ty; $key:literal $words:literal $(.$view:ident($($argument:tt)*))* = $value:expr; $($rest:tt)*) => {
         $crate::fields!(

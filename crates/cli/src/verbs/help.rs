@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::report::Report;
+use crate::wrap::wrapped;
 use grouser_report::Object;
 
 #[derive(clap::Args, Debug)]
@@ -59,7 +60,7 @@ pub(crate) fn run(
         let _ = clap_mangen::Man::new(of.clone()).render(&mut page);
         return Ok(text_of(String::from_utf8_lossy(&page).into_owned()));
     }
-    Ok(text_of(of.render_long_help().to_string()))
+    Ok(text_of(wrapped(&of.render_long_help().to_string())))
 }
 
 fn text_of(text: String) -> Report {

@@ -30,6 +30,28 @@ fn help_stands_alone_and_is_at_most_100_columns_wide() {
 }
 
 #[test]
+fn the_exit_codes_are_those_of_the_documentation() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap();
+    let page = std::fs::read_to_string(root.join("docs/command.md")).unwrap();
+    let help = line("help").assert_done().out;
+    let (_, codes) = help.split_once("Exit codes:").unwrap();
+    let codes = codes.split_whitespace().collect::<Vec<_>>().join(" ");
+    let rows = page.lines().filter_map(|row| {
+        row.strip_prefix("| ")?
+            .strip_suffix(" |")?
+            .split_once(" | ")
+    });
+    let rows: Vec<String> = rows
+        .filter(|(code, _)| code.parse::<u8>().is_ok())
+        .map(|(code, meaning)| format!("{code} {meaning}"))
+        .collect();
+    assert_eq!(rows.join(" "), codes);
+}
+
+#[test]
 fn completions_and_man_pages_name_the_verbs() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let said = line(&format!("completions {shell}")).assert_done();

@@ -9,6 +9,7 @@ mod request;
 mod text;
 
 use std::ffi::OsString;
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::io;
 use std::path::PathBuf;
 
@@ -17,8 +18,8 @@ use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Compared, Doubt, Method, Options, Row, Sink, SoilReading, Status, Step, Summary, Truth,
-    run_into, soil_readings,
+    Compared, Doubt, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
+    Truth, check_start, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -81,6 +82,9 @@ pub(crate) struct Arguments {
     /// Leave out what comes after this time in s
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
     to_s: Option<f64>,
+    /// Check units, signs and axes of the sensors against each other; exit code 3 where they disagree
+    #[arg(long)]
+    check: bool,
     /// Compare with true slips: a CSV table (`time_s`, `NAME_slip` of each wheel), or a topic of the log
     #[arg(long, value_name = "FILE.csv|/TOPIC")]
     truth: Option<PathBuf>,
@@ -146,6 +150,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for file in log.files() {
         session.used_file(file)?;
     }
+    let start = arguments
+        .check
+        .then(|| check_start(&log, &request.robot, &request.options))
+        .transpose()?;
     let readings = match &soil {
         Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
@@ -156,14 +164,18 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
+    if let Some(start) = &start {
+        let _ = writeln!(text, "sensors: {}", start_words(start));
+    }
     if let Some(errors) = &errors {
         text.push_str(&beside_truth(errors));
     }
     text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&request.robot, &summary)?);
+    let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
-            Status::Done if doubts(&summary).is_empty() => Outcome::Done,
+            Status::Done if doubts(&summary).is_empty() && !is_implausible => Outcome::Done,
             Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
@@ -171,6 +183,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             summary: &summary,
             log: &log,
             readings: &readings,
+            start,
             errors: errors.as_deref(),
         }),
         text,
@@ -286,6 +299,15 @@ fn topics(log: &Log) -> String {
         String::new()
     } else {
         format!("\n{}", lines.concat())
+    }
+}
+
+fn start_words(start: &StartOutcome) -> String {
+    match start {
+        StartOutcome::Plausible => "units, signs and axes agree".to_owned(),
+        StartOutcome::Implausible { fault, time_s } => format!("{fault} (at {time_s:.1} s)"),
+        _ => "not every sensor was seen at work: the robot has to rest, drive, turn and speed up"
+            .to_owned(),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
-    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
-    TruthError, TurnCheck, WheelSummary, YawSummary,
+    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, StartOutcome,
+    Summary, TruthError, TurnCheck, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::detect::Event;
@@ -14,6 +14,8 @@ pub(super) struct Found<'a> {
     pub(super) summary: &'a Summary,
     pub(super) log: &'a Log,
     pub(super) readings: &'a [SoilReading],
+    /// With `--check`.
+    pub(super) start: Option<StartOutcome>,
     pub(super) errors: Option<&'a [TruthError]>,
 }
 
@@ -61,6 +63,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "topics" "topics that were used of bags and MCAP files" rows(topic()) = found.log.topics();
         "notes" "remarks about the log" = found.log.notes().to_vec();
         "left_out" "what was left out" group(left_out()) = found.log;
+        "start_check" "whether units, signs and axes of the sensors agree" group(start_check()).optional() = found.start;
     }
 }
 
@@ -213,6 +216,24 @@ fn rejected<'a>() -> Fields<'a, &'a Summary> {
         "not_later" "samples that are not later than the one before" = summary.rejected.not_later;
         "jump" "samples that jump" = summary.rejected.jump;
         "unknown" "samples of an unknown sensor" = summary.rejected.unknown;
+    }
+}
+
+fn start_check<'a>() -> Fields<'a, StartOutcome> {
+    fields! { |start: StartOutcome|
+        "status" "`plausible`, `incomplete` or `implausible`" = match start {
+            StartOutcome::Plausible => "plausible",
+            StartOutcome::Implausible { .. } => "implausible",
+            _ => "incomplete",
+        };
+        "message" "what disagrees" = match start {
+            StartOutcome::Implausible { fault, .. } => Some(fault.to_string()),
+            _ => None,
+        };
+        "time_s" "when that was certain" = match start {
+            StartOutcome::Implausible { time_s, .. } => Some(time_s),
+            _ => None,
+        };
     }
 }
 

@@ -105,7 +105,7 @@ const fn drive(drive: WheelRole) -> &'static str {
     }
 }
 
-/// The JSON schema.
+/// The JSON schema: of a robot file, or of a robot at rest.
 pub(crate) fn schema() -> serde_json::Value {
-    fields().schema()
+    serde_json::json!({"anyOf": [fields().schema(), stance::fields().schema()]})
 }

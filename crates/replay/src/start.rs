@@ -1,0 +1,80 @@
+//! A log through the check of units, signs and axes.
+
+use grouser_files::robot::RobotFile;
+use grouser_log::Log;
+use grouser_slip::Fault;
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::start::{Progress, StartCheck};
+
+use crate::choice::{Inputs, robot_wheels};
+use crate::error::Result;
+use crate::options::Options;
+use crate::samples::{is_used, of_robot};
+
+/// What [`check_start`] found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StartOutcome {
+    /// Every sensor agrees with the others.
+    Plausible,
+    /// The log does not show every sensor at work: the robot has to rest, drive, turn and speed up.
+    Incomplete,
+    /// A sensor disagrees: another unit, another sign, another axis.
+    Implausible {
+        /// What disagrees, how much, and what that looks like.
+        fault: Fault,
+        /// When that was certain, s from the log's start.
+        time_s: f64,
+    },
+}
+
+/// Holds the sensors of a log against each other: units, signs and axes.
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_replay::{Options, StartOutcome, check_start};
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], columns::read(&example.join("columns.toml"))?)?;
+/// let outcome = check_start(&log, &robot, &Options::default())?;
+/// assert!(!matches!(outcome, StartOutcome::Implausible { .. }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Whatever makes the log useless, and a robot that the filter does not take.
+pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<StartOutcome> {
+    let wheels = robot_wheels(log, file)?;
+    let inputs = Inputs::of(log, file, options)?;
+    let settings = FilterSettings {
+        // a log is in order of time: there is nothing to wait for
+        horizon: 0.0,
+        ..file.filter
+    };
+    let mut filter = SlipFilter::new(&file.robot, settings)?;
+    let mut check = StartCheck::new(&file.robot)?;
+    let mut progress = Progress::Looking;
+    let mut start_ns = None;
+    for sample in log.samples(&vec![0; log.clocks()])? {
+        let sample = of_robot(sample?, &wheels);
+        if !is_used(&sample.measurement, inputs.wheel_sensor) {
+            continue;
+        }
+        let start_ns = *start_ns.get_or_insert(sample.time_ns);
+        // What the filter refuses shows itself in what it knows.
+        let _refused = filter.update(sample);
+        match check.take(&sample, &filter.latest()) {
+            Ok(reached) => progress = reached,
+            Err(fault) => {
+                let time_s = sample.time_ns.saturating_sub(start_ns) as f64 * 1e-9;
+                return Ok(StartOutcome::Implausible { fault, time_s });
+            }
+        }
+    }
+    Ok(match progress {
+        Progress::Plausible => StartOutcome::Plausible,
+        Progress::Looking => StartOutcome::Incomplete,
+    })
+}
