@@ -36,10 +36,6 @@ impl Residuals {
         *sum += nis;
     }
 
-    pub(crate) const fn count(&self, kind: Kind) -> u64 {
-        self.counts[kind as usize].0
-    }
-
     pub(crate) fn summary(&self) -> Vec<(&'static str, Consistency)> {
         let one = |&(count, within, sum): &(u64, u64, f64)| Consistency {
             count,
