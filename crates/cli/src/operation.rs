@@ -114,7 +114,7 @@ impl Answer {
 
     fn cautions(&self) -> Vec<&'static str> {
         let cautions = self.point.iter().flat_map(|point| point.cautions.iter());
-        cautions.map(|caution| caution.key()).collect()
+        cautions.map(grouser_terra::Caution::key).collect()
     }
 }
 

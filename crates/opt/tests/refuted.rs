@@ -81,10 +81,10 @@ fn no_solution_of_a_published_problem_is_refuted() {
             let from = problem.from_start(&x).unwrap();
             let solution = solve(&from, &Method::Minimax, &Settings::default()).unwrap();
             *counts.entry(solution.status.name()).or_default() += 1;
-            if solution.status.is_solved() {
-                if let Some(decrease) = refuted(&problem, &solution.x, &mut stream) {
-                    bad.push((case.name, start, solution.utility, decrease));
-                }
+            if solution.status.is_solved()
+                && let Some(decrease) = refuted(&problem, &solution.x, &mut stream)
+            {
+                bad.push((case.name, start, solution.utility, decrease));
             }
         }
     }

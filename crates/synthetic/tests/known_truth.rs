@@ -64,7 +64,7 @@ fn naive_rmse(steps: &[TruthStep], window_s: f64) -> f64 {
             count += 1.0;
         }
     }
-    (square / count as f64).sqrt()
+    (square / count).sqrt()
 }
 
 fn score(drive: &KnownTruth) -> Score {

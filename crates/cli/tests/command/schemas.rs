@@ -80,7 +80,7 @@ fn fault(value: &Value, schema: &Value, place: &str) -> Option<String> {
         "object" => value.is_object(),
         _ => false,
     };
-    if !kinds.iter().any(|kind| fits(kind)) {
+    if !kinds.iter().any(fits) {
         return Some(format!("{place} is {value}, but must be {kinds:?}"));
     }
     if let Some(items) = value.as_array() {

@@ -27,11 +27,11 @@ pub fn to_toml(file: &RobotFile) -> String {
     out.header("[estimator]");
     out.optional_text(
         "reference",
-        file.reference.map(|reference| reference.name()),
+        file.reference.map(grouser_slip::Reference::name),
     );
     out.optional_text(
         "wheel_sensor",
-        file.wheel_sensor.map(|sensor| sensor.name()),
+        file.wheel_sensor.map(super::WheelSensor::name),
     );
     let usual = WindowSettings::default();
     write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);

@@ -75,6 +75,9 @@ fn laws(out: &mut TomlText, laws: LawChoice) {
     if laws.stress_position != usual.stress_position {
         out.text("stress_position", laws.stress_position.key());
     }
-    out.optional_text("shear", laws.shear.map(|law| law.key()));
-    out.optional_text("bulldozing", laws.bulldozing.map(|law| law.key()));
+    out.optional_text("shear", laws.shear.map(grouser_terra::ShearLaw::key));
+    out.optional_text(
+        "bulldozing",
+        laws.bulldozing.map(grouser_terra::Bulldozing::key),
+    );
 }

@@ -123,7 +123,7 @@ impl FreeWheelSkid {
         let places = own.table.points().iter().map(|(place, prior)| {
             let known = tables.iter().flatten();
             let known = known.filter_map(|table| table.table.at(*place));
-            (*place, Some(mixture(known).unwrap_or(*prior)))
+            (*place, Some(mixture(&known).unwrap_or(*prior)))
         });
         Ok(Self {
             table: Table::new(places),
@@ -138,7 +138,7 @@ impl FreeWheelSkid {
 }
 
 /// Mean and standard deviation of several priors, one as likely as the other; `None` of none.
-fn mixture(priors: impl Iterator<Item = SlipPrior> + Clone) -> Option<SlipPrior> {
+fn mixture(priors: &(impl Iterator<Item = SlipPrior> + Clone)) -> Option<SlipPrior> {
     let count = priors.clone().count() as f64;
     let average = |of: &dyn Fn(SlipPrior) -> f64| priors.clone().map(of).sum::<f64>() / count;
     let mean = average(&|prior| prior.mean);

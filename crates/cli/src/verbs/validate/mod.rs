@@ -61,13 +61,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     for target in figures {
         text.push_str(&target.write(&validation.draw())?);
     }
-    if let Some(path) = &arguments.write_soil {
-        if let Some((file, remarks)) = validation.soil_file() {
-            let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
-            let toml =
-                soil::to_toml(&file, &remarks).map_err(|error| Names::Flags.error(&error))?;
-            text.push_str(&OutputFile::create(path)?.write_whole(toml.as_bytes())?);
-        }
+    if let Some(path) = &arguments.write_soil
+        && let Some((file, remarks)) = validation.soil_file()
+    {
+        let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
+        let toml = soil::to_toml(&file, &remarks).map_err(|error| Names::Flags.error(&error))?;
+        text.push_str(&OutputFile::create(path)?.write_whole(toml.as_bytes())?);
     }
     Ok(Report::done(object::fields().object(&validation), text))
 }

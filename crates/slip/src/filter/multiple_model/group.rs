@@ -118,16 +118,16 @@ impl Group {
         let old = self.models;
         let mut mixing = [[0.0; MAX_MODELS]; MAX_MODELS];
         let mut weights = [0.0; MAX_MODELS];
-        for i in 0..self.count {
+        for (i, row) in mixing.iter_mut().enumerate().take(self.count) {
             let mut stays = 1.0;
             for j in (0..self.count).filter(|j| *j != i) {
                 let goes = (self.rates[i][j] * dt).min(0.4);
                 stays -= goes;
-                mixing[i][j] = goes * self.weights[i];
+                row[j] = goes * self.weights[i];
             }
-            mixing[i][i] = stays * self.weights[i];
-            for j in 0..self.count {
-                weights[j] += mixing[i][j];
+            row[i] = stays * self.weights[i];
+            for (weight, share) in weights.iter_mut().zip(row) {
+                *weight += *share;
             }
         }
         for j in 0..self.count {

@@ -203,7 +203,7 @@ impl MultipleModel {
         let (rim, slip) = (self.rim_speed, self.slip_prior);
         for group in &mut self.groups {
             group.each(|model| {
-                model.start(place, heading, [position_sigma, heading_sigma], rim, slip)
+                model.start(place, heading, [position_sigma, heading_sigma], rim, slip);
             });
         }
         self.has_started = true;
