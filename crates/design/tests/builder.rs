@@ -55,8 +55,8 @@ reserve = \"gradeability_deg >= 3\"
 }
 
 /// The search over slip of the wheel's own solver, which knows every law.
-fn best_slip(wheel: RigidWheel, soil: Soil, load: f64) -> f64 {
-    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+fn best_slip(wheel: RigidWheel, soil: &Soil, load: f64) -> f64 {
+    let contact = WheelOnSoil::new(wheel, *soil, Settings::default()).unwrap();
     let best = contact.slip_of_maximum_efficiency(load).unwrap().unwrap();
     best.slip.value()
 }
@@ -72,7 +72,7 @@ fn the_running_slip_of_a_reece_soil() {
     .unwrap();
     let slip = running_slip(&wheel(), &reece, 60.0).unwrap();
     assert!(
-        (slip - best_slip(wheel(), reece, 60.0)).abs() < 1e-3,
+        (slip - best_slip(wheel(), &reece, 60.0)).abs() < 1e-3,
         "{slip}"
     );
 }
@@ -96,7 +96,7 @@ fn the_running_slip_counts_every_law_of_the_soil() {
     let slip = running_slip(&wheel(), &whole, 60.0).unwrap();
     assert!((slip - plain).abs() > 1e-3, "{slip} {plain}");
     assert!(
-        (slip - best_slip(wheel(), whole, 60.0)).abs() < 1e-3,
+        (slip - best_slip(wheel(), &whole, 60.0)).abs() < 1e-3,
         "{slip}"
     );
 }
@@ -109,7 +109,7 @@ fn grousers_count_by_their_rule() {
             .with_grousers(Grousers { height: 0.01, rule })
             .unwrap();
         let slip = running_slip(&wheel, &soil("dry-sand"), 60.0).unwrap();
-        let best = best_slip(wheel, soil("dry-sand"), 60.0);
+        let best = best_slip(wheel, &soil("dry-sand"), 60.0);
         assert!((slip - best).abs() < 1e-3, "{rule:?}: {slip} {best}");
     }
 }

@@ -140,6 +140,10 @@ impl KnownTruth {
 
     /// The drive, step by step.
     #[must_use]
+    #[allow(
+        clippy::too_many_lines,
+        reason = "one loop, in the order of the sensors"
+    )]
     pub fn steps(&self) -> Vec<TruthStep> {
         let mut noise = Noise::new(self.seed);
         let dt = 1.0 / f64::from(RATE_HZ);

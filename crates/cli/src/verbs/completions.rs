@@ -18,6 +18,7 @@ pub(crate) struct Arguments {
 }
 
 /// The completions of `command`.
+#[allow(clippy::unnecessary_wraps, reason = "every verb returns a result")]
 pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> Result<Report> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "grouser", &mut script);

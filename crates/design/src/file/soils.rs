@@ -120,7 +120,7 @@ pub(super) fn read_worlds(root: &Section<'_>, builder: &mut DesignBuilder) -> Re
                     message: "[robust] needs `samples`, a whole number in [2, 10000]".to_owned(),
                 });
             };
-            sampled(root, &ranges, &deviations, fixed, (count, seed))?
+            sampled(root, &ranges, &deviations, &fixed, (count, seed))?
         } else {
             soils
                 .iter()
@@ -193,7 +193,7 @@ fn sampled(
     root: &Section<'_>,
     ranges: &Varied,
     deviations: &Varied,
-    fixed: Fixed,
+    fixed: &Fixed,
     (count, seed): (usize, u64),
 ) -> Result<Vec<WorldInputs>> {
     let list = if ranges.is_empty() {
@@ -226,7 +226,7 @@ fn sampled(
         .into_iter()
         .enumerate()
         .map(|(index, values)| {
-            let mut own = fixed;
+            let mut own = *fixed;
             for ((parameter, ..), value) in list.iter().zip(values) {
                 own.set(*parameter, value);
             }

@@ -187,6 +187,7 @@ impl View {
 
     /// The view of a message; `None` for a type without one, or a message that lacks what its type has.
     #[must_use]
+    #[allow(clippy::too_many_lines, reason = "one arm a type")]
     pub fn new(type_name: &str, value: &Value) -> Option<Self> {
         let twist = |at: &str| {
             Some(Self::Twist {

@@ -37,6 +37,7 @@ pub(crate) enum Job {
 
 impl Job {
     /// Gives every measurement of a message to `push`.
+    #[allow(clippy::too_many_lines, reason = "one arm a meaning")]
     pub(crate) fn measurements(
         &self,
         view: Option<&View>,

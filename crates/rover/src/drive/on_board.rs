@@ -19,7 +19,7 @@ pub(super) fn on_board(
     model: &RobotModel,
     (loads, soil, heading): (&[f64], &Soil, f64),
     sensors: &SensorSettings,
-    control: ControlSettings,
+    control: &ControlSettings,
 ) -> Result<OnBoard> {
     let setups = model.wheels.iter().zip(loads);
     let setups = setups.map(|(mount, load)| WheelSetup {
@@ -32,7 +32,7 @@ pub(super) fn on_board(
     let mut settings = OnBoardSettings::new(&model.robot);
     settings.wheels = setups.collect();
     settings.filter = filter_settings(model, sensors);
-    settings.control = control;
+    settings.control = *control;
     settings.gravity = GRAVITY;
     settings.heading = heading;
     settings.uses_poses = sensors.camera_rate <= 0.0;

@@ -77,7 +77,7 @@ impl Simulation {
         let soil = &scenario.ground.soils[0].soil;
         let known = (loads.as_slice(), soil, scenario.start.2);
         let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
-        let on_board = on_board(model, known, &scenario.sensors, control)?;
+        let on_board = on_board(model, known, &scenario.sensors, &control)?;
         let count = model.wheels.len();
         // the filter's speeds are means over its window, as old as its horizon
         let filter = filter_settings(model, &scenario.sensors);

@@ -27,9 +27,8 @@ struct Part<'a, P> {
 }
 
 impl<'a> Part<'a, Summary> {
-    fn with<P>(summary: &'a Summary, part: &'a Option<P>) -> Option<Part<'a, P>> {
-        let part = part.as_ref()?;
-        Some(Part { of: summary, part })
+    fn with<P>(summary: &'a Summary, part: Option<&'a P>) -> Option<Part<'a, P>> {
+        part.map(|part| Part { of: summary, part })
     }
 }
 
@@ -52,9 +51,9 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
             found.summary.wheels.iter().map(move |wheel| (wheel.name.as_str(), (wheel, found.readings)));
         "along" "slip along the track" group(along()) = &found.summary.along;
         "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
-            Part::with(found.summary, &found.summary.yaw);
+            Part::with(found.summary, found.summary.yaw.as_ref());
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
-        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, &found.summary.fused);
+        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, found.summary.fused.as_ref());
         "truth" "errors beside the true slips" rows(truth()) = found.errors.unwrap_or_default().iter();
         "rejected" "samples that were rejected" group(rejected()) = found.summary;
         "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
@@ -126,7 +125,7 @@ fn yaw<'a>() -> Fields<'a, Part<'a, YawSummary>> {
         "residual_p5_rad" "its 5th percentile" = yaw.part.residual.p5;
         "residual_p95_rad" "its 95th percentile" = yaw.part.residual.p95;
         "clock_offset_s" "how far the gyro's clock runs ahead" = yaw.of.clock_offset_s;
-        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, &yaw.of.turns);
+        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, yaw.of.turns.as_ref());
     }
 }
 
