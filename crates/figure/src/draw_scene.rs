@@ -11,7 +11,7 @@ use super::style::{Colour, Dash, Style};
 use super::text::{Anchor, Line};
 
 /// Between two lines of the notes.
-const LEADING: f64 = 13.0;
+const NOTE_LEADING_PT: f64 = 13.0;
 /// Length and half width of an arrow's head.
 const HEAD: [f64; 2] = [4.4, 1.7];
 
@@ -43,7 +43,7 @@ fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area
         .map(|note| Line::set(note, LABEL_SIZE_PT))
         .collect();
     let width = lines.iter().map(|line| line.width).fold(0.0, f64::max);
-    let height = lines.len() as f64 * LEADING;
+    let height = lines.len() as f64 * NOTE_LEADING_PT;
     let inner = area.grown(-4.0);
     let corners = [inner.top, inner.bottom - height].map(|top| {
         [inner.left, inner.right - width].map(|left| Rect::at([left, top], width, height))
@@ -56,7 +56,7 @@ fn draw_notes(page: &mut Page, obstacles: &mut Obstacles, notes: &[String], area
     for (index, line) in lines.iter().enumerate() {
         let at = [
             block.left,
-            block.top + LABEL_SIZE_PT + index as f64 * LEADING,
+            block.top + LABEL_SIZE_PT + index as f64 * NOTE_LEADING_PT,
         ];
         page.text(line.placed(at, Anchor::Start), Colour::INK, &line.words);
     }

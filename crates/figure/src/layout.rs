@@ -17,7 +17,7 @@ const ALONE_WIDTH_PT: f64 = 300.0;
 /// Width of a panel beside others: two fill a page.
 const BESIDE_WIDTH_PT: f64 = 255.0;
 /// Height of a frame over its width.
-const ASPECT: f64 = 0.70;
+const FRAME_ASPECT: f64 = 0.70;
 /// Between the figure's edge and its content.
 const EDGE_PT: f64 = 4.0;
 /// Free on the right of a frame: half a tick label.
@@ -55,7 +55,7 @@ pub(super) fn page(description: &str, columns: usize, panels: &[Panel]) -> Page 
         .fold(0.0, f64::max);
     let left = TITLE_SIZE_PT + TITLE_GAP_PT + widest + TICK_GAP_PT;
     let frame_width = cell - left - RIGHT_PT;
-    let frame = Rect::at([left, top], frame_width, frame_width * ASPECT);
+    let frame = Rect::at([left, top], frame_width, frame_width * FRAME_ASPECT);
     let height = frame.bottom + BOTTOM_PT;
 
     let mut widths = vec![cell; columns];
@@ -113,7 +113,7 @@ fn axes(chart: &Chart, cell: f64) -> Axes {
     let width = cell * 0.75;
     let [few, more] = MAX_INTERVALS.map(|most| Axes::of(chart, width, most));
     // About where the frame will be.
-    let frame = Rect::at([0.0, 0.0], width, width * ASPECT);
+    let frame = Rect::at([0.0, 0.0], width, width * FRAME_ASPECT);
     let leaves = |axes: &Axes| draw_chart::draw(&mut Page::default(), chart, axes, frame) > 0.0;
     if leaves(&few) && !leaves(&more) {
         more

@@ -44,10 +44,15 @@ impl Scale {
     /// An outline on the page; corners far outside the frame are brought nearer, so that no writer meets
     /// numbers beyond its range.
     pub(super) fn outline(&self, points: &[Point]) -> Vec<Point> {
-        const FAR: f64 = 1e5;
+        const MAX_COORDINATE_PT: f64 = 1e5;
         let placed = points.iter().map(|point| self.place(*point));
         placed
-            .map(|[x, y]| [x.clamp(-FAR, FAR), y.clamp(-FAR, FAR)])
+            .map(|[x, y]| {
+                [
+                    x.clamp(-MAX_COORDINATE_PT, MAX_COORDINATE_PT),
+                    y.clamp(-MAX_COORDINATE_PT, MAX_COORDINATE_PT),
+                ]
+            })
             .collect()
     }
 }

@@ -23,7 +23,7 @@ pub(super) enum Widen {
 }
 
 /// Nearer to the frame than this share of the range is near.
-const ROOM: f64 = 0.03;
+const NEAR_FRAME_SHARE: f64 = 0.03;
 
 /// Ticks of a scale that covers `range` with at most `most` intervals of 1, 2 or 5 times a power of ten.
 pub(super) fn ticks(range: [f64; 2], widen: Widen, most: u8) -> Ticks {
@@ -73,7 +73,7 @@ fn whole_ticks([low, high]: [f64; 2], step: f64, widen: Widen) -> (f64, f64) {
         ((low / step + slack).floor(), (high / step - slack).ceil())
     };
     if widen == Widen::ToTicksWithRoom {
-        let room = ROOM * (last - first);
+        let room = NEAR_FRAME_SHARE * (last - first);
         if last != 0.0 && last - high / step < room {
             last += 1.0;
         }

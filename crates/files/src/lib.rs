@@ -27,8 +27,15 @@
 //! # Ok::<(), grouser_files::Error>(())
 //! ```
 //!
-//! The primary types are [`Document`] and [`Section`], over which each kind of file is one module:
-//! [`robot`], [`soil`], [`columns`], and [`topics`] within a robot file. The crate reads logs' *descriptions*, not logs.
+//! | file | read | written |
+//! |---|---|---|
+//! | robot | [`robot::read`] | [`robot::to_toml`] |
+//! | soil | [`soil::read`] | [`soil::to_toml`] |
+//! | column map | [`columns::read`] | [`columns::to_toml`] |
+//! | URDF | [`urdf`] | |
+//!
+//! The primary types are [`Document`] and [`Section`], over which each kind of file is one module, and [`TomlText`], which
+//! writes them. The crate reads the descriptions of logs, not logs.
 #![forbid(unsafe_code)]
 
 pub mod body;

@@ -26,7 +26,9 @@
 //!
 //! | for | there is |
 //! |---|---|
-//! | readings of a robot's sensors | [`Log::find_any`], which chooses columns and topics |
+//! | samples of a robot's sensors | [`Log::find_any`], which chooses columns and topics; [`Log::over`] for anything readable |
+//! | samples of a live source | [`Preview`], then [`Intake`] |
+//! | tables of text | [`csv`] |
 //! | decoded messages in the order of time | [`Messages`] |
 //! | one number over time | [`series()`] |
 //! | messages as the file has them, and its damage | [`container::Container`] |
@@ -35,7 +37,7 @@
 //!
 //! Messages are decoded by the definitions that their file holds ([`message::Decoder`]).
 //!
-//! The primary type is [`Log`]. It knows nothing of robots or slip.
+//! The primary types are [`Log`] and [`Intake`]. The crate estimates nothing: it does not know the robot.
 #![forbid(unsafe_code)]
 
 pub mod container;

@@ -458,7 +458,10 @@ fn stamps_of_two_clocks_give_way_to_the_recorders() {
     ];
     let log = log(&folder, "", &messages).unwrap();
     assert!(
-        log.notes()[0].contains("times of recording are used"),
+        log.notes()
+            .last()
+            .unwrap()
+            .contains("times of recording are used"),
         "{:?}",
         log.notes()
     );

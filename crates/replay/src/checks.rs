@@ -15,9 +15,9 @@ const MIN_WAY_M: f64 = 0.5;
 /// How many readings of the reference there were, and how many of them the filter used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReferenceUse {
-    /// Readings that the filter was given.
+    /// Readings that the filter was given, repeated ones left out.
     pub readings: u64,
-    /// Readings that changed its state.
+    /// Readings that it did not refuse.
     pub used: u64,
 }
 

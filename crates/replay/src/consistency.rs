@@ -1,7 +1,7 @@
 //! Do the filter's residuals have the size that it says?
 
 /// 95 % of a χ² of one degree of freedom lie below this.
-const BAND: f64 = 3.841_459;
+const CHI_SQUARE_95: f64 = 3.841_459;
 /// The sensors whose residuals are counted apart.
 const KINDS: [&str; 3] = ["wheels", "yaw_rate", "reference"];
 
@@ -32,12 +32,8 @@ impl Residuals {
         }
         let (count, within, sum) = &mut self.counts[kind as usize];
         *count += 1;
-        *within += u64::from(nis <= BAND);
+        *within += u64::from(nis <= CHI_SQUARE_95);
         *sum += nis;
-    }
-
-    pub(crate) const fn count(&self, kind: Kind) -> u64 {
-        self.counts[kind as usize].0
     }
 
     pub(crate) fn summary(&self) -> Vec<(&'static str, Consistency)> {

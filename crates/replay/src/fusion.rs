@@ -59,8 +59,6 @@ pub(crate) struct Fusion {
     waiting: Vec<Sample>,
     filter: SlipFilter,
     residuals: Residuals,
-    /// Readings of the reference that the filter was given.
-    readings: u64,
     detector: Detector,
     torques: Vec<Option<f64>>,
     start_ns: Option<i64>,
@@ -89,7 +87,6 @@ impl Fusion {
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,
             residuals: Residuals::default(),
-            readings: 0,
             torques: vec![None; robot.wheels().len()],
             reference: settings.reference,
             robot: robot.clone(),
@@ -114,12 +111,10 @@ impl Fusion {
         {
             *slot = Some(torque);
         }
-        let kind = kind_of(&sample.measurement);
-        self.readings += u64::from(kind == Some(Kind::Reference));
         let Ok(known) = self.filter.update(sample) else {
             return;
         };
-        if let Some(kind) = kind {
+        if let Some(kind) = kind_of(&sample.measurement) {
             self.residuals.add(kind, known.body.nis);
         }
         if let Some(smoother) = &mut self.smoother {
@@ -177,9 +172,11 @@ impl Fusion {
 
     pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {
         let known = self.filter.latest();
-        let reference = (self.readings > 0).then(|| ReferenceUse {
-            readings: self.readings,
-            used: self.residuals.count(Kind::Reference),
+        let reference = (known.reference_readings > 0).then(|| ReferenceUse {
+            readings: known.reference_readings,
+            used: known
+                .reference_readings
+                .saturating_sub(known.reference_refused),
         });
         FusedSummary {
             reference,

@@ -17,7 +17,7 @@ pub(crate) struct Gather {
 }
 
 /// The filter takes its reference for lost after half a second.
-const LONGEST: f64 = 0.25;
+const MAX_GATHER_TIME_S: f64 = 0.25;
 
 impl Gather {
     pub(crate) fn over(seconds: f64) -> Self {
@@ -25,7 +25,7 @@ impl Gather {
             clippy::cast_possible_truncation,
             reason = "a quarter of a second at the most"
         )]
-        let least_ns = (seconds.clamp(0.0, LONGEST) * 1e9).round() as i64;
+        let least_ns = (seconds.clamp(0.0, MAX_GATHER_TIME_S) * 1e9).round() as i64;
         Self {
             least_ns,
             last_ns: None,

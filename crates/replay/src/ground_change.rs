@@ -3,13 +3,13 @@
 use std::collections::VecDeque;
 
 /// What is new is the mean of this long, s; it is held against this long before it, s.
-const NEW: f64 = 1.5;
-const USUAL: f64 = 4.0;
+const RECENT_TIME_S: f64 = 1.5;
+const BASELINE_TIME_S: f64 = 4.0;
 /// So much of the usual must be there, s.
-const LEAST: f64 = 2.0;
+const MIN_BASELINE_TIME_S: f64 = 2.0;
 /// The ground has changed from this statistic on. For independent readings 40 would be rare; motors hunt and seams pass
 /// under the wheels, and in 90 s on one ground each a Robotino comes to 186.
-const CHANGED: f64 = 200.0;
+const CHANGE_THRESHOLD: f64 = 200.0;
 
 /// Watches currents (or torques) and rates of all motors, one row a time, with Hotelling's T²:
 ///
@@ -66,18 +66,23 @@ impl GroundChange {
         while self
             .rows
             .front()
-            .is_some_and(|row| time_s - row.0 > NEW + USUAL)
+            .is_some_and(|row| time_s - row.0 > RECENT_TIME_S + BASELINE_TIME_S)
         {
             self.rows.pop_front();
         }
-        let usual = self.rows.partition_point(|row| time_s - row.0 > NEW);
-        let known = self.rows.front().map_or(0.0, |row| time_s - row.0 - NEW);
-        if known < LEAST || usual <= 2 * readings.len() {
+        let usual = self
+            .rows
+            .partition_point(|row| time_s - row.0 > RECENT_TIME_S);
+        let known = self
+            .rows
+            .front()
+            .map_or(0.0, |row| time_s - row.0 - RECENT_TIME_S);
+        if known < MIN_BASELINE_TIME_S || usual <= 2 * readings.len() {
             return false;
         }
         let statistic = self.statistic(usual, readings.len());
         self.max_statistic = self.max_statistic.max(statistic);
-        if statistic <= CHANGED {
+        if statistic <= CHANGE_THRESHOLD {
             return false;
         }
         // what was usual is over

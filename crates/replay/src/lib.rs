@@ -1,6 +1,9 @@
-//! A recorded log through the slip estimator, whole: what is used of the log is chosen, clocks are
-//! aligned, every wheel gets its rows, and the log its summary. The command and the web app both stand
-//! on it, so that they say the same.
+//! A recorded log, or a live stream of samples, through the slip estimator: inputs are selected, clocks are aligned,
+//! every wheel gets its rows, and the run a summary with its checks.
+//!
+//! ```text
+//! Log → samples → Engine::push → rows of each wheel → Engine::finish → Summary
+//! ```
 //!
 //! ```
 //! use grouser_files::{columns, robot};
@@ -23,7 +26,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The primary function is [`run`]. It draws nothing and writes no files.
+//! | for | there is |
+//! |---|---|
+//! | a log, row by row | [`run`](run()), [`run_into`] with a [`Sink`] |
+//! | a live source | [`Engine`] |
+//! | true slips beside the estimates | [`Truth`], [`Compared`] |
+//! | the effective radius | [`calibrate_radius`] |
+//! | a soil's reading of the slips | [`soil_readings`] |
+//! | slip from currents alone, changes of ground | [`slip_without_reference`], [`GroundChange`] |
+//!
+//! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error: [`FusedSummary::doubts`]
+//! names them. The crate draws nothing and writes no files.
 #![forbid(unsafe_code)]
 
 mod align;

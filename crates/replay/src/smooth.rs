@@ -199,7 +199,7 @@ struct Joint<'a> {
 }
 
 /// No side's own variance is taken for less.
-const LEAST: f64 = 1e-10;
+const MIN_VARIANCE: f64 = 1e-10;
 
 /// A number with its variance.
 type Known = (f64, f64);
@@ -225,7 +225,7 @@ impl<'a> Joint<'a> {
             for (moment, after) in pairs {
                 if let Some((f, b)) = both(&moment.wheels[index], &after.wheels[index]) {
                     let shared = joint.shared(f.0);
-                    let said = (f.1 - shared).max(LEAST) + (b.1 - shared).max(LEAST);
+                    let said = (f.1 - shared).max(MIN_VARIANCE) + (b.1 - shared).max(MIN_VARIANCE);
                     sum += (f.0 - b.0).powi(2) / said;
                     count += 1.0;
                 }
@@ -254,7 +254,7 @@ impl<'a> Joint<'a> {
                 let prior = s.slip.sigma.powi(2) + s.wheel_slip_sigma.powi(2);
                 let shared = self.shared(f.0);
                 let scaled = |(slip, variance): Known| {
-                    (slip, shared + apart * (variance - shared).max(LEAST))
+                    (slip, shared + apart * (variance - shared).max(MIN_VARIANCE))
                 };
                 let prior = (s.slip.mean, apart * prior);
                 let (slip, variance) = joined(scaled(f), scaled(b), Some(prior), shared);
@@ -290,8 +290,8 @@ impl<'a> Joint<'a> {
 /// Two numbers that share a prior and an error of variance `shared`.
 fn joined((x_f, p_f): Known, (x_b, p_b): Known, prior: Option<Known>, shared: f64) -> Known {
     let (w_f, w_b) = (
-        1.0 / (p_f - shared).max(LEAST),
-        1.0 / (p_b - shared).max(LEAST),
+        1.0 / (p_f - shared).max(MIN_VARIANCE),
+        1.0 / (p_b - shared).max(MIN_VARIANCE),
     );
     let (x_0, w_0) = prior.map_or((0.0, 0.0), |(x, p)| (x, 1.0 / p));
     let weight = w_f + w_b - w_0;

@@ -2,13 +2,19 @@
 //! the turns show it.
 
 use grouser_slip::window::WindowBody;
-use grouser_slip::{Robot, WheelRole};
+use grouser_slip::{Measured, Robot, WheelRole};
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
 const SLACK_M_PER_S: f64 = 0.002;
 /// They have gone apart when they differ by this way beyond the slack, m: quiet runs of a Kobuki come to 0.003 m.
 const APART_M: f64 = 0.004;
+/// Track and radii are described within this share, one standard deviation: what it explains is geometry and no slip.
+const GEOMETRY_SIGMA: f64 = 0.02;
+/// A larger error of track or radii is no error of a description, but slip.
+const MAX_GEOMETRY: f64 = 0.05;
+/// A difference within this many standard deviations of the geometry raises no alarm.
+const GEOMETRY_BAND_SIGMA: f64 = 2.0;
 /// A wheel is named when it is this much likelier than anything else: 20 to 1.
 const NAMED_LOG_ODDS: f64 = 3.0;
 
@@ -21,10 +27,15 @@ pub struct TurnCheck {
     pub alarm_s: Option<f64>,
     /// How often.
     pub alarms: u64,
+    /// How often beyond what an error of track or radii explains.
+    pub alarms_beyond_geometry: u64,
     /// The wheel that slips, where it is far likelier than every other explanation; an index in the robot's order.
     pub wheel: Option<usize>,
     /// The logarithm of how much likelier the best explanation is than the next.
     pub likelier: f64,
+    /// The error of the geometry, as far as the turns show it: the share by which the track is described too small, and
+    /// the one by which the right radii are described too large against the left ones.
+    pub geometry: [Measured; 2],
     /// Its slip, if it alone explains the turns; or that of all wheels alike, if that is the best explanation.
     pub slip: Option<f64>,
 }
@@ -40,10 +51,12 @@ pub(crate) struct TurnWatch {
     window: f64,
     until_ns: Option<i64>,
     sums: [f64; 2],
+    sums_beyond: [f64; 2],
     /// Σ e², and of each explanation Σ e x and Σ x²: a slip of each wheel alone, at last of all alike.
     squares: f64,
     fits: Vec<[f64; 2]>,
     windows: f64,
+    geometry: Geometry,
     found: TurnCheck,
 }
 
@@ -85,14 +98,18 @@ impl TurnWatch {
             window,
             until_ns: None,
             sums: [0.0; 2],
+            sums_beyond: [0.0; 2],
             squares: 0.0,
             windows: 0.0,
+            geometry: Geometry::default(),
             found: TurnCheck {
                 first_motion_s: None,
                 alarm_s: None,
                 alarms: 0,
+                alarms_beyond_geometry: 0,
                 wheel: None,
                 likelier: 0.0,
+                geometry: Geometry::default().errors(),
                 slip: None,
             },
         })
@@ -123,14 +140,18 @@ impl TurnWatch {
         }
         self.found.first_motion_s.get_or_insert(time_s);
         let turn: f64 = turns.iter().sum();
-        let apart = turn - gyro.value;
-        for (sum, sign) in self.sums.iter_mut().zip([1.0, -1.0]) {
-            *sum = (*sum + (sign * apart * self.track - SLACK_M_PER_S) * seconds).max(0.0);
-            if *sum > APART_M {
-                *sum = 0.0;
-                self.found.alarms += 1;
-                self.found.alarm_s.get_or_insert(time_s);
-            }
+        let all = turn - gyro.value;
+        // Errors of track and radii are constant shares of turn and speed; slip is the difference beyond them.
+        let noise = SLACK_M_PER_S / self.track * (self.window / seconds).sqrt();
+        let row = [turn, speed / self.track];
+        let (apart, doubt) = self.geometry.update(row, all, noise);
+        let slack = SLACK_M_PER_S + GEOMETRY_BAND_SIGMA * doubt * self.track;
+        if crosses(&mut self.sums, all * self.track, SLACK_M_PER_S, seconds) {
+            self.found.alarms += 1;
+            self.found.alarm_s.get_or_insert(time_s);
+        }
+        if crosses(&mut self.sums_beyond, apart * self.track, slack, seconds) {
+            self.found.alarms_beyond_geometry += 1;
         }
         // the turn that is not there: Σ s_i of each wheel's share
         let weight = seconds / self.window;
@@ -154,16 +175,147 @@ impl TurnWatch {
         let mut ranked: Vec<(f64, usize)> = self.fits.iter().map(left).zip(0..).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut found = self.found.clone();
+        found.geometry = self.geometry.errors();
         if let [best, next, ..] = ranked[..] {
             found.likelier = 0.5 * self.windows * (next.0 / best.0).ln();
             let [product, square] = self.fits[best.1];
             found.slip = (square > 0.0).then(|| product / square);
             let is_wheel = best.1 < self.shares.len();
             let slips = found.slip.is_some_and(|slip| slip > 0.0);
-            if found.alarms > 0 && is_wheel && slips && found.likelier > NAMED_LOG_ODDS {
+            if found.alarms_beyond_geometry > 0
+                && is_wheel
+                && slips
+                && found.likelier > NAMED_LOG_ODDS
+            {
                 found.wheel = Some(best.1);
             }
         }
         found
+    }
+}
+
+/// Adds a difference of speeds (m/s) over `seconds` to a sum for each sign; does one come to a whole way?
+fn crosses(sums: &mut [f64; 2], apart: f64, slack: f64, seconds: f64) -> bool {
+    let mut crossed = false;
+    for (sum, sign) in sums.iter_mut().zip([1.0, -1.0]) {
+        *sum = (*sum + (sign * apart - slack) * seconds).max(0.0);
+        if *sum > APART_M {
+            *sum = 0.0;
+            crossed = true;
+        }
+    }
+    crossed
+}
+
+/// Recursive least squares for the constant errors of track and radii.
+#[derive(Clone, Copy, Debug)]
+struct Geometry {
+    mean: [f64; 2],
+    covariance: [[f64; 2]; 2],
+}
+
+impl Default for Geometry {
+    fn default() -> Self {
+        let variance = GEOMETRY_SIGMA * GEOMETRY_SIGMA;
+        Self {
+            mean: [0.0; 2],
+            covariance: [[variance, 0.0], [0.0, variance]],
+        }
+    }
+}
+
+impl Geometry {
+    /// Adds a difference of turns (rad/s) of standard deviation `noise`; returns the part that geometry does not explain,
+    /// and the standard deviation of the part that it does.
+    fn update(&mut self, row: [f64; 2], apart: f64, noise: f64) -> (f64, f64) {
+        let spread = self
+            .covariance
+            .map(|line| line[0] * row[0] + line[1] * row[1]);
+        let variance = row[0] * spread[0] + row[1] * spread[1];
+        let innovation = apart - row[0] * self.mean[0] - row[1] * self.mean[1];
+        let inverse = 1.0 / (variance + noise * noise);
+        for i in 0..2 {
+            let moved = self.mean[i] + spread[i] * inverse * innovation;
+            self.mean[i] = moved.clamp(-MAX_GEOMETRY, MAX_GEOMETRY);
+            for j in 0..2 {
+                self.covariance[i][j] -= spread[i] * inverse * spread[j];
+            }
+        }
+        (innovation, variance.max(0.0).sqrt())
+    }
+
+    fn errors(&self) -> [Measured; 2] {
+        [0, 1].map(|i| Measured {
+            value: self.mean[i],
+            variance: self.covariance[i][i],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use grouser_slip::{Robot, Wheel};
+
+    use super::*;
+
+    fn watch() -> TurnWatch {
+        let wheel = |name: &str, y| Wheel::powered(name).at(0.0, y).ticks_per_turn(1000);
+        let wheels = vec![wheel("left", 0.25), wheel("right", -0.25)];
+        TurnWatch::new(&Robot::new("cart".into(), wheels).unwrap(), 0.02, 0.5).unwrap()
+    }
+
+    /// Drives `seconds` in arcs; the track is described `track` too small, the right radius `radius` too large, and the
+    /// left wheel slips by `slip` from the `from`th second on.
+    fn drive(seconds: u32, [track, radius]: [f64; 2], (slip, from): (f64, f64)) -> TurnCheck {
+        let mut watch = watch();
+        for step in 0..10 * seconds {
+            let time = f64::from(step) / 10.0;
+            let turn = 0.2 * (time / 7.0).sin();
+            let left = 0.3 - 0.25 * turn * (1.0 + track);
+            let right = (0.3 + 0.25 * turn * (1.0 + track)) * (1.0 + radius);
+            let left = if time >= from {
+                left / (1.0 - slip)
+            } else {
+                left
+            };
+            let body = WindowBody {
+                until_ns: Some(i64::from(step) * 100_000_000),
+                yaw_rate: Some(Measured {
+                    value: turn,
+                    variance: 1e-6,
+                }),
+                ..WindowBody::default()
+            };
+            watch.take(time, &body, |wheel| [left, right][wheel]);
+        }
+        watch.summary()
+    }
+
+    #[test]
+    fn an_error_of_track_or_radius_is_geometry_and_no_slip() {
+        for geometry in [[0.03, 0.0], [-0.03, 0.0], [0.0, 0.03], [0.02, -0.02]] {
+            let found = drive(3600, geometry, (0.0, 0.0));
+            assert_eq!(found.alarms_beyond_geometry, 0, "{geometry:?}");
+            assert_eq!(found.wheel, None, "{geometry:?}");
+            let [track, radius] = found.geometry.map(|error| error.value);
+            // a larger right radius makes half of its share more turn as well
+            assert!(
+                (track - geometry[0] - 0.5 * geometry[1]).abs() < 0.005,
+                "{found:?}"
+            );
+            assert!((radius - geometry[1]).abs() < 0.005, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_slip_beside_wrong_geometry_is_called() {
+        let found = drive(120, [0.02, 0.02], (0.1, 60.0));
+        assert!(found.alarms_beyond_geometry > 0, "{found:?}");
+    }
+
+    #[test]
+    fn a_slip_from_the_start_beyond_any_geometry_is_called() {
+        let found = drive(60, [0.0, 0.0], (0.15, 0.0));
+        assert!(found.alarms_beyond_geometry > 0, "{found:?}");
     }
 }

@@ -6,15 +6,15 @@ use crate::error::{Error, Result};
 
 /// The ripple is looked for between these frequencies, Hz, in steps of this share.
 const RIPPLE: (f64, f64) = (0.25, 2.4);
-const STEP: f64 = 1.04;
+const FREQUENCY_RATIO: f64 = 1.04;
 /// The logarithm of a roller's way per ripple is no better known than this.
 const LEAST_SPREAD: f64 = 0.2;
 /// On one ground the same robot draws the same current within this share of it, and slips the same within this.
-const CURRENT: f64 = 0.1;
-const SLIP: f64 = 0.05;
+const CURRENT_SCATTER: f64 = 0.1;
+const SLIP_SCATTER: f64 = 0.05;
 /// A ground that was never seen draws anything between these, as shares of the maximum and minimum current of those that
 /// were.
-const UNSEEN: f64 = 2.0;
+const UNSEEN_CURRENT_FACTOR: f64 = 2.0;
 /// Points of the distribution over slip in (0, 1).
 const POINTS: usize = 500;
 
@@ -97,7 +97,7 @@ pub fn roller_ripple(series: &[(f64, f64)]) -> Option<f64> {
         if here > best.0 {
             best = (here, Some(frequency));
         }
-        frequency *= STEP;
+        frequency *= FREQUENCY_RATIO;
     }
     best.1
 }
@@ -133,8 +133,8 @@ pub fn slip_without_reference(stretch: &Stretch, known: &[KnownGround]) -> Resul
     let spread = variance.sqrt().max(LEAST_SPREAD) * (1.0 + 1.0 / count).sqrt();
     let freedom = count - 1.0;
     let currents = || known.iter().map(|ground| ground.stretch.current);
-    let most = UNSEEN * currents().fold(0.0, f64::max);
-    let least = currents().fold(f64::INFINITY, f64::min) / UNSEEN;
+    let most = UNSEEN_CURRENT_FACTOR * currents().fold(0.0, f64::max);
+    let least = currents().fold(f64::INFINITY, f64::min) / UNSEEN_CURRENT_FACTOR;
     let unseen = 1.0 / (most / least).ln();
     let normal = |x: f64, sigma: f64| (-0.5 * (x / sigma).powi(2)).exp() / (sigma * TAU.sqrt());
     let grid: Vec<f64> = (0..POINTS)
@@ -143,7 +143,7 @@ pub fn slip_without_reference(stretch: &Stretch, known: &[KnownGround]) -> Resul
     let believed = grid.iter().map(|&slip| {
         let of_known = known.iter().map(|ground| {
             let current = (stretch.current / ground.stretch.current).ln();
-            normal(current, CURRENT) * normal(slip - ground.slip, SLIP)
+            normal(current, CURRENT_SCATTER) * normal(slip - ground.slip, SLIP_SCATTER)
         });
         let z = (way(stretch, slip) - mean) / spread;
         let ripple = (1.0 + z * z / freedom).powf(-0.5 * (freedom + 1.0));

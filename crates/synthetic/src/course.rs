@@ -59,7 +59,7 @@ pub struct Course {
 /// Greatest torque over load and radius, and the slip at half of it: torque rises with slip, then levels off.
 const PULL: (f64, f64) = (0.6, 0.1);
 /// Load times radius of a powered wheel, N m.
-const LOAD: f64 = 6.0;
+const LOAD_TORQUE_N_M: f64 = 6.0;
 
 /// Slip by MODEL.md 1; `None` where both speeds are below 1 mm/s or of opposite sign.
 #[must_use]
@@ -75,13 +75,13 @@ pub fn slip(forward: f64, rim: f64) -> Option<f64> {
 }
 
 /// A robot that digs itself in comes to rest within this time, and free again, s.
-const DIGGING: f64 = 0.5;
+const DIGGING_TIME_S: f64 = 0.5;
 
 fn torque(forward: f64, rim: f64) -> f64 {
     let Some(slip) = slip(forward, rim) else {
         return 0.0;
     };
-    let pull = LOAD * PULL.0 * slip / (slip.abs() + PULL.1);
+    let pull = LOAD_TORQUE_N_M * PULL.0 * slip / (slip.abs() + PULL.1);
     if rim < 0.0 { -pull } else { pull }
 }
 
@@ -138,7 +138,7 @@ impl Course {
                     step.torque[wheel] = 0.02;
                 }
                 Event::Immobilised => {
-                    let edge = (time - from).min(to - time) / DIGGING;
+                    let edge = (time - from).min(to - time) / DIGGING_TIME_S;
                     let left = (1.0 - edge).max(0.0);
                     step.speed *= left;
                     step.yaw_rate *= left;

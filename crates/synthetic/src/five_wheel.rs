@@ -173,7 +173,7 @@ impl Default for FiveWheel {
 /// Steps of the truth between two rows.
 const STEPS: u32 = 20;
 /// A wheel enters and leaves the patch over this length, m.
-const EDGE: f64 = 0.1;
+const EDGE_LENGTH_M: f64 = 0.1;
 
 impl FiveWheel {
     /// Generates the run.
@@ -227,7 +227,8 @@ impl FiveWheel {
     }
 
     fn slip(&self, index: usize, place: f64, now: Command, wander: Wander) -> f64 {
-        let soft = ramp((place - self.patch.0) / EDGE) * ramp((self.patch.1 - place) / EDGE);
+        let soft = ramp((place - self.patch.0) / EDGE_LENGTH_M)
+            * ramp((self.patch.1 - place) / EDGE_LENGTH_M);
         let between = |(firm, patch): (f64, f64)| firm + soft * (patch - firm);
         if self.wheels[index].free {
             return between(self.free_slip);

@@ -10,7 +10,7 @@ const RATE_HZ: u32 = 100;
 const POSE_STEPS: u32 = 20;
 /// Wheel radius, m, and ticks per turn.
 const RADIUS_M: f64 = 0.1;
-const TICKS: f64 = 1000.0;
+const TICKS_PER_TURN: f64 = 1000.0;
 /// Circumference over radius.
 const TAU: f64 = core::f64::consts::TAU;
 /// Standard deviation and bias of the gyro, rad/s.
@@ -117,7 +117,7 @@ impl KnownTruth {
             Wheel::powered(format!("w{i}"))
                 .at(x, y)
                 .radius(RADIUS_M)
-                .encoder(Encoder::counting(TICKS))
+                .encoder(Encoder::counting(TICKS_PER_TURN))
         });
         Robot::new("known truth".into(), wheels.collect())
     }
@@ -180,7 +180,7 @@ impl KnownTruth {
                 let slip = (slip + own).clamp(-0.9, 0.95);
                 wheel_slips[wheel] = slip;
                 let forward = speed - yaw_rate * place;
-                let count = (*way / (TAU * RADIUS_M) * TICKS + phases[wheel]).floor();
+                let count = (*way / (TAU * RADIUS_M) * TICKS_PER_TURN + phases[wheel]).floor();
                 #[allow(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,

@@ -237,3 +237,39 @@ fn a_description_becomes_a_robot_file() {
     said.assert_refused("xacro");
     assert!(said.err.contains("hint: expand macros"), "{said:?}");
 }
+
+/// A robot of a URDF keeps the names of its joints: a log of its drive names them so, and `estimate` finds its wheels.
+#[test]
+fn a_log_names_the_joints_of_the_robot_file() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let read = |name: &str| std::fs::read_to_string(format!("{root}/{name}")).unwrap();
+    let folder = Folder::new();
+    let mut robot = read("robots/five-wheel.toml");
+    for wheel in [
+        "front_left",
+        "front_right",
+        "rear_left",
+        "rear_right",
+        "fifth",
+        "free",
+    ] {
+        let name = format!("name = \"{wheel}\"");
+        robot = robot.replace(&name, &format!("{name}\njoint = \"{wheel}_wheel_joint\""));
+    }
+    let robot_file = folder.file("robot.toml", &robot);
+    let scenario = read("scenarios/sandbox.toml")
+        .replace("../robots/five-wheel.toml", "robot.toml")
+        .replace("duration_s = 120.0", "duration_s = 4.0");
+    let scenario = folder.file("scenario.toml", scenario);
+    let log = folder.path("drive.mcap");
+    let [scenario, log, robot] = [scenario, log, robot_file].map(|path| path.display().to_string());
+    grouser(["drive", &scenario, "-o", &log]).assert_done();
+    let said = grouser(["estimate", &log, "--robot", &robot, "--json"]);
+    let wheels = &said.json()["wheels"];
+    assert!(
+        wheels["front_left"]["median"].is_number(),
+        "{}{}",
+        said.out,
+        said.err
+    );
+}

@@ -8,9 +8,9 @@ use super::mass::Mass;
 use super::tree::{Joint, Kind, Shape, Tree};
 
 /// An axis lies across or stands upright to this cosine (8°).
-const ALONG: f64 = 0.99;
+const MIN_AXIS_COSINE: f64 = 0.99;
 /// An axle may lean by this sine (17°) to be a wheel's.
-const LEAN: f64 = 0.3;
+const MAX_AXLE_SINE: f64 = 0.3;
 
 /// A wheel.
 #[derive(Clone, Debug)]
@@ -206,7 +206,7 @@ fn wheels(tree: &Tree) -> Result<(BTreeMap<usize, Round>, Vec<&str>), UrdfError>
         }
         turning.push(joint.name.clone());
         let axis = tree.axis(joint);
-        if axis[2].abs() > LEAN {
+        if axis[2].abs() > MAX_AXLE_SINE {
             continue;
         }
         let link = &tree.links[joint.child];
@@ -216,7 +216,11 @@ fn wheels(tree: &Tree) -> Result<(BTreeMap<usize, Round>, Vec<&str>), UrdfError>
             .filter_map(|(frame, shape)| match *shape {
                 Shape::Cylinder { radius, length } => {
                     let along = link.frame.direction(frame.direction([0.0, 0.0, 1.0]));
-                    (dot(along, axis).abs() > ALONG).then_some((radius, Some(length), frame.place))
+                    (dot(along, axis).abs() > MIN_AXIS_COSINE).then_some((
+                        radius,
+                        Some(length),
+                        frame.place,
+                    ))
                 }
                 Shape::Sphere { radius } => Some((radius, None, frame.place)),
                 _ => None,
@@ -249,7 +253,7 @@ fn wheels(tree: &Tree) -> Result<(BTreeMap<usize, Round>, Vec<&str>), UrdfError>
 fn swivels(tree: &Tree, mut link: usize) -> bool {
     while let Some(joint) = tree.links[link].joint {
         let joint = &tree.joints[joint];
-        if joint.kind == Kind::Continuous && tree.axis(joint)[2].abs() > ALONG {
+        if joint.kind == Kind::Continuous && tree.axis(joint)[2].abs() > MIN_AXIS_COSINE {
             return true;
         }
         link = joint.parent;
@@ -273,12 +277,12 @@ fn carriers(tree: &Tree, is_wheel: impl Fn(usize) -> bool) -> Vec<bool> {
 
 /// Does a joint turn about an axis across the robot?
 fn turns_across(tree: &Tree, joint: &Joint) -> bool {
-    joint.kind != Kind::Rigid && tree.axis(joint)[1].abs() > ALONG
+    joint.kind != Kind::Rigid && tree.axis(joint)[1].abs() > MIN_AXIS_COSINE
 }
 
 /// Range and rate of a joint that stands upright.
 fn steers(tree: &Tree, joint: &Joint) -> Option<[f64; 2]> {
-    let upright = joint.kind == Kind::Revolute && tree.axis(joint)[2].abs() > ALONG;
+    let upright = joint.kind == Kind::Revolute && tree.axis(joint)[2].abs() > MIN_AXIS_COSINE;
     let [lower, upper, rate] = joint.limits.filter(|_| upright)?;
     Some([lower.abs().min(upper.abs()), rate])
 }

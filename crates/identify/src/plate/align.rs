@@ -29,12 +29,12 @@ pub(super) fn straightened(controller: &[f64], system: &[f64]) -> Vec<f64> {
 /// The difference between two clocks that show local times of different zones: the multiple of a quarter of an
 /// hour nearest to how far the two recordings' middles lie apart, s.
 pub(super) fn time_zone(one: &[f64], other: &[f64]) -> f64 {
-    const QUARTER: f64 = 900.0;
+    const TIME_ZONE_STEP_S: f64 = 900.0;
     let middle = |times: &[f64]| {
         let ends = times.first().zip(times.last());
         ends.map_or(0.0, |(a, b)| 0.5 * (a + b))
     };
-    QUARTER * ((middle(one) - middle(other)) / QUARTER).round()
+    TIME_ZONE_STEP_S * ((middle(one) - middle(other)) / TIME_ZONE_STEP_S).round()
 }
 
 /// `values` at the time `t`, by straight lines between readings; held at the ends.

@@ -12,10 +12,10 @@ use crate::ground::{HeightFile, Packing, Place, Rocks, Shape};
 use crate::robot::RobotModel;
 use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 
-/// Any number of metres on a map.
-const PLACE: (f64, f64) = (-1e6, 1e6);
-const LENGTH: (f64, f64) = (1e-6, 1e6);
-const ANY: (f64, f64) = (-1e18, 1e18);
+/// Limits of a coordinate on a map, m.
+const PLACE_LIMITS_M: (f64, f64) = (-1e6, 1e6);
+const LENGTH_LIMITS_M: (f64, f64) = (1e-6, 1e6);
+const ANY_NUMBER: (f64, f64) = (-1e18, 1e18);
 /// The laws of shear that a simulated ground may obey.
 const SHEAR_LAWS: [ShearLaw; 4] = [
     ShearLaw::Coupled,
@@ -24,7 +24,7 @@ const SHEAR_LAWS: [ShearLaw; 4] = [
     ShearLaw::TowedWongReece,
 ];
 /// A slip to run at.
-const SLIP: (f64, f64) = (0.01, 0.95);
+const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 
 /// Reads a scenario file; files that it names lie beside it.
 ///
@@ -65,8 +65,8 @@ fn read(
             let or_zero =
                 |key, limits| Ok::<_, Error>(s.optional_number(key, limits)?.unwrap_or(0.0));
             Ok::<_, Error>((
-                or_zero("x_m", PLACE)?,
-                or_zero("y_m", PLACE)?,
+                or_zero("x_m", PLACE_LIMITS_M)?,
+                or_zero("y_m", PLACE_LIMITS_M)?,
                 or_zero("heading_deg", (-360.0, 360.0))?.to_radians(),
             ))
         })?
@@ -116,7 +116,7 @@ fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {
             .optional_number("heading_deg", (-360.0, 360.0))?
             .unwrap_or(0.0)
             .to_radians(),
-        distance: s.optional_number("distance_m", LENGTH)?,
+        distance: s.optional_number("distance_m", LENGTH_LIMITS_M)?,
         duration: s.optional_number("duration_s", (1e-3, 1e6))?,
     })
 }
@@ -130,7 +130,7 @@ struct SoilText {
 
 fn read_soils(root: &Section<'_>) -> Result<Vec<SoilSpec>> {
     let texts = root.sections("soil", |s| {
-        let number = |key| s.optional_number(key, ANY);
+        let number = |key| s.optional_number(key, ANY_NUMBER);
         Ok(SoilText {
             name: s.text("name")?.into(),
             key: s.text("key")?.into(),
@@ -249,12 +249,12 @@ fn read_ground(
     let standard = Packing::default();
     let packing = Packing {
         gain: or("packing", (0.0, 10.0), standard.gain)?,
-        depth: or("packing_depth_m", LENGTH, standard.depth)?,
+        depth: or("packing_depth_m", LENGTH_LIMITS_M, standard.depth)?,
         scatter: or("scatter", (0.0, 1.0), standard.scatter)?,
-        scatter_length: or("scatter_length_m", LENGTH, standard.scatter_length)?,
+        scatter_length: or("scatter_length_m", LENGTH_LIMITS_M, standard.scatter_length)?,
     };
     let density = or("rocks_per_m2", (0.0, 100.0), 0.0)?;
-    let size = or("rock_size_m", LENGTH, 0.1)?;
+    let size = or("rock_size_m", LENGTH_LIMITS_M, 0.1)?;
     let regions = read_regions(root, &mut soils)?;
     Ok(GroundSpec {
         shape,
@@ -287,49 +287,54 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
     if matches!(kind, Kind::File) {
         return Ok(GroundShape::File(HeightFile {
             path: beside.join(s.text("file")?),
-            cell: s.optional_number("cell_m", LENGTH)?,
-            height_step: s.optional_number("height_step_m", LENGTH)?.unwrap_or(0.001),
+            cell: s.optional_number("cell_m", LENGTH_LIMITS_M)?,
+            height_step: s
+                .optional_number("height_step_m", LENGTH_LIMITS_M)?
+                .unwrap_or(0.001),
         }));
     }
     let shape = match kind {
         Kind::Slope => Shape::Slope {
             angle: s.number("slope_deg", (-60.0, 60.0))?.to_radians(),
-            from: s.optional_number("from_m", PLACE)?.unwrap_or(-1e3),
+            from: s.optional_number("from_m", PLACE_LIMITS_M)?.unwrap_or(-1e3),
         },
         Kind::Dunes => Shape::Dunes {
             height: s.number("height_m", (0.0, 1e3))?,
-            length: s.number("length_m", LENGTH)?,
+            length: s.number("length_m", LENGTH_LIMITS_M)?,
         },
         Kind::Fractal => Shape::Fractal {
             height: s.number("height_m", (0.0, 1e3))?,
-            length: s.number("length_m", LENGTH)?,
+            length: s.number("length_m", LENGTH_LIMITS_M)?,
             roughness: s.optional_number("roughness", (0.0, 1.0))?.unwrap_or(0.5),
         },
         Kind::Flat | Kind::File => Shape::Flat,
     };
     Ok(GroundShape::Generated {
         shape,
-        size: (s.number("size_x_m", LENGTH)?, s.number("size_y_m", LENGTH)?),
+        size: (
+            s.number("size_x_m", LENGTH_LIMITS_M)?,
+            s.number("size_y_m", LENGTH_LIMITS_M)?,
+        ),
         cell: s.optional_number("cell_m", (1e-3, 1e3))?.unwrap_or(0.05),
     })
 }
 
 fn read_regions(root: &Section<'_>, soils: &mut Vec<SoilSpec>) -> Result<Vec<Region>> {
     let texts = root.sections("region", |s| {
-        let x = s.number("x_m", PLACE)?;
-        let y = s.number("y_m", PLACE)?;
+        let x = s.number("x_m", PLACE_LIMITS_M)?;
+        let y = s.number("y_m", PLACE_LIMITS_M)?;
         let place = if s.has("radius_m") {
             Place::Disc {
                 x,
                 y,
-                radius: s.number("radius_m", LENGTH)?,
+                radius: s.number("radius_m", LENGTH_LIMITS_M)?,
             }
         } else {
             Place::Box {
                 x,
                 y,
-                length: s.number("length_m", LENGTH)?,
-                width: s.number("width_m", LENGTH)?,
+                length: s.number("length_m", LENGTH_LIMITS_M)?,
+                width: s.number("width_m", LENGTH_LIMITS_M)?,
             }
         };
         let wander = s.optional_number("wander_m", (0.0, 1e6))?.unwrap_or(0.0);
@@ -362,15 +367,15 @@ fn read_control(s: &Section<'_>) -> Result<Control> {
     out.check()?;
     Ok((
         out,
-        s.optional_number("optimum", SLIP)?,
-        s.optional_number("fixed_slip", SLIP)?.unwrap_or(0.3),
+        s.optional_number("optimum", SLIP_LIMITS)?,
+        s.optional_number("fixed_slip", SLIP_LIMITS)?.unwrap_or(0.3),
     ))
 }
 
 fn read_faults(root: &Section<'_>, robot: &RobotModel) -> Result<Schedule> {
     let kinds = FaultKind::NAMES.map(|(name, kind, _)| (name, kind));
     let texts = root.sections("fault", |s| {
-        let value = s.optional_number("value", ANY)?.unwrap_or(0.0);
+        let value = s.optional_number("value", ANY_NUMBER)?.unwrap_or(0.0);
         let window = FaultWindow {
             kind: s.choice("kind", &kinds)?,
             wheel: None,

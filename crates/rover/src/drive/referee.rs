@@ -4,12 +4,11 @@ use super::outcome::Outcome;
 use super::scenario::Leg;
 use crate::vector::Vector;
 
-/// A robot that is asked to drive and gets no further than `STUCK_SHARE` of what was asked in `STUCK_TIME`
-/// seconds is immobilised.
-const STUCK_TIME: f64 = 15.0;
+/// A robot that travels less than this share of the requested way in `STUCK_TIME_S` is immobilised.
+const STUCK_TIME_S: f64 = 15.0;
 const STUCK_SHARE: f64 = 0.02;
-/// Tilt at which a robot has fallen over, rad.
-const FALLEN: f64 = 1.2;
+/// Tilt at which a robot has fallen over, rad: 69°.
+const MAX_TILT_RAD: f64 = 1.2;
 
 /// Where on its way the robot is.
 #[derive(Clone, Debug)]
@@ -59,7 +58,7 @@ impl Referee {
     pub(super) fn look(&mut self, time: f64, place: Vector, tilt: f64) -> Option<Outcome> {
         self.way += (place - self.last).length();
         self.last = place;
-        if tilt > FALLEN {
+        if tilt > MAX_TILT_RAD {
             return Some(Outcome::Tipped);
         }
         let Some(leg) = self.legs.get(self.leg) else {
@@ -83,9 +82,9 @@ impl Referee {
         }
         let asked = leg.speed.abs();
         let moved = (place - self.anchor.1).length();
-        if asked == 0.0 || moved > STUCK_SHARE * STUCK_TIME * asked {
+        if asked == 0.0 || moved > STUCK_SHARE * STUCK_TIME_S * asked {
             self.anchor = (time, place);
-        } else if time - self.anchor.0 > STUCK_TIME {
+        } else if time - self.anchor.0 > STUCK_TIME_S {
             return Some(Outcome::Immobilised);
         }
         None

@@ -5,13 +5,13 @@ use grouser_slip::control::WheelObservation;
 
 use super::outcome::SlipScore;
 
-/// Speed below which no slip is compared, m/s.
-const LEAST_SPEED: f64 = 0.05;
+/// Below this speed no slip is compared, m/s: two and a half times the filter's own limit.
+const MIN_SPEED_M_PER_S: f64 = 0.05;
 
-/// A wheel has started for this long, s.
-const START: f64 = 1.0;
-/// What is off by more than this many sigma is wrong.
-const WRONG: f64 = 4.0;
+/// The first seconds of motion after a stop, s: unsheared soil makes true slips of up to 0.9 there.
+const START_TIME_S: f64 = 1.0;
+/// An error beyond this many sigma is wrong: by chance one in 16 000.
+const WRONG_SIGMA: f64 = 4.0;
 
 /// Ways of rim and centre over the estimator's window, as long ago as its estimate.
 #[derive(Clone, Debug)]
@@ -97,10 +97,10 @@ impl Scoring {
     ) {
         let moving = &mut self.moving[wheel];
         *moving = match truth {
-            Some((_, speed)) if speed >= LEAST_SPEED => *moving + period,
+            Some((_, speed)) if speed >= MIN_SPEED_M_PER_S => *moving + period,
             _ => 0.0,
         };
-        let settled = *moving >= START;
+        let settled = *moving >= START_TIME_S;
         let wrong = &mut self.wrong[wheel];
         let (Some(slip), Some(sigma), Some((truth, speed))) =
             (observation.slip, observation.sigma, truth)
@@ -109,13 +109,13 @@ impl Scoring {
             return;
         };
         let off = slip - truth;
-        if observation.health == Health::Ok && off.abs() > WRONG * sigma {
+        if observation.health == Health::Ok && off.abs() > WRONG_SIGMA * sigma {
             *wrong += period;
             self.longest = self.longest.max(*wrong);
         } else {
             *wrong = 0.0;
         }
-        if speed >= LEAST_SPEED && observation.health == Health::Ok {
+        if speed >= MIN_SPEED_M_PER_S && observation.health == Health::Ok {
             self.count += 1;
             self.sum += off;
             self.square += off * off;

@@ -12,13 +12,14 @@ use crate::ground::Ground;
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 
-/// Bearing friction turns round within this rate, rad/s.
-const BEARING_RATE: f64 = 0.05;
-/// The contact plane is laid through the ground this share of the radius before and behind the wheel: about the
-/// half contact of a wheel sunk by a tenth of its radius.
-const REACH: f64 = 0.45;
-/// A rut ends this many cells behind the wheel's axle: between the nodes it fades over one.
-const RUT_BEHIND: f64 = 1.05;
+/// Bearing friction is proportional to the rate below this one, rad/s, so that it does not jump at standstill: 7.5 mm/s at
+/// a rim of 0.15 m.
+const BEARING_RATE_RAD_PER_S: f64 = 0.05;
+/// The contact plane passes through the ground this share of the radius before and behind the wheel: acos(0.9), half of the
+/// contact of a wheel sunk by a tenth of its radius.
+const CONTACT_REACH_SHARE: f64 = 0.45;
+/// A rut ends this many cells behind the wheel's axle: heights are linear between nodes, so that it fades over one cell.
+const RUT_DISTANCE_CELLS: f64 = 1.05;
 
 /// What a wheel's motor and steering receive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -301,7 +302,7 @@ impl Vehicle {
         let spot = ground.under(
             (place.x, place.y),
             (across.y / level, -across.x / level),
-            REACH * radius,
+            CONTACT_REACH_SHARE * radius,
             mount.wheel.width(),
         );
         let up = self
@@ -331,7 +332,7 @@ impl Vehicle {
         let motor = mount
             .motor
             .map_or_else(MotorNow::default, |motor| motor.drive(input.torque, rate));
-        let bearing = mount.bearing * (rate / BEARING_RATE).clamp(-1.0, 1.0);
+        let bearing = mount.bearing * (rate / BEARING_RATE_RAD_PER_S).clamp(-1.0, 1.0);
         let onto_wheel = motor.torque - bearing;
         let spin_before = wheel.spin;
         wheel.spin += step * (onto_wheel - load.torque) / mount.spin_inertia;
@@ -363,7 +364,7 @@ impl Vehicle {
         // the rut, so far behind that the wheel does not stand in it
         let (x, y) = self.pressed_at[index];
         let moved = (place.x - x).hypot(place.y - y);
-        let behind = RUT_BEHIND * ground.map().cell();
+        let behind = RUT_DISTANCE_CELLS * ground.map().cell();
         if moved > behind + 0.5 * ground.map().cell() {
             let share = 1.0 - behind / moved;
             let to = (x + share * (place.x - x), y + share * (place.y - y));

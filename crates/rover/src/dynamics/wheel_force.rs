@@ -15,22 +15,22 @@
 
 use grouser_terra::{Kinematics, RigidWheel, WheelOnSoil};
 
-/// Time by which the shear is looked ahead, s: damping at rest of about 0.3 of critical for robots of a few
-/// kilogrammes a wheel.
-const LOOK_AHEAD: f64 = 0.015;
-/// The same for the sinkage, s.
-const LOOK_AHEAD_DOWN: f64 = 0.006;
-/// Steepness of unloading over load per sinkage. Sand's own is 5 to 50; beyond about 10 it no longer matters.
-const UNLOADING: f64 = 6.0;
-/// A wheel sunk deeper than this share of its radius is held to be buried.
-const DEEPEST: f64 = 0.9;
-/// Greatest drift sideways over rolling speed that the laws are asked at: the shear is saturated there.
-const MOST_DRIFT: f64 = 4.0;
-/// Drift below which side shear is taken as proportional, so that a wheel that runs straight is asked for
-/// at no slip angle.
-const LEAST_DRIFT: f64 = 1e-7;
-/// Drift from which the soil that is pushed aside counts.
-const LEAST_PLOUGHING: f64 = 0.01;
+/// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
+/// few kilogrammes a wheel.
+const SHEAR_LEAD_S: f64 = 0.015;
+/// The sinkage is evaluated this much ahead, s, which damps heave likewise.
+const SINKAGE_LEAD_S: f64 = 0.006;
+/// Slope of unloading: relative load per relative sinkage, 1. Sands have 5 to 50; beyond about 10 it no longer matters.
+const UNLOADING_SLOPE: f64 = 6.0;
+/// A wheel sunk deeper than this share of its radius is buried: the laws end at 1.
+const MAX_SINKAGE_SHARE: f64 = 0.9;
+/// Greatest drift over rolling speed at which the laws are evaluated: the shear is saturated there.
+const MAX_DRIFT_RATIO: f64 = 4.0;
+/// Drift over rolling speed below which a wheel runs straight, so that it is solved without a slip
+/// angle.
+const MIN_DRIFT_RATIO: f64 = 1e-7;
+/// Drift over rolling speed from which bulldozing counts: κ = |sin β| leaves 1 % of it there.
+const MIN_BULLDOZING_RATIO: f64 = 0.01;
 
 /// What a wheel remembers of its contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,7 +96,7 @@ impl WheelContact {
         let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
         let share = step * rolling / length;
         let forgotten = self.pressed - (self.pressed - motion.sinkage) * (share / (1.0 + share));
-        let limit = DEEPEST * radius;
+        let limit = MAX_SINKAGE_SHARE * radius;
         let buried = motion.sinkage > limit;
         self.pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
         if self.pressed <= 0.0 {
@@ -114,8 +114,8 @@ impl WheelContact {
         self.travel = turned(self.travel, motion.velocity[0]);
         let mut load = self.steady(pair, slips);
         // W − k (z_p − z), the line of unloading, with its damping
-        let gap = (self.pressed - motion.sinkage.min(limit)) - LOOK_AHEAD_DOWN * motion.sinking;
-        let share = (1.0 - UNLOADING * gap / self.pressed).clamp(0.0, 3.0);
+        let gap = (self.pressed - motion.sinkage.min(limit)) - SINKAGE_LEAD_S * motion.sinking;
+        let share = (1.0 - UNLOADING_SLOPE * gap / self.pressed).clamp(0.0, 3.0);
         let scale = strength * share;
         load.normal *= scale;
         load.along *= scale;
@@ -135,13 +135,13 @@ impl WheelContact {
         step: f64,
     ) -> [f64; 2] {
         let speeds = [motion.rim - motion.velocity[0], motion.velocity[1]];
-        let limits = [1.0, MOST_DRIFT];
+        let limits = [1.0, MAX_DRIFT_RATIO];
         std::array::from_fn(|i| {
             let before = self.shear[i];
             let most = limits[i] * length;
             let after = ((before + step * speeds[i]) / (1.0 + share)).clamp(-most, most);
             self.shear[i] = after;
-            let ahead = after + (after - before) / step * LOOK_AHEAD;
+            let ahead = after + (after - before) / step * SHEAR_LEAD_S;
             (ahead / length).clamp(-limits[i], limits[i])
         })
     }
@@ -185,7 +185,8 @@ impl WheelContact {
 /// Length of the contact, m: the arc in front of the wheel's lowest point.
 fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
     let radius = wheel.running_radius();
-    let theta_1 = grouser_terra::entry_angle(sinkage.clamp(0.0, DEEPEST * radius), radius);
+    let theta_1 =
+        grouser_terra::entry_angle(sinkage.clamp(0.0, MAX_SINKAGE_SHARE * radius), radius);
     radius * theta_1.max(0.05)
 }
 
@@ -197,10 +198,10 @@ fn one_way(pair: &WheelOnSoil, sinkage: f64, s: f64, w: f64) -> (WheelLoad, f64)
     } else {
         (1.0, 1.0 + s)
     };
-    let drift = if w.abs() < LEAST_DRIFT { 0.0 } else { w };
+    let drift = if w.abs() < MIN_DRIFT_RATIO { 0.0 } else { w };
     let found = Kinematics::from_speeds(travel, drift, rim).and_then(|kinematics| {
         // Only bulldozing needs the whole operating point.
-        if drift.abs() > LEAST_PLOUGHING && pair.soil().params().unit_weight.is_some() {
+        if drift.abs() > MIN_BULLDOZING_RATIO && pair.soil().params().unit_weight.is_some() {
             let point = pair.at_sinkage(sinkage, &kinematics)?;
             return Ok((point.forces, point.side_force));
         }

@@ -12,12 +12,12 @@ use std::path::PathBuf;
 
 use grouser_files::regular;
 
-use super::height_map::{CELL, HeightMap, MOST_CELLS};
+use super::height_map::{CELL_LIMITS_M, HeightMap, MAX_CELLS};
 use crate::error::{Error, Result};
 use crate::terrain_fault::TerrainFault;
 
 /// Greatest size of a terrain file, bytes.
-const MOST_BYTES: u64 = 1 << 28;
+const MAX_BYTES: u64 = 1 << 28;
 
 /// A terrain file.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
     let opened = regular::open(&file.path)?;
     let mut bytes = Vec::new();
     opened
-        .take(MOST_BYTES + 1)
+        .take(MAX_BYTES + 1)
         .read_to_end(&mut bytes)
         .map_err(|source| Error::Unreadable {
             file: file.path.clone(),
@@ -64,8 +64,8 @@ pub fn parse_heights(bytes: &[u8], file: &HeightFile) -> Result<HeightMap> {
 }
 
 fn raster(bytes: &[u8], file: &HeightFile) -> Result<Raster, TerrainFault> {
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(TerrainFault::TooManyBytes { limit: MOST_BYTES });
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(TerrainFault::TooManyBytes { limit: MAX_BYTES });
     }
     let ending = file
         .path
@@ -88,7 +88,7 @@ struct Raster {
 
 impl Raster {
     fn into_map(mut self) -> Result<HeightMap, TerrainFault> {
-        let (low, high) = CELL;
+        let (low, high) = CELL_LIMITS_M;
         if !(self.cell >= low && self.cell <= high) {
             return Err(TerrainFault::OutOfRange {
                 field: "cell",
@@ -129,11 +129,11 @@ impl Raster {
 /// Refuses sizes before anything of that size is made.
 fn check_size(columns: u64, rows: u64) -> Result<(), TerrainFault> {
     let cells = u128::from(columns) * u128::from(rows);
-    if cells > MOST_CELLS as u128 || columns < 2 || rows < 2 {
+    if cells > MAX_CELLS as u128 || columns < 2 || rows < 2 {
         return Err(TerrainFault::Cells {
             columns,
             rows,
-            limit: MOST_CELLS as u64,
+            limit: MAX_CELLS as u64,
         });
     }
     Ok(())

@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 use crate::error::{Error, Result};
 
 /// Greatest number of cells of a map.
-pub(crate) const MOST_CELLS: usize = 1 << 25;
+pub(crate) const MAX_CELLS: usize = 1 << 25;
 /// Distance of its nodes, m.
-pub(crate) const CELL: (f64, f64) = (1e-3, 1e3);
+pub(crate) const CELL_LIMITS_M: (f64, f64) = (1e-3, 1e3);
 
 /// Heights at the nodes of a square grid, between which they are bilinear. Beyond the edge the edge goes on.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,9 +69,9 @@ impl HeightMap {
         let far = (-1e7, 1e7);
         Error::check(of, "origin x", origin.0, far, "m")?;
         Error::check(of, "origin y", origin.1, far, "m")?;
-        Error::check(of, "cell", cell, CELL, "m")?;
+        Error::check(of, "cell", cell, CELL_LIMITS_M, "m")?;
         Error::check(of, "columns", columns as f64, (2.0, 1e5), "1")?;
-        let most = MOST_CELLS as f64;
+        let most = MAX_CELLS as f64;
         Error::check(of, "cells", heights.len() as f64, (4.0, most), "1")?;
         let rows = heights.len() / columns;
         Error::check(of, "rows", rows as f64, (2.0, 1e5), "1")?;
@@ -135,7 +135,7 @@ impl HeightMap {
         shape: impl Fn(f64, f64) -> f64,
     ) -> Result<Self> {
         let of = "ground";
-        Error::check(of, "cell", cell, CELL, "m")?;
+        Error::check(of, "cell", cell, CELL_LIMITS_M, "m")?;
         Error::check(of, "size_x", size.0, (2.0 * cell, 1e5 * cell), "m")?;
         Error::check(of, "size_y", size.1, (2.0 * cell, 1e5 * cell), "m")?;
         #[allow(
@@ -145,7 +145,7 @@ impl HeightMap {
         )]
         let count = |length: f64| (length / cell).round() as usize + 1;
         let (columns, rows) = (count(size.0), count(size.1));
-        let most = MOST_CELLS as f64;
+        let most = MAX_CELLS as f64;
         Error::check(of, "cells", columns as f64 * rows as f64, (4.0, most), "1")?;
         let origin = (0.0, -0.5 * (rows - 1) as f64 * cell);
         #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]

@@ -18,6 +18,8 @@ use crate::vector::{Tensor, Vector};
 pub struct WheelMount {
     /// Its name.
     pub name: String,
+    /// The name of its joint in messages.
+    pub joint: String,
     /// The link that carries it; `None`: the chassis.
     pub link: Option<usize>,
     /// Its centre in the pose of the description, m.
@@ -214,6 +216,9 @@ fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
     let mut out = Vec::new();
     for (wheel, extra) in file.robot.wheels().iter().zip(&body.wheels) {
         let of = format!("wheel \"{}\"", wheel.name);
+        let mut joints = file.topics.joints.iter();
+        let joint = joints.find(|joint| joint.wheel == wheel.name);
+        let joint = joint.and_then(|joint| joint.joint.clone());
         let width = wheel.width.ok_or_else(|| Error::Missing {
             of: of.clone(),
             what: "width_m".into(),
@@ -240,6 +245,7 @@ fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
         let rotor = motor.map_or(0.0, |motor| motor.rotor_inertia * gear * gear);
         out.push(WheelMount {
             name: wheel.name.clone(),
+            joint: joint.unwrap_or_else(|| wheel.name.clone()),
             link,
             centre: Vector::new(wheel.x, wheel.y, extra.z.unwrap_or(wheel.radius)),
             heading: wheel.heading.rad(),

@@ -16,8 +16,8 @@ pub struct WheelLoads {
     pub redundant: bool,
 }
 
-/// Equations at most: heave, roll, pitch, and the freedoms.
-const MOST: usize = MAX_SPEEDS - 3;
+/// Greatest number of equations: heave, roll, pitch, and the freedoms.
+const MAX_EQUATIONS: usize = MAX_SPEEDS - 3;
 
 /// The loads of a robot that stands, in the pose of its description, on a plane tilted by `pitch` (rad, nose up
 /// positive: it looks uphill) and `roll` (rad, left side up).
@@ -51,7 +51,7 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
     }
     linkage.hold(&state, &mut asked);
     let row_of = |speeds: &[f64; MAX_SPEEDS]| {
-        let mut out = [0.0; MOST];
+        let mut out = [0.0; MAX_EQUATIONS];
         out[0] = speeds[5];
         out[1] = speeds[0];
         out[2] = speeds[1];
@@ -60,7 +60,7 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
         out
     };
     let asked = row_of(&asked);
-    let columns: Vec<[f64; MOST]> = model
+    let columns: Vec<[f64; MAX_EQUATIONS]> = model
         .wheels
         .iter()
         .zip(&powered)
@@ -92,14 +92,14 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
 
 /// The least loads N with Σ N_i column_i = −asked: N = Aᵀ (A Aᵀ)⁻¹ (−asked), with a trace of regularisation for
 /// links that carry nothing.
-fn least(columns: &[[f64; MOST]], asked: &[f64; MOST], rows: usize) -> Vec<f64> {
-    let mut matrix = [[0.0; MOST + 1]; MOST];
+fn least(columns: &[[f64; MAX_EQUATIONS]], asked: &[f64; MAX_EQUATIONS], rows: usize) -> Vec<f64> {
+    let mut matrix = [[0.0; MAX_EQUATIONS + 1]; MAX_EQUATIONS];
     for i in 0..rows {
         for j in 0..rows {
             matrix[i][j] = columns.iter().map(|c| c[i] * c[j]).sum();
         }
         matrix[i][i] += 1e-12;
-        matrix[i][MOST] = -asked[i];
+        matrix[i][MAX_EQUATIONS] = -asked[i];
     }
     // Gauss-Jordan with pivoting
     for i in 0..rows {
@@ -126,6 +126,10 @@ fn least(columns: &[[f64; MOST]], asked: &[f64; MOST], rows: usize) -> Vec<f64> 
     }
     columns
         .iter()
-        .map(|column| (0..rows).map(|i| column[i] * matrix[i][MOST]).sum())
+        .map(|column| {
+            (0..rows)
+                .map(|i| column[i] * matrix[i][MAX_EQUATIONS])
+                .sum()
+        })
         .collect()
 }

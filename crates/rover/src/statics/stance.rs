@@ -7,17 +7,17 @@ use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 
 /// Unknowns: heave, roll, pitch, the freedoms of the links.
-const MOST: usize = 3 + MAX_FREEDOMS;
-/// Steps at most: a wheel that lifts and a link that runs to its stop take some.
-const MOST_STEPS: usize = 400;
-/// Forces balance to this share of the weight, N and N m/m.
-const BALANCED: f64 = 1e-9;
-/// Longest step in a height (m) or an angle (rad).
-const LONGEST: f64 = 0.1;
-/// Heights of the ground under the wheels, m.
-const HEIGHTS: (f64, f64) = (-10.0, 10.0);
-/// Stiffness of the ground under a wheel, N/m.
-const STIFFNESS: (f64, f64) = (1e2, 1e8);
+const MAX_UNKNOWNS: usize = 3 + MAX_FREEDOMS;
+/// Greatest number of steps: a wheel that lifts and a link that runs to its stop take some.
+const MAX_STEPS: usize = 400;
+/// Forces (N) and moments (N m) balance to this share of the weight, far above rounding.
+const BALANCE_TOLERANCE: f64 = 1e-9;
+/// Longest step in a height (m) or an angle (rad): about a wheel's radius, so that contacts are not jumped over.
+const MAX_STEP_M_OR_RAD: f64 = 0.1;
+/// Limits of the heights of the ground under the wheels, m.
+const HEIGHT_LIMITS_M: (f64, f64) = (-10.0, 10.0);
+/// Limits of the stiffness of the ground under a wheel, N/m.
+const STIFFNESS_LIMITS_N_PER_M: (f64, f64) = (1e2, 1e8);
 
 /// The ground under a robot that stands.
 #[derive(Clone, Copy, Debug)]
@@ -68,9 +68,15 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
     let count = footing.heights.len() as f64;
     Error::check(of, "number of heights", count, (wheels, wheels), "1")?;
     for height in footing.heights {
-        Error::check(of, "height", *height, HEIGHTS, "m")?;
+        Error::check(of, "height", *height, HEIGHT_LIMITS_M, "m")?;
     }
-    Error::check(of, "stiffness", footing.stiffness, STIFFNESS, "N/m")?;
+    Error::check(
+        of,
+        "stiffness",
+        footing.stiffness,
+        STIFFNESS_LIMITS_N_PER_M,
+        "N/m",
+    )?;
 
     let linkage = &model.linkage;
     let size = 3 + linkage.freedoms();
@@ -78,19 +84,19 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
     let mut state = BodyState::at(Vector::AXES[2] * mean, Attitude::LEVEL);
     let mut pose = linkage.pose(&state);
     let mut settled = false;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let mut system = Balance::of(model, footing, &state, &pose);
         let off = system.right[..size]
             .iter()
             .fold(0.0, |most: f64, r| most.max(r.abs()));
-        if off <= BALANCED * model.weight() {
+        if off <= BALANCE_TOLERANCE * model.weight() {
             settled = true;
             break;
         }
         solve(&mut system.matrix, &mut system.right, size);
         let step = &system.right[..size];
         let longest = step.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
-        let share = (LONGEST / longest.max(1e-300)).min(1.0);
+        let share = (MAX_STEP_M_OR_RAD / longest.max(1e-300)).min(1.0);
         state.position.z += share * step[0];
         let turn = Vector::new(step[1], step[2], 0.0) * share;
         state.attitude = state
@@ -102,7 +108,7 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
         }
         linkage.update_pose(&state, &mut pose);
     }
-    Ok(told(model, footing, &state, &pose, settled))
+    Ok(result(model, footing, &state, &pose, settled))
 }
 
 /// Forces that do not balance, and how they change.
@@ -116,7 +122,7 @@ impl Balance {
         let linkage = &model.linkage;
         let up = state.attitude.to_robot(Vector::AXES[2]);
         let rows = |speeds: &Speeds, heave: f64| {
-            let mut out = [0.0; MOST];
+            let mut out = [0.0; MAX_UNKNOWNS];
             (out[0], out[1], out[2]) = (heave, speeds[0], speeds[1]);
             out[3..].copy_from_slice(&speeds[6..6 + MAX_FREEDOMS]);
             out
@@ -137,7 +143,7 @@ impl Balance {
         }
         linkage.hold(state, &mut forces);
         let mut right = [0.0; MAX_SPEEDS];
-        right[..MOST].copy_from_slice(&rows(&forces, heave));
+        right[..MAX_UNKNOWNS].copy_from_slice(&rows(&forces, heave));
         let mut matrix = [[0.0; MAX_SPEEDS]; MAX_SPEEDS];
         for (index, hold) in linkage.holds().iter().enumerate() {
             // a slope of the moment, stops included, and a trace for links that nothing holds
@@ -157,7 +163,7 @@ impl Balance {
             let mut lift = [0.0; MAX_SPEEDS];
             linkage.push(pose, &mut lift, (mount.link, at), up, Vector::ZERO);
             let lift = rows(&lift, 1.0);
-            for i in 0..MOST {
+            for i in 0..MAX_UNKNOWNS {
                 right[i] += footing.stiffness * depth * lift[i];
                 for j in 0..=i {
                     matrix[i][j] += footing.stiffness * lift[i] * lift[j];
@@ -174,7 +180,7 @@ fn depth(state: &BodyState, at: Vector, radius: f64, height: f64) -> f64 {
     height - (centre - radius)
 }
 
-fn told(
+fn result(
     model: &RobotModel,
     footing: &Footing<'_>,
     state: &BodyState,

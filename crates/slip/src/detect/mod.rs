@@ -25,9 +25,9 @@ pub use settings::DetectSettings;
 use switch::Switch;
 
 /// The usual torque is a mean over this long, s.
-const USUAL: f64 = 2.0;
+const TORQUE_MEMORY_S: f64 = 2.0;
 /// It is known after this long, s.
-const SETTLED: f64 = 1.0;
+const TORQUE_KNOWN_TIME_S: f64 = 1.0;
 
 /// What can happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -241,7 +241,7 @@ impl Detector {
         };
         let torque = torque.filter(|torque| torque.is_finite()).map(f64::abs);
         let light = torque.is_some_and(|torque| torque < s.lift_off * watched.usual_torque);
-        let settled = watched.heard_s >= SETTLED;
+        let settled = watched.heard_s >= TORQUE_KNOWN_TIME_S;
         // A wheel that leaves loose ground needs less torque as well, but slips less then; one in the air does not.
         let slip = trusted(estimate);
         let eased =
@@ -279,7 +279,9 @@ impl Detector {
             && !light
         {
             watched.heard_s += dt;
-            let share = (dt / USUAL).max(dt / (watched.heard_s + dt)).min(1.0);
+            let share = (dt / TORQUE_MEMORY_S)
+                .max(dt / (watched.heard_s + dt))
+                .min(1.0);
             watched.usual_torque += share * (torque - watched.usual_torque);
             if let Some((slip, _)) = trusted(estimate) {
                 watched.usual_slip += share * (slip - watched.usual_slip);

@@ -5,7 +5,7 @@ use crate::history::seconds_between;
 /// The longest time that one reading stands for, s: a sensor of 10 Hz is not condemned by one gap.
 const MAX_READING_TIME_S: f64 = 0.1;
 /// Agreement counts this many times less than disagreement, so that a sensor that agrees by chance now and then still fails.
-const FORGIVENESS: f64 = 3.0;
+const FORGIVENESS_FACTOR: f64 = 3.0;
 
 /// The record of one sensor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,7 +26,7 @@ impl Monitor {
         let passed = seconds_between(last, time_ns).clamp(0.0, MAX_READING_TIME_S);
         self.is_refused = !agreed;
         if agreed {
-            self.refused_s = (self.refused_s - passed / FORGIVENESS).max(0.0);
+            self.refused_s = (self.refused_s - passed / FORGIVENESS_FACTOR).max(0.0);
             self.failed &= self.refused_s > 0.0;
         } else {
             self.refused_s = (self.refused_s + passed).min(patience_s);

@@ -7,20 +7,20 @@
 use crate::history::{seconds_between, whole};
 
 /// A window has about this many ticks, and at most so many readings.
-const TICKS: f64 = 12.0;
-const READINGS: f64 = 50.0;
+const WINDOW_TICKS: f64 = 12.0;
+const MAX_WINDOW_READINGS: f64 = 50.0;
 /// Windows with fewer or more ticks than this say nothing.
 const USED: (f64, f64) = (4.0, 60.0);
 /// Windows that differ in time by more than this share are not equal.
-const UNEQUAL: f64 = 0.1;
+const MAX_WINDOW_DIFFERENCE: f64 = 0.1;
 /// Ticks, and share of a window's, by which the first and the third of three windows may differ: where the speed changes more,
 /// it changes unevenly as well.
 const LEVEL: (f64, f64) = (1.0, 0.25);
 /// The share that is lost is a mean over this long, s; it is known after so long.
-const MEMORY: f64 = 3.0;
-const KNOWN: f64 = 1.5;
+const LOSS_MEMORY_S: f64 = 3.0;
+const LOSS_KNOWN_TIME_S: f64 = 1.5;
 /// How fast the usual ticks of a window are learnt, a window.
-const USUAL: f64 = 0.15;
+const USUAL_TICKS_SHARE: f64 = 0.15;
 /// More than this share is missed, and less than this no longer.
 const MISSED: (f64, f64) = (0.022, 0.012);
 /// Ticks by which two windows, and twice the usual one, may differ where the speed is steady.
@@ -29,8 +29,8 @@ const STEADY: (f64, f64) = (2.0, 2.0);
 const PARTS: usize = 32;
 /// A slot is broken when its part of the turn lacks more than this many ticks a turn, by so many times the scatter of the other
 /// parts, over so many turns; what is older than so many turns counts half.
-const LACKS: f64 = 0.5;
-const ABOVE: f64 = 6.0;
+const MIN_LACKING_TICKS: f64 = 0.5;
+const MIN_SCATTER_MULTIPLE: f64 = 6.0;
 const TURNS: (f32, f32) = (8.0, 64.0);
 
 /// One wheel's pulses.
@@ -85,14 +85,14 @@ impl PulseCheck {
 
     /// The share of pulses that is missed at random, as far as this counter alone tells; `None` where it is not known.
     pub(super) fn share(&self) -> Option<f64> {
-        (self.seen >= KNOWN).then_some(self.share)
+        (self.seen >= LOSS_KNOWN_TIME_S).then_some(self.share)
     }
 
     /// Does it miss more than it may, where other wheels seem to miss `others`? They cannot: it is the ground that is rough.
     pub(super) fn misses(&mut self, others: f64) -> bool {
         let beyond = self.share - 2.0 * others.max(0.0);
         let least = if self.missed { MISSED.1 } else { MISSED.0 };
-        self.missed = self.seen >= KNOWN && beyond > least;
+        self.missed = self.seen >= LOSS_KNOWN_TIME_S && beyond > least;
         self.missed
     }
 
@@ -121,7 +121,7 @@ impl PulseCheck {
         let (ticks, seconds) = (self.ticks, self.seconds);
         let size = ticks.abs();
         (self.ticks, self.seconds, self.so_far) = (0.0, 0.0, 0.0);
-        let wanted = (self.readings * TICKS / size.max(0.1)).clamp(1.0, READINGS);
+        let wanted = (self.readings * WINDOW_TICKS / size.max(0.1)).clamp(1.0, MAX_WINDOW_READINGS);
         if wanted > 2.0 * self.readings || 2.0 * wanted < self.readings {
             self.readings = whole(wanted + 0.5) as f64;
             self.before = [None; 2];
@@ -133,12 +133,12 @@ impl PulseCheck {
         self.usual = if self.usual == 0.0 {
             ticks
         } else {
-            self.usual + USUAL * (ticks - self.usual)
+            self.usual + USUAL_TICKS_SHARE * (ticks - self.usual)
         };
         let (Some((s_1, t_1)), Some((s_2, t_2))) = (first, second) else {
             return;
         };
-        let equal = (t_1 - t_2).abs().max((seconds - t_2).abs()) <= UNEQUAL * t_2;
+        let equal = (t_1 - t_2).abs().max((seconds - t_2).abs()) <= MAX_WINDOW_DIFFERENCE * t_2;
         let level = (s_1 - ticks).abs() <= LEVEL.0 + LEVEL.1 * size;
         if !(equal && level && size >= USED.0 && size <= USED.1) {
             return;
@@ -146,7 +146,7 @@ impl PulseCheck {
         let bent = s_2 - 0.5 * (s_1 + ticks);
         let most = 6.0 * (1.0 + 0.3 * size);
         let beyond = ((bent * bent).min(most) - by_whole_ticks(self.usual)) / (1.5 * size);
-        let weight = (seconds / MEMORY)
+        let weight = (seconds / LOSS_MEMORY_S)
             .max(seconds / (self.seen + seconds))
             .min(1.0);
         self.share += weight * (beyond - self.share);
@@ -201,7 +201,8 @@ impl PulseCheck {
         let mean = others().sum::<f64>() / count;
         let scatter = others().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
         let lacks = mean - of(worst);
-        lacks > LACKS && lacks > ABOVE * grouser_real::Real::sqrt(scatter)
+        lacks > MIN_LACKING_TICKS
+            && lacks > MIN_SCATTER_MULTIPLE * grouser_real::Real::sqrt(scatter)
     }
 }
 

@@ -8,7 +8,7 @@ use super::entry::Uncertain;
 use crate::fault::Fault;
 
 /// A sigma beyond this says nothing about an angle in [−π/2, π/2], rad.
-const USELESS: f64 = 0.35;
+const MAX_ANGLE_SIGMA_RAD: f64 = 0.35;
 
 /// The ground's angle under two wheels, from the link that joins their centres, rad, positive uphill.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +98,7 @@ pub fn contact_lean(
     let sigmas = [front.sigma, rear.sigma, rate.sigma];
     let [front, rear] = sines.map(|sine| angle(sine, sigmas));
     Ok(match (front, rear) {
-        (Some(front), Some(rear)) if front.sigma.max(rear.sigma) <= USELESS => {
+        (Some(front), Some(rear)) if front.sigma.max(rear.sigma) <= MAX_ANGLE_SIGMA_RAD => {
             LeanOutcome::Measured(ContactLean { front, rear })
         }
         (Some(_), Some(_)) => LeanOutcome::NotObservable,

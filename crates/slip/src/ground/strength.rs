@@ -25,15 +25,15 @@ const USED_SLIP: (f64, f64) = (0.01, 0.95);
 /// Gauss-Newton steps of one reading.
 const STEPS: usize = 2;
 /// A reading this many sigma off does not change the parameters.
-const GATE: f64 = 4.0;
+const GATE_SIGMA: f64 = 4.0;
 /// CUSUM of the innovations: slack and threshold, in sigma. A shift by 3 sigma is found in about four readings.
-const SLACK: f64 = 0.75;
-const THRESHOLD: f64 = 8.0;
+const CUSUM_SLACK_SIGMA: f64 = 0.75;
+const CUSUM_THRESHOLD_SIGMA: f64 = 8.0;
 /// From this sum on readings wait outside, so that a new ground is not learned as a little of both.
-const SUSPICION: f64 = 3.0;
+const CUSUM_SUSPICION_SIGMA: f64 = 3.0;
 /// Slopes of first order make the filter too sure: without this factor on the noise's variance the squared error is
 /// 1.4 times what the covariance says (`its_sigmas_are_those_of_its_errors`).
-const LINEARISATION: f64 = 1.5;
+const LINEARISATION_FACTOR: f64 = 1.5;
 
 /// Can the readings so far tell a parameter?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -261,7 +261,9 @@ impl SoilIdentifier {
             }
             return Taken::Changed;
         }
-        if innovation.abs() > GATE || self.shift.iter().any(|sum| *sum > SUSPICION) {
+        if innovation.abs() > GATE_SIGMA
+            || self.shift.iter().any(|sum| *sum > CUSUM_SUSPICION_SIGMA)
+        {
             return Taken::Outlier { innovation };
         }
         match self.enter(size, reading, predicted) {
@@ -283,11 +285,11 @@ impl SoilIdentifier {
 
     /// Two-sided CUSUM; one wild reading alone cannot cross the threshold.
     fn has_shifted(&mut self, innovation: f64) -> bool {
-        let held = innovation.clamp(-GATE, GATE);
+        let held = innovation.clamp(-GATE_SIGMA, GATE_SIGMA);
         for (sum, sign) in self.shift.iter_mut().zip([1.0, -1.0]) {
-            *sum = (*sum + sign * held - SLACK).max(0.0);
+            *sum = (*sum + sign * held - CUSUM_SLACK_SIGMA).max(0.0);
         }
-        self.shift.iter().any(|sum| *sum > THRESHOLD)
+        self.shift.iter().any(|sum| *sum > CUSUM_THRESHOLD_SIGMA)
     }
 
     /// The reading enters: Gauss-Newton over the strength and the reading's own true load, sinkage and slip, all six
@@ -318,7 +320,7 @@ impl SoilIdentifier {
                 residual -= slope * (measured[i].value - now[i].value);
                 latent += (slope * measured[i].sigma) * (slope * measured[i].sigma);
             }
-            let noise = LINEARISATION * (latent + rest);
+            let noise = LINEARISATION_FACTOR * (latent + rest);
             let total = before.variance_along(&predicted.by_strength) + noise;
             let gain = before.gain(&predicted.by_strength, noise);
             for (i, slot) in mean.iter_mut().enumerate() {
@@ -333,7 +335,7 @@ impl SoilIdentifier {
             corrected.sinkage.value = moved(1).clamp(0.1 * measured[1].value, 0.95 * size.radius);
             corrected.slip.value = moved(2).clamp(USED_SLIP.0, USED_SLIP.1);
         }
-        let noise = LINEARISATION * self.noise(reading, &predicted);
+        let noise = LINEARISATION_FACTOR * self.noise(reading, &predicted);
         let gain = before.gain(&predicted.by_strength, noise);
         self.belief = before.corrected(mean, &predicted.by_strength, &gain, noise);
         self.readings = self.readings.saturating_add(1);

@@ -4,7 +4,7 @@ use super::entry::Uncertain;
 use super::reading::WheelReading;
 
 /// Readings further than this many sigma from a stretch's mean begin another.
-const SAME: f64 = 3.0;
+const SAME_STRETCH_SIGMA: f64 = 3.0;
 
 /// The mean of readings that differ by their noise alone.
 ///
@@ -44,7 +44,11 @@ impl Stretch {
             .zip(self.mean.iter().zip(self.variance))
             .all(|(part, (mean, variance))| {
                 let off = part.value - mean;
-                off * off <= SAME * SAME * spread * variance.max(part.sigma * part.sigma)
+                off * off
+                    <= SAME_STRETCH_SIGMA
+                        * SAME_STRETCH_SIGMA
+                        * spread
+                        * variance.max(part.sigma * part.sigma)
             })
     }
 

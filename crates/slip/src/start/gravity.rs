@@ -8,7 +8,7 @@ use crate::fault::Fault;
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.806_65;
 /// Gravity and a good sensor differ by no more than this share.
-const NEAR: f64 = 0.1;
+const GRAVITY_TOLERANCE_SHARE: f64 = 0.1;
 
 /// Checks the specific force (m/s²; forwards, to the left, up) of a robot that rests on ground no steeper than `steepest`: at
 /// rest an accelerometer shows 9.81 m/s² upwards. Gives the tilt, rad.
@@ -47,10 +47,10 @@ pub fn check_gravity(force: [f64; 3], steepest: Angle) -> Result<Angle, Fault> {
             looks_like,
         })
     };
-    if !((size / GRAVITY - 1.0).abs() <= NEAR) {
-        let looks_like = if (size - 1.0).abs() <= NEAR {
+    if !((size / GRAVITY - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE) {
+        let looks_like = if (size - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE {
             "g given as m/s²"
-        } else if (size / (1000.0 * GRAVITY) - 1.0).abs() <= NEAR {
+        } else if (size / (1000.0 * GRAVITY) - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE {
             "mm/s² given as m/s²"
         } else {
             "another unit, or a robot that does not rest"

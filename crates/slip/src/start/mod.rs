@@ -24,17 +24,17 @@ pub use gravity::{GRAVITY, check_gravity};
 use pair::{Pair, Verdict};
 
 /// Means are taken over this long, s.
-const WINDOW: f64 = 0.2;
+const WINDOW_S: f64 = 0.2;
 /// All wheels slower than this: the robot rests, m/s.
-const RESTS: f64 = 1e-3;
+const REST_SPEED_M_PER_S: f64 = 1e-3;
 /// At rest no planar accelerometer shows more: no robot stands on 45°, m/s².
-const STEEPEST: f64 = 6.9;
+const MAX_REST_FORCE_M_PER_S2: f64 = 6.9;
 /// At rest no gyro shows more, rad/s.
 const MOST_BIAS: f64 = 0.5;
 /// Slower turns (rad/s), speeds (m/s) and accelerations (m/s²) say nothing.
-const TURNS: f64 = 0.03;
-const MOVES: f64 = 0.03;
-const STARTS: f64 = 0.05;
+const MIN_TURN_RAD_PER_S: f64 = 0.03;
+const MIN_SPEED_M_PER_S: f64 = 0.03;
+const MIN_ACCELERATION_M_PER_S2: f64 = 0.05;
 
 /// How far the look has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,9 +112,9 @@ impl StartCheck {
         self.listen(sample);
         let begun = *self.begun_ns.get_or_insert(sample.time_ns);
         let passed = seconds_between(begun, sample.time_ns);
-        if !(0.0..=2.0 * WINDOW).contains(&passed) {
+        if !(0.0..=2.0 * WINDOW_S).contains(&passed) {
             self.restart(sample.time_ns);
-        } else if passed >= WINDOW {
+        } else if passed >= WINDOW_S {
             self.end_window(known, passed);
             self.restart(sample.time_ns);
         }
@@ -198,25 +198,30 @@ impl StartCheck {
         let force = self.means.force.map(mean);
         let [ahead, aside] = self.means.reference.map(mean);
         let (free, all) = (mean_of(Some(true)), mean_of(None));
-        if rims.iter().flatten().all(|rim| rim.abs() < RESTS) {
+        if rims
+            .iter()
+            .flatten()
+            .all(|rim| rim.abs() < REST_SPEED_M_PER_S)
+        {
             self.look_at_rest(gyro, force);
         }
         let others = free.or(ahead);
         // one that stays where it is does not turn by its wheels either
-        let moves = others.is_none_or(|speed| speed.abs() >= MOVES);
+        let moves = others.is_none_or(|speed| speed.abs() >= MIN_SPEED_M_PER_S);
         if let (Some(gyro), Some(turn), true) = (gyro, self.turn_of(rims), moves) {
-            self.gyro.take_unbiased(gyro, turn, TURNS, passed);
+            self.gyro
+                .take_unbiased(gyro, turn, MIN_TURN_RAD_PER_S, passed);
         }
         if let (Some(ahead), Some(aside)) = (ahead, aside)
             && let Some(speed) = free
         {
-            self.reference.take(ahead, speed, MOVES, passed);
-            self.sideways.take(aside, speed, MOVES, passed);
+            self.reference.take(ahead, speed, MIN_SPEED_M_PER_S, passed);
+            self.sideways.take(aside, speed, MIN_SPEED_M_PER_S, passed);
         }
         if let Some(speed) = others {
             for ((pair, (_, free)), rim) in self.wheels.iter_mut().zip(&self.rows).zip(rims) {
                 if let (false, Some(rim)) = (free, rim) {
-                    pair.take(*rim, speed, MOVES, passed);
+                    pair.take(*rim, speed, MIN_SPEED_M_PER_S, passed);
                 }
             }
         }
@@ -227,8 +232,9 @@ impl StartCheck {
         {
             let rise = (now - before) / passed;
             self.forward_force
-                .take_unbiased(forward, rise, STARTS, passed);
-            self.left_force.take_unbiased(left, rise, STARTS, passed);
+                .take_unbiased(forward, rise, MIN_ACCELERATION_M_PER_S2, passed);
+            self.left_force
+                .take_unbiased(left, rise, MIN_ACCELERATION_M_PER_S2, passed);
         }
         self.before = speed;
         self.conclude();
@@ -254,7 +260,7 @@ impl StartCheck {
     fn look_at_rest(&mut self, gyro: Option<f64>, force: [Option<f64>; 2]) {
         let fields = ["acceleration forward", "acceleration left"];
         for (field, force) in fields.into_iter().zip(force) {
-            if let Some(force) = force.filter(|force| force.abs() > STEEPEST) {
+            if let Some(force) = force.filter(|force| force.abs() > MAX_REST_FORCE_M_PER_S2) {
                 self.find(
                     field,
                     force / GRAVITY,

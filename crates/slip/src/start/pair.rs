@@ -3,12 +3,12 @@
 use grouser_real::Real;
 
 /// So much must have been seen before a word is said, s.
-const ENOUGH: f64 = 1.0;
+const MIN_OBSERVED_TIME_S: f64 = 1.0;
 /// Correlation from which two readings are of one quantity, and below which of two.
-const RELATED: f64 = 0.75;
-const UNRELATED: f64 = 0.3;
+const RELATED_CORRELATION: f64 = 0.75;
+const UNRELATED_CORRELATION: f64 = 0.3;
 /// Slip and skid change a unit's factor by no more than this share; a unit holds through all speeds at this correlation.
-const SLIPS: f64 = 0.4;
+const MAX_SLIP_FACTOR: f64 = 0.4;
 const ALL_BUT_ONE: f64 = 0.99;
 
 /// Factors of units that are mixed up, and what they are.
@@ -95,14 +95,14 @@ impl Pair {
     }
 
     pub(super) fn is_settled(&self) -> bool {
-        self.seconds >= ENOUGH
+        self.seconds >= MIN_OBSERVED_TIME_S
     }
 
     pub(super) fn is_related(&self) -> bool {
         self.is_settled()
             && self
                 .slope()
-                .is_some_and(|(_, together)| together.abs() >= RELATED)
+                .is_some_and(|(_, together)| together.abs() >= RELATED_CORRELATION)
     }
 
     /// What it comes to, where factors between `limits` are plausible.
@@ -113,13 +113,13 @@ impl Pair {
         let Some((slope, together)) = self.slope() else {
             return Verdict::Unrelated;
         };
-        if together <= -RELATED {
+        if together <= -RELATED_CORRELATION {
             return Verdict::Sign(slope);
         }
-        if slope.abs() > limits.1 || together >= RELATED && slope.abs() < limits.0 {
+        if slope.abs() > limits.1 || together >= RELATED_CORRELATION && slope.abs() < limits.0 {
             return Verdict::Scale(slope, guess(slope, units).unwrap_or("another unit"));
         }
-        if together.abs() < UNRELATED {
+        if together.abs() < UNRELATED_CORRELATION {
             return Verdict::Unrelated;
         }
         Verdict::Fits
@@ -127,7 +127,9 @@ impl Pair {
 
     /// A unit's own factor between both, held through all speeds.
     pub(super) fn unit(&self) -> Option<(f64, &'static str)> {
-        let (slope, together) = self.slope().filter(|_| self.seconds >= 2.0 * ENOUGH)?;
+        let (slope, together) = self
+            .slope()
+            .filter(|_| self.seconds >= 2.0 * MIN_OBSERVED_TIME_S)?;
         // at one speed any factor is held
         let mean = self.second / self.count;
         let spread = self.second_square / self.count - mean * mean;
@@ -137,6 +139,6 @@ impl Pair {
 }
 
 fn guess(factor: f64, units: &Units) -> Option<&'static str> {
-    let near = |unit: &&(f64, &str)| (Real::ln(factor.abs() / unit.0)).abs() <= SLIPS;
+    let near = |unit: &&(f64, &str)| (Real::ln(factor.abs() / unit.0)).abs() <= MAX_SLIP_FACTOR;
     units.iter().find(near).map(|unit| unit.1)
 }

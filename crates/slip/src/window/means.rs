@@ -20,14 +20,14 @@ use crate::state::Motion;
 use crate::wheel_track::WheelTrack;
 
 /// Wheels whose headings differ by less than this (sine) drive one way only.
-const PARALLEL: f64 = 0.02;
+const PARALLEL_SINE: f64 = 0.02;
 /// A robot without any knowledge of a speed may move at up to about this, m/s and rad/s.
-const UNKNOWN: f64 = 10.0;
+const UNKNOWN_SPEED_SIGMA: f64 = 10.0;
 /// Distances grow in steps of this share of the window: in shorter ones the sensors' resolution would
 /// weigh too little against the priors.
 const TRAVEL_STEP: f64 = 0.25;
 /// Yaw rate of a robot that is taken to drive straight, rad/s.
-const STRAIGHT: f64 = 0.05;
+const STRAIGHT_YAW_RATE_RAD_PER_S: f64 = 0.05;
 
 /// The robot's ways by its wheels and by the reference, and its mean motion over a window by both.
 ///
@@ -79,7 +79,8 @@ impl WindowMeans {
             .collect();
         let mut powered = wheels.iter().filter(|w| w.role == WheelRole::Powered);
         let one_way = powered.next().is_none_or(|first| {
-            powered.all(|w| (first.row[0] * w.row[1] - first.row[1] * w.row[0]).abs() < PARALLEL)
+            powered
+                .all(|w| (first.row[0] * w.row[1] - first.row[1] * w.row[0]).abs() < PARALLEL_SINE)
         });
         Ok(Self {
             speeds: vec![None; wheels.len()].into_boxed_slice(),
@@ -255,12 +256,15 @@ impl WindowMeans {
         let lateral = if self.one_way && !self.reference.measures_displacement() {
             self.settings.lateral_sigma
         } else {
-            UNKNOWN
+            UNKNOWN_SPEED_SIGMA
         };
-        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
+        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
         seen.add(self.sideways(), prior(lateral));
         let yaw = self.reference.yaw_rate(from, until);
-        seen.add([0.0, 0.0, 1.0], yaw.unwrap_or(prior(STRAIGHT)));
+        seen.add(
+            [0.0, 0.0, 1.0],
+            yaw.unwrap_or(prior(STRAIGHT_YAW_RATE_RAD_PER_S)),
+        );
         self.reference.observe(from, until, &mut seen)?;
         match self.settings.reference {
             Reference::FreeWheel => {
@@ -317,11 +321,11 @@ impl WindowMeans {
         let lateral = if self.one_way {
             self.settings.lateral_sigma
         } else {
-            UNKNOWN
+            UNKNOWN_SPEED_SIGMA
         };
-        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN));
+        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
         seen.add(self.sideways(), prior(lateral));
-        seen.add([0.0, 0.0, 1.0], prior(UNKNOWN));
+        seen.add([0.0, 0.0, 1.0], prior(UNKNOWN_SPEED_SIGMA));
         // All wheels weigh the same, as the least resolved of them: what differs is their slip.
         let mut variance = 1e-8_f64;
         for (_, speed) in self.of(WheelRole::Powered) {

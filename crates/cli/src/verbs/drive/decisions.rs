@@ -5,7 +5,7 @@ use grouser_rover::drive::NamedDecision;
 use super::run::Run;
 
 /// Decisions of one kind that follow each other within this time are one, s.
-const TOGETHER: f64 = 1.0;
+const MAX_GROUP_GAP_S: f64 = 1.0;
 
 /// Decisions of one kind about the same time.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub(super) fn groups(decisions: &[NamedDecision]) -> Vec<Group<'_>> {
             group.number.is_none()
                 && other.action == decision.action
                 && other.reason == decision.reason
-                && named.time - group.end <= TOGETHER
+                && named.time - group.end <= MAX_GROUP_GAP_S
         };
         let Some(wheel) = decision.wheel else {
             number += 1;

@@ -14,13 +14,13 @@ use grouser_figure::{escaped, png_address};
 
 /// The frame: its greatest width and height, and what stands around it.
 const MOST: [f64; 2] = [800.0, 560.0];
-const LEFT: f64 = 58.0;
-const TOP: f64 = 12.0;
-const RIGHT: f64 = 22.0;
+const LEFT_MARGIN_PT: f64 = 58.0;
+const TOP_MARGIN_PT: f64 = 12.0;
+const RIGHT_MARGIN_PT: f64 = 22.0;
 /// Below the frame: ticks and title, then the key.
-const BELOW: f64 = 100.0;
+const BOTTOM_MARGIN_PT: f64 = 100.0;
 /// The track is drawn to this many units.
-const FINEST: f64 = 1.5;
+const MIN_TRACK_STEP_PT: f64 = 1.5;
 /// Colours of slip from −1 to 1: blue brakes, pale rolls, red spins. They differ in lightness as well.
 const SCALE: [(f64, [u8; 3]); 7] = [
     (-1.0, [0x0b, 0x2a, 0x5c]),
@@ -43,8 +43,8 @@ pub(super) fn map(scenario: &Scenario, run: &Run, track: &Track) -> String {
         "<svg viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" class=\"map\">\n\
          <title>Map: relief of the ground, the track coloured by slip</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-        LEFT + width + RIGHT,
-        TOP + height + BELOW
+        LEFT_MARGIN_PT + width + RIGHT_MARGIN_PT,
+        TOP_MARGIN_PT + height + BOTTOM_MARGIN_PT
     );
     let contour = shape(&view, &ground, &mut out);
     way(&view, scenario, track, &mut out);
@@ -92,8 +92,8 @@ impl View {
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let Window { low, high } = self.window;
         [
-            LEFT + (x - low[0]) * self.scale,
-            TOP + (high[1] - y) * self.scale,
+            LEFT_MARGIN_PT + (x - low[0]) * self.scale,
+            TOP_MARGIN_PT + (high[1] - y) * self.scale,
         ]
     }
 }
@@ -104,7 +104,7 @@ fn shape(view: &View, ground: &Ground, out: &mut String) -> Option<f64> {
     if let Ok(picture) = relief(ground, view.window, view.size).png() {
         let _ = writeln!(
             out,
-            "<image x=\"{LEFT}\" y=\"{TOP}\" width=\"{width:.2}\" height=\"{height:.2}\" \
+            "<image x=\"{LEFT_MARGIN_PT}\" y=\"{TOP_MARGIN_PT}\" width=\"{width:.2}\" height=\"{height:.2}\" \
              preserveAspectRatio=\"none\" href=\"{}\"/>",
             png_address(&picture)
         );
@@ -132,7 +132,7 @@ fn way(view: &View, scenario: &Scenario, track: &Track, out: &mut String) {
             from = Some(to);
             continue;
         };
-        if (to[0] - start[0]).hypot(to[1] - start[1]) >= FINEST {
+        if (to[0] - start[0]).hypot(to[1] - start[1]) >= MIN_TRACK_STEP_PT {
             stretches.push((start, to, mean_slip(scenario, point)));
             from = Some(to);
         }
@@ -186,10 +186,10 @@ fn marks(view: &View, run: &Run, track: &Track, out: &mut String) {
 fn axes(view: &View, out: &mut String) {
     let Window { low, high } = view.window;
     let [width, height] = view.size;
-    let bottom = TOP + height;
+    let bottom = TOP_MARGIN_PT + height;
     let _ = writeln!(
         out,
-        "<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"none\" \
+        "<rect x=\"{LEFT_MARGIN_PT}\" y=\"{TOP_MARGIN_PT}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"none\" \
          stroke=\"#1a1a1e\" stroke-width=\"1.2\"/>"
     );
     let most = |length: f64| if length < 200.0 { 3 } else { 8 };
@@ -206,9 +206,9 @@ fn axes(view: &View, out: &mut String) {
         let [_, y] = view.at([low[0], value]);
         let _ = writeln!(
             out,
-            "<path d=\"M{LEFT} {y:.1}h6\" stroke=\"#1a1a1e\"/>\
+            "<path d=\"M{LEFT_MARGIN_PT} {y:.1}h6\" stroke=\"#1a1a1e\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            LEFT - 7.0,
+            LEFT_MARGIN_PT - 7.0,
             y + 4.5
         );
     }
@@ -217,16 +217,16 @@ fn axes(view: &View, out: &mut String) {
         "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\"><tspan font-style=\"italic\">x</tspan> (m)</text>\
          <text x=\"14\" y=\"{middle:.1}\" text-anchor=\"middle\" transform=\"rotate(-90 14 {middle:.1})\">\
          <tspan font-style=\"italic\">y</tspan> (m)</text>",
-        LEFT + 0.5 * width,
+        LEFT_MARGIN_PT + 0.5 * width,
         bottom + 40.0,
-        middle = TOP + 0.5 * height,
+        middle = TOP_MARGIN_PT + 0.5 * height,
     );
 }
 
 /// What colours, lines and letters mean.
 fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String) {
-    const BAR: f64 = 260.0;
-    let top = TOP + view.size[1] + 60.0;
+    const MAX_BAR_WIDTH_PT: f64 = 260.0;
+    let top = TOP_MARGIN_PT + view.size[1] + 60.0;
     out.push_str("<defs><linearGradient id=\"slip-scale\">");
     for (slip, [red, green, blue]) in SCALE {
         let _ = write!(
@@ -237,7 +237,7 @@ fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String)
     }
     let _ = writeln!(
         out,
-        "</linearGradient></defs>\n<rect x=\"{LEFT}\" y=\"{top:.1}\" width=\"{BAR}\" height=\"11\" \
+        "</linearGradient></defs>\n<rect x=\"{LEFT_MARGIN_PT}\" y=\"{top:.1}\" width=\"{MAX_BAR_WIDTH_PT}\" height=\"11\" \
          fill=\"url(#slip-scale)\" stroke=\"#1a1a1e\" stroke-width=\".8\"/>"
     );
     for (slip, label) in [
@@ -247,7 +247,7 @@ fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String)
         (0.5, "0.5"),
         (1.0, "1"),
     ] {
-        let x = LEFT + BAR * 0.5 * (slip + 1.0);
+        let x = LEFT_MARGIN_PT + MAX_BAR_WIDTH_PT * 0.5 * (slip + 1.0);
         let _ = writeln!(
             out,
             "<path d=\"M{x:.1} {:.1}v4\" stroke=\"#1a1a1e\"/><text x=\"{x:.1}\" y=\"{:.1}\" \
@@ -277,7 +277,7 @@ fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String)
         let _ = writeln!(
             out,
             "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            LEFT + BAR + 26.0,
+            LEFT_MARGIN_PT + MAX_BAR_WIDTH_PT + 26.0,
             top + 10.0 + 20.0 * line as f64,
             part.join("; ")
         );

@@ -27,6 +27,9 @@ use crate::output::OutputFile;
 
 /// A joint: a wheel's encoder shaft.
 struct Joint {
+    /// The wheel's name.
+    wheel: String,
+    /// The joint's name, by which `estimate` finds the wheel.
     name: String,
     counter: Counter,
     /// rad.
@@ -71,7 +74,8 @@ impl Recording {
         let joints = joints.map(|(wheel, mount)| {
             let encoder = &wheel.encoder;
             Joint {
-                name: wheel.name.clone(),
+                wheel: wheel.name.clone(),
+                name: mount.joint.clone(),
                 counter: Counter::new(encoder.counter),
                 per_tick: encoder.ticks_per_turn.map_or(0.0, |ticks| TAU / ticks),
                 max_torque: mount.motor.map_or(0.0, |motor| motor.max_torque()),
@@ -238,7 +242,7 @@ impl Recording {
         let names: Vec<&str> = self
             .joints
             .iter()
-            .map(|joint| joint.name.as_str())
+            .map(|joint| joint.wheel.as_str())
             .collect();
         let (mut slips, mut sigmas) = (Vec::new(), Vec::new());
         let (mut motions, mut healths) = (Vec::new(), Vec::new());

@@ -17,7 +17,7 @@ const MAX_CELLS: f64 = 220.0;
 /// Contours at most.
 const MAX_CONTOURS: u8 = 9;
 /// Slopes are shown this much steeper, so that gentle ground has a shape.
-const STEEPER: f64 = 2.0;
+const SLOPE_EXAGGERATION: f64 = 2.0;
 /// Ground of each soil in full light: sand, then tints for other soils.
 const TINTS: [[f64; 3]; 5] = [
     [244.0, 233.0, 208.0],
@@ -40,7 +40,7 @@ pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Picture
         let x = low[0] + (high[0] - low[0]) * column / f64::from(columns);
         let y = high[1] - (high[1] - low[1]) * row / f64::from(rows);
         let spot = ground.at(x, y);
-        let [right, up] = spot.slope.map(|slope| slope * STEEPER);
+        let [right, up] = spot.slope.map(|slope| slope * SLOPE_EXAGGERATION);
         let normal = (1.0 + right * right + up * up).sqrt();
         let lit = (light[2] - light[0] * right - light[1] * up) / normal;
         let brightness = (0.97 + 0.42 * (lit.max(0.0) - level)).clamp(0.6, 1.06);

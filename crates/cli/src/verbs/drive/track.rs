@@ -3,9 +3,9 @@
 use grouser_rover::drive::Frame;
 
 /// Frames kept a second: enough for a figure.
-const KEPT: f64 = 10.0;
+const FRAMES_PER_S: f64 = 10.0;
 /// Slower than this, rim and centre, a slip is the quotient of two rests and is not shown, m/s.
-const SLOWEST: f64 = 0.02;
+const MIN_SHOWN_SPEED_M_PER_S: f64 = 0.02;
 
 /// A wheel at a moment.
 #[derive(Clone, Copy, Debug)]
@@ -49,14 +49,14 @@ impl Track {
         let due = self
             .points
             .last()
-            .is_none_or(|last| frame.time - last.time >= 1.0 / KEPT - 1e-9);
+            .is_none_or(|last| frame.time - last.time >= 1.0 / FRAMES_PER_S - 1e-9);
         if !due {
             return;
         }
         let wheels = frame.wheels.iter().map(|wheel| {
             let fastest = wheel.speeds[0].abs().max(wheel.speeds[1].abs());
             WheelPoint {
-                slip: wheel.slip.filter(|_| fastest >= SLOWEST),
+                slip: wheel.slip.filter(|_| fastest >= MIN_SHOWN_SPEED_M_PER_S),
                 seen: wheel.observation.slip,
                 sigma: wheel.observation.sigma,
                 torque: wheel.torque,

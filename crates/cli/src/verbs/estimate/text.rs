@@ -141,9 +141,16 @@ fn apart(turns: &TurnCheck, summary: &Summary) -> String {
         return String::new();
     };
     let since = alarm - turns.first_motion_s.unwrap_or(alarm);
+    let cause = if turns.alarms_beyond_geometry > 0 {
+        format!("which wheel slips: {}", cause(turns, summary))
+    } else {
+        let [track, radii] = turns.geometry.map(|error| 100.0 * error.value);
+        format!(
+            "an error of the description explains it (track {track:+.1} %, right radii {radii:+.1} %), slip is not observable"
+        )
+    };
     format!(
-        "wheels and gyro go apart: first at {alarm:.1} s, {since:.1} s after the robot first drove; which wheel slips: {}\n",
-        cause(turns, summary),
+        "wheels and gyro go apart: first at {alarm:.1} s, {since:.1} s after the robot first drove; {cause}\n",
     )
 }
 

@@ -8,7 +8,7 @@ use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
 
 /// A share below this does not count in words.
-const SMALL: f64 = 1e-6;
+const MIN_WORDED_SHARE: f64 = 1e-6;
 /// So many optima are listed.
 const MOST_OPTIMA: usize = 20;
 /// So many points of a front are listed, the knee aside.
@@ -122,7 +122,7 @@ fn trade_off(optimum: &Optimum) -> Vec<String> {
         .iter()
         .zip(&optimum.objective_multipliers)
         .zip(&optimum.objective_scales)
-        .filter(|((_, (_, share)), _)| *share > SMALL)
+        .filter(|((_, (_, share)), _)| *share > MIN_WORDED_SHARE)
         .map(|(((name, f), (_, share)), scale)| (name.as_str(), *f, share * scale.abs()))
         .collect();
     let Some((first, rest)) = held.split_first() else {
@@ -142,9 +142,9 @@ type Priced<'n> = (&'n str, f64, f64);
 /// What it costs to be better in the first objective: price_1 df_1 + price_2 df_2 = 0. In per cent of the
 /// values, unless one of them is as good as nothing.
 fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String {
-    const NOTHING: f64 = 1e-6;
+    const MIN_COMPARED_VALUE: f64 = 1e-6;
     let size = f.abs().max(g.abs()).max(1.0);
-    if f.abs().min(g.abs()) > NOTHING * size {
+    if f.abs().min(g.abs()) > MIN_COMPARED_VALUE * size {
         let cost = price * f.abs() / (other * g.abs());
         format!(
             "  1 % better `{one}` costs {} % of `{two}`",
@@ -236,7 +236,7 @@ fn at_knee(design: &Design, trade: &Trade, knee: usize) -> String {
         return String::new();
     };
     let rates: Vec<(&str, f64, f64)> = (0..design.objectives.len())
-        .filter(|&i| shares[i] > SMALL)
+        .filter(|&i| shares[i] > MIN_WORDED_SHARE)
         .map(|i| {
             let objective = &design.objectives[i];
             (

@@ -13,7 +13,7 @@ const SAMPLES: u32 = 240;
 /// Arrows of normal stress.
 const ARROWS: u32 = 14;
 /// The longest arrow in parts of the radius.
-const LONGEST: f64 = 0.42;
+const MAX_ARROW_RADII: f64 = 0.42;
 
 /// Draws the operating point.
 pub(super) fn draw(pair: &WheelOnSoil, point: &OperatingPoint, soil: &str) -> Figure {
@@ -81,7 +81,7 @@ fn scene(pair: &WheelOnSoil, point: &OperatingPoint, soil: &str) -> Scene {
         .fold(0.0, f64::max);
     let length = |stress: f64| {
         if most > 0.0 {
-            LONGEST * radius * stress / most
+            MAX_ARROW_RADII * radius * stress / most
         } else {
             0.0
         }

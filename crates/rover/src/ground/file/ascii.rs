@@ -105,9 +105,9 @@ fn header<'a>(words: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<Hea
 }
 
 fn whole(field: &'static str, value: Option<f64>) -> Result<u64, TerrainFault> {
-    const MOST: f64 = 1e9;
+    const MAX_CELLS: f64 = 1e9;
     match value {
-        Some(value) if (0.0..=MOST).contains(&value) && value.fract() == 0.0 => {
+        Some(value) if (0.0..=MAX_CELLS).contains(&value) && value.fract() == 0.0 => {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -120,7 +120,7 @@ fn whole(field: &'static str, value: Option<f64>) -> Result<u64, TerrainFault> {
             field,
             value,
             low: 2.0,
-            high: MOST,
+            high: MAX_CELLS,
             unit: "1",
         }),
         None => Err(TerrainFault::Missing { field }),

@@ -20,7 +20,7 @@ const VERTICAL_UNITS_KEY: u32 = 4099;
 /// EPSG's code of the metre.
 const METRE: u32 = 9001;
 /// Greatest number of cells of one tile or strip.
-const MOST_OF_A_CHUNK: u64 = 1 << 25;
+const MAX_CHUNK_BYTES: u64 = 1 << 25;
 
 const WANTED: &str = "one band of whole numbers up to 32 bits or of floats of 32 or 64";
 
@@ -119,11 +119,11 @@ fn cut<R: BufRead + Seek>(decoder: &mut Decoder<R>, (columns, rows): (u32, u32))
         let tags = [Tag::StripOffsets, Tag::StripByteCounts];
         (columns, height, tags, ["strips", "StripOffsets"])
     };
-    if u64::from(width) * u64::from(height) > MOST_OF_A_CHUNK {
+    if u64::from(width) * u64::from(height) > MAX_CHUNK_BYTES {
         return Err(TerrainFault::Cells {
             columns: u64::from(width),
             rows: u64::from(height),
-            limit: MOST_OF_A_CHUNK,
+            limit: MAX_CHUNK_BYTES,
         });
     }
     let across = columns.div_ceil(width);

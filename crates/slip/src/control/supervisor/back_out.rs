@@ -13,7 +13,7 @@ const MAX_IDLE_TIME_S: f64 = 10.0;
 /// While the robot moves back slowly more slip is allowed, at this rate, 1/s.
 const SLIP_RATE_PER_S: f64 = 0.1;
 /// Backing out fails after this multiple of its length over its speed.
-const PATIENCE: f64 = 8.0;
+const MAX_TIME_FACTOR: f64 = 8.0;
 /// Backing out slower than this share of the standstill speed is no movement; tuned on `soft-patch.toml`.
 const IDLE_SPEED_SHARE: f64 = 0.25;
 /// Backing out slower than this share of its setpoint is slow.
@@ -99,7 +99,7 @@ impl BackOut {
             });
         }
         let speed = settings.back_speed * view.robot.request.speed.abs();
-        let max_time = PATIENCE * length / speed.max(1e-3);
+        let max_time = MAX_TIME_FACTOR * length / speed.max(1e-3);
         let values = if self.idle_time > MAX_IDLE_TIME_S {
             (self.idle_time, MAX_IDLE_TIME_S)
         } else if view.time > max_time {
