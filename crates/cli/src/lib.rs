@@ -13,3 +13,12 @@ pub use grouser_report as report;
 pub use grouser_rover as rover;
 pub use grouser_slip as slip;
 pub use grouser_terra as terra;
+
+/// The Rust of the tutorials compiles and holds.
+#[cfg(doctest)]
+mod tutorials {
+    #[doc = include_str!("../../../docs/tutorials/5-on-the-robot.md")]
+    mod on_the_robot {}
+    #[doc = include_str!("../../../docs/tutorials/6-as-a-library.md")]
+    mod as_a_library {}
+}

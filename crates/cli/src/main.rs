@@ -54,12 +54,3 @@ fn main() -> ExitCode {
         Err(error) => terminal::complain(&error, command_json),
     }
 }
-
-/// The Rust of the tutorials compiles and holds.
-#[cfg(doctest)]
-mod tutorials {
-    #[doc = include_str!("../../../docs/tutorials/5-on-the-robot.md")]
-    mod on_the_robot {}
-    #[doc = include_str!("../../../docs/tutorials/6-as-a-library.md")]
-    mod as_a_library {}
-}

@@ -4,7 +4,7 @@
 //! a line after `$ ` runs and the others are quoted. ```` ```toml title="F" ```` writes the file F. `sh data` and `console data` need
 //! the measured data (`GROUSER_DATA`); `exit=N` is the exit code if it is not 0.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "a skipped block is reported")]
+#![allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -82,7 +82,12 @@ fn keys(object: &Value) -> Vec<&str> {
 #[test]
 fn every_key_of_the_contract_is_there_in_the_order_of_the_file() {
     let folder = Folder::new("keys");
-    let problem = folder.file("page.toml", PAGE);
+    // every variable has both bounds: eight starts unless the file says otherwise
+    let spread = folder.file("spread.toml", PAGE);
+    let spread = json(&grouser(&["optimize", &spread, "--json"]));
+    assert_eq!(spread["starts"].as_array().unwrap().len(), 8);
+    assert_eq!(spread["provenance"]["seed"], 1);
+    let problem = folder.file("page.toml", &PAGE.replace("method", "starts = 1\nmethod"));
     let output = grouser(&["optimize", &problem, "--json"]);
     assert_eq!(output.status.code(), Some(0));
     let found = json(&output);

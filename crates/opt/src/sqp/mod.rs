@@ -51,6 +51,8 @@ const FIRST_PRICE: f64 = 10.0;
 const MAX_PRICE: f64 = 1e12;
 /// Optimality that passes for a solution when rounding allows no further step.
 const NEARLY_OPTIMAL: f64 = 1e-4;
+/// A point that violates a constraint by more than this is no solution, whatever its optimality.
+const MAX_SOLVED_VIOLATION: f64 = 1e-6;
 /// Searches from a probe that lowered the level before the point is called stalled.
 const RESTARTS: usize = 20;
 /// A level below this is taken for a fall without limit.
@@ -190,7 +192,7 @@ impl Sqp<'_, '_, '_> {
         }
         let mut model = Expansion { point, jacobian };
         let status = self.iterate(&mut model);
-        let solution = report::solution(
+        let mut solution = report::solution(
             self.program,
             self.settings,
             &self.evaluator,
@@ -199,6 +201,11 @@ impl Sqp<'_, '_, '_> {
             &self.multipliers,
             status,
         );
+        // A start far outside the linear constraints may leave some of them violated.
+        let allowed = self.settings.constraint_tolerance.max(MAX_SOLVED_VIOLATION);
+        if solution.status.is_solved() && solution.kkt.violation > allowed {
+            solution.status = Status::Stalled;
+        }
         (solution, model.point)
     }
 
