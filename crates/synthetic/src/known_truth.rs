@@ -259,7 +259,10 @@ fn unit(angle: f64) -> [f64; 2] {
     const PARTS: u32 = 6;
     // the half-angle tangent by its series; then the rotation is doubled back to the whole angle
     let part = angle / f64::from(1_u32 << PARTS);
-    let t = 0.5 * part * (1.0 + part * part / 12.0 + part.powi(4) / 120.0);
+    let square = part * part;
+    let t = 0.5
+        * part
+        * (1.0 + square * (1.0 / 12.0 + square * (1.0 / 120.0 + square * 17.0 / 20160.0)));
     let scale = 1.0 / (1.0 + t * t);
     let (mut cos, mut sin) = ((1.0 - t * t) * scale, 2.0 * t * scale);
     for _ in 0..PARTS {
