@@ -154,7 +154,7 @@ pub fn run() {
         let solve = median_ns(|| {
             fast.sinkage_under(black_box(load), &motion)
                 .expect("a search")
-                .sinkage
+                .sinkage()
                 .unwrap_or(0.0)
         });
         println!("{name:<28}{forces:>12.0}{solve:>14.0}{error:>14.1e}");
