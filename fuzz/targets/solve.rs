@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
         let Ok(solution) = point.contact.under_load(load, &point.motion) else {
             continue;
         };
-        let Some(found) = solution.point else { continue };
+        let Some(found) = solution.point() else { continue };
         let f = found.forces;
         assert!((0.0..point.wheel.radius()).contains(&found.sinkage), "{solution:?}");
         assert!(f.drawbar_pull.is_finite() && f.torque.is_finite(), "{solution:?}");
