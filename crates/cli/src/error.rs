@@ -83,8 +83,8 @@ impl Error {
         limit: [f64; 2],
         limits: impl fmt::Display,
     ) -> Self {
-        let told = grouser_report::number::told(value);
-        let message = format!("`{flag}` is {told}, but must {limits}");
+        let text = grouser_report::number::in_message(value);
+        let message = format!("`{flag}` is {text}, but must {limits}");
         Self::new(Kind::Value, message, None).with(Details {
             field: Some(flag.to_owned()),
             value: value.into(),

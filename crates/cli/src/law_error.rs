@@ -5,7 +5,7 @@ use grouser_terra::Error as LawError;
 use serde_json::Value;
 
 use crate::error::{Details, Error, Kind};
-use grouser_report::number::told;
+use grouser_report::number::in_message;
 
 /// Whose names a message uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,14 +94,14 @@ impl Names {
                 let (scale, unit) = in_degrees(unit);
                 let [value, low, high] = [value * scale, low * scale, high * scale];
                 let limit = if high >= f64::MAX {
-                    format!("be at least {}{unit}", told(low))
+                    format!("be at least {}{unit}", in_message(low))
                 } else {
-                    format!("lie in [{}, {}]{unit}", told(low), told(high))
+                    format!("lie in [{}, {}]{unit}", in_message(low), in_message(high))
                 };
                 format!(
                     "{} is {}{unit}, but must {limit}",
                     self.of(field),
-                    told(value)
+                    in_message(value)
                 )
             }
             LawError::NotAbove {
@@ -111,7 +111,7 @@ impl Names {
                 unit,
             } => {
                 let (scale, unit) = in_degrees(unit);
-                let [value, limit] = [value * scale, limit * scale].map(told);
+                let [value, limit] = [value * scale, limit * scale].map(in_message);
                 format!(
                     "{} is {value}{unit}, but must be greater than {limit}{unit}",
                     self.of(field)
@@ -130,8 +130,8 @@ impl Names {
             LawError::HubBuried { sinkage, radius } => format!(
                 "{} is {} m, but must stay below the wheel's radius, {} m (the hub is buried)",
                 self.of("sinkage"),
-                told(sinkage),
-                told(radius)
+                in_message(sinkage),
+                in_message(radius)
             ),
             LawError::ReboundAboveHub {
                 rebound,
@@ -140,9 +140,9 @@ impl Names {
             } => format!(
                 "{} is {} at a sinkage of {} m, but their product must stay below the wheel's radius, {} m",
                 self.of("rebound"),
-                told(rebound),
-                told(sinkage),
-                told(radius)
+                in_message(rebound),
+                in_message(sinkage),
+                in_message(radius)
             ),
             ref other => other.to_string(),
         }

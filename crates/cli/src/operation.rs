@@ -1,6 +1,6 @@
 //! One operating point of a wheel, asked for by its load or by its sinkage, and its keys.
 
-use grouser_report::number::{shown, told};
+use grouser_report::number::{in_message, shown};
 use grouser_report::{Fields, fields};
 use grouser_terra::{Error as LawError, Kinematics, LoadOutcome, OperatingPoint, WheelOnSoil};
 
@@ -22,7 +22,7 @@ impl Asked {
         }
     }
 
-    /// The sinkage, if it is asked for by one.
+    /// The sinkage, if it is given.
     pub(crate) fn sinkage(self) -> Option<f64> {
         match self {
             Self::Load(_) => None,
@@ -65,7 +65,7 @@ impl Status {
             (Self::Ok, _) => None,
             (Self::NoSolution(most), Asked::Load(load)) => Some(format!(
                 "no sinkage carries {} N; the most that was found to be carried is {} N",
-                told(load),
+                in_message(load),
                 shown(most)
             )),
             _ => Some("the search for the sinkage did not converge".to_owned()),

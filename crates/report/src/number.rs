@@ -28,7 +28,7 @@ pub fn short(value: f64) -> String {
 
 /// A number in a message: as it was given, to twelve digits.
 #[must_use]
-pub fn told(value: f64) -> String {
+pub fn in_message(value: f64) -> String {
     general(value, 12)
 }
 

@@ -215,10 +215,13 @@ impl Columns {
     /// What the user should know of the header.
     pub(super) fn warnings(&self) -> Vec<String> {
         let there = |name: &&str| self.header.iter().any(|field| content(field) == **name);
-        let told = |name: &str| {
+        let warning = |name: &str| {
             format!("column `{name}` was there already; the one that was added is the last")
         };
-        self.added().filter(|name| there(name)).map(told).collect()
+        self.added()
+            .filter(|name| there(name))
+            .map(warning)
+            .collect()
     }
 
     /// Reads a row.

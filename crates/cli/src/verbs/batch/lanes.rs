@@ -1,4 +1,4 @@
-//! The points of a chunk that run on lanes: sorted by soil and by what is asked, eight at a time.
+//! The points of a chunk that run on lanes: sorted by soil and by the unknown, eight at a time.
 
 use std::collections::BTreeMap;
 

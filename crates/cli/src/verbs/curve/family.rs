@@ -4,7 +4,7 @@ use grouser_terra::BestSlip;
 
 use crate::operation::{Answer, Asked};
 
-/// One curve: what it was asked for by, and its points.
+/// One curve: its load, and its points.
 pub(super) struct Family {
     pub(super) asked: Asked,
     pub(super) points: Vec<(f64, Answer)>,

@@ -19,7 +19,7 @@ use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::WheelArguments;
-use grouser_report::number::{parse_finite, shown, told};
+use grouser_report::number::{in_message, parse_finite, shown};
 
 /// More points than this are no curve any more.
 const MOST_POINTS: i64 = 100_000;
@@ -134,7 +134,7 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
         }
     }
     if !(from < to) {
-        let limit = format!("be less than `--slip-to`, {}", told(to));
+        let limit = format!("be less than `--slip-to`, {}", in_message(to));
         return Err(Error::out_of_range("--slip-from", from, [-1.0, to], limit));
     }
     let last = arguments.points - 1;

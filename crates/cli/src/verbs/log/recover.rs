@@ -16,7 +16,7 @@ use crate::session::Session;
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "The output is read again before it gets its name. Exit 0: nothing is lost; 3: a part is \
-        lost, and told with its place; 1: nothing can be read.\n\nExample:\n  grouser log recover cut.mcap \
+        lost, and reported with its place; 1: nothing can be read.\n\nExample:\n  grouser log recover cut.mcap \
         whole.mcap"
 )]
 pub(super) struct Arguments {

@@ -17,7 +17,7 @@ use crate::exit::Outcome;
 use crate::output_choice::Output;
 use crate::report::Report;
 use crate::session::Session;
-use grouser_report::number::{shown, told};
+use grouser_report::number::{in_message, shown};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -106,11 +106,11 @@ fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
         }),
         Status::Limit(Limit::Iterations) => Some(format!(
             "no convergence within {} iterations (`max_iterations` in [settings])",
-            told(design.settings.max_iterations as f64)
+            in_message(design.settings.max_iterations as f64)
         )),
         Status::Limit(_) => Some(format!(
             "no convergence within {} evaluations (`max_values` in [settings])",
-            told(design.settings.max_values as f64)
+            in_message(design.settings.max_values as f64)
         )),
         Status::Unbounded => {
             Some("the objective falls without limit; a bound or a constraint is missing".to_owned())

@@ -162,7 +162,7 @@ fn failure(points: &[Point], share: f64) -> String {
     let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
     format!(
         "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
-        grouser_report::number::told(share),
+        grouser_report::number::in_message(share),
         shown(most)
     )
 }
