@@ -2,7 +2,8 @@
 
 use grouser_real::{Real, Scalar};
 
-use crate::contact::{Contact, ExponentTables, Integrals, Order};
+use crate::contact::{Contact, ExponentTables, Integrals, OneByOne, Order};
+use crate::lanes::EightNodes;
 
 /// What the soil does to the wheel: the stresses integrated over the contact.
 ///
@@ -43,16 +44,19 @@ impl<R: Scalar> Contact<R> {
     /// This is the door for dual numbers and other kinds of number; [`WheelOnSoil`](crate::WheelOnSoil)
     /// is the one for plain use.
     pub fn forces(&self) -> Forces<R> {
-        self.forces_by(None, Order::Standard).0
+        self.assemble(&self.integrals(None, Order::Standard, &OneByOne))
     }
+}
 
-    pub(crate) fn forces_by(
-        &self,
-        rules: Option<&ExponentTables>,
-        order: Order,
-    ) -> (Forces<R>, u32) {
-        let (integrals, nodes) = self.integrals(rules, order);
-        (self.assemble(&integrals), nodes)
+impl Contact<f64> {
+    /// Forces in plain numbers: eight nodes at a time, in reference mode one by one.
+    pub(crate) fn forces_by(&self, rules: Option<&ExponentTables>, order: Order) -> Forces {
+        let integrals = if order <= Order::Check {
+            self.integrals(rules, order, &EightNodes::best())
+        } else {
+            self.integrals(rules, order, &OneByOne)
+        };
+        self.assemble(&integrals)
     }
 }
 

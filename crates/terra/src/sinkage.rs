@@ -1,6 +1,6 @@
 //! The sinkage at which a wheel carries its load.
 
-use grouser_real::{Dual, Real};
+use grouser_real::Real;
 
 use crate::caution::Caution;
 use crate::contact::sinkage_from_entry_angle;
@@ -11,11 +11,11 @@ use crate::pressure::Pressure;
 use crate::status::SolveStatus;
 use crate::wheel_on_soil::WheelOnSoil;
 
-/// Largest |ln(W/load)| from which one more Newton step lands within rounding: the error of a step is of
-/// the order of its square, and ln W is nearly straight in ln θ_1.
-const LAST_STEP: f64 = 1e-7;
+/// Largest product of |ln(W/load)| at the last two places from which one more secant step lands within rounding: the
+/// error of a step is of the order of that product, and ln W is nearly straight in ln θ_1.
+const LAST_STEP: f64 = 1e-14;
 
-/// Newton steps and bisections before giving up. Newton takes 3 to 5; 80 halvings reach rounding anyway.
+/// Secant steps and bisections before giving up. The secant takes 4 to 7; 80 halvings reach rounding anyway.
 const STEPS: u32 = 80;
 
 /// How the search for the sinkage under a load ended, with its result.
@@ -205,7 +205,7 @@ impl WheelOnSoil {
                 Err(max_load) => return LoadOutcome::NoSolution { max_load },
             }
         }
-        self.newton(load, kinematics, search)
+        self.secant(load, kinematics, search)
             .map(|theta_1| Sinkage {
                 sinkage: sinkage_from_entry_angle(theta_1, self.size().radius),
                 several,
@@ -266,10 +266,12 @@ impl WheelOnSoil {
         Ok(crossings > 1)
     }
 
-    /// Newton's method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
-    /// rising. Source of the start: Bekker's closed form for a wheel without shear \[Bekker69\].
-    fn newton(&self, load: f64, kinematics: &Kinematics, search: &mut Search) -> LoadOutcome<f64> {
+    /// The secant method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
+    /// rising. Source of the start and of its slope: Bekker's closed form for a wheel without shear \[Bekker69\].
+    fn secant(&self, load: f64, kinematics: &Kinematics, search: &mut Search) -> LoadOutcome<f64> {
         let mut theta_1 = self.bekker_start(load);
+        let mut slope = 2.0 * self.laws().exponent.n_0 + 1.0;
+        let mut before: Option<(f64, f64)> = None;
         for _ in 0..STEPS {
             if theta_1 >= search.high && !search.proven {
                 let top = self.vertical_force(search.high, kinematics, &mut search.evaluations);
@@ -281,23 +283,28 @@ impl WheelOnSoil {
             if !(theta_1 > search.low && theta_1 < search.high) {
                 theta_1 = search.middle();
             }
-            let contact = self.contact(Dual::<1>::variable(theta_1, 0), kinematics);
-            let force = contact
-                .forces_by(self.tables(), self.order())
-                .0
-                .vertical_force;
-            search.evaluations += 1;
-            if force.value >= load {
+            let force = self.vertical_force(theta_1, kinematics, &mut search.evaluations);
+            if force >= load {
                 search.high = theta_1;
                 search.proven = true;
             } else {
                 search.low = theta_1;
             }
-            let slope = theta_1 * force.gradient[0] / force.value;
-            if force.value > 0.0 && slope > 0.0 {
-                let off = Real::ln(force.value / load);
+            let off = if force > 0.0 {
+                Real::ln(force / load)
+            } else {
+                f64::NEG_INFINITY
+            };
+            let place = Real::ln(theta_1);
+            let mut last = off == 0.0;
+            if let Some((place_before, off_before)) = before {
+                slope = (off - off_before) / (place - place_before);
+                last |= (off * off_before).abs() <= LAST_STEP;
+            }
+            before = off.is_finite().then_some((place, off));
+            if off.is_finite() && slope > 0.0 {
                 let next = theta_1 * Real::exp(-off / slope);
-                if off.abs() <= LAST_STEP {
+                if last {
                     return LoadOutcome::Solved(next);
                 }
                 theta_1 = next;
@@ -315,7 +322,6 @@ impl WheelOnSoil {
         *evaluations += 1;
         self.contact(theta_1, kinematics)
             .forces_by(self.tables(), self.order())
-            .0
             .vertical_force
     }
 

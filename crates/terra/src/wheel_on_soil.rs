@@ -89,7 +89,7 @@ impl WheelOnSoil {
         self.check_exponent(kinematics)?;
         let contact = self.contact(theta_1, kinematics);
         Ok(mirrored(
-            contact.forces_by(self.tables(), self.order()).0,
+            contact.forces_by(self.tables(), self.order()),
             kinematics,
         ))
     }
@@ -131,6 +131,7 @@ impl WheelOnSoil {
 
     pub(crate) fn order(&self) -> Order {
         match self.settings.accuracy {
+            Accuracy::TimeSteps => Order::TimeSteps,
             Accuracy::Standard => Order::Standard,
             Accuracy::Reference => Order::Reference,
         }
@@ -162,12 +163,13 @@ impl WheelOnSoil {
     /// The whole operating point at an entry angle of the forward-rolling wheel (rad).
     pub(crate) fn point(&self, theta_1: f64, kinematics: &Kinematics) -> OperatingPoint {
         let contact = self.contact(theta_1, kinematics);
-        let (forces, _) = contact.forces_by(self.tables(), self.order());
+        let forces = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {
+            Accuracy::TimeSteps => Order::Standard,
             Accuracy::Standard => Order::Check,
             Accuracy::Reference => Order::Beyond,
         };
-        let (check, _) = contact.forces_by(self.tables(), finer);
+        let check = contact.forces_by(self.tables(), finer);
         let radius = self.size.radius;
         let error_estimate = (forces.vertical_force - check.vertical_force)
             .abs()

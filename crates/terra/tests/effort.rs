@@ -4,7 +4,7 @@
 use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 
 /// Cases and evaluations in all: of the search itself, and where eleven samples guard it.
-const PLAIN: (usize, u32) = (22, 68);
+const PLAIN: (usize, u32) = (22, 96);
 const GUARDED: (usize, u32) = (8, 113);
 
 /// Evaluations of the stress integrals for each sinkage case of the reference table.
@@ -33,7 +33,7 @@ fn evaluations() -> Vec<(f64, f64, u32)> {
 }
 
 #[test]
-fn newtons_method_takes_three_to_five_evaluations() {
+fn the_search_takes_four_to_six_evaluations() {
     let all = evaluations();
     // driving on soil that does not rise: the search itself
     let plain: Vec<u32> = all
@@ -49,5 +49,5 @@ fn newtons_method_takes_three_to_five_evaluations() {
         .collect();
     assert_eq!((plain.len(), plain.iter().sum::<u32>()), PLAIN);
     assert_eq!((guarded.len(), guarded.iter().sum::<u32>()), GUARDED);
-    assert!(plain.iter().all(|n| (2..=5).contains(n)), "{plain:?}");
+    assert!(plain.iter().all(|n| (2..=6).contains(n)), "{plain:?}");
 }

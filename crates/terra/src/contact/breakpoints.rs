@@ -6,8 +6,9 @@ use super::Contact;
 use crate::shear::{ShearLaw, ShearState};
 
 /// How closely the growth of the shear is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Detail {
+    Coarse,
     Standard,
     Fine,
     Finer,
@@ -18,12 +19,16 @@ impl Detail {
     /// after the last it is 1 within the accuracy.
     const fn levels(self) -> &'static [f64] {
         match self {
+            Self::Coarse => &[3.0, 12.0],
             Self::Standard => &[2.0, 6.0, 13.0, 26.0],
             Self::Fine => &[1.5, 4.0, 9.0, 18.0, 42.0],
             Self::Finer => &[0.5, 1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 30.0, 45.0],
         }
     }
 }
+
+/// How closely a cut at a level of displacement is found, relatively: where exactly a panel ends does not matter there.
+const LEVEL_CLOSE: f64 = 0.1;
 
 /// Most cuts there can be: at most three monotone stretches of j, each with every level on both sides.
 const CAPACITY: usize = 96;
@@ -43,7 +48,7 @@ impl Breakpoints {
             cuts: [0.0; CAPACITY],
             len: 0,
         };
-        if detail != Detail::Standard {
+        if detail > Detail::Standard {
             // the trigonometric factors over a long arc
             let halves = if detail == Detail::Fine { 2 } else { 4 };
             for i in 1..halves {
@@ -86,15 +91,21 @@ impl Breakpoints {
         for &(from, to) in stretches.as_slice() {
             self.push_inside(from, arc);
             let (j_from, j_to) = (shear.along(from.next_up()), shear.along(to));
-            let mut add = |j: f64| {
+            let mut add = |j: f64, close: f64| {
                 if (j_from < j && j < j_to) || (j_to < j && j < j_from) {
-                    self.push_inside(level_crossing(shear, (from, to), j), arc);
+                    self.push_inside(level_crossing(shear, (from, to), (j, close)), arc);
                 }
             };
-            add(0.0);
+            // there the stress changes its sign
+            add(0.0, 0.0);
+            let close = match detail {
+                Detail::Coarse | Detail::Standard => LEVEL_CLOSE,
+                Detail::Fine | Detail::Finer => 0.0,
+            };
             for level in detail.levels() {
-                add(level * shear.k_shear);
-                add(-level * shear.k_shear);
+                let j = level * shear.k_shear;
+                add(j, close * j);
+                add(-j, close * j);
             }
         }
     }
@@ -236,9 +247,9 @@ impl ShearState<f64> {
     }
 }
 
-/// The arc in `range`, over which j is monotone and passes `level`, where it does: bisection with the
-/// secant's help (Illinois), to the last bit that matters.
-fn level_crossing(shear: &ShearState<f64>, range: (f64, f64), level: f64) -> f64 {
+/// The arc in `range`, over which j is monotone and passes `level`, where it does to `close`, m: bisection with the
+/// secant's help (Illinois), for 0 to the last bit that matters.
+fn level_crossing(shear: &ShearState<f64>, range: (f64, f64), (level, close): (f64, f64)) -> f64 {
     let (mut a, mut b) = range;
     let (mut f_a, mut f_b) = (shear.along(a.next_up()) - level, shear.along(b) - level);
     for _ in 0..60 {
@@ -247,7 +258,7 @@ fn level_crossing(shear: &ShearState<f64>, range: (f64, f64), level: f64) -> f64
             c = 0.5 * (a + b);
         }
         let f_c = shear.along(c) - level;
-        if f_c == 0.0 || (b - a).abs() <= 4.0 * f64::EPSILON * b.abs() {
+        if f_c.abs() <= close || (b - a).abs() <= 4.0 * f64::EPSILON * b.abs() {
             return c;
         }
         if (f_c < 0.0) == (f_b < 0.0) {

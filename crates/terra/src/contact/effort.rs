@@ -3,13 +3,38 @@
 //! `tests/snapshots/effort.txt` line by line: a change there is a change of the algorithm, to be reviewed.
 //! `GROUSER_UPDATE=1 cargo test -p grouser-terra effort` writes it anew.
 
+use std::cell::Cell;
 use std::fmt::Write as _;
 use std::string::String;
 use std::{env, fs};
 
+use super::integrals::{Nodes, OneByOne};
+use super::{Contact, Integrals, Panel};
+use crate::quadrature::RuleView;
 use crate::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 
 const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/effort.txt");
+
+/// Nodes one by one, counted.
+struct Counted(Cell<usize>);
+
+impl Nodes<f64> for Counted {
+    fn smooth(
+        &self,
+        contact: &Contact<f64>,
+        friction: RuleView<'_>,
+        cohesion: RuleView<'_>,
+    ) -> Integrals<f64> {
+        self.0
+            .set(self.0.get() + 2 * friction.nodes.len() + cohesion.nodes.len());
+        OneByOne.smooth(contact, friction, cohesion)
+    }
+
+    fn panel(&self, contact: &Contact<f64>, panel: Panel, rule: RuleView<'_>) -> Integrals<f64> {
+        self.0.set(self.0.get() + rule.nodes.len());
+        OneByOne.panel(contact, panel, rule)
+    }
+}
 
 fn table() -> String {
     let cases = include_str!("../../tests/oracle/wheel_cases.csv");
@@ -38,8 +63,9 @@ fn table() -> String {
         } else {
             let theta_1 = super::entry_angle(number(6), number(2));
             let contact = wheel_on_soil.contact(theta_1, &motion);
-            let (_, nodes) = contact.forces_by(wheel_on_soil.tables(), wheel_on_soil.order());
-            std::format!("{nodes}")
+            let nodes = Counted(Cell::new(0));
+            contact.integrals(wheel_on_soil.tables(), wheel_on_soil.order(), &nodes);
+            std::format!("{}", nodes.0.get())
         };
         let names = [
             cells[0],

@@ -3,6 +3,7 @@
 use grouser_real::{Real, Scalar};
 
 use super::ladder::{ExponentTables, Step};
+use super::panels::Panel;
 use super::{Contact, ContactAngles};
 use crate::quadrature::RuleView;
 
@@ -28,6 +29,8 @@ pub(crate) struct Integrals<R> {
 /// How finely to integrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
+    /// Good to 1e-6 of the forces.
+    TimeSteps,
     /// The coarsest rule that is good to 1e-9 of the forces.
     Standard,
     /// The next finer rule, to estimate the error of `Standard`.
@@ -38,27 +41,68 @@ pub(crate) enum Order {
     Beyond,
 }
 
+/// What evaluates the integrands of a contact at the nodes of rules: one node after the other, or eight at once.
+pub(crate) trait Nodes<R> {
+    /// Both pieces by a rule each that holds the power of the normal stress, and the cohesion by one rule over the arc.
+    fn smooth(
+        &self,
+        contact: &Contact<R>,
+        friction: RuleView<'_>,
+        cohesion: RuleView<'_>,
+    ) -> Integrals<R>;
+    /// A part of a piece by a rule.
+    fn panel(&self, contact: &Contact<R>, panel: Panel, rule: RuleView<'_>) -> Integrals<R>;
+}
+
+/// One node after the other, in any kind of number.
+pub(crate) struct OneByOne;
+
+impl<R: Scalar> Nodes<R> for OneByOne {
+    fn smooth(
+        &self,
+        contact: &Contact<R>,
+        friction: RuleView<'_>,
+        cohesion: RuleView<'_>,
+    ) -> Integrals<R> {
+        let mut sum = Integrals::zero();
+        for (t, weight) in friction.iter() {
+            sum.add_friction(contact, R::from_f64(t), R::from_f64(weight));
+        }
+        for (x, weight) in cohesion.iter() {
+            sum.add_cohesion(contact, R::from_f64(x), R::from_f64(weight));
+        }
+        sum
+    }
+
+    fn panel(&self, contact: &Contact<R>, panel: Panel, rule: RuleView<'_>) -> Integrals<R> {
+        let mut sum = Integrals::zero();
+        for (x, weight) in rule.iter() {
+            let (t, weight) = panel.place(x, weight);
+            sum.add_part(contact, panel.piece, R::from_f64(t), R::from_f64(weight));
+        }
+        sum
+    }
+}
+
 impl<R: Scalar> Contact<R> {
     /// Integrates with the rule that `order` and the stiffness of the shear ask for; `rules` are those
-    /// of this contact's exponent, if it is a constant. Returns the number of nodes too.
+    /// of this contact's exponent, if it is a constant.
     pub(crate) fn integrals(
         &self,
         rules: Option<&ExponentTables>,
         order: Order,
-    ) -> (Integrals<R>, u32) {
+        nodes: &impl Nodes<R>,
+    ) -> Integrals<R> {
         let smooth = match (rules, order) {
-            (Some(rules), Order::Standard | Order::Check) => self.smooth_rules(rules, order),
+            (Some(rules), Order::TimeSteps | Order::Standard | Order::Check) => {
+                self.smooth_rules(rules, order)
+            }
             _ => None,
         };
-        let mut sum = Integrals::zero();
-        let nodes = match smooth {
-            Some((friction, cohesion)) => {
-                sum.add_smooth(self, friction, cohesion);
-                2 * friction.nodes.len() + cohesion.nodes.len()
-            }
-            None => sum.add_split(self, order),
-        };
-        (sum, u32::try_from(nodes).unwrap_or(u32::MAX))
+        match smooth {
+            Some((friction, cohesion)) => nodes.smooth(self, friction, cohesion),
+            None => self.split(order, nodes),
+        }
     }
 
     /// The (friction, cohesion) rules where the integrand is smooth over each piece.
@@ -99,6 +143,7 @@ impl<R: Scalar> Contact<R> {
 }
 
 impl<R: Real> Integrals<R> {
+    #[inline(always)]
     pub(crate) fn zero() -> Self {
         let zero = R::ZERO;
         Self {
@@ -112,7 +157,22 @@ impl<R: Real> Integrals<R> {
         }
     }
 
+    /// Every integral by a function.
+    #[inline(always)]
+    pub(crate) fn map<S>(self, f: impl Fn(R) -> S) -> Integrals<S> {
+        Integrals {
+            sigma_cos: f(self.sigma_cos),
+            sigma_sin: f(self.sigma_sin),
+            tau_cos: f(self.tau_cos),
+            tau_sin: f(self.tau_sin),
+            tau: f(self.tau),
+            tau_side: f(self.tau_side),
+            lost: f(self.lost),
+        }
+    }
+
     /// Adds another part of the contact.
+    #[inline(always)]
     pub(super) fn merge(&mut self, other: &Self) {
         self.sigma_cos += other.sigma_cos;
         self.sigma_sin += other.sigma_sin;
@@ -124,6 +184,7 @@ impl<R: Real> Integrals<R> {
     }
 
     /// One node: σ and strength (both times their weight) at the arc `w` behind the entry.
+    #[inline(always)]
     pub(super) fn add(&mut self, contact: &Contact<R>, w: R, sigma: R, strength: R) {
         let (sin, cos) = (contact.angles.theta_1 - w).sin_cos();
         let (along, across) = contact.shear.mobilised(w);
@@ -141,50 +202,37 @@ impl<R: Real> Integrals<R> {
         }
     }
 
-    /// Friction by a Gauss-Jacobi rule on each piece, cohesion by one Gauss-Legendre rule over all:
-    /// σ = tⁿ × analytic is the only singularity, and the rule's weight holds it.
-    pub(crate) fn add_smooth(
-        &mut self,
-        contact: &Contact<R>,
-        friction: RuleView<'_>,
-        cohesion: RuleView<'_>,
-    ) {
+    /// Friction of both pieces at a node of a Gauss-Jacobi rule: σ = tⁿ × analytic is the only singularity, and the
+    /// rule's weight holds it.
+    #[inline(always)]
+    pub(crate) fn add_friction(&mut self, contact: &Contact<R>, t: R, weight: R) {
         let ContactAngles {
             theta_1,
             theta_2,
             theta_m,
         } = contact.angles;
         let (front, rear) = (theta_1 - theta_m, theta_m - theta_2);
-        for (t, weight) in friction.iter() {
-            let t = R::from_f64(t);
-            let u = t * front;
-            let shape = contact.drop(u) / t;
-            let positive = R::ZERO.lt(shape);
-            let power = R::select(positive, shape, R::ONE).powf(contact.n);
-            let sigma = R::select(
-                positive,
-                R::from_f64(weight) * contact.amplitude * power,
-                R::ZERO,
-            );
-            self.add(contact, u, sigma * front, sigma * front * contact.tan_phi);
-            let w = theta_1 - (theta_2 + t * rear);
-            self.add(contact, w, sigma * rear, sigma * rear * contact.tan_phi);
-        }
-        let arc = theta_1 - theta_2;
-        for (x, weight) in cohesion.iter() {
-            let w = R::from_f64(x) * arc;
-            self.add(
-                contact,
-                w,
-                R::ZERO,
-                R::from_f64(weight) * contact.cohesion * arc,
-            );
-        }
+        let u = t * front;
+        let shape = contact.drop(u) / t;
+        let positive = R::ZERO.lt(shape);
+        let power = R::select(positive, shape, R::ONE).powf(contact.n);
+        let sigma = R::select(positive, weight * contact.amplitude * power, R::ZERO);
+        self.add(contact, u, sigma * front, sigma * front * contact.tan_phi);
+        let w = theta_1 - (theta_2 + t * rear);
+        self.add(contact, w, sigma * rear, sigma * rear * contact.tan_phi);
+    }
+
+    /// Cohesion at a node of a rule over the whole arc.
+    #[inline(always)]
+    pub(crate) fn add_cohesion(&mut self, contact: &Contact<R>, x: R, weight: R) {
+        let arc = contact.angles.theta_1 - contact.angles.theta_2;
+        self.add(contact, x * arc, R::ZERO, weight * contact.cohesion * arc);
     }
 }
 
 impl<R: Real> Contact<R> {
     /// |q_y| p: the sideways speed in the energy balance's unit.
+    #[inline(always)]
     pub(crate) fn drift(&self) -> R {
         let lock = if self.shear.locked { R::ONE } else { self.p };
         self.shear.q_y.abs() * lock

@@ -15,8 +15,9 @@ mod stress_position;
 use grouser_real::{Real, Scalar};
 
 pub use angles::{ContactAngles, entry_angle, sinkage_from_entry_angle};
-pub(crate) use integrals::{Integrals, Order};
+pub(crate) use integrals::{Integrals, Nodes, OneByOne, Order};
 pub(crate) use ladder::ExponentTables;
+pub(crate) use panels::Panel;
 pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
@@ -226,14 +227,63 @@ impl<R: Scalar> Contact<R> {
     }
 }
 
+impl Contact<f64> {
+    /// The same contact in numbers of another kind, without derivatives: in every lane, say.
+    #[inline(always)]
+    pub(crate) fn spread<V: Real>(&self) -> Contact<V> {
+        let c = V::from_f64;
+        let (angles, shear, size) = (&self.angles, &self.shear, &self.size);
+        Contact {
+            angles: ContactAngles {
+                theta_1: c(angles.theta_1),
+                theta_2: c(angles.theta_2),
+                theta_m: c(angles.theta_m),
+            },
+            amplitude: c(self.amplitude),
+            n: c(self.n),
+            cohesion: c(self.cohesion),
+            tan_phi: c(self.tan_phi),
+            shear: ShearState {
+                law: shear.law,
+                displacement: Displacement {
+                    theta_1: c(shear.displacement.theta_1),
+                    q: c(shear.displacement.q),
+                    one_minus_q: c(shear.displacement.one_minus_q),
+                },
+                radius: c(shear.radius),
+                k_shear: c(shear.k_shear),
+                k_side: c(shear.k_side),
+                q_y: c(shear.q_y),
+                locked: shear.locked,
+                sideways: shear.sideways,
+                restart: match shear.restart {
+                    Some((start, there)) => Some((c(start), c(there))),
+                    None => None,
+                },
+            },
+            size: WheelSize {
+                radius: c(size.radius),
+                shear_radius: c(size.shear_radius),
+                rim_radius: c(size.rim_radius),
+                tip_share: c(size.tip_share),
+                width: c(size.width),
+            },
+            p: c(self.p),
+            pq: c(self.pq),
+        }
+    }
+}
+
 impl<R: Real> Contact<R> {
     /// cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2), without cancellation.
+    #[inline(always)]
     pub(crate) fn drop(&self, u: R) -> R {
         let half = R::from_f64(0.5) * u;
         R::from_f64(2.0) * (self.angles.theta_1 - half).sin() * half.sin()
     }
 
     /// σ at the front piece's arc `u` from the entry.
+    #[inline(always)]
     pub(crate) fn sigma(&self, u: R) -> R {
         let drop = self.drop(u);
         let positive = R::ZERO.lt(drop);

@@ -3,7 +3,7 @@
 use grouser_real::{Real, Scalar};
 
 use super::breakpoints::{Breakpoints, Detail};
-use super::integrals::{Integrals, Order};
+use super::integrals::{Integrals, Nodes, Order};
 use super::{Contact, ContactAngles};
 use crate::quadrature::{LEGENDRE_16, LEGENDRE_32, RuleView};
 
@@ -13,19 +13,43 @@ const HALVINGS: u32 = 16;
 
 /// The two pieces of the normal stress.
 #[derive(Clone, Copy)]
-enum Piece {
+pub(crate) enum Piece {
     /// From the greatest stress to the entry.
     Front,
     /// From the exit to the greatest stress.
     Rear,
 }
 
-/// A part of a piece, t from `from` to `to`; t = 0 where the stress vanishes, 1 where it is greatest.
+/// A part of a piece, t = v⁴ from `from` to `to` in v; t = 0 where the stress vanishes, 1 where it is greatest. The
+/// fourth power tames tⁿ wherever the part lies.
 #[derive(Clone, Copy)]
-struct Panel {
-    piece: Piece,
+pub(crate) struct Panel {
+    pub(crate) piece: Piece,
     from: f64,
     to: f64,
+}
+
+impl Panel {
+    /// t and its weight at a node of a rule.
+    #[inline(always)]
+    pub(crate) fn place<R: Real>(&self, x: R, weight: R) -> (R, R) {
+        let length = R::from_f64(self.to - self.from);
+        let v = R::from_f64(self.from) + length * x;
+        let cube = v * v * v;
+        (cube * v, weight * length * R::from_f64(4.0) * cube)
+    }
+
+    /// Both halves.
+    fn halves(self) -> [Self; 2] {
+        let middle = 0.5 * (self.from + self.to);
+        [
+            Self { to: middle, ..self },
+            Self {
+                from: middle,
+                ..self
+            },
+        ]
+    }
 }
 
 /// The rule of a panel, and how well it must agree with itself where panels are halved.
@@ -35,33 +59,34 @@ struct Method<'a> {
     tolerance: Option<f64>,
 }
 
-impl<R: Scalar> Integrals<R> {
-    /// Both pieces cut wherever the shear changes sign or its growth, each part by a Gauss-Legendre rule
-    /// in v with t = v⁴, which tames tⁿ wherever the part lies. Returns the number of nodes.
-    pub(super) fn add_split(&mut self, contact: &Contact<R>, order: Order) -> usize {
+impl<R: Scalar> Contact<R> {
+    /// Both pieces cut wherever the shear changes sign or its growth, each part by a Gauss-Legendre rule.
+    pub(super) fn split(&self, order: Order, nodes: &impl Nodes<R>) -> Integrals<R> {
         let (rule, detail) = match order {
+            Order::TimeSteps => (LEGENDRE_16.view(), Detail::Coarse),
             Order::Standard => (LEGENDRE_16.view(), Detail::Standard),
             Order::Check => (LEGENDRE_32.view(), Detail::Standard),
             Order::Reference => (LEGENDRE_32.view(), Detail::Fine),
             Order::Beyond => (LEGENDRE_32.view(), Detail::Finer),
         };
-        let breaks = Breakpoints::of(contact, detail);
-        let tolerance = contact.shear.swings(contact.arc()).then(|| {
-            let relative = if detail == Detail::Standard {
-                1e-11
-            } else {
-                1e-15
+        let breaks = Breakpoints::of(self, detail);
+        let swings = self.shear.swings(self.arc());
+        let tolerance = swings.then(|| {
+            let relative = match detail {
+                Detail::Coarse => 1e-7,
+                Detail::Standard => 1e-11,
+                Detail::Fine | Detail::Finer => 1e-15,
             };
-            let strength = contact.strength_at(contact.angles.theta_m);
-            relative * (strength * contact.arc()).value()
+            let strength = self.strength_at(self.angles.theta_m);
+            relative * (strength * self.arc()).value()
         });
         let method = Method { rule, tolerance };
-        let front = (contact.angles.theta_1 - contact.angles.theta_m).value();
-        let rear = (contact.angles.theta_m - contact.angles.theta_2).value();
-        let mut nodes = 0;
+        let front = (self.angles.theta_1 - self.angles.theta_m).value();
+        let rear = (self.angles.theta_m - self.angles.theta_2).value();
+        let mut sum = Integrals::zero();
         if front > 0.0 {
             let cuts = breaks.as_slice().iter().map(|w| w / front);
-            nodes += self.add_piece(contact, Piece::Front, cuts, method);
+            self.add_piece(&mut sum, Piece::Front, cuts, (method, nodes));
         }
         if rear > 0.0 {
             let cuts = breaks
@@ -69,72 +94,71 @@ impl<R: Scalar> Integrals<R> {
                 .iter()
                 .rev()
                 .map(|w| 1.0 - (w - front) / rear);
-            nodes += self.add_piece(contact, Piece::Rear, cuts, method);
+            self.add_piece(&mut sum, Piece::Rear, cuts, (method, nodes));
         }
-        self.add_jumps(contact);
-        nodes
+        sum.add_jumps(self);
+        sum
     }
 
     /// One piece, cut at those of the ascending `cuts` that lie inside it.
     fn add_piece(
-        &mut self,
-        contact: &Contact<R>,
+        &self,
+        sum: &mut Integrals<R>,
         piece: Piece,
         cuts: impl Iterator<Item = f64>,
-        method: Method<'_>,
-    ) -> usize {
-        let (mut from, mut nodes) = (0.0, 0);
-        for to in cuts.filter(|t| *t < 1.0).chain([1.0]) {
+        (method, nodes): (Method<'_>, &impl Nodes<R>),
+    ) {
+        let fourth_root = |t: f64| Real::sqrt(Real::sqrt(t));
+        let mut from = 0.0;
+        for cut in cuts.filter(|t| *t < 1.0).chain([1.0]) {
+            if !(cut > 0.0) {
+                continue;
+            }
+            let to = fourth_root(cut);
             if to > from {
                 let panel = Panel { piece, from, to };
-                nodes += match method.tolerance {
-                    None => self.add_panel(contact, panel, method.rule),
-                    Some(_) => self.add_halving(contact, panel, method, HALVINGS),
-                };
+                let whole = nodes.panel(self, panel, method.rule);
+                match method.tolerance {
+                    None => sum.merge(&whole),
+                    Some(tolerance) => {
+                        let found = (panel, whole);
+                        self.add_halving(sum, found, (method.rule, tolerance, nodes), HALVINGS);
+                    }
+                }
                 from = to;
             }
         }
-        nodes
     }
 
-    /// A panel halved until the rule agrees with itself on both halves. Returns the number of nodes.
-    fn add_halving(
-        &mut self,
-        contact: &Contact<R>,
-        panel: Panel,
-        method: Method<'_>,
+    /// A panel halved until the rule agrees with itself on both halves.
+    fn add_halving<N: Nodes<R>>(
+        &self,
+        sum: &mut Integrals<R>,
+        (panel, whole): (Panel, Integrals<R>),
+        by: (RuleView<'_>, f64, &N),
         halvings: u32,
-    ) -> usize {
-        let (mut whole, mut halves) = (Self::zero(), Self::zero());
-        let middle = 0.5 * (panel.from + panel.to);
-        let parts = [
-            Panel {
-                to: middle,
-                ..panel
-            },
-            Panel {
-                from: middle,
-                ..panel
-            },
-        ];
-        let mut nodes = whole.add_panel(contact, panel, method.rule);
+    ) {
+        let (rule, tolerance, nodes) = by;
+        let parts = panel
+            .halves()
+            .map(|part| (part, nodes.panel(self, part, rule)));
+        let both = |of: fn(&Integrals<R>) -> R| of(&parts[0].1) + of(&parts[1].1);
+        let off = (whole.tau - both(|i| i.tau)).value().abs()
+            + (whole.tau_side - both(|i| i.tau_side)).value().abs();
         for part in parts {
-            nodes += halves.add_panel(contact, part, method.rule);
+            if halvings == 0 || off <= tolerance {
+                sum.merge(&part.1);
+            } else {
+                self.add_halving(sum, part, by, halvings - 1);
+            }
         }
-        let off = (whole.tau - halves.tau).value().abs()
-            + (whole.tau_side - halves.tau_side).value().abs();
-        if halvings == 0 || method.tolerance.is_none_or(|tolerance| off <= tolerance) {
-            self.merge(&halves);
-            return nodes;
-        }
-        for part in parts {
-            nodes += self.add_halving(contact, part, method, halvings - 1);
-        }
-        nodes
     }
+}
 
-    /// One panel by one rule. Returns the number of nodes.
-    fn add_panel(&mut self, contact: &Contact<R>, panel: Panel, rule: RuleView<'_>) -> usize {
+impl<R: Real> Integrals<R> {
+    /// A node of a part of a piece.
+    #[inline(always)]
+    pub(crate) fn add_part(&mut self, contact: &Contact<R>, piece: Piece, t: R, weight: R) {
         let ContactAngles {
             theta_1,
             theta_2,
@@ -142,20 +166,12 @@ impl<R: Scalar> Integrals<R> {
         } = contact.angles;
         let front = theta_1 - theta_m;
         let rear = theta_m - theta_2;
-        let fourth_root = |t: f64| Real::sqrt(Real::sqrt(t));
-        let (v_a, v_b) = (fourth_root(panel.from), fourth_root(panel.to));
-        for (x, weight) in rule.iter() {
-            let v = v_a + (v_b - v_a) * x;
-            let t = R::from_f64(v * v * v * v);
-            let weight = R::from_f64(weight * (v_b - v_a) * 4.0 * v * v * v);
-            let (w, weight) = match panel.piece {
-                Piece::Front => (t * front, weight * front),
-                Piece::Rear => (theta_1 - (theta_2 + t * rear), weight * rear),
-            };
-            let sigma = contact.sigma(t * front);
-            let strength = contact.cohesion + sigma * contact.tan_phi;
-            self.add(contact, w, weight * sigma, weight * strength);
-        }
-        rule.nodes.len()
+        let (w, weight) = match piece {
+            Piece::Front => (t * front, weight * front),
+            Piece::Rear => (theta_1 - (theta_2 + t * rear), weight * rear),
+        };
+        let sigma = contact.sigma(t * front);
+        let strength = contact.cohesion + sigma * contact.tan_phi;
+        self.add(contact, w, weight * sigma, weight * strength);
     }
 }

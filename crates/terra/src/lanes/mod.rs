@@ -6,6 +6,7 @@ mod curve;
 mod forces;
 mod load;
 mod machine;
+mod nodes;
 mod plan;
 mod portable;
 mod sheet;
@@ -13,4 +14,5 @@ mod vector;
 
 pub use batch::BatchKernel;
 pub use columns::{BatchColumns, BatchInput, BatchPoints};
+pub(crate) use nodes::EightNodes;
 pub use portable::{LaneMask, Lanes};

@@ -183,9 +183,19 @@ impl Real for Lanes {
     fn powf(self, n: Self) -> Self {
         (n * self.ln()).exp()
     }
-    one_by_one!(
-        exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh
-    );
+    #[inline(never)]
+    fn exp_m1(self) -> Self {
+        super::vector::exp_m1(self)
+    }
+    #[inline(never)]
+    fn sin(self) -> Self {
+        super::vector::sin(self)
+    }
+    #[inline(never)]
+    fn cos(self) -> Self {
+        super::vector::cos(self)
+    }
+    one_by_one!(ln_1p, tan, asin, acos, atan, sinh, cosh, tanh);
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         self.with(x, Real::atan2)

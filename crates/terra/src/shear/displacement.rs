@@ -22,6 +22,7 @@ impl<R: Real> Displacement<R> {
     ///
     /// Written so that nothing cancels at small w or small θ_1:
     /// sin θ_1 − sin θ = 2 cos(θ_1 − w/2) sin(w/2) and 1 − cos α = 2 sin²(α/2).
+    #[inline(always)]
     pub(crate) fn at(&self, w: R) -> R {
         let half = R::from_f64(0.5);
         let two = R::from_f64(2.0);
@@ -32,12 +33,14 @@ impl<R: Real> Displacement<R> {
     }
 
     /// d(j/r)/dw = 1 − q cos θ.
+    #[inline(always)]
     pub(crate) fn slope(&self, w: R) -> R {
         R::ONE - self.q * (self.theta_1 - w).cos()
     }
 }
 
 /// x − sin x without cancellation; the series is good to 1e-15 below one half.
+#[inline(always)]
 fn x_minus_sin<R: Real>(x: R, sine: R) -> R {
     let small = x.abs().lt(R::from_f64(0.5));
     let y = x * x;

@@ -15,6 +15,7 @@ use grouser_real::Real;
 /// // one shear modulus of displacement shows 1 − 1/e of the strength
 /// assert!((mobilised_janosi(0.025_f64, 0.025) - 0.632_120_558_828_557_7).abs() < 1e-15);
 /// ```
+#[inline(always)]
 pub fn mobilised_janosi<R: Real>(displacement: R, k_shear: R) -> R {
     -(-displacement.abs() / k_shear).exp_m1()
 }

@@ -64,6 +64,7 @@ pub(crate) struct ShearState<R> {
 
 impl<R: Real> ShearState<R> {
     /// j at the arc `w` behind the entry, m (not for a locked wheel).
+    #[inline(always)]
     pub(crate) fn along(&self, w: R) -> R {
         let j = self.displacement.at(w);
         let j = match self.restart {
@@ -74,11 +75,13 @@ impl<R: Real> ShearState<R> {
     }
 
     /// j_y at the arc `w` behind the entry, m.
+    #[inline(always)]
     pub(crate) fn across(&self, w: R) -> R {
         self.radius * self.q_y * w
     }
 
     /// The signed shares of strength mobilised along and across at the arc `w` behind the entry.
+    #[inline(always)]
     pub(crate) fn mobilised(&self, w: R) -> (R, R) {
         if self.locked {
             return self.mobilised_locked(w);
@@ -111,6 +114,7 @@ impl<R: Real> ShearState<R> {
     }
 
     /// The limit q → ∞: everything mobilised, backwards, along (−(sin θ_1 − sin θ), tan β·w).
+    #[inline(always)]
     fn mobilised_locked(&self, w: R) -> (R, R) {
         if !self.sideways {
             return (-R::ONE, R::ZERO);
@@ -130,11 +134,13 @@ impl<R: Real> ShearState<R> {
 }
 
 /// `share` with the sign of `of`.
+#[inline(always)]
 fn with_sign<R: Real>(share: R, of: R) -> R {
     R::select(of.lt(R::ZERO), -share, share)
 }
 
 /// `share` along the direction (x, y); nothing where there is no direction.
+#[inline(always)]
 fn directed<R: Real>(share: R, x: R, y: R) -> (R, R) {
     let length = x.hypot(y);
     let known = R::ZERO.lt(length);

@@ -225,7 +225,19 @@ macro_rules! lanes_of {
             fn powi(self, n: i32) -> Self {
                 self.one_by_one(|x| Real::powi(x, n))
             }
-            lanes_of!(@one_by_one exp_m1 ln_1p sin cos tan asin acos atan sinh cosh tanh);
+            #[inline(always)]
+            fn exp_m1(self) -> Self {
+                vector::exp_m1(self)
+            }
+            #[inline(always)]
+            fn sin(self) -> Self {
+                vector::sin(self)
+            }
+            #[inline(always)]
+            fn cos(self) -> Self {
+                vector::cos(self)
+            }
+            lanes_of!(@one_by_one ln_1p tan asin acos atan sinh cosh tanh);
         }
 
         impl Short for $name {

@@ -15,7 +15,10 @@ use lanes_of::lanes_of;
 use super::Lanes;
 use super::forces::{self, ForceSheet};
 use super::load::{self, LoadSheet, Start};
+use super::nodes;
 use super::plan::Chunk;
+use crate::contact::{Contact, Integrals, Panel};
+use crate::quadrature::RuleView;
 
 /// A set of instructions that this machine has. A value other than `Portable` exists only where
 /// [`Level::best`] has found the instructions.
@@ -86,6 +89,42 @@ impl Level {
             Self::Avx512 => unsafe { load_avx512(chunk, sheet, start) },
         }
     }
+
+    /// [`nodes::smooth`].
+    pub(super) fn smooth_nodes(
+        self,
+        contact: &Contact<f64>,
+        friction: RuleView<'_>,
+        cohesion: RuleView<'_>,
+    ) -> Integrals<f64> {
+        match self {
+            Self::Portable => nodes::smooth::<Lanes>(contact, friction, cohesion),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { smooth_avx2(contact, friction, cohesion) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { smooth_avx512(contact, friction, cohesion) },
+        }
+    }
+
+    /// [`nodes::panel`].
+    pub(super) fn panel_nodes(
+        self,
+        contact: &Contact<f64>,
+        panel: Panel,
+        rule: RuleView<'_>,
+    ) -> Integrals<f64> {
+        match self {
+            Self::Portable => nodes::panel::<Lanes>(contact, panel, rule),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { panel_avx2(contact, panel, rule) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { panel_avx512(contact, panel, rule) },
+        }
+    }
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -110,4 +149,36 @@ fn forces_avx512(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
 fn load_avx512(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
     load::run::<avx512::Avx512>(chunk, sheet, start);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn smooth_avx2(
+    contact: &Contact<f64>,
+    friction: RuleView<'_>,
+    cohesion: RuleView<'_>,
+) -> Integrals<f64> {
+    nodes::smooth::<avx2::Avx2>(contact, friction, cohesion)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn panel_avx2(contact: &Contact<f64>, panel: Panel, rule: RuleView<'_>) -> Integrals<f64> {
+    nodes::panel::<avx2::Avx2>(contact, panel, rule)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn smooth_avx512(
+    contact: &Contact<f64>,
+    friction: RuleView<'_>,
+    cohesion: RuleView<'_>,
+) -> Integrals<f64> {
+    nodes::smooth::<avx512::Avx512>(contact, friction, cohesion)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn panel_avx512(contact: &Contact<f64>, panel: Panel, rule: RuleView<'_>) -> Integrals<f64> {
+    nodes::panel::<avx512::Avx512>(contact, panel, rule)
 }

@@ -1,0 +1,91 @@
+//! The integrals of one contact, eight nodes of a rule at a time: every law and every way of moving, since the lanes
+//! run the same code as single numbers.
+
+use crate::contact::{Contact, Integrals, Nodes, Panel};
+use crate::quadrature::RuleView;
+
+use super::machine::Level;
+use super::vector::Vector;
+
+/// Eight nodes at a time, on the best instructions of this machine.
+pub(crate) struct EightNodes(Level);
+
+impl EightNodes {
+    /// On this machine.
+    pub(crate) fn best() -> Self {
+        Self(Level::best())
+    }
+}
+
+impl Nodes<f64> for EightNodes {
+    fn smooth(
+        &self,
+        contact: &Contact<f64>,
+        friction: RuleView<'_>,
+        cohesion: RuleView<'_>,
+    ) -> Integrals<f64> {
+        self.0.smooth_nodes(contact, friction, cohesion)
+    }
+
+    fn panel(&self, contact: &Contact<f64>, panel: Panel, rule: RuleView<'_>) -> Integrals<f64> {
+        self.0.panel_nodes(contact, panel, rule)
+    }
+}
+
+/// [`Nodes::smooth`] on a kind of lanes.
+#[inline(always)]
+pub(super) fn smooth<V: Vector>(
+    contact: &Contact<f64>,
+    friction: RuleView<'_>,
+    cohesion: RuleView<'_>,
+) -> Integrals<f64> {
+    let contact = contact.spread::<V>();
+    let mut sum = Integrals::<V>::zero();
+    for at in (0..friction.nodes.len()).step_by(8) {
+        let (t, weight) = group(friction, at);
+        sum.add_friction(&contact, t, weight);
+    }
+    if V::any(V::ZERO.lt(contact.cohesion)) {
+        for at in (0..cohesion.nodes.len()).step_by(8) {
+            let (x, weight) = group(cohesion, at);
+            sum.add_cohesion(&contact, x, weight);
+        }
+    }
+    total(sum)
+}
+
+/// [`Nodes::panel`] on a kind of lanes.
+#[inline(always)]
+pub(super) fn panel<V: Vector>(
+    contact: &Contact<f64>,
+    panel: Panel,
+    rule: RuleView<'_>,
+) -> Integrals<f64> {
+    let contact = contact.spread::<V>();
+    let mut sum = Integrals::<V>::zero();
+    for at in (0..rule.nodes.len()).step_by(8) {
+        let (x, weight) = group(rule, at);
+        let (t, weight) = panel.place(x, weight);
+        sum.add_part(&contact, panel.piece, t, weight);
+    }
+    total(sum)
+}
+
+/// Eight nodes and weights of a rule from a place on; behind its end nodes at the middle without weight.
+#[inline(always)]
+fn group<V: Vector>(rule: RuleView<'_>, at: usize) -> (V, V) {
+    let (mut nodes, mut weights) = ([0.5; 8], [0.0; 8]);
+    let count = (rule.nodes.len() - at).min(8);
+    nodes[..count].copy_from_slice(&rule.nodes[at..at + count]);
+    weights[..count].copy_from_slice(&rule.weights[at..at + count]);
+    (V::from_array(nodes), V::from_array(weights))
+}
+
+/// The lanes' sums, neighbours first.
+#[inline(always)]
+fn total<V: Vector>(integrals: Integrals<V>) -> Integrals<f64> {
+    integrals.map(|lanes| {
+        let [a, b, c, d, e, f, g, h] = lanes.to_array();
+        ((a + b) + (c + d)) + ((e + f) + (g + h))
+    })
+}
