@@ -9,6 +9,9 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 /// side (lanes) each one answers for itself. Both arms of a select are computed: an arm that is not
 /// chosen may be NaN.
 ///
+/// The functions that are made of others are always inlined: lanes must be compiled into functions that may use the
+/// machine's instructions.
+///
 /// The functions take radians and follow IEEE 754 in what they do outside their domain: NaN, no panic.
 pub trait Real:
     Copy
@@ -106,30 +109,36 @@ pub trait Real:
 
     /// The greater of the two; at equality the derivative is that of `self`.
     #[must_use]
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self::select(self.lt(other), other, self)
     }
     /// The smaller of the two; at equality the derivative is that of `self`.
     #[must_use]
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self::select(other.lt(self), other, self)
     }
     /// `self` held between `low` and `high`.
     #[must_use]
+    #[inline(always)]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
     /// `self` squared.
     #[must_use]
+    #[inline(always)]
     fn square(self) -> Self {
         self * self
     }
     /// Sine and cosine together.
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
     /// √(self² + other²); 0 with derivative 0 at the origin.
     #[must_use]
+    #[inline(always)]
     fn hypot(self, other: Self) -> Self {
         let sum = self * self + other * other;
         let positive = Self::ZERO.lt(sum);

@@ -17,8 +17,6 @@ pub struct Settings {
 /// How exactly the integrals are taken, relative to max(|W|, |DP|, |T|/r).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Accuracy {
-    /// To 1e-6, for the many time steps of a simulation, whose own error is greater.
-    TimeSteps,
     /// To 1e-9, as fast as that can be had.
     #[default]
     Standard,

@@ -131,7 +131,6 @@ impl WheelOnSoil {
 
     pub(crate) fn order(&self) -> Order {
         match self.settings.accuracy {
-            Accuracy::TimeSteps => Order::TimeSteps,
             Accuracy::Standard => Order::Standard,
             Accuracy::Reference => Order::Reference,
         }
@@ -165,7 +164,6 @@ impl WheelOnSoil {
         let contact = self.contact(theta_1, kinematics);
         let forces = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {
-            Accuracy::TimeSteps => Order::Standard,
             Accuracy::Standard => Order::Check,
             Accuracy::Reference => Order::Beyond,
         };

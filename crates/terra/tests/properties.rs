@@ -199,23 +199,6 @@ proptest! {
     }
 
     #[test]
-    fn time_steps_are_integrated_to_1e_6(any in any_wheel(), log_beta in -4.0..1.9_f64, law in 0..4_usize, drifts: bool) {
-        let shear = [ShearLaw::Coupled, ShearLaw::SlipVelocity, ShearLaw::Independent, ShearLaw::TowedWongReece][law];
-        let beta = Angle::from_deg(if drifts { 10_f64.powf(log_beta) } else { 0.0 });
-        let motion = Kinematics::with_slip_angle(Slip::new(any.slip).unwrap(), beta).unwrap();
-        let forces = |accuracy| {
-            any.contact(Settings { accuracy, shear, ..Settings::default() }).forces_at(any.sinkage(), &motion).unwrap()
-        };
-        let (fast, f) = (forces(Accuracy::TimeSteps), forces(Accuracy::Reference));
-        let size = size(&f, any.radius).max(f.side_shear);
-        let off = (f.vertical_force - fast.vertical_force).abs()
-            .max((f.drawbar_pull - fast.drawbar_pull).abs())
-            .max((f.torque - fast.torque).abs() / any.radius)
-            .max((f.side_shear - fast.side_shear).abs());
-        prop_assert!(off <= 1e-6 * size, "{:e}", off / size);
-    }
-
-    #[test]
     fn rolling_backwards_is_the_mirror_image(any in any_wheel()) {
         let speed = |q: f64| if q.is_finite() { (q, 1.0) } else { (1.0, 0.0) };
         let (v, rim) = speed(any.motion().slip().speed_ratio());

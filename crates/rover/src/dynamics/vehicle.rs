@@ -3,7 +3,7 @@
 //! Semi-implicit Euler at a fixed step: forces at the present state, new speeds from them, new places from the new
 //! speeds. The stiffest part is soil under a light wheel, some 200 rad/s, so that 1 ms lies far inside its limit.
 
-use grouser_terra::{Accuracy, Settings, WheelOnSoil};
+use grouser_terra::{Settings, WheelOnSoil};
 
 use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
 use crate::body::{BodyState, GRAVITY, MAX_SPEEDS, MotorNow, Pose};
@@ -106,10 +106,6 @@ impl Vehicle {
         step: f64,
     ) -> Result<Self> {
         Error::check("simulation", "step", step, (1e-5, 5e-3), "s")?;
-        let settings = Settings {
-            accuracy: Accuracy::TimeSteps,
-            ..Settings::default()
-        };
         let mut pairs = Vec::new();
         for mount in &model.wheels {
             let of = |source| Error::Law {
@@ -119,7 +115,7 @@ impl Vehicle {
             let row: Result<Vec<_>> = ground
                 .soils()
                 .iter()
-                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, settings).map_err(of))
+                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, Settings::default()).map_err(of))
                 .collect();
             pairs.push(row?);
         }

@@ -8,7 +8,6 @@ use crate::shear::{ShearLaw, ShearState};
 /// How closely the growth of the shear is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Detail {
-    Coarse,
     Standard,
     Fine,
     Finer,
@@ -19,7 +18,6 @@ impl Detail {
     /// after the last it is 1 within the accuracy.
     const fn levels(self) -> &'static [f64] {
         match self {
-            Self::Coarse => &[3.0, 12.0],
             Self::Standard => &[2.0, 6.0, 13.0, 26.0],
             Self::Fine => &[1.5, 4.0, 9.0, 18.0, 42.0],
             Self::Finer => &[0.5, 1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 30.0, 45.0],
@@ -99,7 +97,7 @@ impl Breakpoints {
             // there the stress changes its sign
             add(0.0, 0.0);
             let close = match detail {
-                Detail::Coarse | Detail::Standard => LEVEL_CLOSE,
+                Detail::Standard => LEVEL_CLOSE,
                 Detail::Fine | Detail::Finer => 0.0,
             };
             for level in detail.levels() {

@@ -29,8 +29,6 @@ pub(crate) struct Integrals<R> {
 /// How finely to integrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
-    /// Good to 1e-6 of the forces.
-    TimeSteps,
     /// The coarsest rule that is good to 1e-9 of the forces.
     Standard,
     /// The next finer rule, to estimate the error of `Standard`.
@@ -94,9 +92,7 @@ impl<R: Scalar> Contact<R> {
         nodes: &impl Nodes<R>,
     ) -> Integrals<R> {
         let smooth = match (rules, order) {
-            (Some(rules), Order::TimeSteps | Order::Standard | Order::Check) => {
-                self.smooth_rules(rules, order)
-            }
+            (Some(rules), Order::Standard | Order::Check) => self.smooth_rules(rules, order),
             _ => None,
         };
         match smooth {

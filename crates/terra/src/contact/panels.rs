@@ -63,7 +63,6 @@ impl<R: Scalar> Contact<R> {
     /// Both pieces cut wherever the shear changes sign or its growth, each part by a Gauss-Legendre rule.
     pub(super) fn split(&self, order: Order, nodes: &impl Nodes<R>) -> Integrals<R> {
         let (rule, detail) = match order {
-            Order::TimeSteps => (LEGENDRE_16.view(), Detail::Coarse),
             Order::Standard => (LEGENDRE_16.view(), Detail::Standard),
             Order::Check => (LEGENDRE_32.view(), Detail::Standard),
             Order::Reference => (LEGENDRE_32.view(), Detail::Fine),
@@ -73,7 +72,6 @@ impl<R: Scalar> Contact<R> {
         let swings = self.shear.swings(self.arc());
         let tolerance = swings.then(|| {
             let relative = match detail {
-                Detail::Coarse => 1e-7,
                 Detail::Standard => 1e-11,
                 Detail::Fine | Detail::Finer => 1e-15,
             };
