@@ -51,6 +51,7 @@ mod suggestion;
 mod toml_text;
 pub mod topics;
 pub mod unit;
+pub mod wheel_sizes;
 pub mod urdf;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};

@@ -1,6 +1,7 @@
 //! A robot as the text of a robot file.
 
 use grouser_slip::settings::{Field, FileUnit};
+use grouser_terra::{GrouserRule, Grousers};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 
@@ -136,6 +137,15 @@ fn write_wheel(out: &mut TomlText, wheel: &Wheel) {
     out.flag("reversed", encoder.reversed);
     out.nonzero("rate_step_rad_per_s", encoder.rate_step);
     out.optional_number("width_m", wheel.width);
+    if let Some(Grousers {
+        height,
+        rule: GrouserRule::Lugs { count, thickness },
+    }) = wheel.grousers
+    {
+        out.number("grouser_height_m", height);
+        out.number("grouser_count", count);
+        out.nonzero("grouser_thickness_m", thickness);
+    }
     out.optional_number("load_n", wheel.load);
 }
 

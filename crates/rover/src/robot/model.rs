@@ -249,7 +249,8 @@ fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
             link,
             centre: Vector::new(wheel.x, wheel.y, extra.z.unwrap_or(wheel.radius)),
             heading: wheel.heading.rad(),
-            wheel: RigidWheel::new(wheel.radius, width)
+            wheel: wheel
+                .rigid(width)
                 .map_err(|source| of_law(&wheel.name, source))?,
             mass: extra.mass,
             spin_inertia: extra.spin_inertia.unwrap_or(ring) + rotor,
