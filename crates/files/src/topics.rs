@@ -37,6 +37,7 @@ use crate::error::{Error, Result};
 
 /// The numbers of one topic's messages.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TopicFields {
     /// The topic.
     pub topic: String,
@@ -56,6 +57,7 @@ pub struct Joint {
 /// How a wheel's sensor turned, by an odometry that was made of the wheels:
 /// rate = `per_speed` · v + `per_turn` · Ω.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OdometryWheel {
     /// The wheel.
     pub wheel: String,
@@ -67,6 +69,7 @@ pub struct OdometryWheel {
 
 /// An odometry that was made of the wheels alone, and the wheels' rates out of it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelOdometry {
     /// The topic.
     pub topic: String,
@@ -78,6 +81,7 @@ pub struct WheelOdometry {
 
 /// What the section says.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Topics {
     /// The topic of the wheels' angles, rates or counts, by joint.
     pub wheels: Option<String>,
