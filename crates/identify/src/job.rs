@@ -61,6 +61,7 @@ use crate::wheel::Scatter;
 /// phi_deg = 29.0
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Job {
     /// The soil's name.
     pub name: String,
@@ -89,6 +90,7 @@ pub enum PlateSource {
 
 /// A plate test in a bag and a text file.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BagTest {
     /// Its name.
     pub name: String,
@@ -102,6 +104,7 @@ pub struct BagTest {
 
 /// Wheel tests and the numbers to be found from them.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct WheelJob {
     /// The table.
     pub table: PathBuf,

@@ -81,6 +81,7 @@ pub use forces::Forces;
 pub use gravity::{
     EARTH_GRAVITY_M_PER_S2, MARS_GRAVITY_M_PER_S2, MOON_GRAVITY_M_PER_S2, gravity_of,
 };
+pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
 pub use lugs::{

@@ -23,6 +23,7 @@ pub const GROUSERS: (f64, f64, f64) = (0.005, 24.0, 0.0015);
 
 /// One trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Trial {
     /// Slip angle, rad: positive where the wheel drifts to its left.
     pub slip_angle: f64,

@@ -123,6 +123,7 @@ pub struct Row {
 
 /// A number that a fit found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Found {
     /// Which.
     pub parameter: Parameter,
@@ -136,6 +137,7 @@ pub struct Found {
 
 /// One fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FitReport {
     /// Its data set.
     pub data_set: &'static str,
@@ -155,6 +157,7 @@ pub struct FitReport {
 
 /// A measured point of a figure, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeasuredPoint {
     /// The slip that the test bed states.
     pub slip: f64,
@@ -166,6 +169,7 @@ pub struct MeasuredPoint {
 
 /// Measured points and predicted lines of one quantity at one slip angle.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
     /// The data set.
     pub data_set: &'static str,
@@ -183,6 +187,7 @@ pub struct Series {
 
 /// A validation.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Validation {
     /// The table.
     pub rows: Vec<Row>,
