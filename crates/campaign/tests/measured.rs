@@ -7,7 +7,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_campaign::validate::{ModelName, Row, Split, ding, plate_tests, validate};
+use grouser_campaign::validate::{ModelName, Row, SlipGroup, Split, ding, plate_tests, validate};
 use grouser_identify::Parameter;
 use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
@@ -69,6 +69,7 @@ fn rmse(rows: &[Row], key: (&str, &str, f64, Quantity), model: ModelName, fit: &
             && row.quantity == quantity
             && row.model == model
             && row.fit == fit
+            && row.slips == SlipGroup::Steady
     });
     row.unwrap().score.rmse
 }
@@ -115,6 +116,7 @@ fn measured_wheels_are_predicted() {
     for row in &validation.rows {
         let seen = row.split == Split::Fitted;
         let straight_on = row.wheel == "smooth" && row.slip_angle_deg == 0.0;
+        assert!(!seen || row.slips == SlipGroup::Steady);
         assert!(!seen || straight_on || (row.fit == bracket && row.slip_angle_deg == 60.0));
     }
     // at 90° the wheel sits deeper than its radius, and the model says that the hub is buried

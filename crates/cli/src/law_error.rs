@@ -1,7 +1,7 @@
 //! The laws' errors in the words of the command: flags and columns instead of fields, degrees instead of
 //! radians.
 
-use grouser_terra::Error as LawError;
+use grouser_terra::{Error as LawError, OutOfRange};
 use serde_json::Value;
 
 use crate::error::{Details, Error, Kind};
@@ -17,10 +17,13 @@ pub(crate) enum Names {
 }
 
 /// The laws' fields and the columns (flags) that give them.
-const COLUMNS: [(&str, &str); 16] = [
+const COLUMNS: [(&str, &str); 19] = [
     ("radius", "radius_m"),
     ("width", "width_m"),
     ("rebound", "rebound"),
+    ("grouser_height", "grouser_height_m"),
+    ("lug_count", "grouser_count"),
+    ("lug_thickness", "grouser_thickness_m"),
     ("slip", "slip"),
     ("sinkage", "sinkage_m"),
     ("load", "load_n"),
@@ -53,13 +56,13 @@ impl Names {
     /// What the laws refuse, as an error of the command.
     pub(crate) fn error(self, error: &LawError) -> Error {
         let details = match *error {
-            LawError::OutOfRange {
+            LawError::OutOfRange(OutOfRange {
                 value,
                 low,
                 high,
                 unit,
                 ..
-            } => {
+            }) => {
                 let (scale, unit) = in_degrees(unit);
                 let limit = vec![low * scale, high * scale].into();
                 details((value * scale).into(), limit, &unit)
@@ -84,13 +87,13 @@ impl Names {
     /// What the laws refuse: the name, the value, the limit and the unit.
     pub(crate) fn message(self, error: &LawError) -> String {
         match *error {
-            LawError::OutOfRange {
+            LawError::OutOfRange(OutOfRange {
                 field,
                 value,
                 low,
                 high,
                 unit,
-            } => {
+            }) => {
                 let (scale, unit) = in_degrees(unit);
                 let [value, low, high] = [value * scale, low * scale, high * scale];
                 let limit = if high >= f64::MAX {

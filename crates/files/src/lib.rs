@@ -51,11 +51,12 @@ mod suggestion;
 mod toml_text;
 pub mod topics;
 pub mod unit;
+pub mod wheel_sizes;
 pub mod urdf;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;
-pub use error::{Error, Place, Result};
+pub use error::{Error, PLACEHOLDER, Place, Result};
 pub use fields::read_fields;
 pub use suggestion::nearest;
 pub use toml_text::TomlText;

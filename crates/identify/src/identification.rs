@@ -16,6 +16,7 @@ use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Identification {
     /// The soil; NaN where neither a test nor a statement gives a number.
     pub soil: SoilParams,
@@ -29,6 +30,7 @@ pub struct Identification {
 
 /// The result of plate tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PlateStage {
     /// The tests.
     pub tests: Vec<PlateTest>,
@@ -40,6 +42,7 @@ pub struct PlateStage {
 
 /// The result of shear tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ShearStage {
     /// The readings.
     pub readings: Vec<ShearReading>,
@@ -49,6 +52,7 @@ pub struct ShearStage {
 
 /// One number that wheel tests determined.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelNumber {
     /// Which.
     pub parameter: Parameter,
@@ -60,10 +64,13 @@ pub struct WheelNumber {
     pub interval: Interval,
     /// What the data say about it.
     pub verdict: Verdict,
+    /// What plates, shear tests or the job state for it, SI, where the wheel tests overrule that.
+    pub overruled: Option<f64>,
 }
 
 /// The result of wheel tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct WheelStage {
     /// The tests.
     pub tests: Vec<WheelTest>,
@@ -185,11 +192,13 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
             standard_error: uncertainty.standard_errors[index],
             interval: intervals[index],
             verdict: uncertainty.verdicts[index],
+            overruled: Some(parameter.of(&fixed.soil)).filter(|known| parameter.is_measured() && !known.is_nan()),
         })
         .collect();
     for (parameter, value) in job.parameters.iter().zip(&best.x) {
         parameter.put(soil, *value);
     }
+    soil.fitted = wheel::fitted_range(&job.wheel, &tests);
     Ok(WheelStage {
         said: predict(&fixed, &tests, &job.parameters, &best.x)?,
         tests,
@@ -308,6 +317,13 @@ impl Identification {
                     interval(number.interval, unit),
                     number.verdict.key()
                 ));
+                if let Some(known) = number.overruled {
+                    list.push(format!(
+                        "{} is that of the wheel tests; {:.4} was measured or stated",
+                        number.parameter.key(),
+                        known / unit
+                    ));
+                }
             }
         }
         list

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_files::wheel_sizes::with_grousers;
 use grouser_files::{Document, Section, nearest, soil};
 use grouser_terra::{RigidWheel, SoilParams};
 
@@ -46,6 +47,8 @@ use crate::wheel::Scatter;
 /// table = "wheel.csv"             # slip, load_n, and any of drawbar_pull_n, torque_nm, sinkage_mm, …
 /// radius_m = 0.1
 /// width_m = 0.05
+/// grouser_height_m = 0.005        # lugs, if it has some; grouser_thickness_m too
+/// grouser_count = 24
 /// fit = ["k_shear_m", "c_1", "c_2", "sinkage_datum_m"]
 /// pull_scatter_n = 0.5            # standard deviations of one reading
 /// torque_scatter_nm = 0.05
@@ -58,6 +61,7 @@ use crate::wheel::Scatter;
 /// phi_deg = 29.0
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Job {
     /// The soil's name.
     pub name: String,
@@ -86,6 +90,7 @@ pub enum PlateSource {
 
 /// A plate test in a bag and a text file.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BagTest {
     /// Its name.
     pub name: String,
@@ -99,6 +104,7 @@ pub struct BagTest {
 
 /// Wheel tests and the numbers to be found from them.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct WheelJob {
     /// The table.
     pub table: PathBuf,
@@ -261,6 +267,7 @@ fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
         at: section.place_of("radius_m"),
         source,
     })?;
+    let wheel = with_grousers(section, wheel)?;
     let mut parameters = Vec::new();
     for name in section.texts("fit")? {
         let Some(parameter) = Parameter::named(name) else {

@@ -1,13 +1,14 @@
 //! What the soil model says of a slip that was measured.
 
 use grouser_slip::{Robot, Wheel};
-use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, SolveStatus, WheelOnSoil};
+use grouser_terra::{Kinematics, Settings, Slip, Soil, SolveStatus, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use crate::summary::{Summary, WheelSummary};
 
 /// The soil model's reading of one wheel's median slip.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilReading {
     /// The wheel's name.
     pub wheel: String,
@@ -71,7 +72,7 @@ pub fn reference_skid(summary: &Summary, robot: &Robot, soil: &Soil) -> Result<O
         let (Some(width), Some(load)) = (wheel.width, wheel.load) else {
             return Ok(None);
         };
-        let rigid = RigidWheel::new(wheel.radius, width)?;
+        let rigid = wheel.rigid(width)?;
         let pair = WheelOnSoil::new(rigid, *soil, Settings::default())?;
         let Some(skid) = pair.free_slip(load, 0.0)? else {
             return Ok(None);
@@ -101,7 +102,7 @@ fn reading(
     let load = description.load.ok_or_else(|| needs("load_n"))?;
     let slip = Slip::new(median)?;
     let pair = WheelOnSoil::new(
-        RigidWheel::new(description.radius, width)?,
+        description.rigid(width)?,
         *soil,
         Settings::default(),
     )?;

@@ -50,6 +50,7 @@ pub struct DualInputs<const N: usize> {
 
 /// A wheel under its load, with the derivatives of everything in the chosen inputs.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct DualSolution<const N: usize> {
     /// Sinkage, m.
     pub sinkage: Dual<N>,
@@ -75,10 +76,10 @@ impl<const N: usize> DualInputs<N> {
                 Some(_) => wheel_on_soil.settings().bulldozing.kappa(kinematics),
                 None => 0.0,
             },
-            side: if kinematics.q_y() == 0.0 {
+            side: if kinematics.slip_angle().rad() == 0.0 {
                 0.0
             } else {
-                -kinematics.q_y().signum()
+                -kinematics.slip_angle().rad().signum()
             },
         }
     }

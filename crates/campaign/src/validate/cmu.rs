@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use grouser_terra::{Angle, Kinematics, RigidWheel};
+use grouser_terra::{Angle, GrouserRule, Grousers, Kinematics, RigidWheel};
 
 use grouser_identify::table::{Column, Table};
 use grouser_identify::wheel::{Support, WheelTest};
@@ -14,11 +14,16 @@ pub const TRIALS: &str = "cmu-wheel/trials.csv";
 /// Radius and width of the rim, m.
 pub const SIZE: (f64, f64) = (0.058, 0.05);
 
-/// Height of the grousers, m.
-pub const GROUSER_HEIGHT: f64 = 0.005;
+/// The file of further trials of the wheel with grousers, which a folder of measured data may have.
+pub const LUG_TRIALS: &str = "cmu-lugs/trials.csv";
+
+/// The grousers: height (m), number and thickness (m). The thickness follows from the share of the circumference,
+/// a tenth, that the model published with the trials gives to their tips.
+pub const GROUSERS: (f64, f64, f64) = (0.005, 24.0, 0.0015);
 
 /// One trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Trial {
     /// Slip angle, rad: positive where the wheel drifts to its left.
     pub slip_angle: f64,
@@ -41,6 +46,21 @@ pub fn smooth_wheel() -> Result<RigidWheel> {
         what: "the wheel of the test bed".to_owned(),
         source,
     })
+}
+
+/// The wheel with its grousers. The test bed's rim speed is that of the rim, as this rule takes it.
+///
+/// # Errors
+/// None in fact: the sizes are sound.
+pub fn grouser_wheel() -> Result<RigidWheel> {
+    let (height, count, thickness) = GROUSERS;
+    let rule = GrouserRule::Lugs { count, thickness };
+    smooth_wheel()?
+        .with_grousers(Grousers { height, rule })
+        .map_err(|source| Error::Law {
+            what: "the grousers of the test bed".to_owned(),
+            source,
+        })
 }
 
 /// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `greatest_slip`.

@@ -52,6 +52,44 @@ impl Split {
     }
 }
 
+/// Which slips a row judges, as the test bed states them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlipGroup {
+    /// |s| ≤ 0.75: what the fits see.
+    Steady,
+    /// s > 0.75: nearly spinning on the spot.
+    Spinning,
+    /// s = −1: the wheel does not turn.
+    Locked,
+}
+
+impl SlipGroup {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Spinning, Self::Locked];
+
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Spinning => "spinning",
+            Self::Locked => "locked",
+        }
+    }
+
+    /// The group of a stated slip.
+    #[must_use]
+    pub fn of(slip: f64) -> Self {
+        if slip > super::MAX_SLIP + 0.01 {
+            Self::Spinning
+        } else if slip < -super::MAX_SLIP - 0.01 {
+            Self::Locked
+        } else {
+            Self::Steady
+        }
+    }
+}
+
 /// One row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -61,6 +99,8 @@ pub struct Row {
     pub wheel: &'static str,
     /// Slip angle, deg.
     pub slip_angle_deg: f64,
+    /// Which slips.
+    pub slips: SlipGroup,
     /// What was measured.
     pub quantity: Quantity,
     /// Whose prediction.
@@ -83,6 +123,7 @@ pub struct Row {
 
 /// A number that a fit found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Found {
     /// Which.
     pub parameter: Parameter,
@@ -96,6 +137,7 @@ pub struct Found {
 
 /// One fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FitReport {
     /// Its data set.
     pub data_set: &'static str,
@@ -115,6 +157,7 @@ pub struct FitReport {
 
 /// A measured point of a figure, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeasuredPoint {
     /// The slip that the test bed states.
     pub slip: f64,
@@ -126,6 +169,7 @@ pub struct MeasuredPoint {
 
 /// Measured points and predicted lines of one quantity at one slip angle.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
     /// The data set.
     pub data_set: &'static str,
@@ -143,6 +187,7 @@ pub struct Series {
 
 /// A validation.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Validation {
     /// The table.
     pub rows: Vec<Row>,

@@ -24,6 +24,10 @@
 //! ticks_per_turn = 2000       # of the encoder's shaft
 //! counter_bits = 32           # the counter's width, 8 to 64
 //! joint = "left_wheel_joint"  # its joint in messages, where its name is not enough
+//! width_m = 0.05              # for the soil model, with load_n and the lugs, if it has some:
+//! grouser_height_m = 0.005
+//! grouser_count = 24
+//! grouser_thickness_m = 0.0015  # along the rim; 0 by default
 //! ```
 //!
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
@@ -44,6 +48,7 @@ use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
 use crate::topics::{Topics, put_wheels, read_topics};
+use crate::wheel_sizes::read_grousers;
 
 pub use write::to_toml;
 
@@ -79,6 +84,7 @@ impl WheelSensor {
 
 /// What a robot file says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RobotFile {
     /// The robot.
     pub robot: Robot,
@@ -91,6 +97,8 @@ pub struct RobotFile {
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
     pub wheel_sensor: Option<WheelSensor>,
+    /// Yaw of what measures the pose in the robot's frame (the markers of motion capture), rad.
+    pub pose_yaw_offset: f64,
     /// What the topics of a bag mean.
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
@@ -120,8 +128,9 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut settings = WindowSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
+        let mut pose_yaw_offset = 0.0;
         root.section("estimator", |section| {
-            reference = read_estimator(section, &mut settings)?;
+            (reference, pose_yaw_offset) = read_estimator(section, &mut settings)?;
             wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
             Ok(())
         })?;
@@ -152,6 +161,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             filter,
             reference,
             wheel_sensor,
+            pose_yaw_offset,
             topics,
             columns,
             body,
@@ -207,10 +217,12 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
 fn read_estimator(
     section: &Section<'_>,
     settings: &mut WindowSettings,
-) -> Result<Option<Reference>> {
+) -> Result<(Option<Reference>, f64)> {
     read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
-    section.optional_choice("reference", &references)
+    let offset = section.optional_number("pose_yaw_offset_deg", (-360.0, 360.0))?;
+    let offset = Angle::from_deg(offset.unwrap_or(0.0)).rad();
+    Ok((section.optional_choice("reference", &references)?, offset))
 }
 
 /// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.
@@ -283,6 +295,7 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0)));
     wheel.width = section.optional_number("width_m", POSITIVE)?;
     wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
+    wheel.grousers = read_grousers(section)?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.
     match Robot::new(String::new(), vec![wheel]) {
         Ok(robot) => Ok(robot.wheels()[0].clone()),

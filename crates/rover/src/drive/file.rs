@@ -16,13 +16,6 @@ use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 const PLACE_LIMITS_M: (f64, f64) = (-1e6, 1e6);
 const LENGTH_LIMITS_M: (f64, f64) = (1e-6, 1e6);
 const ANY_NUMBER: (f64, f64) = (-1e18, 1e18);
-/// The laws of shear that a simulated ground may obey.
-const SHEAR_LAWS: [ShearLaw; 4] = [
-    ShearLaw::Coupled,
-    ShearLaw::SlipVelocity,
-    ShearLaw::Independent,
-    ShearLaw::TowedWongReece,
-];
 /// A slip to run at.
 const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 
@@ -262,7 +255,7 @@ fn read_ground(
         regions,
         packing,
         rocks: (density > 0.0).then_some(Rocks { density, size }),
-        world_laws: root.optional_choice("world_laws", &SHEAR_LAWS.map(|law| (law.key(), law)))?,
+        world_laws: root.optional_choice("world_laws", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
     })
 }
 

@@ -46,6 +46,7 @@ pub enum Knowledge {
 
 /// What is known of the ground now.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilEstimate {
     /// Cohesion, Pa.
     pub cohesion: (Uncertain, Knowledge),
@@ -146,7 +147,7 @@ impl SoilIdentifier {
         Ok(Self {
             wheels: wheels.into_boxed_slice(),
             soil: *soil,
-            law: ShearLaw::default(),
+            law: soil.params().laws.shear.unwrap_or_default(),
             belief: prior.belief(),
             prior,
             settings,

@@ -29,6 +29,7 @@ pub type TorqueTable = [f64; TORQUE_POINTS];
 /// [`SoilTables::solve`] makes them from the laws of terra, which takes some ten milliseconds on a desktop. A
 /// microcontroller takes ready-made ones: every field is plain numbers.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct SoilTables {
     /// Mean skid of the free wheels, over laws and soil; `None`: the filter's default.
     pub free_slip: Option<SlipPrior>,
@@ -55,7 +56,7 @@ impl SoilTables {
         let mut wheels = Vec::new();
         for (wheel, setup) in robot.wheels().iter().zip(setups) {
             let width = wheel.width.unwrap_or(wheel.radius);
-            let rigid = RigidWheel::new(wheel.radius, width).map_err(of(&wheel.name))?;
+            let rigid = wheel.rigid(width).map_err(of(&wheel.name))?;
             wheels.push((wheel, rigid, setup));
         }
         let mut out = Self::default();
