@@ -107,7 +107,10 @@ mod tests {
         let mut value = 1.0_f64;
         for _ in 0..2000 {
             value = -value * 1.377;
-            assert_eq!(exact(value).parse::<f64>().unwrap().to_bits(), value.to_bits());
+            assert_eq!(
+                exact(value).parse::<f64>().unwrap().to_bits(),
+                value.to_bits()
+            );
             assert_eq!(exact(1.0 / value).parse::<f64>().unwrap(), 1.0 / value);
         }
     }

@@ -270,7 +270,8 @@ impl Climbed {
 
     fn csv(&self) -> String {
         let optional = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, exact);
-        let mut out = String::from("slope_deg,slip,energy_j_per_m,sinkage_m,reserve_n,tip_over_deg\n");
+        let mut out =
+            String::from("slope_deg,slip,energy_j_per_m,sinkage_m,reserve_n,tip_over_deg\n");
         for step in &self.steps {
             let cells = [
                 Some(step.slope.to_degrees()),
@@ -305,13 +306,19 @@ impl Climbed {
         .columns(3)
         .panel(panel("Slip *s*", line(&|step| step.slip)))
         .panel(panel("Energy (J/m)", line(&|step| step.energy_per_metre)))
-        .panel(panel("Reserve of pull (N)", line(&|step| Some(step.reserve))))
+        .panel(panel(
+            "Reserve of pull (N)",
+            line(&|step| Some(step.reserve)),
+        ))
     }
 
     /// What the numbers do not say by themselves.
     fn warnings(&self) -> Vec<String> {
         let mut list = Vec::new();
-        let spins = |step: &ClimbStep| step.slip.is_some_and(|slip| slip >= super::curve::SPINNING_SLIP);
+        let spins = |step: &ClimbStep| {
+            step.slip
+                .is_some_and(|slip| slip >= super::curve::SPINNING_SLIP)
+        };
         if self.steps.iter().any(spins) {
             list.push(
                 "the steepest slope is held only by wheels that spin nearly on the spot, where the laws do not hold: \
@@ -319,7 +326,10 @@ impl Climbed {
                     .to_owned(),
             );
         }
-        if self.steepest.is_some_and(|slope| slope > 0.99 * MAX_SLOPE_RAD) {
+        if self
+            .steepest
+            .is_some_and(|slope| slope > 0.99 * MAX_SLOPE_RAD)
+        {
             list.push("steeper slopes were not tried".to_owned());
         }
         let last = self.steps.last();

@@ -255,7 +255,8 @@ fn read_ground(
         regions,
         packing,
         rocks: (density > 0.0).then_some(Rocks { density, size }),
-        world_laws: root.optional_choice("world_laws", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
+        world_laws: root
+            .optional_choice("world_laws", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
     })
 }
 

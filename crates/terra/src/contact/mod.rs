@@ -22,9 +22,9 @@ pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
 use crate::kinematics::Kinematics;
+use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
 use crate::soil::SoilLaws;
-use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::wheel::{GrouserRule, Grousers, RigidWheel};
 
 /// A wheel's sizes as the laws take them, in numbers of any kind, m.
@@ -295,7 +295,14 @@ impl Contact<f64> {
                 locked: shear.locked,
                 sideways: shear.sideways,
                 restart: match shear.restart {
-                    Some((start, there)) => Some((c(start), c(there))),
+                    Some(restart) => Some(Restart {
+                        arc: c(restart.arc),
+                        displacement: c(restart.displacement),
+                        front: match restart.front {
+                            Some(front) => Some(c(front)),
+                            None => None,
+                        },
+                    }),
                     None => None,
                 },
             },
@@ -305,6 +312,8 @@ impl Contact<f64> {
                 rim_radius: c(size.rim_radius),
                 tip_share: c(size.tip_share),
                 width: c(size.width),
+                lug_layer: c(size.lug_layer),
+                lug_gain: c(size.lug_gain),
             },
             p: c(self.p),
             pq: c(self.pq),
@@ -314,6 +323,7 @@ impl Contact<f64> {
 
 impl<R: Real> Contact<R> {
     /// τ along the wheel with what lugs add where it drives.
+    #[inline(always)]
     pub(crate) fn with_lugs(&self, tau: R) -> R {
         tau + self.size.lug_gain * R::select(R::ZERO.lt(tau), tau, R::ZERO)
     }

@@ -115,7 +115,10 @@ impl<R: Real> ShearState<R> {
         let j = self.displacement.at(w);
         let j = match self.restart {
             Some(restart) => {
-                let before = restart.front.map_or(R::ZERO, |front| front * w);
+                let before = match restart.front {
+                    Some(front) => front * w,
+                    None => R::ZERO,
+                };
                 j + R::select(restart.arc.lt(w), -restart.displacement, before)
             }
             None => j,
@@ -170,6 +173,7 @@ impl<R: Real> ShearState<R> {
     }
 
     /// `share` along (x, y)/√(x² + y² + ε²).
+    #[inline(always)]
     fn regular(&self, share: R, x: R, y: R) -> (R, R) {
         let q = self.displacement.q;
         let greater = R::select(q.lt(R::ONE), R::ONE, q);
