@@ -1,12 +1,13 @@
 //! The columns of `batch`: what a row asks for, and the row with its answer.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::csv_line::{content, field, split};
 use crate::error::{Error, Result};
 use crate::lines::Line;
 use crate::operation::Asked;
-use grouser_report::number::parse_finite;
+use grouser_report::number::{parse_finite, push_exact};
 
 /// The columns that are added, in order; the side force only beside a column of slip angles.
 const ADDED: [&str; 5] = [
@@ -131,8 +132,8 @@ pub(super) struct Point {
 
 /// A row: its fields as they stand, as many as the header has, and what it asks for or what is wrong.
 #[derive(Debug)]
-pub(super) struct Row {
-    fields: Vec<String>,
+pub(super) struct Row<'a> {
+    fields: Vec<Cow<'a, str>>,
     pub(super) point: Result<Point, String>,
 }
 
@@ -242,11 +243,11 @@ impl Columns {
     }
 
     /// Reads a row.
-    pub(super) fn row(&self, line: &Line) -> Row {
+    pub(super) fn row<'a>(&self, line: &'a Line) -> Row<'a> {
         // The line as one field, so that the output stays a table.
         let whole = |message: &str| {
-            let mut fields = vec![String::new(); self.header.len()];
-            fields[0] = field(&line.text).into_owned();
+            let mut fields = vec![Cow::Borrowed(""); self.header.len()];
+            fields[0] = field(&line.text);
             Row {
                 fields,
                 point: Err(message.to_owned()),
@@ -270,7 +271,7 @@ impl Columns {
         };
         fields.resize(self.header.len(), "");
         Row {
-            fields: fields.into_iter().map(str::to_owned).collect(),
+            fields: fields.into_iter().map(Cow::Borrowed).collect(),
             point,
         }
     }
@@ -338,37 +339,41 @@ impl Columns {
         })
     }
 
-    /// The row with its answer, as a line.
-    pub(super) fn line(
+    /// Appends the row with its sinkage and forces, as a line. Numbers that there are not stay empty.
+    pub(super) fn push_line(
         &self,
-        row: &Row,
-        sinkage: &str,
-        results: &[String; 4],
+        text: &mut String,
+        row: &Row<'_>,
+        numbers: Option<[f64; 5]>,
         status: &str,
-    ) -> String {
-        let mut line = String::with_capacity(160);
+    ) {
+        let [sinkage, results @ ..] = numbers.map_or([None; 5], |numbers| numbers.map(Some));
+        let push = |text: &mut String, number: Option<f64>| {
+            if let Some(number) = number {
+                push_exact(text, number);
+            }
+        };
         for (index, field) in row.fields.iter().enumerate() {
             if index > 0 {
-                line.push(',');
+                text.push(',');
             }
-            let fill = Some(index) == self.sinkage && content(field).is_empty();
-            line.push_str(if fill { sinkage } else { field });
+            if Some(index) == self.sinkage && content(field).is_empty() {
+                push(text, sinkage);
+            } else {
+                text.push_str(field);
+            }
         }
         if self.sinkage.is_none() {
-            line.push(',');
-            line.push_str(sinkage);
+            text.push(',');
+            push(text, sinkage);
         }
-        let results = match self.slip_angle {
-            Some(_) => &results[..],
-            None => &results[..3],
-        };
-        for result in results {
-            line.push(',');
-            line.push_str(result);
+        let shown = if self.slip_angle.is_some() { 4 } else { 3 };
+        for result in &results[..shown] {
+            text.push(',');
+            push(text, *result);
         }
-        line.push(',');
-        line.push_str(&field(status));
-        line.push('\n');
-        line
+        text.push(',');
+        text.push_str(&field(status));
+        text.push('\n');
     }
 }

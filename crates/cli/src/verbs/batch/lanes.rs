@@ -3,13 +3,9 @@
 use std::collections::BTreeMap;
 
 use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
-use rayon::prelude::*;
 
 use super::columns::{Point, Row};
 use crate::operation::Asked;
-
-/// Points handed to a thread at a time.
-const PART: usize = 512;
 
 /// The points of one soil that ask the same: side by side.
 #[derive(Default)]
@@ -32,49 +28,44 @@ impl Columns {
         self.given.push(given);
     }
 
-    /// The points that the kernel solves, by their places.
-    fn solve(&self, kernel: &BatchKernel, load: bool) -> Vec<(usize, Solved)> {
-        let parts = self.places.par_chunks(PART).enumerate();
-        let solved = parts.flat_map_iter(|(k, places)| {
-            let n = places.len();
-            let range = k * PART..k * PART + n;
-            let points = BatchPoints {
-                radius: (&self.radius[range.clone()]).into(),
-                width: (&self.width[range.clone()]).into(),
-                rebound: (&self.rebound[range.clone()]).into(),
-                slip: (&self.slip[range.clone()]).into(),
-            };
-            let given = &self.given[range];
-            let [
-                mut sinkage,
-                mut vertical_force,
-                mut drawbar_pull,
-                mut torque,
-            ] = [[f64::NAN; PART]; 4];
-            let mut status = [SolveStatus::default(); PART];
-            let mut out = BatchColumns {
-                sinkage: &mut sinkage[..n],
-                vertical_force: &mut vertical_force[..n],
-                drawbar_pull: &mut drawbar_pull[..n],
-                torque: &mut torque[..n],
-                status: &mut status[..n],
-            };
-            // The columns are equally long, so that the kernel refuses none.
-            let _ = if load {
-                kernel.under_load(&points, given, &mut out)
-            } else {
-                kernel.forces(&points, given, &mut out)
-            };
-            let rows = (0..n).filter(move |&i| status[i] == SolveStatus::Solved);
-            rows.map(move |i| {
-                let solved = Solved {
+    /// Puts the points that the kernel solves at their places.
+    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Option<Solved>]) {
+        let n = self.places.len();
+        let points = BatchPoints {
+            radius: (&self.radius).into(),
+            width: (&self.width).into(),
+            rebound: (&self.rebound).into(),
+            slip: (&self.slip).into(),
+        };
+        let column = || vec![f64::NAN; n];
+        let [
+            mut sinkage,
+            mut vertical_force,
+            mut drawbar_pull,
+            mut torque,
+        ] = [column(), column(), column(), column()];
+        let mut status = vec![SolveStatus::default(); n];
+        let mut out = BatchColumns {
+            sinkage: &mut sinkage,
+            vertical_force: &mut vertical_force,
+            drawbar_pull: &mut drawbar_pull,
+            torque: &mut torque,
+            status: &mut status,
+        };
+        // The columns are equally long, so that the kernel refuses none.
+        let _ = if load {
+            kernel.under_load(&points, &self.given, &mut out)
+        } else {
+            kernel.forces(&points, &self.given, &mut out)
+        };
+        for (i, &place) in self.places.iter().enumerate() {
+            if status[i] == SolveStatus::Solved {
+                answers[place] = Some(Solved {
                     sinkage: sinkage[i],
                     forces: [vertical_force[i], drawbar_pull[i], torque[i]],
-                };
-                (places[i], solved)
-            })
-        });
-        solved.collect()
+                });
+            }
+        }
     }
 }
 
@@ -89,7 +80,7 @@ pub(super) struct Solved {
 
 /// The answer of each row, where the lanes have one; the rest is left to the general solver and its words.
 pub(super) fn solve(
-    rows: &[Row],
+    rows: &[Row<'_>],
     kernel_of: impl Fn(&str) -> Option<BatchKernel>,
 ) -> Vec<Option<Solved>> {
     let mut sorted: BTreeMap<(&str, bool), Columns> = BTreeMap::new();
@@ -118,9 +109,7 @@ pub(super) fn solve(
         let Some(Some(kernel)) = kernels.get(soil) else {
             continue;
         };
-        for (place, solved) in columns.solve(kernel, *load) {
-            answers[place] = Some(solved);
-        }
+        columns.solve(kernel, *load, &mut answers);
     }
     answers
 }

@@ -8,11 +8,11 @@ mod stream;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use grouser_terra::{
     Angle, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
 };
-use rayon::prelude::*;
 
 use self::columns::{Columns, Row};
 use self::sink::TableSink;
@@ -27,7 +27,6 @@ use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use crate::wheel_choice::lugs;
-use grouser_report::number::exact;
 use grouser_report::{Fields, fields};
 
 /// Soils kept at a time: a table may name any number of files.
@@ -107,43 +106,52 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut output = TableSink::create(&arguments.output)?;
     let path = output.path().to_owned();
 
-    output.line(&columns.header())?;
+    output.lines(&columns.header())?;
     let mut counts = Counts::default();
-    let mut soils = Soils::new();
-    let mut used: BTreeMap<String, String> = BTreeMap::new();
-    let solve = |chunk: Vec<Line>, bytes: u64| {
-        let rows: Vec<Row> = chunk.par_iter().map(|line| columns.row(line)).collect();
-        for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
-            add_soil(&mut soils, &row.soil, &arguments.overrides, session);
-        }
-        for (name, (_, source)) in &soils {
-            if used.len() < SOILS && !used.contains_key(name) {
-                used.insert(name.clone(), source.clone());
-            }
-        }
+    let met = Mutex::new(Met {
+        soils: Soils::new(),
+        used: BTreeMap::new(),
+        session,
+    });
+    let solve = |chunk: Vec<Line>| {
+        let rows: Vec<Row<'_>> = chunk.iter().map(|line| columns.row(line)).collect();
+        let soils = soils_of(&rows, &met, &arguments.overrides);
         let kernel_of = |name: &str| soils.get(name).map(|(soil, _)| BatchKernel::new(*soil));
         let lanes = lanes::solve(&rows, kernel_of);
-        let solved: Vec<(String, Ending)> = rows
-            .par_iter()
-            .zip(&lanes)
-            .map_init(Cache::default, |cache, (row, lane)| match lane {
-                Some(forces) => (
-                    solved_line(&columns, row, forces),
-                    Ending::Solved(Status::Ok),
+        let mut cache = Cache::default();
+        let mut solved = Chunk {
+            text: String::with_capacity(160 * rows.len()),
+            counts: Counts::default(),
+        };
+        for (row, lane) in rows.iter().zip(&lanes) {
+            let ending = match lane {
+                Some(found) => {
+                    let [vertical_force, drawbar_pull, torque] = found.forces;
+                    // lanes have no slip angle
+                    let numbers = [found.sinkage, vertical_force, drawbar_pull, torque, 0.0];
+                    let key = Status::Ok.key();
+                    columns.push_line(&mut solved.text, row, Some(numbers), key);
+                    Ending::Solved(Status::Ok)
+                }
+                None => complete(
+                    &mut solved.text,
+                    (&columns, row),
+                    &soils,
+                    arguments,
+                    &mut cache,
                 ),
-                None => complete(&columns, row, &soils, arguments, cache),
-            })
-            .collect();
-        progress.advance(bytes);
+            };
+            solved.counts.add(ending);
+        }
         solved
-            .into_iter()
-            .map(|(line, ending)| {
-                counts.add(ending);
-                line
-            })
-            .collect()
     };
-    let lines = stream::solve_lines(lines, solve, |line| output.line(line))?;
+    let write = |solved: Chunk, bytes| {
+        counts.merge(&solved.counts);
+        progress.advance(bytes);
+        output.lines(&solved.text)
+    };
+    let lines = stream::solve_lines(lines, solve, write)?;
+    let Met { used, session, .. } = met.into_inner().unwrap_or_else(PoisonError::into_inner);
     if counts.rows == 0 {
         return Err(Error::content(
             &arguments.input,
@@ -173,20 +181,49 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     Ok(report)
 }
 
-/// Keeps a soil that can be had; what cannot is told in its rows.
-fn add_soil(soils: &mut Soils, name: &str, overrides: &Overrides, session: &mut Session) {
-    if soils.contains_key(name) {
-        return;
-    }
-    if let Ok(chosen) = soil_choice::choose(OsStr::new(name), overrides) {
-        if soils.len() >= SOILS {
-            soils.pop_first();
+/// The soils that all threads have met.
+struct Met<'a> {
+    soils: Soils,
+    /// Names and sources for the report.
+    used: BTreeMap<String, String>,
+    session: &'a mut Session,
+}
+
+/// A chunk of the table with its answers.
+struct Chunk {
+    text: String,
+    counts: Counts,
+}
+
+/// The soils of some rows; what cannot be had is told in its rows.
+fn soils_of(rows: &[Row<'_>], met: &Mutex<Met<'_>>, overrides: &Overrides) -> Soils {
+    let mut soils = Soils::new();
+    let mut met = met.lock().unwrap_or_else(PoisonError::into_inner);
+    for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
+        if soils.contains_key(&row.soil) || soils.len() >= SOILS {
+            continue;
         }
-        if let Some(document) = &chosen.document {
-            session.used_document(document);
+        if !met.soils.contains_key(&row.soil) {
+            let Ok(chosen) = soil_choice::choose(OsStr::new(&row.soil), overrides) else {
+                continue;
+            };
+            if met.soils.len() >= SOILS {
+                met.soils.pop_first();
+            }
+            if let Some(document) = &chosen.document {
+                met.session.used_document(document);
+            }
+            if met.used.len() < SOILS {
+                met.used.insert(row.soil.clone(), chosen.source.clone());
+            }
+            met.soils
+                .insert(row.soil.clone(), (chosen.soil, chosen.source));
         }
-        soils.insert(name.to_owned(), (chosen.soil, chosen.source));
+        if let Some(found) = met.soils.get(&row.soil) {
+            soils.insert(row.soil.clone(), found.clone());
+        }
     }
+    soils
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,44 +238,35 @@ struct Cache(Option<(CacheKey, WheelOnSoil)>);
 
 type CacheKey = (String, [u64; 2], Option<[u64; 3]>, Option<u64>);
 
-/// A row that the lanes have solved, as a line.
-fn solved_line(columns: &Columns, row: &Row, solved: &lanes::Solved) -> String {
-    // lanes have no slip angle
-    let [vertical_force, drawbar_pull, torque] = solved.forces.map(exact);
-    let results = [vertical_force, drawbar_pull, torque, exact(0.0)];
-    columns.line(row, &exact(solved.sinkage), &results, Status::Ok.key())
-}
-
-/// A row with its answer, as a line.
+/// Appends a row with its answer by the general solver, as a line.
 fn complete(
-    columns: &Columns,
-    row: &Row,
+    text: &mut String,
+    (columns, row): (&Columns, &Row<'_>),
     soils: &Soils,
     arguments: &Arguments,
     cache: &mut Cache,
-) -> (String, Ending) {
+) -> Ending {
     let answer = match &row.point {
         Ok(point) => solve(point, soils, &arguments.overrides, cache),
         Err(message) => Err(message.clone()),
     };
     match answer {
         Ok(answer) => {
-            let point = answer.point.as_ref();
-            let number = |value: Option<f64>| value.map_or_else(String::new, exact);
-            let results = [
-                number(point.map(|point| point.forces.vertical_force)),
-                number(point.map(|point| point.forces.drawbar_pull)),
-                number(point.map(|point| point.forces.torque)),
-                number(point.map(|point| point.side_force)),
-            ];
-            let sinkage = number(point.map(|point| point.sinkage));
-            let line = columns.line(row, &sinkage, &results, answer.status.key());
-            (line, Ending::Solved(answer.status))
+            let numbers = answer.point.as_ref().map(|point| {
+                [
+                    point.sinkage,
+                    point.forces.vertical_force,
+                    point.forces.drawbar_pull,
+                    point.forces.torque,
+                    point.side_force,
+                ]
+            });
+            columns.push_line(text, row, numbers, answer.status.key());
+            Ending::Solved(answer.status)
         }
         Err(message) => {
-            let status = format!("bad-input: {message}");
-            let line = columns.line(row, "", &Default::default(), &status);
-            (line, Ending::BadInput)
+            columns.push_line(text, row, None, &format!("bad-input: {message}"));
+            Ending::BadInput
         }
     }
 }
@@ -300,6 +328,14 @@ impl Counts {
             Ending::Solved(Status::NotConverged) => &mut self.not_converged,
             Ending::BadInput => &mut self.bad_input,
         } += 1;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.ok += other.ok;
+        self.no_solution += other.no_solution;
+        self.not_converged += other.not_converged;
+        self.bad_input += other.bad_input;
     }
 
     fn words(&self) -> String {

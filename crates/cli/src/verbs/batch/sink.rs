@@ -52,13 +52,15 @@ impl TableSink {
         &self.path
     }
 
-    /// One line with its end, the header first.
-    pub(super) fn line(&mut self, line: &str) -> Result<()> {
+    /// Lines with their ends, the header first.
+    pub(super) fn lines(&mut self, text: &str) -> Result<()> {
         match &mut self.kind {
-            Kind::Csv(file) => file.write_all(line.as_bytes()),
-            Kind::Standard(out) => out.write_all(line.as_bytes()),
+            Kind::Csv(file) => file.write_all(text.as_bytes()),
+            Kind::Standard(out) => out.write_all(text.as_bytes()),
             #[cfg(feature = "parquet")]
-            Kind::Parquet(sink) => sink.line(line),
+            Kind::Parquet(sink) => text
+                .split_inclusive('\n')
+                .try_for_each(|line| sink.line(line)),
         }
         .map_err(|error| Error::file("write", &self.path, &error))
     }

@@ -1,73 +1,137 @@
-//! A table in and out while it is solved: one thread reads ahead, one writes behind, each by few chunks, so
-//! that memory stays flat however long the table is.
+//! A table in and out while it is solved: one thread reads ahead, others solve a chunk each, and this one writes the
+//! chunks in order. Few chunks are under way, so that memory stays flat however long the table is.
 
-use std::panic::resume_unwind;
-use std::sync::mpsc::{Receiver, sync_channel};
-use std::thread::{self, ScopedJoinHandle};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Mutex;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
 
 use crate::error::Result;
 use crate::lines::{Line, Lines};
 
-/// Rows in memory at a time, in each of the chunks that are read, solved and written.
-const CHUNK: usize = 4096;
-/// Chunks that wait before and behind the solver.
-const WAITING: usize = 2;
+/// Rows of a chunk at most.
+const CHUNK_ROWS: usize = 1024;
+/// Bytes at which a chunk ends, however few its rows are.
+const CHUNK_BYTES: u64 = 1 << 20;
+/// Chunks under way for each solving thread: one that is solved, one that waits on either side.
+const UNDER_WAY: usize = 3;
 
-/// Lines read together, and how many bytes they took.
-type Chunk = (Vec<Line>, u64);
+/// Lines read together.
+struct Chunk {
+    /// Its place in the table, from 0.
+    number: u64,
+    lines: Vec<Line>,
+    /// How many bytes they took.
+    bytes: u64,
+}
 
-/// Feeds `solve` with chunks of the rest of `lines` and writes the lines that it gives, both in order.
-/// Gives the lines back, read to their end.
-pub(super) fn solve_lines(
-    mut lines: Lines,
-    mut solve: impl FnMut(Vec<Line>, u64) -> Vec<String>,
-    mut write: impl FnMut(&str) -> Result<()> + Send,
+/// A chunk's answer, or the panic of its thread.
+struct Answered<T> {
+    number: u64,
+    bytes: u64,
+    answer: thread::Result<T>,
+}
+
+/// Feeds `solve` with chunks of the rest of `lines`, on all processors, and gives `write` each answer and the bytes of
+/// its lines, in order. Gives the lines back, read to their end.
+pub(super) fn solve_lines<T: Send>(
+    lines: Lines,
+    solve: impl Fn(Vec<Line>) -> T + Sync,
+    write: impl FnMut(T, u64) -> Result<()>,
 ) -> Result<Lines> {
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let (permit, permits) = channel();
+    let (send, chunks) = channel();
+    let (answer, answers) = channel();
+    let (chunks, solve) = (&Mutex::new(chunks), &solve);
     thread::scope(|scope| {
-        let (send, chunks) = sync_channel::<Chunk>(WAITING);
-        let reader = scope.spawn(move || -> Result<Lines> {
-            loop {
-                let before = lines.bytes();
-                let chunk = next_chunk(&mut lines)?;
-                let bytes = lines.bytes() - before;
-                // a solver that is gone has its own reason to tell
-                if chunk.is_empty() || send.send((chunk, bytes)).is_err() {
-                    return Ok(lines);
-                }
-            }
-        });
-        let (answers, solved) = sync_channel::<Vec<String>>(WAITING);
-        let writer = scope.spawn(move || -> Result<()> {
-            let solved: Receiver<Vec<String>> = solved;
-            for line in solved.iter().flatten() {
-                write(&line)?;
-            }
-            Ok(())
-        });
-        for (chunk, bytes) in &chunks {
-            if answers.send(solve(chunk, bytes)).is_err() {
-                break; // the writer has failed
-            }
+        let reader = scope.spawn(move || read(lines, &permits, &send));
+        for _ in 0..threads {
+            let answer = answer.clone();
+            scope.spawn(move || solve_chunks(chunks, solve, &answer));
         }
-        drop((chunks, answers));
-        let written = ended(writer);
-        let read = ended(reader);
-        written?;
-        read
+        drop(answer);
+        for _ in 0..UNDER_WAY * threads {
+            let _ = permit.send(()); // a reader that is gone needs none
+        }
+        // both ends of this thread are dropped with it, so that the others end as well
+        let written = write_in_order(permit, answers, write);
+        let lines = reader.join().unwrap_or_else(|panic| resume_unwind(panic));
+        written.unwrap_or_else(|panic| resume_unwind(panic))?;
+        lines
     })
 }
 
-/// What a thread gave; its panic goes on in this one.
-fn ended<T>(thread: ScopedJoinHandle<'_, T>) -> T {
-    match thread.join() {
-        Ok(given) => given,
-        Err(panic) => resume_unwind(panic),
+/// Reads chunk after chunk, each by a permit.
+fn read(mut lines: Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Result<Lines> {
+    for number in 0.. {
+        let before = lines.bytes();
+        let chunk = next_chunk(&mut lines)?;
+        let bytes = lines.bytes() - before;
+        // a writer that is gone has its own reason to tell
+        if chunk.is_empty() || permits.recv().is_err() {
+            break;
+        }
+        let _ = send.send(Chunk {
+            number,
+            lines: chunk,
+            bytes,
+        });
+    }
+    Ok(lines)
+}
+
+/// Solves chunk after chunk until there is none.
+fn solve_chunks<T>(
+    chunks: &Mutex<Receiver<Chunk>>,
+    solve: impl Fn(Vec<Line>) -> T,
+    answers: &Sender<Answered<T>>,
+) {
+    loop {
+        let chunk = match chunks.lock() {
+            Ok(chunks) => chunks.recv(),
+            Err(_) => return, // never: nothing panics while it holds the lock
+        };
+        let Ok(chunk) = chunk else { return };
+        let (number, bytes) = (chunk.number, chunk.bytes);
+        let answer = catch_unwind(AssertUnwindSafe(|| solve(chunk.lines)));
+        let answered = Answered {
+            number,
+            bytes,
+            answer,
+        };
+        if answers.send(answered).is_err() {
+            return;
+        }
     }
 }
 
+/// Writes the answers by their numbers; `Err` with the panic of a thread that solves.
+fn write_in_order<T>(
+    permit: Sender<()>,
+    answers: Receiver<Answered<T>>,
+    mut write: impl FnMut(T, u64) -> Result<()>,
+) -> thread::Result<Result<()>> {
+    let mut early = BTreeMap::new();
+    let mut next = 0;
+    for answered in &answers {
+        early.insert(answered.number, answered);
+        while let Some(answered) = early.remove(&next) {
+            next += 1;
+            if let Err(error) = write(answered.answer?, answered.bytes) {
+                return Ok(Err(error));
+            }
+            let _ = permit.send(()); // a reader that is gone needs none
+        }
+    }
+    Ok(Ok(()))
+}
+
 fn next_chunk(lines: &mut Lines) -> Result<Vec<Line>> {
-    let mut chunk = Vec::with_capacity(CHUNK);
-    while chunk.len() < CHUNK {
+    let mut chunk = Vec::with_capacity(CHUNK_ROWS);
+    let from = lines.bytes();
+    while chunk.len() < CHUNK_ROWS && lines.bytes() - from < CHUNK_BYTES {
         match lines.next()? {
             Some(line) if line.text.trim().is_empty() && line.is_text => {}
             Some(line) => chunk.push(line),
