@@ -72,7 +72,12 @@ impl Rect {
 
     /// How far `point` lies outside; 0 inside.
     pub(super) fn distance(&self, point: Point) -> f64 {
-        distance(point, self.nearest(point))
+        self.square_distance(point).sqrt()
+    }
+
+    /// Its square.
+    fn square_distance(&self, point: Point) -> f64 {
+        square_distance(point, self.nearest(point))
     }
 
     /// How far the segment stays away; 0 where it enters.
@@ -89,8 +94,12 @@ impl Rect {
         // Two convex sets that do not meet are nearest at a corner of one of them.
         corners
             .into_iter()
-            .map(|corner| distance(corner, nearest_on_segment(corner, from, to)))
-            .fold(self.distance(from).min(self.distance(to)), f64::min)
+            .map(|corner| square_distance(corner, nearest_on_segment(corner, from, to)))
+            .fold(
+                self.square_distance(from).min(self.square_distance(to)),
+                f64::min,
+            )
+            .sqrt()
     }
 
     /// Does the segment enter the box?
@@ -129,7 +138,13 @@ impl Rect {
 
 /// Between two points.
 pub(super) fn distance(a: Point, b: Point) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    square_distance(a, b).sqrt()
+}
+
+/// Its square, for comparisons: no root. Lengths on a page neither overflow nor vanish.
+fn square_distance(a: Point, b: Point) -> f64 {
+    let [x, y] = [a[0] - b[0], a[1] - b[1]];
+    x * x + y * y
 }
 
 /// The point of a segment nearest to `point`.
@@ -151,7 +166,7 @@ pub(super) fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
     };
     let parted = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
     let near = |point: Point, from: Point, to: Point| {
-        distance(point, nearest_on_segment(point, from, to)) < 0.5
+        square_distance(point, nearest_on_segment(point, from, to)) < 0.5 * 0.5
     };
     !parted || near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b)
 }
