@@ -1,6 +1,8 @@
 //! The flags that describe a wheel on a soil.
 
-use grouser_terra::{Angle, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, gravity_of};
+use grouser_terra::{
+    Angle, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, gravity_of,
+};
 
 use crate::error::Result;
 use crate::law_error::Names;

@@ -51,8 +51,8 @@ mod suggestion;
 mod toml_text;
 pub mod topics;
 pub mod unit;
-pub mod wheel_sizes;
 pub mod urdf;
+pub mod wheel_sizes;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;

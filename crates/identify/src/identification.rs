@@ -192,7 +192,8 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
             standard_error: uncertainty.standard_errors[index],
             interval: intervals[index],
             verdict: uncertainty.verdicts[index],
-            overruled: Some(parameter.of(&fixed.soil)).filter(|known| parameter.is_measured() && !known.is_nan()),
+            overruled: Some(parameter.of(&fixed.soil))
+                .filter(|known| parameter.is_measured() && !known.is_nan()),
         })
         .collect();
     for (parameter, value) in job.parameters.iter().zip(&best.x) {

@@ -101,11 +101,7 @@ fn reading(
     let width = description.width.ok_or_else(|| needs("width_m"))?;
     let load = description.load.ok_or_else(|| needs("load_n"))?;
     let slip = Slip::new(median)?;
-    let pair = WheelOnSoil::new(
-        description.rigid(width)?,
-        *soil,
-        Settings::default(),
-    )?;
+    let pair = WheelOnSoil::new(description.rigid(width)?, *soil, Settings::default())?;
     let solution = pair.under_load(load, &Kinematics::straight(slip))?;
     let best = pair.slip_of_maximum_efficiency(load)?;
     let point = solution.point();

@@ -84,9 +84,7 @@ pub use gravity::{
 pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
-pub use lugs::{
-    LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer,
-};
+pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};

@@ -158,7 +158,11 @@ fn derivatives_in_the_lugs_agree_with_differences() {
             let at = |change: f64| {
                 let mut moved = sizes;
                 moved[column] += change;
-                let point = on(moved).under_load(22.0, &motion).unwrap().point().unwrap();
+                let point = on(moved)
+                    .under_load(22.0, &motion)
+                    .unwrap()
+                    .point()
+                    .unwrap();
                 [
                     point.sinkage,
                     point.forces.drawbar_pull,
@@ -250,8 +254,16 @@ fn no_edge_where_the_rim_is_as_fast_as_the_wheel() {
         (sinkage(ratio + step) - 2.0 * sinkage(ratio) + sinkage(ratio - step)).abs() / step
     };
     // change of slope in m per unit of rω/V
-    assert!(bend(SlipNorm::Root, 1.0) < 1e-3, "{}", bend(SlipNorm::Root, 1.0));
-    assert!(bend(SlipNorm::Greater, 1.0) > 5e-3, "{}", bend(SlipNorm::Greater, 1.0));
+    assert!(
+        bend(SlipNorm::Root, 1.0) < 1e-3,
+        "{}",
+        bend(SlipNorm::Root, 1.0)
+    );
+    assert!(
+        bend(SlipNorm::Greater, 1.0) > 5e-3,
+        "{}",
+        bend(SlipNorm::Greater, 1.0)
+    );
 }
 
 /// A side force does not vanish at once where the wheel stops travelling: it is continuous at s = 1.
@@ -302,9 +314,7 @@ fn the_regular_slip_velocity_has_finite_stiffness() {
         on.forces_at(0.015, &motion).unwrap()
     };
     // linear in a small slip angle at s = 0, where the sharp law rises like its root
-    let ratio = |on: &WheelOnSoil| {
-        at(on, 0.0, 0.02).side_shear / at(on, 0.0, 0.01).side_shear
-    };
+    let ratio = |on: &WheelOnSoil| at(on, 0.0, 0.02).side_shear / at(on, 0.0, 0.01).side_shear;
     assert!((ratio(&regular) - 2.0).abs() < 0.02, "{}", ratio(&regular));
     assert!(ratio(&sharp) < 1.9, "{}", ratio(&sharp));
     // pull per unit of slip below 0: the same from 1e-5 as from 1e-4

@@ -48,8 +48,7 @@ impl Validation {
             for quantity in [Quantity::Pull, Quantity::Torque, Quantity::Sinkage] {
                 for one in &fitted {
                     let one = one.on(*wheel);
-                    self.rows
-                        .extend(row(&one, lugged, quantity, "grouser")?);
+                    self.rows.extend(row(&one, lugged, quantity, "grouser")?);
                 }
             }
         }
@@ -141,9 +140,7 @@ fn row(
         .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
         .collect();
     let smooth = wheel == "smooth";
-    let published = CHRONO
-        .iter()
-        .find(|(q, _)| smooth && *q == quantity);
+    let published = CHRONO.iter().find(|(q, _)| smooth && *q == quantity);
     Ok(Score::of(&errors).map(|score| Row {
         data_set: DING,
         wheel,

@@ -1,8 +1,8 @@
 //! The trials of the test bed against the model.
 
 use grouser_terra::{
-    Angle, Bulldozing, Kinematics, LawChoice, ShearLaw, SlipNorm, SlipSinkage,
-    SoilParams, StressPosition,
+    Angle, Bulldozing, Kinematics, LawChoice, ShearLaw, SlipNorm, SlipSinkage, SoilParams,
+    StressPosition,
 };
 use rayon::prelude::*;
 
@@ -236,97 +236,103 @@ struct Group<'a> {
 }
 
 impl Group<'_> {
-fn add_to(self, out: &mut Validation, fitted: &[Fitted]) -> Result<()> {
-    let Self { data_set, wheel, angle, slips, trials } = self;
-    let steady = slips == SlipGroup::Steady;
-    let tests: Vec<WheelTest> = trials.iter().map(|trial| trial.test).collect();
-    let said = fitted
-        .iter()
-        .map(|one| one.predict(&tests))
-        .collect::<Result<Vec<_>>>()?;
-    let lines = if steady {
-        lines(fitted, trials, angle)?
-    } else {
-        Vec::new()
-    };
-    for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
-        let unit = quantity.scale();
-        let repeats: Vec<(usize, f64)> = trials
-            .iter()
-            .zip(commands(trials))
-            .filter_map(|(trial, command)| Some((command, trial.test.read(quantity)?)))
-            .collect();
-        for (one, said) in fitted.iter().zip(&said) {
-            let errors: Vec<f64> = tests
-                .iter()
-                .zip(said)
-                .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
-                .collect();
-            let seen = steady
-                && wheel == "smooth"
-                && (angle == 0.0 || (one.report.fit == BRACKET && angle == 60.0));
-            let published = (steady && wheel == "smooth")
-                .then(|| {
-                    PUBLISHED
-                        .iter()
-                        .find(|(a, q, _)| *a == angle && *q == quantity)
-                })
-                .flatten();
-            if let Some(score) = Score::of(&errors) {
-                out.rows.push(Row {
-                    data_set,
-                    wheel,
-                    slip_angle_deg: angle,
-                    slips,
-                    quantity,
-                    model: one.report.model,
-                    fit: one.report.fit,
-                    split: if seen { Split::Fitted } else { Split::HeldOut },
-                    score: score.in_unit(unit),
-                    fitted_parameters: one.parameters.len(),
-                    published_rmse: published.map(|(_, _, rmse)| *rmse),
-                    scatter: pooled(&repeats).map(|sd| sd / unit),
-                    hub_buried: said.iter().filter(|said| said.hub_buried).count(),
-                });
-            }
-        }
-        if !steady {
-            continue;
-        }
-        out.series.push(Series {
+    fn add_to(self, out: &mut Validation, fitted: &[Fitted]) -> Result<()> {
+        let Self {
             data_set,
             wheel,
-            slip_angle_deg: angle,
-            quantity,
-            measured: trials
+            angle,
+            slips,
+            trials,
+        } = self;
+        let steady = slips == SlipGroup::Steady;
+        let tests: Vec<WheelTest> = trials.iter().map(|trial| trial.test).collect();
+        let said = fitted
+            .iter()
+            .map(|one| one.predict(&tests))
+            .collect::<Result<Vec<_>>>()?;
+        let lines = if steady {
+            lines(fitted, trials, angle)?
+        } else {
+            Vec::new()
+        };
+        for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
+            let unit = quantity.scale();
+            let repeats: Vec<(usize, f64)> = trials
                 .iter()
-                .filter_map(|trial| {
-                    let deviation = match quantity {
-                        Quantity::Pull => trial.pull_deviation,
-                        Quantity::Side => trial.side_deviation,
-                        _ => pooled(&repeats).unwrap_or(0.0),
-                    };
-                    Some(MeasuredPoint {
-                        slip: trial.stated_slip,
-                        value: trial.test.read(quantity)? / unit,
-                        deviation: deviation / unit,
+                .zip(commands(trials))
+                .filter_map(|(trial, command)| Some((command, trial.test.read(quantity)?)))
+                .collect();
+            for (one, said) in fitted.iter().zip(&said) {
+                let errors: Vec<f64> = tests
+                    .iter()
+                    .zip(said)
+                    .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
+                    .collect();
+                let seen = steady
+                    && wheel == "smooth"
+                    && (angle == 0.0 || (one.report.fit == BRACKET && angle == 60.0));
+                let published = (steady && wheel == "smooth")
+                    .then(|| {
+                        PUBLISHED
+                            .iter()
+                            .find(|(a, q, _)| *a == angle && *q == quantity)
                     })
-                })
-                .collect(),
-            lines: lines
-                .iter()
-                .map(|(model, fit, points)| {
-                    let line = points
-                        .iter()
-                        .map(|(slip, said)| [*slip, said.of(quantity) / unit])
-                        .collect();
-                    (*model, *fit, line)
-                })
-                .collect(),
-        });
+                    .flatten();
+                if let Some(score) = Score::of(&errors) {
+                    out.rows.push(Row {
+                        data_set,
+                        wheel,
+                        slip_angle_deg: angle,
+                        slips,
+                        quantity,
+                        model: one.report.model,
+                        fit: one.report.fit,
+                        split: if seen { Split::Fitted } else { Split::HeldOut },
+                        score: score.in_unit(unit),
+                        fitted_parameters: one.parameters.len(),
+                        published_rmse: published.map(|(_, _, rmse)| *rmse),
+                        scatter: pooled(&repeats).map(|sd| sd / unit),
+                        hub_buried: said.iter().filter(|said| said.hub_buried).count(),
+                    });
+                }
+            }
+            if !steady {
+                continue;
+            }
+            out.series.push(Series {
+                data_set,
+                wheel,
+                slip_angle_deg: angle,
+                quantity,
+                measured: trials
+                    .iter()
+                    .filter_map(|trial| {
+                        let deviation = match quantity {
+                            Quantity::Pull => trial.pull_deviation,
+                            Quantity::Side => trial.side_deviation,
+                            _ => pooled(&repeats).unwrap_or(0.0),
+                        };
+                        Some(MeasuredPoint {
+                            slip: trial.stated_slip,
+                            value: trial.test.read(quantity)? / unit,
+                            deviation: deviation / unit,
+                        })
+                    })
+                    .collect(),
+                lines: lines
+                    .iter()
+                    .map(|(model, fit, points)| {
+                        let line = points
+                            .iter()
+                            .map(|(slip, said)| [*slip, said.of(quantity) / unit])
+                            .collect();
+                        (*model, *fit, line)
+                    })
+                    .collect(),
+            });
+        }
+        Ok(())
     }
-    Ok(())
-}
 }
 
 /// Least distance in stated slip between two commands of the test bed: repeats of one command lie within 0.07,

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{cmu, ding};
 use super::rows::Validation;
+use super::{cmu, ding};
 use grouser_identify::Result;
 use grouser_identify::plate::{
     BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,

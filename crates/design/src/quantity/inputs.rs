@@ -164,8 +164,7 @@ impl Inputs<f64> {
                 count: self.get(Parameter::GrouserCount),
                 thickness: self.get(Parameter::GrouserThickness),
             };
-            return RigidWheel::new(self.radius(), width)?
-                .with_grousers(Grousers { height, rule });
+            return RigidWheel::new(self.radius(), width)?.with_grousers(Grousers { height, rule });
         }
         match self.beside.tip_share {
             Some(tips) => {

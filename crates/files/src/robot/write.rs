@@ -1,9 +1,9 @@
 //! A robot as the text of a robot file.
 
 use grouser_slip::settings::{Field, FileUnit};
-use grouser_terra::{GrouserRule, Grousers};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
+use grouser_terra::{GrouserRule, Grousers};
 
 use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};

@@ -33,7 +33,8 @@ use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
 use grouser_terra::{
-    Angle, Bulldozing, FittedRange, LawChoice, ShearLaw, SlipNorm, SlipSinkage, Soil, SoilParams, StressPosition,
+    Angle, Bulldozing, FittedRange, LawChoice, ShearLaw, SlipNorm, SlipSinkage, Soil, SoilParams,
+    StressPosition,
 };
 
 use crate::document::{Document, Section};
@@ -150,7 +151,8 @@ fn read_numbers(
 }
 
 fn read_fitted(section: &Section<'_>) -> Result<FittedRange> {
-    let range = |low, high| Ok::<_, Error>((section.number(low, FINITE)?, section.number(high, FINITE)?));
+    let range =
+        |low, high| Ok::<_, Error>((section.number(low, FINITE)?, section.number(high, FINITE)?));
     let degrees = range("slip_angle_min_deg", "slip_angle_max_deg")?;
     Ok(FittedRange {
         slip: range("slip_min", "slip_max")?,

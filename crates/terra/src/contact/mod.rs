@@ -21,9 +21,9 @@ pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
 use crate::kinematics::Kinematics;
+use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
 use crate::soil::SoilLaws;
-use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::wheel::{GrouserRule, Grousers, RigidWheel};
 
 /// A wheel's sizes as the laws take them, in numbers of any kind, m.

@@ -266,7 +266,9 @@ fn text(solved: Solved<'_>) -> String {
     }
     let mut table = Table::new().text("").number("").text("");
     if let Some(answer) = solved.answer.filter(|answer| answer.point.is_some()) {
-        operation::fields().pick(&LINES).add_lines(&mut table, answer);
+        operation::fields()
+            .pick(&LINES)
+            .add_lines(&mut table, answer);
     }
     if let Some(slope) = solved.slope {
         OnSlope::fields().add_lines(&mut table, slope);
