@@ -12,8 +12,8 @@ use grouser_slip::WheelRole;
 use super::request::Request;
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 /// Each log is a run of its own here.
 pub(super) fn run(

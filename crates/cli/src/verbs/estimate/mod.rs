@@ -30,9 +30,9 @@ use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use crate::verb_report::Report;
 use grouser_report::number::parse_finite;
 use grouser_report::printable;
 

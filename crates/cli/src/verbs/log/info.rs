@@ -11,8 +11,8 @@ use super::copied::{damage, damages_text};
 use super::sheet;
 use crate::error::Result;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
