@@ -1,5 +1,6 @@
 //! What is wrong with a file, and where.
 
+use grouser_terra::OutOfRange;
 use std::fmt;
 use std::io;
 
@@ -118,18 +119,12 @@ pub enum Error {
         expected: &'static str,
     },
     /// A number outside its limits (NaN always is).
-    #[error("{at}: `{key}` is {value}, but must lie in [{low}, {high}]")]
+    #[error("{at}: {range:#}")]
     OutOfRange {
         /// Where.
         at: Place,
-        /// The key; it carries the unit.
-        key: String,
-        /// What was given.
-        value: f64,
-        /// The minimum value allowed.
-        low: f64,
-        /// The maximum value allowed.
-        high: f64,
+        /// The key, which carries the unit, and its limits.
+        range: OutOfRange<String>,
     },
     /// A word that is none of those allowed.
     #[error("{at}: `{key}` is \"{value}\", but must be one of {allowed}")]

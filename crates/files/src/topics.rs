@@ -33,6 +33,7 @@ use crate::error::{Error, Result};
 
 /// The numbers of one topic's messages.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TopicFields {
     /// The topic.
     pub topic: String,
@@ -52,6 +53,7 @@ pub struct Joint {
 /// How a wheel's sensor turned, by an odometry that was made of the wheels:
 /// rate = `per_speed` · v + `per_turn` · Ω.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OdometryWheel {
     /// The wheel.
     pub wheel: String,
@@ -63,6 +65,7 @@ pub struct OdometryWheel {
 
 /// An odometry that was made of the wheels alone, and the wheels' rates out of it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelOdometry {
     /// The topic.
     pub topic: String,
@@ -74,6 +77,7 @@ pub struct WheelOdometry {
 
 /// What the section says.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Topics {
     /// The topic of the wheels' angles, rates or counts, by joint.
     pub wheels: Option<String>,

@@ -58,6 +58,7 @@ impl Use {
 
 /// What is known of one topic.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Topic {
     /// The topic, its type and its definition.
     pub channel: Channel,
@@ -92,6 +93,7 @@ pub struct Topic {
 
 /// What a log holds.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Survey {
     /// The kind of file.
     pub format: Format,

@@ -14,6 +14,7 @@ const MIN_WAY_M: f64 = 0.5;
 
 /// How many readings of the reference there were, and how many of them the filter used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ReferenceUse {
     /// Readings that the filter was given, repeated ones left out.
     pub readings: u64,
@@ -23,6 +24,7 @@ pub struct ReferenceUse {
 
 /// Ways while the reference was known, m, each along the direction in which the wheels drove.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WayCheck {
     /// By the wheels.
     pub wheels: f64,

@@ -43,6 +43,7 @@ pub struct FusedSummary {
 
 /// An event that began or ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EventAt {
     /// When it was called, s from the log's start.
     pub time_s: f64,

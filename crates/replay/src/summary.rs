@@ -12,6 +12,7 @@ use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Spread {
     /// How many values there were.
     pub count: u64,
@@ -36,6 +37,7 @@ impl From<&Quantiles> for Spread {
 
 /// What the log says of one wheel.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelSummary {
     /// Its name.
     pub name: String,
@@ -56,6 +58,7 @@ pub struct WheelSummary {
 
 /// What the log says of the robot along its track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AlongSummary {
     /// Slip over windows.
     pub slip: Spread,
@@ -69,6 +72,7 @@ pub struct AlongSummary {
 
 /// What the log says of the yaw rate: the powered wheels against the gyro.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct YawSummary {
     /// |turn by the wheels − turn by the gyro| in one window while the powered wheels ran faster
     /// than the robot's `low_speed_m_per_s` on average, rad.
@@ -103,6 +107,7 @@ impl Status {
 
 /// What a whole log says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,

@@ -331,13 +331,7 @@ fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Resul
     match section.optional_integer(key)? {
         None => Ok(default),
         Some(lines @ 1..=1000) => Ok(usize::try_from(lines).unwrap_or(default)),
-        Some(lines) => Err(Error::OutOfRange {
-            at: section.place_of(key),
-            key: key.into(),
-            value: lines as f64,
-            low: 1.0,
-            high: 1000.0,
-        }),
+        Some(lines) => Err(section.out_of_range(key, lines as f64, (1.0, 1000.0))),
     }
 }
 

@@ -79,6 +79,7 @@ impl WheelSensor {
 
 /// What a robot file says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RobotFile {
     /// The robot.
     pub robot: Robot,

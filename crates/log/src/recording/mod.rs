@@ -24,6 +24,7 @@ pub(crate) use reader::RecordingReader;
 
 /// A topic that a log uses, and what for.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct UsedTopic {
     /// The topic.
     pub topic: String,
