@@ -1,5 +1,6 @@
 //! Errors of the libraries as Python exceptions with field, value, limit and unit.
 
+use grouser::real::OutOfRange;
 use grouser::{files, terra};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -56,6 +57,16 @@ fn number(value: f64) -> Option<Py<PyAny>> {
     Python::attach(|py| value.into_pyobject(py).ok().map(|n| n.into_any().unbind()))
 }
 
+/// What a number outside its limits carries; a pure number of a file's key has its unit in the key.
+fn out_of_range(error: OutOfRange<String>) -> Details {
+    Details {
+        field: Some(error.field),
+        value: number(error.value),
+        limit: Some(Limit::Range((error.low, error.high))),
+        unit: Some(error.unit),
+    }
+}
+
 fn text(value: &str) -> Option<Py<PyAny>> {
     Python::attach(|py| Some(PyString::new(py, value).into_any().unbind()))
 }
@@ -76,18 +87,7 @@ impl IntoPython for terra::Error {
         let field = self.field().map(ToOwned::to_owned);
         let message = self.to_string();
         let details = match self {
-            Self::OutOfRange {
-                value,
-                low,
-                high,
-                unit,
-                ..
-            } => Details {
-                field,
-                value: number(value),
-                limit: Some(Limit::Range((low, high))),
-                unit: Some(unit),
-            },
+            Self::OutOfRange(range) => out_of_range(range.named(range.field.to_owned())),
             Self::NotAbove {
                 value, limit, unit, ..
             } => Details {
@@ -151,21 +151,7 @@ impl IntoPython for files::Error {
                     ))
                 })
             }
-            E::OutOfRange {
-                key,
-                value,
-                low,
-                high,
-                ..
-            } => input_error(
-                message,
-                Details {
-                    field: Some(key),
-                    value: number(value),
-                    limit: Some(Limit::Range((low, high))),
-                    unit: None,
-                },
-            ),
+            E::OutOfRange { range, .. } => input_error(message, out_of_range(range)),
             E::MissingKey { key, .. } => input_error(message, Details::field(key)),
             E::UnknownKey { key, .. } => input_error(message, Details::field(&key)),
             E::WrongType { key, .. } => type_error(message, &key),
@@ -205,16 +191,7 @@ impl IntoPython for grouser::opt::Error {
                 ..Details::field(&name)
             },
             E::UnboundedVariable { name, .. } => Details::field(&name),
-            E::OutOfRange {
-                field,
-                value,
-                low,
-                high,
-            } => Details {
-                value: number(value),
-                limit: Some(Limit::Range((low, high))),
-                ..Details::field(&field)
-            },
+            E::OutOfRange(error) => out_of_range(error),
             E::WrongLength {
                 what,
                 given,
@@ -247,4 +224,35 @@ macro_rules! layered {
 
 layered! {
     grouser::design::Error { grouser::design::Error::File }
+    grouser::replay::Error {
+        grouser::replay::Error::Log,
+        grouser::replay::Error::File,
+        grouser::replay::Error::Settings,
+        grouser::replay::Error::Soil
+    }
+    grouser::log::Error { grouser::log::Error::File }
+    grouser::rover::Error { grouser::rover::Error::File, grouser::rover::Error::Estimator }
+}
+
+impl IntoPython for grouser::slip::Error {
+    fn into_python(self) -> PyErr {
+        use grouser::slip::Error as E;
+        let message = self.to_string();
+        let details = match self {
+            E::OutOfRange { range, .. } => out_of_range(range.named(range.field.to_owned())),
+            E::WheelCount { count, limit } => Details {
+                value: number(count as f64),
+                limit: Some(Limit::Range((1.0, limit as f64))),
+                ..Details::field("wheels")
+            },
+            E::UnknownWheel { index, wheels } => Details {
+                value: number(index as f64),
+                limit: Some(Limit::Range((0.0, wheels as f64 - 1.0))),
+                ..Details::field("wheel")
+            },
+            E::Law { source, .. } => return source.into_python(),
+            _ => Details::default(),
+        };
+        input_error(message, details)
+    }
 }

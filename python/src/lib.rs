@@ -9,9 +9,15 @@ mod batch;
 mod callable;
 mod command;
 mod contact;
+mod drive;
 mod error;
+mod figure;
+mod logs;
 mod optimize;
+mod robot;
+mod sample;
 mod settings_text;
+mod slip;
 mod soil;
 mod wheel;
 mod workers;
@@ -23,7 +29,13 @@ mod _core {
         batch::{instructions, solve_at_sinkage, solve_curve, solve_under_load},
         command::run_command,
         contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
+        drive::{Scenario, Simulation},
+        figure::chart_svg,
+        logs::{Engine, estimate, read_samples},
         optimize::{solve, solve_file, solve_front, solve_many},
+        robot::Robot,
+        sample::Sample,
+        slip::{OnBoard, SlipFilter},
         soil::{Soil, catalogue_keys},
         wheel::Wheel,
     };

@@ -48,14 +48,18 @@ pub(crate) struct Parts {
 
 impl Parts {
     fn settings(&self) -> Settings {
-        Settings {
-            optimality_tolerance: self.tolerances.0,
-            constraint_tolerance: self.tolerances.1,
-            step_tolerance: self.tolerances.2,
-            max_iterations: self.limits.0,
-            max_values: self.limits.1,
-            probes: self.limits.2,
-        }
+        let mut settings = Settings::default();
+        (
+            settings.optimality_tolerance,
+            settings.constraint_tolerance,
+            settings.step_tolerance,
+        ) = self.tolerances;
+        (
+            settings.max_iterations,
+            settings.max_values,
+            settings.probes,
+        ) = self.limits;
+        settings
     }
 
     fn method(&self) -> PyResult<Method> {
@@ -92,31 +96,26 @@ impl Parts {
     }
 
     fn params(&self, failure: &Failure) -> ProblemParams<'static> {
+        let mut params = ProblemParams::new(&[], 0, self.callable(None, failure));
         let variables = self.variables.iter();
-        ProblemParams {
-            variables: variables
-                .map(|(name, start, lower, upper)| Variable::bounded(name, *start, *lower, *upper))
-                .collect(),
-            objectives: self.objectives.clone(),
-            inequalities: self.inequalities.clone(),
-            equalities: self.equalities.clone(),
-            linear: self
-                .linear
-                .iter()
-                .map(|(name, coefficients, is_equal, bound)| LinearConstraint {
-                    name: name.clone(),
-                    coefficients: coefficients.clone(),
-                    relation: if *is_equal {
-                        Relation::Equal
-                    } else {
-                        Relation::AtMost
-                    },
-                    bound: *bound,
-                })
-                .collect(),
-            absolute: self.absolute,
-            model: Box::new(self.callable(None, failure)),
-        }
+        params.variables = variables
+            .map(|(name, start, lower, upper)| Variable::bounded(name, *start, *lower, *upper))
+            .collect();
+        params.objectives.clone_from(&self.objectives);
+        params.inequalities.clone_from(&self.inequalities);
+        params.equalities.clone_from(&self.equalities);
+        let linear = self.linear.iter().cloned();
+        params.linear = linear
+            .map(|(name, coefficients, is_equal, bound)| {
+                let mut row = LinearConstraint::at_most(name, coefficients, bound);
+                if is_equal {
+                    row.relation = Relation::Equal;
+                }
+                row
+            })
+            .collect();
+        params.absolute = self.absolute;
+        params
     }
 
     /// Runs `job` with the problem, or with the problem over all worlds.
@@ -247,14 +246,12 @@ pub(crate) fn solve_front<'py>(
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let failure = Failure::default();
-    let settings = ParetoSettings {
-        population,
-        generations,
-        polish,
-        seed,
-        solve: parts.settings(),
-        ..ParetoSettings::default()
-    };
+    let mut settings = ParetoSettings::default();
+    settings.population = population;
+    settings.generations = generations;
+    settings.polish = polish;
+    settings.seed = seed;
+    settings.solve = parts.settings();
     let inner = failure.clone();
     let front = workers::interruptible(
         py,
