@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, PLACEHOLDER, Place, Result};
 use crate::regular;
 use crate::suggestion::nearest;
 
@@ -330,6 +330,12 @@ impl<'a> Section<'a> {
         let digits: String = match value.get_ref() {
             DeValue::Float(float) => float.as_str().replace('_', ""),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
+            DeValue::String(text) if text == PLACEHOLDER => {
+                return Err(Error::Placeholder {
+                    at: self.document.place(value.span().start),
+                    key: key.into(),
+                });
+            }
             _ => return Err(self.wrong_type(key, value, "a number")),
         };
         let number: f64 = digits

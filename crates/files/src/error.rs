@@ -24,6 +24,10 @@ impl fmt::Display for Place {
     }
 }
 
+/// What a proposed file has in place of a number that no log holds. A file is refused until it is replaced, because a wrong
+/// radius or a wrong number of ticks per turn yields a plausible but wrong slip.
+pub const PLACEHOLDER: &str = "measure";
+
 /// Why a file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -118,6 +122,14 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
+    /// A value that a proposed file leaves to be measured.
+    #[error("{at}: `{key}` is still the placeholder \"{PLACEHOLDER}\" of a proposed file")]
+    Placeholder {
+        /// Where.
+        at: Place,
+        /// The key; it carries the unit.
+        key: String,
+    },
     /// A number outside its limits (NaN always is).
     #[error("{at}: {range:#}")]
     OutOfRange {
@@ -177,6 +189,7 @@ impl Error {
             Self::BadChoice {
                 meant: Some(meant), ..
             } => Some(format!("did you mean \"{meant}\"?")),
+            Self::Placeholder { .. } => Some("replace it by the measured number".into()),
             Self::Format { .. } => Some("use a newer version of this program".into()),
             _ => None,
         }

@@ -2,8 +2,9 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
-use grouser_slip::{Motion, Reference, Robot, Sample, Slip, WheelRole};
+use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
+use crate::axes::AxisWatch;
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::fusion::Fusion;
@@ -59,6 +60,7 @@ pub struct Engine {
     slips: Slips,
     span: (f64, f64),
     start_ns: Option<i64>,
+    longest_gap_s: f64,
     /// The time of the samples that came last.
     group_ns: Option<i64>,
     /// The wheels that were read at that time, bit by bit.
@@ -66,6 +68,9 @@ pub struct Engine {
     tallies: Vec<Tally>,
     ways: Ways,
     turns: Option<TurnWatch>,
+    axes: AxisWatch,
+    /// Yaw of the pose's sensor in the robot's frame, rad.
+    pose_yaw_offset: f64,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -99,6 +104,14 @@ impl Slips {
         match self {
             Self::Filter(_, means) => means.latest().copied(),
             Self::Window(estimator) => Some(estimator.latest()?.body),
+        }
+    }
+
+    /// The acceleration to the left by which a robot without sideways motion turns, m/s².
+    fn turn_acceleration(&self) -> f64 {
+        match self {
+            Self::Filter(fusion, _) => fusion.turn_acceleration(),
+            Self::Window(_) => 0.0,
         }
     }
 
@@ -137,6 +150,8 @@ impl Engine {
         Ok(Self {
             slips,
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
+            axes: AxisWatch::new(&robot, settings.low_speed),
+            pose_yaw_offset: file.pose_yaw_offset,
             reckoning: Reckoning::new(settings.window),
             odometry: None,
             span: (
@@ -144,6 +159,7 @@ impl Engine {
                 options.to_s.unwrap_or(f64::INFINITY),
             ),
             start_ns: None,
+            longest_gap_s: 0.0,
             group_ns: None,
             read: 0,
             tallies: vec![Tally::new(); robot.wheels().len()],
@@ -171,13 +187,24 @@ impl Engine {
     ///
     /// # Errors
     /// [`Error::Sink`], and [`Error::Settings`] where smoothing cannot go on.
-    pub fn push(&mut self, sample: Sample, sink: &mut impl Sink) -> Result<()> {
+    pub fn push(&mut self, mut sample: Sample, sink: &mut impl Sink) -> Result<()> {
         if self.group_ns.is_some_and(|group| group != sample.time_ns) {
             self.close_group(sink)?;
         }
-        self.group_ns = Some(sample.time_ns);
+        if let Some(last) = self.group_ns.replace(sample.time_ns) {
+            let gap_s = sample.time_ns.saturating_sub(last) as f64 * 1e-9;
+            self.longest_gap_s = self.longest_gap_s.max(gap_s);
+        }
         self.start_ns.get_or_insert(sample.time_ns);
+        match &mut sample.measurement {
+            Measurement::Pose { yaw, .. } => *yaw -= self.pose_yaw_offset,
+            Measurement::Acceleration { left, .. } if self.inputs.is_acceleration_forward_only => {
+                *left = self.slips.turn_acceleration();
+            }
+            _ => {}
+        }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
+            self.axes.take(&sample);
             self.slips.update(sample);
             if let Some(wheel) = rotating_wheel(&sample.measurement) {
                 self.read |= 1 << wheel;
@@ -225,6 +252,11 @@ impl Engine {
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
             let rims = powered.filter_map(|(index, _)| slips.rim_speed(index));
+            let (sum, count) =
+                (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
+            if count > 0.0 {
+                self.axes.step(now, sum / count);
+            }
             self.ways.count(&body, rims);
         } else if time_s < self.span.0 {
             self.ways.wait(&body);
@@ -325,6 +357,7 @@ impl Engine {
                 (Some(start), Some(end)) => end.saturating_sub(start) as f64 * 1e-9,
                 _ => 0.0,
             },
+            longest_gap_s: self.longest_gap_s,
             wheels: wheels
                 .map(|(wheel, tally)| {
                     let is_free = wheel.role == WheelRole::Free;
@@ -334,6 +367,7 @@ impl Engine {
             along: self.ways.along(reference != Reference::Grip),
             yaw: self.ways.yaw(),
             turns: self.turns.as_ref().map(TurnWatch::summary),
+            axes: self.axes.summary(),
             clock_offset_s: self.clock_offset_s,
             odometry: self.odometry,
             fused,

@@ -171,6 +171,12 @@ impl Fusion {
         Ok(left.unwrap_or_default())
     }
 
+    /// The acceleration to the left of a robot that moves along its heading, v Ω, m/s².
+    pub(crate) fn turn_acceleration(&self) -> f64 {
+        let body = self.filter.latest().body;
+        body.forward.value * body.yaw_rate.value
+    }
+
     pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {
         let known = self.filter.latest();
         let reference = (known.reference_readings > 0).then(|| ReferenceUse {

@@ -40,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod align;
+mod axes;
 mod calibration;
 mod checks;
 mod choice;
@@ -69,6 +70,7 @@ mod turn_watch;
 mod unreferenced;
 mod ways;
 
+pub use axes::AxisCheck;
 pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::Inputs;

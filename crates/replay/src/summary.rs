@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
+use crate::axes::AxisCheck;
+use crate::checks::{Doubt, MAX_GAP_S};
 use crate::fusion::FusedSummary;
 use crate::method::Method;
 use crate::odometry::Odometry;
@@ -121,6 +123,8 @@ pub struct Summary {
     pub wheel_sensor: &'static str,
     /// From the first record to the last, s.
     pub duration_s: f64,
+    /// The longest time between two samples, s.
+    pub longest_gap_s: f64,
     /// One per wheel, in the robot's order.
     pub wheels: Vec<WheelSummary>,
     /// The robot along its track.
@@ -130,6 +134,8 @@ pub struct Summary {
     /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
     /// wheels' sides.
     pub turns: Option<TurnCheck>,
+    /// Whether accelerometer and reference point in the direction in which the wheels drive.
+    pub axes: AxisCheck,
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
@@ -139,6 +145,22 @@ pub struct Summary {
     pub fused: Option<FusedSummary>,
     /// Samples that were refused.
     pub rejected: Rejected,
+}
+
+impl Summary {
+    /// Why the result is doubtful; empty where all checks passed.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let of_filter = self.fused.iter().flat_map(|fused| &fused.doubts).copied();
+        let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
+        // The window estimator does not use accelerations.
+        let axes = [
+            self.axes.reference.map(Doubt::ReferenceTurned),
+            acceleration.map(Doubt::AccelerationTurned),
+            (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),
+        ];
+        of_filter.chain(axes.into_iter().flatten()).collect()
+    }
 }
 
 /// The states of one wheel over time.

@@ -130,7 +130,6 @@ impl Meaning {
             Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
             Self::SpeedLeft => Some(Self::SpeedForward),
             Self::CommandLeft => Some(Self::CommandForward),
-            Self::AccelerationForward => Some(Self::AccelerationLeft),
             Self::AccelerationLeft => Some(Self::AccelerationForward),
             Self::DisplacementForward => Some(Self::DisplacementLeft),
             Self::PoseX => Some(Self::PoseYaw),
@@ -168,6 +167,8 @@ pub struct TimeColumn {
     pub column: String,
     /// Its unit.
     pub unit: TimeUnit,
+    /// What is added to its times, ns: a table that counts from its own start beside a bag.
+    pub offset_ns: i64,
 }
 
 /// The unit of a column of time.
@@ -283,6 +284,15 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         Ok(TimeColumn {
             column: time.text("column")?.into(),
             unit: time.choice("unit", &TimeUnit::NAMES)?,
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "within the limits of the key"
+            )]
+            offset_ns: (time
+                .optional_number("offset_s", (-9e9, 9e9))?
+                .unwrap_or(0.0)
+                * 1e9)
+                .round() as i64,
         })
     })?;
     let Some(time) = time else {

@@ -92,6 +92,8 @@ pub struct RobotFile {
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
     pub wheel_sensor: Option<WheelSensor>,
+    /// Yaw of what measures the pose in the robot's frame (the markers of motion capture), rad.
+    pub pose_yaw_offset: f64,
     /// What the topics of a bag mean.
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
@@ -121,8 +123,9 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut settings = WindowSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
+        let mut pose_yaw_offset = 0.0;
         root.section("estimator", |section| {
-            reference = read_estimator(section, &mut settings)?;
+            (reference, pose_yaw_offset) = read_estimator(section, &mut settings)?;
             wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
             Ok(())
         })?;
@@ -153,6 +156,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             filter,
             reference,
             wheel_sensor,
+            pose_yaw_offset,
             topics,
             columns,
             body,
@@ -208,10 +212,12 @@ pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
 fn read_estimator(
     section: &Section<'_>,
     settings: &mut WindowSettings,
-) -> Result<Option<Reference>> {
+) -> Result<(Option<Reference>, f64)> {
     read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
-    section.optional_choice("reference", &references)
+    let offset = section.optional_number("pose_yaw_offset_deg", (-360.0, 360.0))?;
+    let offset = Angle::from_deg(offset.unwrap_or(0.0)).rad();
+    Ok((section.optional_choice("reference", &references)?, offset))
 }
 
 /// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.

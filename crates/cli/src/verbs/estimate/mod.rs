@@ -18,8 +18,8 @@ use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Compared, Doubt, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
-    Truth, check_start, run_into, soil_readings,
+    Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
+    check_start, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
@@ -175,7 +175,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
-            Status::Done if doubts(&summary).is_empty() && !is_implausible => Outcome::Done,
+            Status::Done if summary.doubts().is_empty() && !is_implausible => Outcome::Done,
             Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
@@ -237,14 +237,6 @@ fn truth(
         .files()
         .filter(|file| matches!(Container::kind(file), Ok(Some(_))));
     Ok(Some(Truth::read_topic(recordings, &topic, &robot.robot)?))
-}
-
-/// Why the result is doubtful.
-fn doubts(summary: &Summary) -> &[Doubt] {
-    summary
-        .fused
-        .as_ref()
-        .map_or(&[], |fused| fused.doubts.as_slice())
 }
 
 fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
@@ -328,7 +320,7 @@ fn warnings(
     readings: &[SoilReading],
 ) -> Vec<String> {
     let mut out = Vec::new();
-    out.extend(doubts(summary).iter().map(ToString::to_string));
+    out.extend(summary.doubts().iter().map(ToString::to_string));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"
