@@ -283,6 +283,7 @@ impl Engine {
             wheel_sensor: wheel_sensor.unwrap_or(WheelSensor::Count),
             reference: reference.unwrap_or(Reference::Grip),
             position_sigma: None,
+            is_acceleration_forward_only: false,
         };
         let replay = raised(Replay::new(&robot.0, inputs, &choices.options()?))?;
         Ok(Self {
