@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
-use crate::report::Report;
+use crate::verb_report::Report;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::wheel_choice::{GrouserArguments, parse_gravity};

@@ -13,9 +13,9 @@ use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
-use crate::report::Report;
 use crate::session::Session;
 use crate::wheel_choice::{WheelArguments, parse_gravity};
+use crate::verb_report::Report;
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, Table, fields};
 
