@@ -1,6 +1,6 @@
 //! Samples in, rows and a summary out.
 
-use grouser_files::robot::RobotFile;
+use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
@@ -69,8 +69,7 @@ pub struct Engine {
     ways: Ways,
     turns: Option<TurnWatch>,
     axes: AxisWatch,
-    /// Yaw of the pose's sensor in the robot's frame, rad.
-    pose_yaw_offset: f64,
+    corrections: Corrections,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -151,7 +150,7 @@ impl Engine {
             slips,
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
             axes: AxisWatch::new(&robot, settings.low_speed),
-            pose_yaw_offset: file.pose_yaw_offset,
+            corrections: file.corrections,
             reckoning: Reckoning::new(settings.window),
             odometry: None,
             span: (
@@ -197,7 +196,8 @@ impl Engine {
         }
         self.start_ns.get_or_insert(sample.time_ns);
         match &mut sample.measurement {
-            Measurement::Pose { yaw, .. } => *yaw -= self.pose_yaw_offset,
+            Measurement::Pose { yaw, .. } => *yaw -= self.corrections.pose_yaw_offset,
+            Measurement::YawRate { rate } => *rate *= self.corrections.yaw_rate_scale,
             Measurement::Acceleration { left, .. } if self.inputs.is_acceleration_forward_only => {
                 *left = self.slips.turn_acceleration();
             }
@@ -282,6 +282,8 @@ impl Engine {
         let (time_s, is_wanted) = self.when(now);
         let robot = self.robot.wheels();
         for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
+            let factor = self.corrections.interval_factor;
+            wheel.sigma = wheel.sigma.map(|sigma| factor * sigma);
             // against itself a reference does not slip
             if described.role == WheelRole::Free && self.inputs.reference == Reference::FreeWheel {
                 (wheel.slip, wheel.sigma) = (None, None);

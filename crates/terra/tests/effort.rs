@@ -5,7 +5,7 @@ use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalog
 
 /// Cases and evaluations in all: of the search itself, and where eleven samples guard it.
 const PLAIN: (usize, u32) = (22, 96);
-const GUARDED: (usize, u32) = (8, 113);
+const GUARDED: (usize, u32) = (8, 123);
 
 /// Evaluations of the stress integrals for each sinkage case of the reference table.
 fn evaluations() -> Vec<(f64, f64, u32)> {

@@ -67,7 +67,7 @@ pub fn grouser_wheel() -> Result<RigidWheel> {
 ///
 /// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. Pull is
 /// −drag_force_n, load −vertical_force_n; the side force is positive to the left, so that of a wheel that drifts
-/// to its left is −side_force_n.
+/// to its left is −side_force_n. Locked wheels at a slip angle of 90° have no slip and are left out.
 ///
 /// # Errors
 /// As [`Table::read`]; [`Error::Content`] where a column is missing.
@@ -93,6 +93,10 @@ pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>
     let mut out = Vec::new();
     for i in 0..table.len() {
         if wheels[i] != wheel || slip[i].abs() > greatest_slip {
+            continue;
+        }
+        // a locked wheel dragged sideways: neither rim nor wheel plane has a speed, so that there is no slip
+        if angle[i] == 90.0 && rim[i] == 0.0 {
             continue;
         }
         let beta = Angle::from_deg(angle[i]);

@@ -13,9 +13,9 @@ use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
+use crate::verb_report::Report;
 use crate::wheel_choice::{GrouserArguments, parse_gravity};
 
 /// Slopes of the table between the level and the steepest one.
@@ -37,7 +37,7 @@ const MAX_SLOPE_RAD: f64 = 1.2;
         to it.\n\nEnergy is that of the torque at the wheels. Gravity turns masses into loads; the soil's numbers stay those \
         of its file.",
     after_help = "Examples:\n  grouser climb --soil lunar --radius-m 0.125 --width-m 0.15 --mass-kg 20 --gravity-m-per-s2 moon\n  \
-        grouser climb --soil dry-sand --robot examples/robots/rover.toml -o climb.csv -o climb.svg"
+        grouser climb --soil dry-sand --robot examples/robots/rocker-bogie.toml -o climb.csv -o climb.svg"
 )]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -87,14 +87,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let chosen = arguments.soil.choose(session)?;
     let climber = climber(arguments, &chosen.soil, session)?;
     let gravity = arguments.gravity_m_per_s2;
-    let steepest = climber.steepest(&chosen.soil, gravity)?;
+    let steepest = climber.steepest(&chosen.soil)?;
     let slopes: Vec<f64> = match steepest {
         Some(steepest) => (0..=ROWS)
             .map(|row| steepest * f64::from(row) / f64::from(ROWS))
             .collect(),
         None => vec![0.0],
     };
-    let steps = climber.steps(&chosen.soil, &slopes, gravity)?;
+    let steps = climber.steps(&chosen.soil, &slopes)?;
     let climbed = Climbed {
         soil: chosen.name,
         gravity,
@@ -129,7 +129,8 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     let refuse = |error| Names::Flags.error(&error);
     if let Some(path) = &arguments.robot {
         session.used_file(path)?;
-        return Ok(Climber::Robot(Box::new(RobotModel::read(path)?)));
+        let model = RobotModel::read(path)?.under_gravity(arguments.gravity_m_per_s2);
+        return Ok(Climber::Robot(Box::new(model)));
     }
     let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {
         return Err(Error::usage(
@@ -161,7 +162,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
 }
 
 impl Climber {
-    fn steepest(&self, soil: &Soil, gravity: f64) -> Result<Option<f64>> {
+    fn steepest(&self, soil: &Soil) -> Result<Option<f64>> {
         match self {
             Self::Wheel { pair, weight } => {
                 let slope = pair.gradeability(*weight);
@@ -171,7 +172,7 @@ impl Climber {
             }
             Self::Robot(model) => {
                 let holds = |slope: f64| -> Result<bool> {
-                    let steps = climb(model, soil, &[slope], gravity)?;
+                    let steps = climb(model, soil, &[slope])?;
                     Ok(steps[0].slip.is_some() && !steps[0].lifts && steps[0].tip_over > 0.0)
                 };
                 if !holds(0.0)? {
@@ -191,9 +192,9 @@ impl Climber {
         }
     }
 
-    fn steps(&self, soil: &Soil, slopes: &[f64], gravity: f64) -> Result<Vec<ClimbStep>> {
+    fn steps(&self, soil: &Soil, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
         match self {
-            Self::Robot(model) => Ok(climb(model, soil, slopes, gravity)?),
+            Self::Robot(model) => Ok(climb(model, soil, slopes)?),
             Self::Wheel { pair, weight } => slopes
                 .iter()
                 .map(|slope| wheel_step(pair, *weight, *slope))
@@ -227,12 +228,20 @@ fn wheel_step(pair: &WheelOnSoil, weight: f64, slope: f64) -> grouser_terra::Res
     })
 }
 
+/// Energy per metre, where the wheels do not spin nearly on the spot: it is without bound at slip 1.
+fn energy(step: &ClimbStep) -> Option<f64> {
+    let rolls = step
+        .slip
+        .is_some_and(|slip| slip < super::curve::SPINNING_SLIP);
+    step.energy_per_metre.filter(|_| rolls)
+}
+
 fn step<'a>() -> Fields<'a, &'a ClimbStep> {
     let known = |x: f64| x.is_finite().then_some(x);
     fields! { |step: &'a ClimbStep|
         "slope_deg" "slope" .shown("deg") = step.slope.to_degrees();
         "slip" "slip that holds it" .shown("").missing("none") = step.slip;
-        "energy_j_per_m" "energy" .shown("J/m").missing("none") = step.energy_per_metre.and_then(known);
+        "energy_j_per_m" "energy" .shown("J/m").missing("none") = energy(step);
         "sinkage_m" "sinkage" .shown("mm").missing("none") = step.sinkage;
         "reserve_n" "greatest pull less what the slope takes" .shown("N").missing("none") = known(step.reserve);
         "tip_over_deg" "tilt left before it tips over" .shown("deg").missing("–") =
@@ -276,7 +285,7 @@ impl Climbed {
             let cells = [
                 Some(step.slope.to_degrees()),
                 step.slip,
-                step.energy_per_metre,
+                energy(step),
                 step.sinkage,
                 Some(step.reserve),
                 Some(step.tip_over.to_degrees()),
@@ -305,7 +314,7 @@ impl Climbed {
         ))
         .columns(3)
         .panel(panel("Slip *s*", line(&|step| step.slip)))
-        .panel(panel("Energy (J/m)", line(&|step| step.energy_per_metre)))
+        .panel(panel("Energy (J/m)", line(&energy)))
         .panel(panel(
             "Reserve of pull (N)",
             line(&|step| Some(step.reserve)),

@@ -34,8 +34,17 @@ pub fn to_toml(file: &RobotFile) -> String {
         "wheel_sensor",
         file.wheel_sensor.map(super::WheelSensor::name),
     );
-    if file.pose_yaw_offset != 0.0 {
-        out.degrees("pose_yaw_offset_deg", file.pose_yaw_offset);
+    let corrections = &file.corrections;
+    if corrections.pose_yaw_offset != 0.0 {
+        out.degrees("pose_yaw_offset_deg", corrections.pose_yaw_offset);
+    }
+    for (key, factor) in [
+        ("yaw_rate_scale", corrections.yaw_rate_scale),
+        ("interval_factor", corrections.interval_factor),
+    ] {
+        if factor != 1.0 {
+            out.number(key, factor);
+        }
     }
     let usual = WindowSettings::default();
     write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue};
+use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue, gravity_of};
 
 use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
 use crate::error::{Error, Result};
@@ -53,6 +53,10 @@ fn read(
     name: String,
     (robot_file, robot): (PathBuf, RobotModel),
 ) -> Result<Scenario> {
+    let robot = match read_gravity(root)? {
+        Some(gravity) => robot.under_gravity(gravity),
+        None => robot,
+    };
     let start = root
         .section("start", |s| {
             let or_zero =
@@ -100,6 +104,16 @@ fn read(
     };
     scenario.check()?;
     Ok(scenario)
+}
+
+/// `gravity = "moon"` (or earth, mars) or `gravity_m_per_s2 = 1.62`; the Earth's where the file has neither. The
+/// numbers of its soils do not change with it.
+fn read_gravity(root: &Section<'_>) -> Result<Option<f64>> {
+    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
+    let bodies = ["earth", "moon", "mars"].map(|body| (body, gravity_of(body)));
+    let named = root.optional_choice("gravity", &bodies)?.flatten();
+    let given = root.optional_number("gravity_m_per_s2", LIMITS_M_PER_S2)?;
+    Ok(given.or(named))
 }
 
 fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {

@@ -131,10 +131,17 @@ impl RobotModel {
             .map(|(index, _)| index)
     }
 
+    /// The same robot under another gravity than the Earth's, m/s².
+    #[must_use]
+    pub fn under_gravity(mut self, gravity: f64) -> Self {
+        self.linkage = self.linkage.under_gravity(gravity);
+        self
+    }
+
     /// Weight of the whole, N.
     #[must_use]
     pub fn weight(&self) -> f64 {
-        self.linkage.mass() * crate::body::GRAVITY
+        self.linkage.mass() * self.linkage.gravity()
     }
 }
 

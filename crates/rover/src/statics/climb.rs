@@ -5,7 +5,6 @@ use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
 use super::gradeability::of;
 use super::loads::wheel_loads;
 use super::margins::stability_margins;
-use crate::body::GRAVITY;
 use crate::error::Result;
 use crate::robot::RobotModel;
 
@@ -41,19 +40,15 @@ struct Pulled {
     sinkage: f64,
 }
 
-/// The slip, the energy and the margins of `model` on `soil` on each of `slopes` (rad), under `gravity` (m/s²).
+/// The slip, the energy and the margins of `model` on `soil` on each of `slopes` (rad), under the robot's gravity
+/// ([`RobotModel::under_gravity`]).
 ///
 /// All powered wheels slip alike (their rims turn equally fast, and a rigid robot that drives straight moves them
 /// alike). Free wheels roll at the skid that their bearing asks for. Loads follow the slope.
 ///
 /// # Errors
 /// [`Error::Law`](crate::Error::Law) for a wheel that the laws refuse on this soil.
-pub fn climb(
-    model: &RobotModel,
-    soil: &Soil,
-    slopes: &[f64],
-    gravity: f64,
-) -> Result<Vec<ClimbStep>> {
+pub fn climb(model: &RobotModel, soil: &Soil, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
     let pairs = model
         .wheels
         .iter()
@@ -64,16 +59,14 @@ pub fn climb(
         .collect::<Result<Vec<_>>>()?;
     slopes
         .iter()
-        .map(|slope| step(model, &pairs, *slope, gravity))
+        .map(|slope| step(model, &pairs, *slope))
         .collect()
 }
 
-fn step(model: &RobotModel, pairs: &[WheelOnSoil], slope: f64, gravity: f64) -> Result<ClimbStep> {
-    let scale = gravity / GRAVITY;
+fn step(model: &RobotModel, pairs: &[WheelOnSoil], slope: f64) -> Result<ClimbStep> {
     let stand = wheel_loads(model, slope, 0.0);
-    let loads: Vec<f64> = stand.loads.iter().map(|load| scale * load).collect();
-    let needed = scale * model.weight() * slope.sin();
-    let at = |slip: f64| pulled(model, pairs, &loads, slip);
+    let needed = model.weight() * slope.sin();
+    let at = |slip: f64| pulled(model, pairs, &stand.loads, slip);
     let (mut best, mut before, mut found) = (f64::NEG_INFINITY, None, None);
     for sample in 0..=SAMPLES {
         let slip = f64::from(sample) / f64::from(SAMPLES);

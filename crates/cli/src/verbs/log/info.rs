@@ -12,8 +12,8 @@ use super::copied::{damage, damages_text};
 use super::sheet;
 use crate::error::{Error, Result, shown};
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
