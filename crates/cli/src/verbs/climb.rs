@@ -13,9 +13,9 @@ use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
-use crate::verb_report::Report;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
+use crate::verb_report::Report;
 use crate::wheel_choice::{GrouserArguments, parse_gravity};
 
 /// Slopes of the table between the level and the steepest one.

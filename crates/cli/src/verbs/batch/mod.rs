@@ -25,8 +25,8 @@ use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
-use crate::wheel_choice::lugs;
 use crate::verb_report::Report;
+use crate::wheel_choice::lugs;
 use grouser_report::number::exact;
 use grouser_report::{Fields, fields};
 

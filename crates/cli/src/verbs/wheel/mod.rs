@@ -14,8 +14,8 @@ use crate::figure_file;
 use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
 use crate::session::Session;
-use crate::wheel_choice::{WheelArguments, parse_gravity};
 use crate::verb_report::Report;
+use crate::wheel_choice::{WheelArguments, parse_gravity};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, Table, fields};
 
