@@ -24,10 +24,6 @@ const JOINTS: usize = 64;
 const JOINT_NAME: usize = 256;
 
 /// What Grouser can use a topic for.
-///
-/// ```
-/// assert_eq!(grouser_log::Use::YawRate.words(), "yaw rate");
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Use {

@@ -1,4 +1,4 @@
-//! Paths that are no files. None may hang, and each has its own error.
+//! FAULTS E12: paths that are no files. None may hang, and each has its own error.
 #![cfg(unix)]
 #![allow(
     clippy::unwrap_used,
@@ -43,7 +43,7 @@ fn what(path: &Path) -> String {
 }
 
 #[test]
-fn a_loop_of_links() {
+fn e12_a_loop_of_links() {
     let folder = Folder::new("loop");
     let (a, b) = (folder.0.join("a.toml"), folder.0.join("b.toml"));
     symlink(&a, &b).unwrap();
@@ -53,13 +53,13 @@ fn a_loop_of_links() {
 }
 
 #[test]
-fn a_directory() {
+fn e12_a_directory() {
     let folder = Folder::new("directory");
     assert_eq!(what(&folder.0), "a directory");
 }
 
 #[test]
-fn a_pipe_that_nobody_writes() {
+fn e12_a_pipe_that_nobody_writes() {
     let folder = Folder::new("pipe");
     let pipe = folder.0.join("pipe.toml");
     assert!(
@@ -73,13 +73,13 @@ fn a_pipe_that_nobody_writes() {
 }
 
 #[test]
-fn a_device_without_end() {
+fn e12_a_device_without_end() {
     assert_eq!(what(Path::new("/dev/zero")), "a device");
     assert_eq!(what(Path::new("/dev/null")), "a device");
 }
 
 #[test]
-fn no_permission() {
+fn e12_no_permission() {
     let folder = Folder::new("permission");
     let file = folder.0.join("secret.toml");
     fs::write(&file, "format = 1").unwrap();
@@ -93,7 +93,7 @@ fn no_permission() {
 }
 
 #[test]
-fn names_that_are_not_utf_8_and_files_that_are_not_there() {
+fn e12_names_that_are_not_utf_8_and_files_that_are_not_there() {
     let folder = Folder::new("names");
     let odd = folder.0.join(OsStr::from_bytes(b"r\xff.toml"));
     assert_eq!(what(&odd), format!("{:?}", ErrorKind::NotFound));
@@ -108,7 +108,7 @@ fn names_that_are_not_utf_8_and_files_that_are_not_there() {
 }
 
 #[test]
-fn a_file_beyond_its_limit_is_not_read_whole() {
+fn e12_a_file_beyond_its_limit_is_not_read_whole() {
     let folder = Folder::new("large");
     let file = folder.0.join("large.toml");
     // A hole of 1 TiB: nothing is stored, and nothing of it may be held.

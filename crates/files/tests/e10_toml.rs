@@ -1,4 +1,4 @@
-//! TOML that is deep, large, twice, unknown, too big a number, or no number.
+//! FAULTS E10: TOML that is deep, large, twice, unknown, too big a number, or no number.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -39,7 +39,7 @@ fn line(error: &Error) -> usize {
 }
 
 #[test]
-fn nesting() {
+fn e10_nesting() {
     for depth in [65_usize, 79, 81, 1000, 100_000] {
         let arrays = format!("format = 1\nx = {}{}", "[".repeat(depth), "]".repeat(depth));
         let tables = format!("format = 1\n[{}]\n", vec!["a"; depth].join("."));
@@ -66,7 +66,7 @@ fn nesting() {
 }
 
 #[test]
-fn size() {
+fn e10_size() {
     let text = format!("format = 1\n# {}", "x".repeat(1 << 20));
     assert!(matches!(
         robot(&text),
@@ -78,7 +78,7 @@ fn size() {
 }
 
 #[test]
-fn keys_twice_and_unknown() {
+fn e10_keys_twice_and_unknown() {
     let twice = with("x_m = 1").unwrap_err();
     assert!(matches!(twice, Error::Syntax { .. }), "{twice}");
     assert_eq!(line(&twice), 9);
@@ -97,7 +97,7 @@ fn keys_twice_and_unknown() {
 }
 
 #[test]
-fn numbers_that_are_none() {
+fn e10_numbers_that_are_none() {
     for bad in [
         "nan",
         "-nan",
@@ -148,7 +148,7 @@ fn numbers_that_are_none() {
 }
 
 #[test]
-fn formats() {
+fn e15_formats() {
     for (text, ok) in [
         ("format = 1", true),
         ("format = 0x1", true),
