@@ -165,7 +165,7 @@ fn a_bag_becomes_mcap_and_a_bag_again_without_a_loss() {
 }
 
 #[test]
-fn e7_a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
+fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
     let folder = Folder::new("e7");
     let bytes = fs::read(root().join(MCAP)).unwrap();
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
@@ -223,7 +223,7 @@ fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
 }
 
 #[test]
-fn e7_what_cannot_be_read_at_all_leaves_no_file() {
+fn what_cannot_be_read_at_all_leaves_no_file() {
     let folder = Folder::new("e7-nothing");
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
     fs::write(&cut, &fs::read(root().join(MCAP)).unwrap()[..60]).unwrap();

@@ -33,6 +33,13 @@ impl fmt::Display for Cell {
 }
 
 /// Why a log cannot be read.
+///
+/// ```
+/// use grouser_log::csv::Lines;
+///
+/// let error = Lines::open("no-such-table.csv".as_ref()).err().unwrap();
+/// assert!(error.to_string().contains("no-such-table.csv"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

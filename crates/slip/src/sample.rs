@@ -4,6 +4,13 @@
 ///
 /// Times are nanoseconds on one clock with any zero: integers, so that a clock that counts from 1970
 /// loses nothing.
+///
+/// ```
+/// use grouser_slip::{Measurement, Sample};
+///
+/// let sample = Sample { time_ns: 20_000_000, measurement: Measurement::YawRate { rate: 0.1 } };
+/// assert_eq!(sample.measurement.wheel(), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// When it was taken, ns.
@@ -163,6 +170,13 @@ impl Measurement {
     }
 
     /// The same measurement of another wheel; without effect on measurements of the robot.
+    ///
+    /// ```
+    /// use grouser_slip::Measurement;
+    ///
+    /// let moved = Measurement::WheelAngle { wheel: 0, angle: 1.5 }.with_wheel(3);
+    /// assert_eq!(moved.wheel(), Some(3));
+    /// ```
     #[must_use]
     pub const fn with_wheel(mut self, index: usize) -> Self {
         match &mut self {
@@ -180,6 +194,13 @@ impl Measurement {
     }
 
     /// Does it tell how far or how fast a wheel turns?
+    ///
+    /// ```
+    /// use grouser_slip::Measurement;
+    ///
+    /// assert!(Measurement::WheelRate { wheel: 0, rate: 2.0 }.is_rotation());
+    /// assert!(!Measurement::YawRate { rate: 2.0 }.is_rotation());
+    /// ```
     #[must_use]
     pub const fn is_rotation(&self) -> bool {
         matches!(

@@ -232,6 +232,15 @@ impl Table {
 }
 
 /// What a column map says.
+///
+/// ```
+/// use grouser_files::{Document, columns};
+///
+/// let map = columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+/// let text = columns::to_toml(&map);
+/// assert_eq!(columns::parse(&Document::from_text("again.toml", text)?)?, map);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     /// Its tables.
@@ -242,6 +251,12 @@ pub struct ColumnMap {
 ///
 /// # Errors
 /// What the file lacks or says wrong, with its place.
+///
+/// ```
+/// let map = grouser_files::columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+/// assert!(map.tables.iter().any(|table| table.describes("log.csv")));
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<ColumnMap> {
     parse(&Document::read(path)?)
 }

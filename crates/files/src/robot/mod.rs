@@ -81,6 +81,13 @@ impl WheelSensor {
 }
 
 /// What a robot file says.
+///
+/// ```
+/// let file = grouser_files::robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// assert_eq!(file.robot.wheels().len(), 5);
+/// assert!(file.body.is_none()); // an estimator needs no masses
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RobotFile {
@@ -151,6 +158,12 @@ const POSITIVE: (f64, f64) = (1e-12, 1e12);
 ///
 /// # Errors
 /// What the file lacks or says wrong, with its place.
+///
+/// ```
+/// let file = grouser_files::robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// assert!(file.robot.wheels()[0].radius > 0.0); // m
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<RobotFile> {
     parse(&Document::read(path)?)
 }

@@ -30,6 +30,17 @@ pub struct Revision {
 ///
 /// # Errors
 /// As [`revised`].
+///
+/// ```
+/// use grouser_files::{Document, robot};
+///
+/// let document = Document::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// let before = robot::parse(&document)?.robot.wheels()[0].radius;
+/// let text = robot::with_radii_scaled(&document, 1.02)?;
+/// let after = robot::parse(&Document::from_text("scaled.toml", text)?)?.robot.wheels()[0].radius;
+/// assert!((after / before - 1.02).abs() < 1e-5);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
     let radius = Some(factor);
     revised(
