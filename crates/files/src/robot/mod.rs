@@ -104,6 +104,8 @@ pub struct RobotFile {
     pub wheel_sensor: Option<WheelSensor>,
     /// Corrections of sensors and intervals, as calibrations find them.
     pub corrections: Corrections,
+    /// Torque on each wheel per ampere of its motor, N m/A, where the file says it.
+    pub torque_per_ampere: Vec<Option<f64>>,
     /// How one angle steers several wheels, if the file says it.
     pub steering: Option<Steering>,
     /// What the topics of a bag mean.
@@ -191,9 +193,10 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let filter = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
         let steering = root.section("steering", read_names)?;
-        let mut joints = Vec::new();
+        let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
+            torque_per_ampere.push(section.optional_number("torque_per_ampere_nm", POSITIVE)?);
             Ok((read_wheel(section)?, body::read_wheel(section)?))
         })?;
         let (wheels, bodies) = wheels.into_iter().unzip();
@@ -218,6 +221,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             reference,
             wheel_sensor,
             corrections,
+            torque_per_ampere,
             steering,
             topics,
             columns,

@@ -83,6 +83,8 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
+            // Checked where the robot is read, below.
+            section.optional_number("torque_per_ampere_nm", (0.0, f64::MAX))?;
             let wheel = read_wheel(section)?;
             body::read_wheel(section)?;
             let mut put = |key: &str, value: f64| {

@@ -75,6 +75,9 @@ pub fn to_toml(file: &RobotFile) -> String {
     }
     for (index, wheel) in file.robot.wheels().iter().enumerate() {
         write_wheel(&mut out, wheel);
+        if let Some(torque) = file.torque_per_ampere.get(index).copied().flatten() {
+            out.number("torque_per_ampere_nm", torque);
+        }
         let joint = file.topics.joints.get(index);
         out.optional_text("joint", joint.and_then(|joint| joint.joint.as_deref()));
         if let Some(body) = file.body.as_ref().and_then(|body| body.wheels.get(index)) {
