@@ -47,11 +47,13 @@ mod fields;
 pub mod regular;
 pub mod robot;
 pub mod soil;
+pub mod steering;
 mod suggestion;
 mod toml_text;
 pub mod topics;
 pub mod unit;
 pub mod urdf;
+pub mod wheel_sizes;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;

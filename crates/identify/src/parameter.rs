@@ -6,6 +6,13 @@ use grouser_terra::{Angle, Pressure, SoilLaws, SoilParams};
 use crate::least_squares::Bounded;
 
 /// A number to be identified from wheel tests: of the soil, or of how the tests were measured.
+///
+/// ```
+/// use grouser_identify::Parameter;
+///
+/// let phi = Parameter::named("phi_deg").expect("a parameter");
+/// assert!((phi.to_key_unit(0.5) - 28.647_89).abs() < 1e-5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Parameter {
@@ -137,6 +144,15 @@ impl Parameter {
     #[must_use]
     pub const fn is_nuisance(self) -> bool {
         matches!(self, Self::SinkageDatum | Self::SideDatum | Self::PullDatum)
+    }
+
+    /// Do plates or shear tests measure it, so that a wheel test that finds it overrules a measurement?
+    #[must_use]
+    pub const fn is_measured(self) -> bool {
+        matches!(
+            self,
+            Self::Exponent | Self::KPhi | Self::Cohesion | Self::Phi | Self::KShear
+        )
     }
 
     /// Its bounds, SI, and where a search begins: at what `soil` has, where that lies inside.

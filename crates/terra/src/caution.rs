@@ -3,6 +3,13 @@
 use core::fmt;
 
 /// A reason to look twice at a result.
+///
+/// ```
+/// use grouser_terra::Caution;
+///
+/// assert_eq!(Caution::DeepSinkage.key(), "deep-sinkage");
+/// assert_eq!(Caution::DeepSinkage.to_string(), "sinkage is more than a sixth of the wheel's diameter");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Caution {
@@ -22,10 +29,15 @@ pub enum Caution {
     SeveralSinkages,
     /// The contact gives energy back, which soil cannot.
     WorkGained,
+    /// The lugs are further apart than Skonieczny's rule allows at this slip and sinkage: the rim between them
+    /// pushes soil forwards ([`lug_spacing_skonieczny`](crate::lug_spacing_skonieczny)).
+    LugSpacing,
+    /// Slip, slip angle, width or load lie outside the tests that the soil's numbers were fitted on.
+    OutsideFit,
 }
 
 impl Caution {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 10] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -34,6 +46,8 @@ impl Caution {
         Self::NoBulldozing,
         Self::SeveralSinkages,
         Self::WorkGained,
+        Self::LugSpacing,
+        Self::OutsideFit,
     ];
 
     /// Its name in files and on the wire.
@@ -48,6 +62,8 @@ impl Caution {
             Self::NoBulldozing => "no-bulldozing",
             Self::SeveralSinkages => "several-sinkages",
             Self::WorkGained => "work-gained",
+            Self::LugSpacing => "lug-spacing",
+            Self::OutsideFit => "outside-fit",
         }
     }
 }
@@ -71,11 +87,26 @@ impl fmt::Display for Caution {
             }
             Self::SeveralSinkages => "more than one sinkage carries this load; this is the lowest",
             Self::WorkGained => "the contact gives energy back, which soil cannot",
+            Self::LugSpacing => {
+                "lugs are so far apart that the rim between them pushes soil forwards"
+            }
+            Self::OutsideFit => {
+                "slip, slip angle, width or load lie outside the tests that the soil was fitted on"
+            }
         })
     }
 }
 
 /// A set of cautions.
+///
+/// ```
+/// use grouser_terra::{Caution, Cautions};
+///
+/// let mut cautions = Cautions::default();
+/// cautions.insert(Caution::DeepSinkage);
+/// cautions.insert_if(false, Caution::WorkGained);
+/// assert!(cautions.contains(Caution::DeepSinkage) && cautions.iter().count() == 1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cautions(u16);
 

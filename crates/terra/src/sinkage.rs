@@ -47,6 +47,12 @@ pub enum LoadOutcome<T> {
 
 impl<T> LoadOutcome<T> {
     /// The result, where there is one.
+    ///
+    /// ```
+    /// # use grouser_terra::LoadOutcome;
+    /// assert_eq!(LoadOutcome::Solved(0.02).solved(), Some(0.02));
+    /// assert_eq!(LoadOutcome::<f64>::NotConverged.solved(), None);
+    /// ```
     pub fn solved(self) -> Option<T> {
         match self {
             Self::Solved(found) => Some(found),
@@ -217,7 +223,10 @@ impl WheelOnSoil {
     /// wheel it cannot: every angle of the contact is positive and every stress grows with θ_1.
     fn may_fall(&self, kinematics: &Kinematics) -> bool {
         let params = self.soil().params();
-        params.rebound > 0.0 || params.transport_layer > 0.0 || !kinematics.slip().is_driving()
+        params.rebound > 0.0
+            || params.transport_layer > 0.0
+            || self.size().lug_layer > 0.0
+            || !kinematics.slip().is_driving()
     }
 
     /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r.

@@ -15,8 +15,8 @@ pub const MAX_SPEEDS: usize = 6 + MAX_FREEDOMS;
 /// A chain from a link to the chassis holds at most this many links.
 pub(crate) const MAX_CHAIN: usize = MAX_CARRIER_LINKS;
 
-/// Standard gravity, m/s².
-pub const GRAVITY: f64 = 9.806_65;
+/// Standard gravity, m/s²: that of a body unless [`Linkage::under_gravity`] changes it.
+pub const GRAVITY: f64 = grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Generalised speeds or forces.
 pub type Speeds = [f64; MAX_SPEEDS];
@@ -61,14 +61,34 @@ pub struct Hold {
 }
 
 /// The robot's body.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+/// let linkage = RobotModel::read(file.as_ref())?.linkage;
+/// assert!(linkage.freedoms() > 0 && linkage.mass() > 1.0); // rockers and bogies; kg
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage {
     bodies: Vec<Body>,
     links: Vec<Link>,
     holds: Vec<Hold>,
+    gravity: f64,
 }
 
 /// Where the body is and how it moves.
+///
+/// ```
+/// use grouser_rover::body::BodyState;
+/// use grouser_rover::vector::{Attitude, Vector};
+///
+/// let mut state = BodyState::at(Vector::ZERO, Attitude::LEVEL);
+/// state.speeds[3] = 0.2; // m/s ahead
+/// assert_eq!(state.velocity(), Vector::new(0.2, 0.0, 0.0));
+/// assert_eq!(state.turning(), Vector::ZERO);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BodyState {
@@ -145,7 +165,21 @@ impl Linkage {
             bodies,
             links,
             holds,
+            gravity: GRAVITY,
         }
+    }
+
+    /// The same body under another gravity than the Earth's, m/s².
+    #[must_use]
+    pub fn under_gravity(mut self, gravity: f64) -> Self {
+        self.gravity = gravity;
+        self
+    }
+
+    /// The gravity that it is under, m/s².
+    #[must_use]
+    pub const fn gravity(&self) -> f64 {
+        self.gravity
     }
 
     /// Number of freedoms beside the chassis' six.
@@ -212,6 +246,19 @@ impl Linkage {
     }
 
     /// Centre of gravity in the robot's frame, m.
+    ///
+    /// ```
+    /// use grouser_rover::body::BodyState;
+    /// use grouser_rover::robot::RobotModel;
+    /// use grouser_rover::vector::{Attitude, Vector};
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+    /// let linkage = RobotModel::read(file.as_ref())?.linkage;
+    /// let rest = BodyState::at(Vector::ZERO, Attitude::LEVEL);
+    /// let centre = linkage.centre(&linkage.pose(&rest));
+    /// assert!(centre.y.abs() < 1e-9 && centre.z > 0.0); // on the middle plane, above the ground
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     #[must_use]
     pub fn centre(&self, pose: &Pose) -> Vector {
         let mut sum = Vector::ZERO;
@@ -375,7 +422,7 @@ impl Linkage {
         let size = 6 + self.freedoms();
         let mut right = *forces;
         let mut matrix = [[0.0; MAX_SPEEDS]; MAX_SPEEDS];
-        let down = state.attitude.to_robot(Vector::AXES[2] * -GRAVITY);
+        let down = state.attitude.to_robot(Vector::AXES[2] * -self.gravity);
         let (turning, velocity) = (state.turning(), state.velocity());
         for body in &self.bodies {
             let at = self.point(pose, body.link, body.centre);
@@ -422,7 +469,7 @@ impl Linkage {
             let spin = state.turning() + Vector::AXES[1] * self.rate(pose, body.link);
             kinetic += 0.5 * (body.mass * velocity.dot(velocity) + spin.dot(inertia.times(spin)));
             let world = state.position + state.attitude.to_world(at);
-            potential += body.mass * GRAVITY * world.z;
+            potential += body.mass * self.gravity * world.z;
         }
         for (hold, angle) in self.holds.iter().zip(state.joints) {
             potential += hold.energy(angle);

@@ -6,7 +6,7 @@
 use grouser_terra::{Settings, WheelOnSoil};
 
 use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
-use crate::body::{BodyState, GRAVITY, MAX_SPEEDS, MotorNow, Pose};
+use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::robot::RobotModel;
@@ -75,6 +75,27 @@ pub struct Ledger {
 }
 
 /// A robot on the ground.
+///
+/// ```
+/// use grouser_rover::dynamics::Vehicle;
+/// use grouser_rover::ground::{Ground, HeightMap};
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_terra::catalogue;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let mut ground = Ground::new(HeightMap::from_shape((6.0, 4.0), 0.1, |_, _| 0.0)?, vec![soil])?;
+/// let mut vehicle = Vehicle::new(RobotModel::read(file.as_ref())?, &ground, (2.0, 0.0, 0.0), 1e-3)?;
+/// for wheel in 0..vehicle.wheels().len() {
+///     vehicle.set_input(wheel, 2.0, 0.0); // N m on each wheel
+/// }
+/// for _ in 0..300 {
+///     vehicle.advance(&mut ground);
+/// }
+/// assert!((vehicle.time() - 0.3).abs() < 1e-9);
+/// assert!(vehicle.state().position.x > 2.0);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     model: RobotModel,
@@ -138,6 +159,7 @@ impl Vehicle {
             .fold(f64::NEG_INFINITY, f64::max);
         let state = BodyState::at(Vector::new(x, y, lowest), attitude);
         let pose = model.linkage.pose(&state);
+        let gravity = model.linkage.gravity();
         let count = model.wheels.len();
         let pressed_at = model
             .wheels
@@ -156,7 +178,7 @@ impl Vehicle {
             pressed_at,
             wheels: vec![WheelNow::default(); count],
             inputs: vec![WheelInput::default(); count],
-            specific_force: Vector::AXES[2] * GRAVITY,
+            specific_force: Vector::AXES[2] * gravity,
             ledger: Ledger::default(),
             time: 0.0,
             step,
@@ -264,7 +286,10 @@ impl Vehicle {
             .model
             .linkage
             .accelerate(&self.state, &self.pose, &forces);
-        let gravity = self.state.attitude.to_robot(Vector::AXES[2] * GRAVITY);
+        let gravity = self
+            .state
+            .attitude
+            .to_robot(Vector::AXES[2] * self.model.linkage.gravity());
         let velocity = self.state.velocity();
         self.specific_force = Vector::new(rates[3], rates[4], rates[5])
             + self.state.turning().cross(velocity)
