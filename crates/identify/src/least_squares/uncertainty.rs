@@ -14,6 +14,12 @@ const BLIND_SINGULAR_RATIO: f64 = 1e-8;
 const MAX_RELATIVE_ERROR: f64 = 1.0 / 3.0;
 
 /// What the data say about one parameter.
+///
+/// ```
+/// use grouser_identify::least_squares::Verdict;
+///
+/// assert_eq!(Verdict::NotIdentifiable.key(), "not-identifiable");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Verdict {

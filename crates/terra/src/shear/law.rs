@@ -74,6 +74,10 @@ impl ShearLaw {
     }
 
     /// Its name in files.
+    ///
+    /// ```
+    /// assert_eq!(grouser_terra::ShearLaw::TowedWongReece.key(), "towed-wong-reece");
+    /// ```
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
