@@ -56,3 +56,7 @@ dense:
 # ten thousand runs with random faults from a seed on, 3.3e8 samples (about five minutes of one core); twice the same seeds print the same bits
 soak first="0":
     GROUSER_SOAK_RUNS=10000 GROUSER_SOAK_FIRST={{first}} cargo test --release --package grouser-synthetic --test soak -- --nocapture
+
+# the Python package: build the wheel, install it in a fresh environment, run its tests
+python:
+    bash python/ci

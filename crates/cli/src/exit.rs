@@ -1,7 +1,5 @@
 //! How a job ends: the one table of exit codes.
 
-use std::process::ExitCode;
-
 /// Each exit code and what it means.
 pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
     (0, "done"),
@@ -33,11 +31,11 @@ pub(crate) enum Outcome {
 
 impl Outcome {
     /// The exit code.
-    pub(crate) fn exit_code(self) -> ExitCode {
-        ExitCode::from(match self {
+    pub(crate) fn exit_code(self) -> u8 {
+        match self {
             Self::Done => 0,
             Self::NoResult => 1,
             Self::Doubtful => 3,
-        })
+        }
     }
 }

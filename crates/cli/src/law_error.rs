@@ -1,7 +1,7 @@
 //! The laws' errors in the words of the command: flags and columns instead of fields, degrees instead of
 //! radians.
 
-use grouser_terra::Error as LawError;
+use grouser_terra::{Error as LawError, OutOfRange};
 use serde_json::Value;
 
 use crate::error::{Details, Error, Kind};
@@ -53,13 +53,13 @@ impl Names {
     /// What the laws refuse, as an error of the command.
     pub(crate) fn error(self, error: &LawError) -> Error {
         let details = match *error {
-            LawError::OutOfRange {
+            LawError::OutOfRange(OutOfRange {
                 value,
                 low,
                 high,
                 unit,
                 ..
-            } => {
+            }) => {
                 let (scale, unit) = in_degrees(unit);
                 let limit = vec![low * scale, high * scale].into();
                 details((value * scale).into(), limit, &unit)
@@ -84,13 +84,13 @@ impl Names {
     /// What the laws refuse: the name, the value, the limit and the unit.
     pub(crate) fn message(self, error: &LawError) -> String {
         match *error {
-            LawError::OutOfRange {
+            LawError::OutOfRange(OutOfRange {
                 field,
                 value,
                 low,
                 high,
                 unit,
-            } => {
+            }) => {
                 let (scale, unit) = in_degrees(unit);
                 let [value, low, high] = [value * scale, low * scale, high * scale];
                 let limit = if high >= f64::MAX {

@@ -14,6 +14,60 @@ pub use grouser_rover as rover;
 pub use grouser_slip as slip;
 pub use grouser_terra as terra;
 
+// The command: it computes nothing about wheels itself. A verb is a folder or a file in `verbs/`: its arguments (clap), and a
+// function that runs it in a session and returns a report. What verbs share is in the other modules.
+#[cfg(feature = "command")]
+mod command;
+#[cfg(feature = "command")]
+mod csv_line;
+#[cfg(feature = "command")]
+mod error;
+#[cfg(feature = "command")]
+mod exit;
+#[cfg(feature = "command")]
+mod figure_file;
+#[cfg(feature = "command")]
+mod input;
+#[cfg(feature = "command")]
+mod interrupt;
+#[cfg(feature = "command")]
+mod law_error;
+#[cfg(feature = "command")]
+mod library_error;
+#[cfg(feature = "command")]
+mod lines;
+#[cfg(feature = "command")]
+mod operation;
+#[cfg(feature = "command")]
+mod output;
+#[cfg(feature = "command")]
+mod output_choice;
+#[cfg(feature = "parquet")]
+mod parquet_table;
+#[cfg(feature = "command")]
+mod progress;
+#[cfg(feature = "command")]
+mod run;
+#[cfg(feature = "command")]
+mod session;
+#[cfg(feature = "command")]
+mod soil_choice;
+#[cfg(feature = "command")]
+mod terminal;
+#[cfg(feature = "command")]
+mod usage;
+#[cfg(feature = "command")]
+mod verb_report;
+#[cfg(feature = "command")]
+mod verbs;
+#[cfg(feature = "command")]
+mod wheel_choice;
+#[cfg(feature = "command")]
+mod wrap;
+
+#[cfg(feature = "command")]
+pub use run::run_command;
+
 /// The Rust of the tutorials compiles and holds.
 #[cfg(doctest)]
 mod tutorials {

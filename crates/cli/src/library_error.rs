@@ -25,18 +25,12 @@ impl From<FileError> for Error {
                 let hint = (*what == "a pipe").then(|| hint.to_owned());
                 Self::refused_file("read", Path::new(file), &format!("it is {what}"), hint)
             }
-            FileError::OutOfRange {
-                at,
-                key,
-                value,
-                low,
-                high,
-            } => content(
+            FileError::OutOfRange { at, range } => content(
                 at,
                 Details {
-                    field: Some(key.clone()),
-                    value: (*value).into(),
-                    limit: vec![*low, *high].into(),
+                    field: Some(range.field.clone()),
+                    value: range.value.into(),
+                    limit: vec![range.low, range.high].into(),
                     ..Details::default()
                 },
             ),

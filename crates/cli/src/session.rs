@@ -11,8 +11,8 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::input::{self, Input};
-use crate::report::Report;
 use crate::terminal;
+use crate::verb_report::Report;
 
 /// The run: remembers what went into the result.
 #[derive(Debug)]

@@ -2,7 +2,6 @@
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
-use std::process::ExitCode;
 
 use crate::error::{Error, Result};
 use crate::exit::BAD_INPUT;
@@ -20,7 +19,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
 
 /// `error: …` and `hint: …` on standard error, under `json` an object on standard output too, and the exit code that
 /// goes with them.
-pub(crate) fn complain(error: &Error, json: bool) -> ExitCode {
+pub(crate) fn complain(error: &Error, json: bool) -> u8 {
     if json {
         // Where standard output fails, standard error still says what is wrong.
         let _ = print(&format!("{:#}\n", error.object()));
@@ -29,7 +28,7 @@ pub(crate) fn complain(error: &Error, json: bool) -> ExitCode {
     if let Some(hint) = error.hint() {
         say("hint", CYAN, hint);
     }
-    ExitCode::from(BAD_INPUT)
+    BAD_INPUT
 }
 
 /// Text on standard error.

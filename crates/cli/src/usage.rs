@@ -1,7 +1,6 @@
 //! What clap has to say, in the words of the other errors.
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
 use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -12,7 +11,7 @@ use crate::terminal;
 use crate::wrap::wrapped;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
-pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
     let json = arguments.iter().any(|argument| argument == "--json");
     let nothing = arguments.len() <= 1;
     match error.kind() {
@@ -23,7 +22,7 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
         | ErrorKind::DisplayVersion
         | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             match terminal::print(&wrapped(&error.render().to_string())) {
-                Ok(()) => ExitCode::SUCCESS,
+                Ok(()) => 0,
                 Err(error) => terminal::complain(&error, json),
             }
         }

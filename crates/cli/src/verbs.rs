@@ -22,8 +22,8 @@ mod wheel;
 use serde_json::Value;
 
 use crate::error::Result;
-use crate::report::Report;
 use crate::session::{self, Session};
+use crate::verb_report::Report;
 
 /// What the command can do.
 #[derive(clap::Subcommand, Debug)]

@@ -247,8 +247,9 @@ fn a_damaged_bag_is_recovered_as_a_bag() {
     assert_eq!(json(&["log", "info", &saved], 0)["damage_count"], 0);
 }
 
+/// A radius and a number of ticks that nobody measured would scale every slip.
 #[test]
-fn a_suggested_robot_is_accepted_as_it_stands() {
+fn a_suggested_robot_is_refused_until_its_placeholders_are_numbers() {
     let folder = Folder::new("suggest");
     let mut logs = vec![TABLE.to_owned(), MCAP.to_owned()];
     logs.extend(jackal());
@@ -256,10 +257,75 @@ fn a_suggested_robot_is_accepted_as_it_stands() {
         let robot = folder.path("robot.toml");
         let output = grouser(&["log", "info", &log, "--suggest-robot"]);
         assert!(output.status.success());
-        fs::write(&robot, output.stdout).unwrap();
+        let proposed = String::from_utf8(output.stdout).unwrap();
+        fs::write(&robot, &proposed).unwrap();
+        refused(
+            &["estimate", &log, "--robot", &robot],
+            "`radius_m` is still the placeholder",
+        );
+        let measured = proposed.replace("radius_m = \"measure\"", "radius_m = 0.1");
+        if measured.contains("ticks_per_turn") {
+            fs::write(&robot, &measured).unwrap();
+            refused(&["estimate", &log, "--robot", &robot], "`ticks_per_turn`");
+        }
+        fs::write(&robot, measured.replace("= \"measure\"", "= 1000")).unwrap();
         let rows = slips(&log, &robot, &[], &folder);
         assert!(rows.lines().count() > 1000, "{log}");
     }
+}
+
+#[test]
+fn a_folder_is_one_run() {
+    let folder = Folder::new("folder");
+    let bytes = fs::read(root().join(MCAP)).unwrap();
+    // As rosbag2 splits a recording, with its metadata beside it.
+    for part in ["run_0.mcap", "run_1.mcap"] {
+        fs::write(folder.0.join(part), &bytes).unwrap();
+    }
+    fs::write(
+        folder.0.join("metadata.yaml"),
+        "rosbag2_bagfile_information:\n",
+    )
+    .unwrap();
+    let path = folder.0.to_str().unwrap();
+    let (one, both) = (
+        json(&["log", "info", MCAP], 0),
+        json(&["log", "info", path], 0),
+    );
+    let topics = |object: &Value| object["topics"].as_array().unwrap().clone();
+    assert_eq!(topics(&one).len(), topics(&both).len());
+    for (one, both) in topics(&one).iter().zip(topics(&both)) {
+        let messages = |topic: &Value| topic["messages"].as_u64().unwrap();
+        assert_eq!(2 * messages(one), messages(&both), "{both}");
+    }
+    let told = String::from_utf8(grouser(&["log", "info", path]).stdout).unwrap();
+    assert!(told.contains("not read: metadata.yaml"), "{told}");
+    let output = grouser(&["log", "info", path, "--suggest-robot"]);
+    assert!(
+        String::from_utf8(output.stdout)
+            .unwrap()
+            .contains("/wheel_ticks")
+    );
+
+    // Tables of one run, in a folder that holds something else as well.
+    let folder = Folder::new("tables");
+    fs::write(
+        folder.0.join("wheels.csv"),
+        "t,left_ticks,right_ticks\n0,1,2\n1,2,3\n",
+    )
+    .unwrap();
+    fs::write(folder.0.join("imu.csv"), "t,gyro_z\n0,0.1\n1,0.2\n").unwrap();
+    fs::write(folder.0.join("notes.md"), "a drive\n").unwrap();
+    let path = folder.0.to_str().unwrap();
+    let object = json(&["log", "info", path, "--suggest-robot"], 0);
+    assert_eq!(object["tables"][1]["file"], "wheels.csv");
+    assert!(object["recording"].is_null());
+    let robot = object["suggested_robot"].as_str().unwrap();
+    assert_eq!(robot.matches("[[table]]").count(), 2, "{robot}");
+    assert_eq!(robot.matches("[[wheel]]").count(), 2, "{robot}");
+    fs::remove_file(folder.0.join("wheels.csv")).unwrap();
+    fs::remove_file(folder.0.join("imu.csv")).unwrap();
+    refused(&["log", "info", path], "holds no log");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A design built in a program; problem files are read onto it.
 
+use grouser_terra::OutOfRange;
 use std::sync::Arc;
 
 use grouser_files::Place as FilePlace;
@@ -367,6 +368,9 @@ impl DesignBuilder {
             constraints,
             slots,
         } = sort(raw, scope.count(), |name| told_apart(&objectives, name));
+        let mut pareto = self.pareto;
+        pareto.seed = self.seed;
+        pareto.solve = self.settings.clone();
         let (variables, units) = self.variables.into_iter().map(|(v, u, _)| (v, u)).unzip();
         let mut design = Design {
             file: self.name,
@@ -377,11 +381,7 @@ impl DesignBuilder {
             objectives,
             starts: self.starts,
             seed: self.seed,
-            pareto: ParetoSettings {
-                seed: self.seed,
-                solve: self.settings.clone(),
-                ..self.pareto
-            },
+            pareto,
             settings: self.settings,
             soil: self.soil,
             measure: self.measure,
@@ -462,10 +462,13 @@ fn objective(
     if !(params.scale > 0.0 && params.scale.is_finite()) {
         return Err(Error::File(grouser_files::Error::OutOfRange {
             at: at.clone(),
-            key: "scale".to_owned(),
-            value: params.scale,
-            low: f64::MIN_POSITIVE,
-            high: f64::MAX,
+            range: OutOfRange {
+                field: "scale".to_owned(),
+                value: params.scale,
+                low: f64::MIN_POSITIVE,
+                high: f64::MAX,
+                unit: "",
+            },
         }));
     }
     if params.maximise && params.absolute {
@@ -575,16 +578,16 @@ fn sort(
         let equal = relation == Relation::Equal;
         let same = |c: &&Constraint| c.equal == equal;
         let slot = if let Some(affine) = formula.affine(variables) {
-            sorted.linear.push(LinearConstraint {
-                name: solver_name(&name),
-                coefficients: affine.coefficients,
-                relation: if equal {
-                    grouser_opt::Relation::Equal
-                } else {
-                    grouser_opt::Relation::AtMost
-                },
-                bound: -affine.constant,
-            });
+            let row = if equal {
+                LinearConstraint::equal
+            } else {
+                LinearConstraint::at_most
+            };
+            sorted.linear.push(row(
+                solver_name(&name),
+                affine.coefficients,
+                -affine.constant,
+            ));
             Slot::Linear(sorted.linear.len() - 1)
         } else {
             let place = sorted.constraints.iter().filter(same).count();

@@ -207,18 +207,13 @@ impl Design {
             own.map(|c| c.name.clone()).collect::<Vec<_>>()
         };
         let order = self.solver_order();
-        ProblemParams {
-            variables: self.variables.clone(),
-            objectives: order
-                .iter()
-                .map(|&i| self.objectives[i].name.clone())
-                .collect(),
-            inequalities: named(false),
-            equalities: named(true),
-            linear: self.linear.clone(),
-            absolute: self.objectives.iter().filter(|o| o.absolute).count(),
-            model: Box::new(self.in_world(0)),
-        }
+        ProblemParams::new(&[], 0, self.in_world(0))
+            .variables(self.variables.clone())
+            .objectives(order.iter().map(|&i| self.objectives[i].name.clone()))
+            .inequalities(named(false))
+            .equalities(named(true))
+            .linear(self.linear.clone())
+            .absolute(self.objectives.iter().filter(|o| o.absolute).count())
     }
 
     fn in_world(&self, world: usize) -> Exact<InWorld> {

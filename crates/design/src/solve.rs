@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 
 /// One solve among several starts.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Start {
     /// Where it ended.
     pub x: Vec<f64>,
@@ -26,6 +27,7 @@ pub struct Start {
 /// The answer to minimax, goal attainment, weighted and Chebyshev problems. Lists are in the order of the
 /// file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Optimum {
     /// How the solve ended.
     pub status: Status,
@@ -65,6 +67,7 @@ pub struct Optimum {
 
 /// One compromise of a front.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Compromise {
     /// The variables.
     pub x: Vec<f64>,
@@ -76,6 +79,7 @@ pub struct Compromise {
 
 /// The answer to a Pareto problem.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Trade {
     /// The points, ordered by the solver's first objective.
     pub points: Vec<Compromise>,

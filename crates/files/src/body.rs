@@ -48,6 +48,7 @@ use crate::error::{Error, Result};
 
 /// The body of a robot.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BodyFile {
     /// The chassis without its links and wheels.
     pub chassis: MassFile,
@@ -61,6 +62,7 @@ pub struct BodyFile {
 
 /// A mass: kg, m, kg m² about its own centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct MassFile {
     /// kg.
     pub mass: f64,
@@ -72,6 +74,7 @@ pub struct MassFile {
 
 /// A link.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LinkFile {
     /// Its name.
     pub name: String,
@@ -95,6 +98,7 @@ pub struct LinkFile {
 
 /// A DC motor.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MotorFile {
     /// Its name.
     pub name: String,
@@ -114,6 +118,7 @@ pub struct MotorFile {
 
 /// What a wheel is to the body.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WheelBody {
     /// The link that carries it; `None`: the chassis.
     pub on: Option<String>,

@@ -1,5 +1,6 @@
 //! One reader for every TOML file: limits, places, types, ranges, unknown keys.
 
+use grouser_terra::OutOfRange;
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::Path;
@@ -7,7 +8,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, PLACEHOLDER, Place, Result};
 use crate::regular;
 use crate::suggestion::nearest;
 
@@ -115,14 +116,14 @@ impl Document {
                 }
                 .into());
             }
-            return Err(Error::OutOfRange {
-                at,
-                key: "format".into(),
+            let range = OutOfRange {
+                field: "format".into(),
                 value: format as f64,
                 low: 1.0,
                 high: FORMAT as f64,
-            }
-            .into());
+                unit: "1",
+            };
+            return Err(Error::OutOfRange { at, range }.into());
         }
         let out = read(&section)?;
         section.finish()?;
@@ -234,6 +235,21 @@ impl<'a> Section<'a> {
         )
     }
 
+    /// The error of a number outside its limits; `key` carries the unit.
+    #[must_use]
+    pub fn out_of_range(&self, key: &str, value: f64, (low, high): (f64, f64)) -> Error {
+        Error::OutOfRange {
+            at: self.place_of(key),
+            range: OutOfRange {
+                field: key.to_owned(),
+                value,
+                low,
+                high,
+                unit: "",
+            },
+        }
+    }
+
     /// The bytes of the document's text that hold the value of `key`.
     #[must_use]
     pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
@@ -314,22 +330,22 @@ impl<'a> Section<'a> {
         let digits: String = match value.get_ref() {
             DeValue::Float(float) => float.as_str().replace('_', ""),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
+            DeValue::String(text) if text == PLACEHOLDER => {
+                return Err(Error::Placeholder {
+                    at: self.document.place(value.span().start),
+                    key: key.into(),
+                });
+            }
             _ => return Err(self.wrong_type(key, value, "a number")),
         };
         let number: f64 = digits
             .parse()
             .map_err(|_| self.wrong_type(key, value, "a number"))?;
-        if number >= low && number <= high {
-            Ok(number)
-        } else {
-            Err(Error::OutOfRange {
-                at: self.document.place(value.span().start),
-                key: key.into(),
-                value: number,
-                low,
-                high,
-            })
-        }
+        OutOfRange::check(key, number, (low, high), "").map_err(|range| Error::OutOfRange {
+            at: self.document.place(value.span().start),
+            range,
+        })?;
+        Ok(number)
     }
 
     /// A number in [low, high].

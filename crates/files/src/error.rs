@@ -1,5 +1,6 @@
 //! What is wrong with a file, and where.
 
+use grouser_terra::OutOfRange;
 use std::fmt;
 use std::io;
 
@@ -22,6 +23,10 @@ impl fmt::Display for Place {
         write!(f, "{}:{}:{}", self.file, self.line, self.column)
     }
 }
+
+/// What a proposed file has in place of a number that no log holds. A file is refused until it is replaced, because a wrong
+/// radius or a wrong number of ticks per turn yields a plausible but wrong slip.
+pub const PLACEHOLDER: &str = "measure";
 
 /// Why a file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -117,19 +122,21 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
-    /// A number outside its limits (NaN always is).
-    #[error("{at}: `{key}` is {value}, but must lie in [{low}, {high}]")]
-    OutOfRange {
+    /// A value that a proposed file leaves to be measured.
+    #[error("{at}: `{key}` is still the placeholder \"{PLACEHOLDER}\" of a proposed file")]
+    Placeholder {
         /// Where.
         at: Place,
         /// The key; it carries the unit.
         key: String,
-        /// What was given.
-        value: f64,
-        /// The minimum value allowed.
-        low: f64,
-        /// The maximum value allowed.
-        high: f64,
+    },
+    /// A number outside its limits (NaN always is).
+    #[error("{at}: {range:#}")]
+    OutOfRange {
+        /// Where.
+        at: Place,
+        /// The key, which carries the unit, and its limits.
+        range: OutOfRange<String>,
     },
     /// A word that is none of those allowed.
     #[error("{at}: `{key}` is \"{value}\", but must be one of {allowed}")]
@@ -182,6 +189,7 @@ impl Error {
             Self::BadChoice {
                 meant: Some(meant), ..
             } => Some(format!("did you mean \"{meant}\"?")),
+            Self::Placeholder { .. } => Some("replace it by the measured number".into()),
             Self::Format { .. } => Some("use a newer version of this program".into()),
             _ => None,
         }

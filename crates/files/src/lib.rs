@@ -55,7 +55,7 @@ pub mod urdf;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;
-pub use error::{Error, Place, Result};
+pub use error::{Error, PLACEHOLDER, Place, Result};
 pub use fields::read_fields;
 pub use suggestion::nearest;
 pub use toml_text::TomlText;

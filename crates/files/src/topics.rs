@@ -8,8 +8,12 @@
 //! yaw_rate = "/imu/data"                # sensor_msgs/Imu
 //! imu_up = "z"                          # its axis that points up: x, y, z, -x, -y or -z
 //! imu_forward = "x"                     # its axis that points forwards
+//! # imu_roll_deg, imu_pitch_deg, imu_yaw_deg: instead of the axes, its turn in the robot's frame, as in a URDF
 //! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry, geometry_msgs/PoseStamped
 //! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry, geometry_msgs/TwistStamped
+//! fix = "/gps/fix"                      # sensor_msgs/NavSatFix
+//! antenna_x_m = 0.2                     # its antenna, forwards of the robot's origin
+//! antenna_y_m = 0.0                     # and to the left of it
 //! command = "/cmd_vel"                  # geometry_msgs/Twist, TwistStamped
 //! wheel_odometry = "/controller/odom"   # nav_msgs/Odometry that a driver made of the wheels alone
 //! wheel_odometry_track_m = 0.38         # the distance of left and right wheels that it was made with
@@ -33,6 +37,7 @@ use crate::error::{Error, Result};
 
 /// The numbers of one topic's messages.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TopicFields {
     /// The topic.
     pub topic: String,
@@ -52,6 +57,7 @@ pub struct Joint {
 /// How a wheel's sensor turned, by an odometry that was made of the wheels:
 /// rate = `per_speed` · v + `per_turn` · Ω.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OdometryWheel {
     /// The wheel.
     pub wheel: String,
@@ -63,6 +69,7 @@ pub struct OdometryWheel {
 
 /// An odometry that was made of the wheels alone, and the wheels' rates out of it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelOdometry {
     /// The topic.
     pub topic: String,
@@ -74,6 +81,7 @@ pub struct WheelOdometry {
 
 /// What the section says.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Topics {
     /// The topic of the wheels' angles, rates or counts, by joint.
     pub wheels: Option<String>,
@@ -83,10 +91,16 @@ pub struct Topics {
     pub imu_up: Option<[f64; 3]>,
     /// The direction in the IMU's own frame that points forwards.
     pub imu_forward: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of the IMU in the robot's frame, rad, where the file gives them: `imu_up` and `imu_forward` follow.
+    pub imu_mounting: Option<[f64; 3]>,
     /// The topic of the robot's pose.
     pub pose: Option<String>,
     /// The topic of its speed over ground.
     pub speed: Option<String>,
+    /// The topic of a satellite receiver's fixes.
+    pub fix: Option<String>,
+    /// Position of the receiver's antenna in the robot's frame, forwards and to the left, m.
+    pub antenna: [f64; 2],
     /// The topic of its commanded speed.
     pub command: Option<String>,
     /// An odometry that stands for wheels that were not recorded.
@@ -111,6 +125,7 @@ impl Topics {
             &self.yaw_rate,
             &self.pose,
             &self.speed,
+            &self.fix,
             &self.command,
         ];
         let odometry = self.wheel_odometry.iter().map(|odometry| &odometry.topic);
@@ -165,15 +180,33 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
     for topic in &fields {
         check_together(&section.place_of("field"), &topic.fields)?;
     }
+    let imu_mounting = read_mounting(section)?;
+    let [imu_forward, imu_up] = match imu_mounting {
+        Some(angles) => mounted_axes(angles).map(Some),
+        None => [
+            section.optional_choice("imu_forward", &AXES)?,
+            section.optional_choice("imu_up", &AXES)?,
+        ],
+    };
     let clocks = [("header", false), ("log", true)];
     let ignore = section.texts("ignore")?;
     let topics = Topics {
         wheels: text("wheels")?,
         yaw_rate: text("yaw_rate")?,
-        imu_up: section.optional_choice("imu_up", &AXES)?,
-        imu_forward: section.optional_choice("imu_forward", &AXES)?,
+        imu_up,
+        imu_forward,
+        imu_mounting,
         pose: text("pose")?,
         speed: text("speed")?,
+        fix: text("fix")?,
+        antenna: [
+            section
+                .optional_number("antenna_x_m", (-100.0, 100.0))?
+                .unwrap_or(0.0),
+            section
+                .optional_number("antenna_y_m", (-100.0, 100.0))?
+                .unwrap_or(0.0),
+        ],
         command: text("command")?,
         wheel_odometry: wheel_odometry
             .zip(track)
@@ -189,6 +222,7 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         joints: Vec::new(),
     };
     if let (Some(up), Some(forward)) = (topics.imu_up, topics.imu_forward)
+        && topics.imu_mounting.is_none()
         && up.iter().zip(forward).any(|(a, b)| a * b != 0.0)
     {
         return Err(Error::Contradiction {
@@ -206,6 +240,41 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         });
     }
     Ok(topics)
+}
+
+pub(crate) const MOUNTING_KEYS: [&str; 3] = ["imu_roll_deg", "imu_pitch_deg", "imu_yaw_deg"];
+
+/// Roll, pitch and yaw of the IMU, rad; an angle that is not given is 0.
+fn read_mounting(section: &Section<'_>) -> Result<Option<[f64; 3]>> {
+    let mut angles = [0.0; 3];
+    for (angle, key) in angles.iter_mut().zip(MOUNTING_KEYS) {
+        *angle = section
+            .optional_number(key, (-360.0, 360.0))?
+            .map_or(0.0, f64::to_radians);
+    }
+    if !MOUNTING_KEYS.iter().any(|key| section.has(key)) {
+        return Ok(None);
+    }
+    if let Some(axis) = ["imu_up", "imu_forward"]
+        .into_iter()
+        .find(|key| section.has(key))
+    {
+        return Err(Error::Contradiction {
+            at: section.place_of(axis),
+            message: format!("the mounting of the IMU is given by its angles and by `{axis}`"),
+        });
+    }
+    Ok(Some(angles))
+}
+
+/// The directions forwards and up in the frame of an IMU that is turned by roll, pitch and yaw (about x, then the fixed y,
+/// then the fixed z axis, as in a URDF): rows of `R_z(yaw) R_y(pitch) R_x(roll)`.
+fn mounted_axes([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 2] {
+    let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
+    [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
 }
 
 /// Puts the robot's wheels into the section: its joints, and the rates that an odometry of the wheels

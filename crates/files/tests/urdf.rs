@@ -362,7 +362,7 @@ fn trees_that_are_none_and_numbers_that_are_none() {
     ] {
         let error = refused(&cart().replace(from, to));
         assert!(
-            matches!(&error, UrdfError::OutOfRange { unit, .. } if !unit.is_empty()),
+            matches!(&error, UrdfError::OutOfRange { range, .. } if !range.unit.is_empty()),
             "{to}: {error}"
         );
     }

@@ -136,7 +136,11 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 decimal: b'.',
                 missing,
                 align_clock,
-                time: TimeColumn { column: time, unit },
+                time: TimeColumn {
+                    column: time,
+                    unit,
+                    offset_ns: 0,
+                },
                 columns: vec![
                     of(Meaning::WheelRate, Some(wheel), factor),
                     of(Meaning::YawRate, None, std::f64::consts::PI / 180.0),

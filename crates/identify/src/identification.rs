@@ -16,6 +16,7 @@ use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Identification {
     /// The soil; NaN where neither a test nor a statement gives a number.
     pub soil: SoilParams,
@@ -29,6 +30,7 @@ pub struct Identification {
 
 /// The result of plate tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PlateStage {
     /// The tests.
     pub tests: Vec<PlateTest>,
@@ -40,6 +42,7 @@ pub struct PlateStage {
 
 /// The result of shear tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ShearStage {
     /// The readings.
     pub readings: Vec<ShearReading>,
@@ -49,6 +52,7 @@ pub struct ShearStage {
 
 /// One number that wheel tests determined.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelNumber {
     /// Which.
     pub parameter: Parameter,
@@ -64,6 +68,7 @@ pub struct WheelNumber {
 
 /// The result of wheel tests.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct WheelStage {
     /// The tests.
     pub tests: Vec<WheelTest>,

@@ -58,6 +58,7 @@ use crate::wheel::Scatter;
 /// phi_deg = 29.0
 /// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Job {
     /// The soil's name.
     pub name: String,
@@ -86,6 +87,7 @@ pub enum PlateSource {
 
 /// A plate test in a bag and a text file.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BagTest {
     /// Its name.
     pub name: String,
@@ -99,6 +101,7 @@ pub struct BagTest {
 
 /// Wheel tests and the numbers to be found from them.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct WheelJob {
     /// The table.
     pub table: PathBuf,

@@ -119,6 +119,26 @@ pub enum Error {
         /// How far rows may stand from their place.
         look_ahead: usize,
     },
+    /// A clock that is set back in a table.
+    #[error("{at}: is {by_s} s older than the row before it: the clock was set back")]
+    SetBack {
+        /// Where.
+        at: Cell,
+        /// How much older, s.
+        by_s: f64,
+    },
+    /// Two files of one run that are not on one clock.
+    #[error(
+        "{second}: begins {by_s} s after {first} ends: the files of one run must be on one clock"
+    )]
+    Apart {
+        /// The file that ends.
+        first: String,
+        /// The file that begins.
+        second: String,
+        /// The time between, s.
+        by_s: f64,
+    },
     /// No file of the log fits the column map.
     #[error("{log}: no file fits the column map ({patterns})")]
     NoTable {
@@ -265,6 +285,10 @@ impl Error {
             Self::NotANumber { hint, .. } => hint.map(Into::into),
             Self::TwoFiles { .. } => {
                 Some("name the files of one run, or the beginning that their names share".into())
+            }
+            Self::SetBack { .. } => Some("split the log where its clock was set".into()),
+            Self::Apart { .. } => {
+                Some("`offset_s` in `time` of the column map is added to a table's times".into())
             }
             Self::OutOfOrder { .. } => Some("sort the log by time, or split it".into()),
             _ => None,

@@ -5,6 +5,16 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 
+/// The files of a run: a file; or the files in a folder; or those whose names begin alike.
+///
+/// # Errors
+/// What the system refuses.
+pub fn run_files(path: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    expand(path, &mut found)?;
+    Ok(found)
+}
+
 /// The files that a path of the command line means, by name.
 pub(crate) fn expand(path: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
     let file = || path.display().to_string();

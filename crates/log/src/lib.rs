@@ -59,11 +59,12 @@ mod survey;
 pub mod write;
 
 pub use error::{Cell, Error, Result};
+pub use find::run_files;
 pub use log::Log;
 pub use merge::Samples;
 pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
 pub use recording::{Intake, Preview, UsedTopic};
 pub use series::{Series, series};
 pub use sheet::{Guess, Sheet, SheetColumn, SheetTime};
-pub use suggest::{suggest_for_sheet, suggest_for_survey};
+pub use suggest::{suggest_for_sheets, suggest_for_survey};
 pub use survey::{Survey, Topic, Use};

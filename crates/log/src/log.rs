@@ -293,14 +293,20 @@ impl Log {
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
             let reader = CsvReader::open(file, table, (&self.wheels, &self.read))?;
-            samples.add(reader, shift_ns.get(clock).copied().unwrap_or(0));
+            let shift = shift_ns.get(clock).copied().unwrap_or(0);
+            samples.add(
+                reader,
+                shift.saturating_add(table.time.offset_ns),
+                (clock, file),
+            );
         }
         if let Some(recording) = &self.recording {
             recording.begin();
             let of_topics = shift_ns.get(self.files.len()..).unwrap_or_default();
             for file in &recording.files {
                 let reader = RecordingReader::open(file, recording, of_topics, &self.read)?;
-                samples.add(reader, 0);
+                // A recorder splits a run into files that follow each other on one clock.
+                samples.add(reader, 0, (self.files.len(), file));
             }
         }
         Ok(samples)

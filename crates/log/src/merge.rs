@@ -2,7 +2,8 @@
 
 use grouser_slip::Sample;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::source::Source;
 
 /// The samples of a log in the order of time. The first error ends it.
 pub struct Samples {
@@ -14,7 +15,14 @@ struct Shifted {
     samples: Box<dyn Iterator<Item = Result<Sample>> + Send>,
     shift_ns: i64,
     next: Option<Sample>,
+    /// Files of one clock.
+    clock: usize,
+    name: String,
+    last_ns: Option<i64>,
 }
+
+/// Files of one run whose times are further apart than this are not on one clock, s.
+const MAX_APART_S: f64 = 60.0;
 
 impl Samples {
     pub(crate) const fn new() -> Self {
@@ -29,12 +37,38 @@ impl Samples {
         &mut self,
         samples: impl Iterator<Item = Result<Sample>> + Send + 'static,
         shift_ns: i64,
+        (clock, file): (usize, &Source),
     ) {
         self.files.push(Shifted {
             samples: Box::new(samples),
             shift_ns,
             next: None,
+            clock,
+            name: file.name(),
+            last_ns: None,
         });
+    }
+}
+
+impl Samples {
+    /// A file begins at `time_ns`: an error where every file on another clock was over long before.
+    fn apart(&self, clock: usize, name: String, time_ns: i64) -> Option<Error> {
+        let others = || self.files.iter().filter(|file| file.clock != clock);
+        if others().any(|file| file.next.is_some())
+            || self
+                .files
+                .iter()
+                .any(|file| file.clock == clock && file.name != name && file.last_ns.is_some())
+        {
+            return None;
+        }
+        let last = others().max_by_key(|file| file.last_ns)?;
+        let by_s = time_ns.saturating_sub(last.last_ns?) as f64 * 1e-9;
+        (by_s > MAX_APART_S).then(|| Error::Apart {
+            first: last.name.clone(),
+            second: name,
+            by_s,
+        })
     }
 }
 
@@ -62,6 +96,13 @@ impl Iterator for Samples {
         }
         let waiting = self.files.iter_mut().filter(|file| file.next.is_some());
         let earliest = waiting.min_by_key(|file| file.next.as_ref().map(|next| next.time_ns))?;
-        earliest.next.take().map(Ok)
+        let sample = earliest.next.take()?;
+        let is_first = earliest.last_ns.replace(sample.time_ns).is_none();
+        let (clock, name) = (earliest.clock, earliest.name.clone());
+        if is_first && let Some(error) = self.apart(clock, name, sample.time_ns) {
+            self.failed = true;
+            return Some(Err(error));
+        }
+        Some(Ok(sample))
     }
 }

@@ -16,6 +16,7 @@ const HELD_LIMIT: usize = 1 << 20;
 
 /// One decoded message.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Stamped {
     /// When it was taken, ns: the stamp of its header, or when it was recorded if it has none.
     pub time_ns: i64,
@@ -41,6 +42,7 @@ pub enum Clock {
 
 /// What was left out on the way.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LeftOut {
     /// Places of the file that could not be read.
     pub damages: u64,

@@ -10,6 +10,7 @@ use crate::messages::{Clock, LeftOut, Messages};
 
 /// One number of one topic over time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
     /// The time of the first sample, ns.
     pub start_ns: i64,

@@ -12,7 +12,8 @@ pub(crate) struct Slots(Vec<Slot>);
 enum Slot {
     Wheel(Meaning, usize, Part),
     YawRate(Part),
-    Acceleration(Part, Part),
+    /// Forwards, and to the left where that is measured.
+    Acceleration(Part, Option<Part>),
     Displacement(Part, Part, Option<Part>),
     Pose(Part, Part, Part),
     Speed(Part, Option<Part>),
@@ -47,7 +48,7 @@ impl Slots {
             let slot = match column.meaning {
                 Meaning::YawRate => Some(Slot::YawRate(own)),
                 Meaning::AccelerationForward => {
-                    part(Meaning::AccelerationLeft).map(|left| Slot::Acceleration(own, left))
+                    Some(Slot::Acceleration(own, part(Meaning::AccelerationLeft)))
                 }
                 Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
                     .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
@@ -91,9 +92,16 @@ impl Slots {
                     number(part)?.map(|rate| Measurement::WheelRate { wheel, rate })
                 }
                 Slot::YawRate(part) => number(part)?.map(|rate| Measurement::YawRate { rate }),
-                Slot::Acceleration(forward, left) => number(forward)?
-                    .zip(number(left)?)
-                    .map(|(forward, left)| Measurement::Acceleration { forward, left }),
+                Slot::Acceleration(forward, left) => {
+                    // Where it is not measured at all, the run puts that of the robot's turn in its place.
+                    let left = match left {
+                        Some(left) => number(left)?,
+                        None => Some(0.0),
+                    };
+                    number(forward)?
+                        .zip(left)
+                        .map(|(forward, left)| Measurement::Acceleration { forward, left })
+                }
                 Slot::Displacement(forward, left, turn) => {
                     let turn = optional(turn)?;
                     number(forward)?.zip(number(left)?).map(|(forward, left)| {

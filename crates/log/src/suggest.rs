@@ -1,9 +1,11 @@
 //! A robot file to start from, by what a log holds.
 //!
-//! Values that no log holds (radii, places, ticks per turn) are round numbers with a comment to measure them.
+//! Values that no log holds: places are round numbers with a comment to measure them; radii and ticks per turn, which scale
+//! every slip, are placeholders, with which the file is refused.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_files::PLACEHOLDER;
 use grouser_files::columns::Meaning;
 
 use crate::sheet::{Sheet, SheetColumn};
@@ -67,9 +69,49 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
     robot(&topics, "", &wheels, true, &counter)
 }
 
-/// A robot file with its column map for a table of that name.
+/// A robot file with its column map for the tables of a run, each with its file name.
 #[must_use]
-pub fn suggest_for_sheet(sheet: &Sheet, file_name: &str) -> String {
+pub fn suggest_for_sheets<'a>(sheets: impl IntoIterator<Item = (&'a Sheet, &'a str)>) -> String {
+    let mut tables = Vec::new();
+    let mut wheels: Vec<(String, Option<String>)> = Vec::new();
+    let (mut counts, mut bits) = (false, None);
+    let mut needs_reference = true;
+    for (sheet, file_name) in sheets {
+        tables.push(table(sheet, file_name));
+        for wheel in sheet.wheels() {
+            if !wheels.iter().any(|(other, _)| *other == wheel) {
+                wheels.push((wheel, None));
+            }
+        }
+        let counters = sheet.columns.iter().filter(|column| {
+            let guess = column.guess.as_ref();
+            guess.is_some_and(|guess| guess.meaning == Meaning::WheelCount)
+        });
+        counts |= counters.clone().count() > 0;
+        bits = bits.max(counters.filter_map(SheetColumn::wraps_at_bits).max());
+        let motion = [
+            Meaning::PoseX,
+            Meaning::SpeedForward,
+            Meaning::DisplacementForward,
+        ];
+        needs_reference &= !motion.into_iter().any(|meaning| sheet.has(meaning));
+    }
+    let counter = match (counts, bits) {
+        (false, _) => String::new(),
+        (true, Some(bits)) => line(
+            &format!("counter_bits = {bits}"),
+            "the counters wrap in this log",
+        ),
+        (true, None) => line(
+            "counter_bits = 64",
+            "look it up: the counters do not wrap in this log",
+        ),
+    };
+    robot("", &tables.join("\n"), &wheels, needs_reference, &counter)
+}
+
+/// The column map of one table.
+fn table(sheet: &Sheet, file_name: &str) -> String {
     let mut table = String::from("[[table]]\n");
     let _ = writeln!(table, "file = {}", text(file_name));
     let byte = |byte: u8| text(&char::from(byte).to_string());
@@ -123,38 +165,7 @@ pub fn suggest_for_sheet(sheet: &Sheet, file_name: &str) -> String {
         let lines = table.lines().map(|line| format!("# {line}\n"));
         table = lines.collect();
     }
-    let wheels: Vec<_> = sheet
-        .wheels()
-        .into_iter()
-        .map(|wheel| (wheel, None))
-        .collect();
-    let counters = sheet.columns.iter().filter(|column| {
-        let guess = column.guess.as_ref();
-        guess.is_some_and(|guess| guess.meaning == Meaning::WheelCount)
-    });
-    let bits = counters
-        .clone()
-        .filter_map(SheetColumn::wraps_at_bits)
-        .max();
-    let counts = counters.count() > 0;
-    let counter = match (counts, bits) {
-        (false, _) => String::new(),
-        (true, Some(bits)) => line(
-            &format!("counter_bits = {bits}"),
-            "the counters wrap in this log",
-        ),
-        (true, None) => line(
-            "counter_bits = 64",
-            "look it up: the counters do not wrap in this log",
-        ),
-    };
-    let motion = [
-        Meaning::PoseX,
-        Meaning::SpeedForward,
-        Meaning::DisplacementForward,
-    ];
-    let needs_reference = !motion.into_iter().any(|meaning| sheet.has(meaning));
-    robot("", &table, &wheels, needs_reference, &counter)
+    table
 }
 
 /// The joints that are wheels: those that say so, else all.
@@ -206,7 +217,7 @@ fn robot(
     counter: &str,
 ) -> String {
     let mut out = String::from(
-        "# Proposed by `grouser log info --suggest-robot`: measure what a comment says, then delete the comment.\n\
+        "# Proposed by `grouser log info --suggest-robot`: replace \"measure\" by numbers and check the others.\n\
          format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n",
     );
     let both = [("left".to_owned(), None), ("right".to_owned(), None)];
@@ -233,10 +244,14 @@ fn robot(
             "forwards of the robot's origin: measure",
         ));
         out.push_str(&line(&format!("y_m = {y:?}"), "to the left of it: measure"));
-        out.push_str(&line("radius_m = 0.1", "measure"));
+        let placeholder = |key: &str| format!("{key} = \"{PLACEHOLDER}\"");
+        out.push_str(&line(&placeholder("radius_m"), "on which it rolls"));
         let _ = writeln!(out, "drive = \"{drive}\"");
         if !counter.is_empty() {
-            out.push_str(&line("ticks_per_turn = 1000", "of the wheel: look it up"));
+            out.push_str(&line(
+                &placeholder("ticks_per_turn"),
+                "of the wheel: look it up",
+            ));
             out.push_str(counter);
         }
     }

@@ -1,14 +1,14 @@
 //! What a log holds: topics, rates, gaps, jumps, damage, and what Grouser can use.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
 use crate::message::known::TRUTH;
 use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
 use crate::messages::stamp_of;
-use crate::recording::is_over_ground;
+use crate::recording::{is_command, is_over_ground};
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -58,6 +58,7 @@ impl Use {
 
 /// What is known of one topic.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Topic {
     /// The topic, its type and its definition.
     pub channel: Channel,
@@ -92,6 +93,7 @@ pub struct Topic {
 
 /// What a log holds.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Survey {
     /// The kind of file.
     pub format: Format,
@@ -123,50 +125,98 @@ impl Survey {
     ///
     /// # Errors
     /// What does not let the file be opened. Damage inside is no error: it is listed.
-    pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
-        let mut container = Container::open(path)?;
-        // By the number of their channel.
-        let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
+    pub fn read(path: &Path, progress: impl FnMut(u64)) -> Result<Self> {
+        Self::read_run(std::slice::from_ref(&path.to_owned()), progress)
+    }
+
+    /// Reads all files of one run, such as the parts into which a recorder splits it: a topic of several files is one.
+    /// Offsets of damages are counted from the first file's beginning.
+    ///
+    /// # Errors
+    /// As [`Survey::read`]; [`Error::Empty`](crate::Error::Empty) without a file.
+    pub fn read_run(paths: &[PathBuf], mut progress: impl FnMut(u64)) -> Result<Self> {
+        let mut tallies = Vec::new();
+        let mut survey = None;
+        let mut bytes_before = 0;
+        for path in paths {
+            let mut container = Container::open(path)?;
+            let survey = survey.get_or_insert_with(|| Self {
+                format: container.format(),
+                topics: Vec::new(),
+                first_ns: None,
+                last_ns: None,
+                damages: Vec::new(),
+                damage_count: 0,
+                bytes_lost: 0,
+            });
+            survey.read_file(&mut container, &mut tallies, |offset| {
+                progress(bytes_before + offset);
+                bytes_before
+            });
+            bytes_before += container.offset();
+        }
+        let mut survey = survey.ok_or_else(|| crate::Error::Empty {
+            file: "the run".to_owned(),
+            what: "no file",
+        })?;
+        survey.topics = tallies.into_iter().map(Tally::finish).collect();
+        Ok(survey)
+    }
+
+    /// Adds a file to the tallies. `progress` receives its offset and returns the bytes of the files before.
+    fn read_file(
+        &mut self,
+        container: &mut Container,
+        tallies: &mut Vec<Tally>,
+        mut progress: impl FnMut(u64) -> u64,
+    ) {
+        // Two channels of one file may share a topic; those of another file are the same channels again.
+        let earlier_files = tallies.len();
+        // The place of each of the file's channels among the tallies.
+        let mut places: BTreeMap<usize, usize> = BTreeMap::new();
         let (mut decoders, mut spare) = (Decoders::default(), Spare::default());
         let mut known = 0;
-        let mut survey = Self {
-            format: container.format(),
-            topics: Vec::new(),
-            first_ns: None,
-            last_ns: None,
-            damages: Vec::new(),
-            damage_count: 0,
-            bytes_lost: 0,
+        let mut enter = |tallies: &mut Vec<Tally>, index: usize, channel: &Channel| {
+            *places.entry(index).or_insert_with(|| {
+                let same = |tally: &Tally| {
+                    tally.topic.channel.topic == channel.topic
+                        && tally.topic.channel.type_name == channel.type_name
+                };
+                if let Some(place) = tallies[..earlier_files].iter().position(same) {
+                    return place;
+                }
+                tallies.push(Tally::new(channel, decoders.of(channel)));
+                tallies.len() - 1
+            })
         };
         loop {
-            progress(container.offset());
+            let before = progress(container.offset());
             for channel in &container.channels()[known..] {
-                Tally::enter(&mut tallies, &mut decoders, known, channel);
+                enter(tallies, known, channel);
                 known += 1;
             }
             match container.next() {
                 None => break,
-                Some(Event::Damage(damage)) => {
-                    survey.damage_count += 1;
-                    survey.bytes_lost += damage.bytes;
-                    if survey.damages.len() < DAMAGES {
-                        survey.damages.push(damage);
+                Some(Event::Damage(mut damage)) => {
+                    damage.offset += before;
+                    self.damage_count += 1;
+                    self.bytes_lost += damage.bytes;
+                    if self.damages.len() < DAMAGES {
+                        self.damages.push(damage);
                     }
                 }
                 Some(Event::Message(message)) => {
                     let (index, time) = (message.channel, message.log_time_ns);
-                    survey.first_ns = Some(survey.first_ns.map_or(time, |first| first.min(time)));
-                    survey.last_ns = Some(survey.last_ns.map_or(time, |last| last.max(time)));
+                    self.first_ns = Some(self.first_ns.map_or(time, |first| first.min(time)));
+                    self.last_ns = Some(self.last_ns.map_or(time, |last| last.max(time)));
                     // Its channel may have been met on the way to it.
-                    let tally = Tally::enter(&mut tallies, &mut decoders, index, message.of);
+                    let place = enter(tallies, index, message.of);
                     let mut value = spare.take(index);
-                    tally.take(time, message.data, &mut value);
+                    tallies[place].take(time, message.data, &mut value);
                     spare.keep(index, message.data.len(), value);
                 }
             }
         }
-        survey.topics = tallies.into_values().map(Tally::finish).collect();
-        Ok(survey)
     }
 
     /// How long it is, s.
@@ -185,18 +235,6 @@ impl Survey {
 }
 
 impl Tally {
-    /// The tally of a channel, new if it was not met before.
-    fn enter<'a>(
-        tallies: &'a mut BTreeMap<usize, Self>,
-        decoders: &mut Decoders,
-        index: usize,
-        channel: &Channel,
-    ) -> &'a mut Self {
-        tallies
-            .entry(index)
-            .or_insert_with(|| Self::new(channel, decoders.of(channel)))
-    }
-
     fn new(channel: &Channel, decoder: SharedDecoder) -> Self {
         Self {
             decoder,
@@ -333,7 +371,8 @@ fn use_of(view: &View, topic: &str) -> Option<Use> {
         }
         View::Odometry(_) | View::Pose { .. } | View::Displacement { .. } => Use::Motion,
         View::Twist { .. } if is_over_ground(topic) => Use::Motion,
-        View::Twist { .. } => Use::Command,
+        View::Twist { .. } if is_command(topic) => Use::Command,
+        View::Twist { .. } => return None,
         View::NavSatFix(_) => Use::Position,
         View::Transforms(_) => Use::Mounting,
     })

@@ -6,10 +6,10 @@ mod scratch;
 use std::fs::File;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use grouser_files::{Document, robot};
+use grouser_files::{Document, Error, robot};
 use grouser_log::message::build;
 use grouser_log::write::McapWriter;
-use grouser_log::{Log, Sheet, Survey, suggest_for_sheet, suggest_for_survey};
+use grouser_log::{Log, Sheet, Survey, suggest_for_sheets, suggest_for_survey};
 use proptest::prelude::*;
 use scratch::Folder;
 
@@ -20,7 +20,14 @@ fn folder() -> Folder {
     Folder::new(&format!("suggest{}", CASE.fetch_add(1, Ordering::Relaxed)))
 }
 
+/// The file as it is proposed is refused; with numbers in place of the placeholders it is read.
 fn read(text: String) -> Result<robot::RobotFile, TestCaseError> {
+    let proposed = Document::from_text("robot.toml", text.clone()).and_then(|d| robot::parse(&d));
+    prop_assert!(
+        matches!(&proposed, Err(Error::Placeholder { key, .. }) if key == "radius_m"),
+        "{proposed:?}"
+    );
+    let text = text.replace("= \"measure\"", "= 2.0");
     let shown = text.clone();
     Document::from_text("robot.toml", text)
         .and_then(|document| robot::parse(&document))
@@ -71,7 +78,7 @@ proptest! {
         }
         let path = folder.file("log.csv", text.as_bytes());
         if let Ok(sheet) = Sheet::read(&path, |_| ()) {
-            read(suggest_for_sheet(&sheet, &file))?;
+            read(suggest_for_sheets([(&sheet, file.as_str())]))?;
         }
     }
 
@@ -81,7 +88,7 @@ proptest! {
         for start in [&b""[..], b"time,left_ticks,yaw_rate\n0,1,2\n"] {
             let path = folder.file("log.csv", &[start, &bytes].concat());
             if let Ok(sheet) = Sheet::read(&path, |_| ()) {
-                read(suggest_for_sheet(&sheet, "log.csv"))?;
+                read(suggest_for_sheets([(&sheet, "log.csv")]))?;
             }
         }
     }

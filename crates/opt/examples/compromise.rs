@@ -18,14 +18,14 @@ impl Functions for Detour {
 }
 
 fn main() -> Result<(), grouser_opt::Error> {
-    let problem = Problem::new(ProblemParams {
-        variables: vec![
-            Variable::bounded("x", 0.5, -2.0, 2.0),
-            Variable::bounded("y", 0.5, -2.0, 2.0),
-        ],
-        inequalities: vec!["outside the disc".to_owned()],
-        ..ProblemParams::new(&[0.5, 0.5], 2, Exact(Detour))
-    })?;
+    let problem = Problem::new(
+        ProblemParams::new(&[0.5, 0.5], 2, Exact(Detour))
+            .variables(vec![
+                Variable::bounded("x", 0.5, -2.0, 2.0),
+                Variable::bounded("y", 0.5, -2.0, 2.0),
+            ])
+            .inequalities(vec!["outside the disc".to_owned()]),
+    )?;
     let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
     println!("{}: x = {:.4?}", solution.status.name(), solution.x);
     println!("objectives {:.4?}", solution.objectives);

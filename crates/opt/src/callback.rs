@@ -4,6 +4,7 @@ use core::ops::ControlFlow;
 
 /// The state of a solve after an iteration.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Progress<'a> {
     /// Iterations done.
     pub iteration: usize,

@@ -1,5 +1,7 @@
 //! What is wrong with a problem or its settings: the field, its value and the limit.
 
+use grouser_real::OutOfRange;
+
 /// The result of everything that checks an input.
 pub type Result<T> = core::result::Result<T, Error>;
 
@@ -56,17 +58,8 @@ pub enum Error {
         expected: usize,
     },
     /// A number lies outside its range (NaN always does).
-    #[error("{field} is {value}, but must lie in [{low}, {high}]")]
-    OutOfRange {
-        /// The field.
-        field: String,
-        /// What was given.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange<String>),
     /// Two things have the same name, so that a report could not distinguish them.
     #[error("the name `{name}` is used twice")]
     DuplicateName {
@@ -109,16 +102,7 @@ impl Error {
     }
 
     pub(crate) fn check_range(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
-        if value >= low && value <= high {
-            Ok(())
-        } else {
-            Err(Self::OutOfRange {
-                field: field.to_owned(),
-                value,
-                low,
-                high,
-            })
-        }
+        Ok(OutOfRange::check(field, value, (low, high), "1")?)
     }
 
     pub(crate) fn check_length(what: &str, given: usize, expected: usize) -> Result<()> {

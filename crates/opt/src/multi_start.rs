@@ -17,6 +17,7 @@ const SAME_UTILITY: f64 = 1e-6;
 
 /// A local optimum that one or more starts lead to.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Optimum {
     /// The run that found it best: an index into [`MultiStart::runs`].
     pub run: usize,
@@ -26,6 +27,7 @@ pub struct Optimum {
 
 /// What many starts found.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MultiStart {
     /// The starts: the problem's own, then points spread evenly over the box.
     pub starts: Vec<Vec<f64>>,

@@ -7,6 +7,7 @@ use crate::model::Model;
 
 /// One variable: where the search starts and how far it may go.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Variable {
     /// Its name in every report.
     pub name: String,
@@ -48,6 +49,7 @@ pub enum Relation {
 
 /// A row of A x ≤ b or A_eq x = b_eq. No iterate ever leaves these, once inside.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LinearConstraint {
     /// Its name in every report.
     pub name: String,
@@ -59,7 +61,59 @@ pub struct LinearConstraint {
     pub bound: f64,
 }
 
+impl LinearConstraint {
+    /// coefficients · x ≤ bound.
+    ///
+    /// ```
+    /// use grouser_opt::{LinearConstraint, Relation};
+    ///
+    /// let row = LinearConstraint::at_most("sum", vec![1.0, 1.0], 3.0);
+    /// assert_eq!(row.relation, Relation::AtMost);
+    /// ```
+    #[must_use]
+    pub fn at_most(name: impl Into<String>, coefficients: Vec<f64>, bound: f64) -> Self {
+        let (name, relation) = (name.into(), Relation::AtMost);
+        Self {
+            name,
+            coefficients,
+            relation,
+            bound,
+        }
+    }
+
+    /// coefficients · x = bound.
+    ///
+    /// ```
+    /// use grouser_opt::{LinearConstraint, Relation};
+    ///
+    /// let row = LinearConstraint::equal("difference", vec![1.0, -1.0], 0.0);
+    /// assert_eq!(row.relation, Relation::Equal);
+    /// ```
+    #[must_use]
+    pub fn equal(name: impl Into<String>, coefficients: Vec<f64>, bound: f64) -> Self {
+        let relation = Relation::Equal;
+        Self {
+            relation,
+            ..Self::at_most(name, coefficients, bound)
+        }
+    }
+}
+
 /// Everything a [`Problem`] is made of.
+///
+/// ```
+/// use grouser_opt::{Differences, LinearConstraint, Method, Problem, ProblemParams, Settings, Variable, solve};
+///
+/// // x² + y² on the line x + y = 2: the optimum is (1, 1), where the objective is 2.
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0] * x[0] + x[1] * x[1]);
+/// let params = ProblemParams::new(&[3.0, 0.0], 1, model)
+///     .variables([Variable::bounded("x", 3.0, 0.0, 5.0), Variable::free("y", 0.0)])
+///     .linear([LinearConstraint::equal("line", vec![1.0, 1.0], 2.0)]);
+/// let solution = solve(&Problem::new(params)?, &Method::Minimax, &Settings::default())?;
+/// assert!((solution.maximum - 2.0).abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
+#[non_exhaustive]
 pub struct ProblemParams<'a> {
     /// The variables, in the order of the model's `x`.
     pub variables: Vec<Variable>,
@@ -93,6 +147,48 @@ impl<'a> ProblemParams<'a> {
             absolute: 0,
             model: Box::new(model),
         }
+    }
+
+    /// These variables.
+    #[must_use]
+    pub fn variables(mut self, variables: impl IntoIterator<Item = Variable>) -> Self {
+        self.variables = variables.into_iter().collect();
+        self
+    }
+
+    /// These names of the objectives.
+    #[must_use]
+    pub fn objectives(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        self.objectives = names.into_iter().collect();
+        self
+    }
+
+    /// These names of the inequalities c(x) ≤ 0.
+    #[must_use]
+    pub fn inequalities(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        self.inequalities = names.into_iter().collect();
+        self
+    }
+
+    /// These names of the equalities c_eq(x) = 0.
+    #[must_use]
+    pub fn equalities(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        self.equalities = names.into_iter().collect();
+        self
+    }
+
+    /// These linear constraints.
+    #[must_use]
+    pub fn linear(mut self, rows: impl IntoIterator<Item = LinearConstraint>) -> Self {
+        self.linear = rows.into_iter().collect();
+        self
+    }
+
+    /// The first `count` objectives count with their absolute value.
+    #[must_use]
+    pub fn absolute(mut self, count: usize) -> Self {
+        self.absolute = count;
+        self
     }
 }
 

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 
 /// Tolerances and limits of one solve.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings {
     /// Converged needs complementarity ≤ this · (|γ| + F) and ‖∇L‖∞ ≤ this · max(Σ λ_i ‖∇f_i‖∞, G), where
     /// F is max |f_i| and G is max ‖∇f_i‖∞ at the start, or 1 where that is less.

@@ -7,6 +7,7 @@ use crate::status::Status;
 /// A multiplier is the price of its constraint: loosening the bound by δ lowers the optimum by
 /// multiplier · δ, to first order.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Multipliers {
     /// One per objective, ≥ 0, together 1: the local trade-off. With goals and weights they belong to
     /// the scaled objectives (f_i − goal_i)/w_i; of absolute objectives to |f_i|.
@@ -27,6 +28,7 @@ pub struct Multipliers {
 
 /// How well the optimality conditions hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Kkt {
     /// ‖∇L‖∞.
     pub stationarity: f64,
@@ -40,6 +42,7 @@ pub struct Kkt {
 
 /// What the solve cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counts {
     /// Quadratic models solved and stepped along.
     pub iterations: usize,
@@ -62,6 +65,7 @@ impl core::ops::AddAssign for Counts {
 
 /// The result of a solve.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Solution {
     /// How it ended.
     pub status: Status,

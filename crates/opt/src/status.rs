@@ -2,6 +2,7 @@
 
 /// A constraint that a point does not meet.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Violation {
     /// The constraint's name.
     pub name: String,
@@ -11,6 +12,7 @@ pub struct Violation {
 
 /// Which budget ran out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Limit {
     /// [`Settings::max_iterations`](crate::Settings::max_iterations).
     Iterations,

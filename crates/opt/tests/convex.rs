@@ -3,7 +3,7 @@
 
 use grouser_opt::{
     Differences, Exact, Functions, Jacobian, LinearConstraint, Method, Problem, ProblemParams,
-    Relation, Settings, Status, Variable, solve,
+    Settings, Status, Variable, solve,
 };
 use grouser_real::Scalar;
 use proptest::prelude::*;
@@ -63,27 +63,23 @@ fn problem(case: &Case) -> Problem<'_> {
     let count = case.bowls.shifts.len();
     let reach = if case.bounded { 2.0 } else { f64::INFINITY };
     let params = ProblemParams::new(&case.start, case.objectives, Exact(case.bowls.clone()));
-    Problem::new(ProblemParams {
-        variables: params
-            .variables
-            .iter()
-            .map(|v| Variable::bounded(v.name.clone(), v.start, -reach, reach))
-            .collect(),
-        inequalities: (case.objectives..count).map(|j| format!("g{j}")).collect(),
-        linear: case
-            .linear
-            .iter()
-            .enumerate()
-            .map(|(l, (coefficients, bound))| LinearConstraint {
-                name: format!("row{l}"),
-                coefficients: coefficients.clone(),
-                relation: Relation::AtMost,
-                bound: *bound,
-            })
-            .collect(),
-        ..params
-    })
-    .unwrap()
+    let variables: Vec<_> = params
+        .variables
+        .iter()
+        .map(|v| Variable::bounded(v.name.clone(), v.start, -reach, reach))
+        .collect();
+    let rows = case
+        .linear
+        .iter()
+        .enumerate()
+        .map(|(l, (coefficients, bound))| {
+            LinearConstraint::at_most(format!("row{l}"), coefficients.clone(), *bound)
+        });
+    let params = params
+        .variables(variables)
+        .inequalities((case.objectives..count).map(|j| format!("g{j}")))
+        .linear(rows);
+    Problem::new(params).unwrap()
 }
 
 proptest! {
@@ -129,12 +125,7 @@ proptest! {
         let size = 1.0 + one.maximum.abs();
         prop_assert!((one.maximum - two.maximum).abs() < 1e-6 * size);
         let closure = |x: &[f64], out: &mut [f64]| case.bowls.evaluate(x, out);
-        let differences = Problem::new(ProblemParams {
-            variables: exact.variables().to_vec(),
-            inequalities: exact.inequalities().to_vec(),
-            linear: exact.linear().to_vec(),
-            ..ProblemParams::new(&case.start, case.objectives, Differences::new(closure))
-        })
+        let differences = Problem::new(ProblemParams::new(&case.start, case.objectives, Differences::new(closure)).variables(exact.variables().to_vec()).inequalities(exact.inequalities().to_vec()).linear(exact.linear().to_vec()))
         .unwrap();
         let three = solve(&differences, &Method::Minimax, &Settings::default()).unwrap();
         prop_assert!(three.status.is_solved(), "{:?}", three.status);

@@ -104,10 +104,7 @@ impl Functions for Kinks {
 
 #[test]
 fn a_weighted_sum_of_magnitudes_ends_at_its_kink() {
-    let params = ProblemParams {
-        absolute: 3,
-        ..ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks))
-    };
+    let params = ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks)).absolute(3);
     let problem = Problem::new(params).unwrap();
     let method = Method::Weighted {
         weights: vec![1.0, 2.0, 1.0],
@@ -124,11 +121,9 @@ fn a_weighted_sum_of_magnitudes_ends_at_its_kink() {
 #[test]
 fn a_weighted_sum_keeps_its_constraints() {
     // x + y ≥ 0 moves the kink: along x + y = 0 the sum is |x − 1| + 2 |x + 1| + |x|, least at −1 … 0.
-    let params = ProblemParams {
-        absolute: 3,
-        inequalities: vec!["half-plane".to_owned()],
-        ..ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks))
-    };
+    let params = ProblemParams::new(&[5.0, -4.0], 3, Exact(Kinks))
+        .absolute(3)
+        .inequalities(vec!["half-plane".to_owned()]);
     let problem = Problem::new(params).unwrap();
     let method = Method::Weighted {
         weights: vec![1.0, 2.0, 1.0],

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use grouser_opt::{
     Differences, Error, Exact, Functions, Limit, LinearConstraint, Method, Problem, ProblemParams,
-    Relation, Settings, Solution, Status, Variable, solve, solve_with,
+    Settings, Solution, Status, Variable, solve, solve_with,
 };
 use grouser_real::Scalar;
 
@@ -24,11 +24,9 @@ impl Functions for Disc {
 }
 
 fn disc(inequalities: usize, equalities: usize) -> ProblemParams<'static> {
-    ProblemParams {
-        inequalities: (0..inequalities).map(|_| "reach".to_owned()).collect(),
-        equalities: (0..equalities).map(|_| "line".to_owned()).collect(),
-        ..ProblemParams::new(&[4.0, -3.0], 1, Exact(Disc))
-    }
+    ProblemParams::new(&[4.0, -3.0], 1, Exact(Disc))
+        .inequalities((0..inequalities).map(|_| "reach".to_owned()))
+        .equalities((0..equalities).map(|_| "line".to_owned()))
 }
 
 fn minimax(params: ProblemParams<'_>) -> Solution {
@@ -65,19 +63,16 @@ fn equality_and_its_price() {
 
 #[test]
 fn linear_constraints_and_bounds_hold_from_the_first_iterate_on() {
-    let params = ProblemParams {
-        variables: vec![
+    let params = disc(0, 0)
+        .variables(vec![
             Variable::bounded("x", 9.0, 0.0, 2.0),
             Variable::free("y", 9.0),
-        ],
-        linear: vec![LinearConstraint {
-            name: "sum".to_owned(),
-            coefficients: vec![-1.0, -1.0],
-            relation: Relation::AtMost,
-            bound: -3.0,
-        }],
-        ..disc(0, 0)
-    };
+        ])
+        .linear(vec![LinearConstraint::at_most(
+            "sum",
+            vec![-1.0, -1.0],
+            -3.0,
+        )]);
     let problem = Problem::new(params).unwrap();
     let mut seen = 0;
     let solution = solve_with(
@@ -100,20 +95,13 @@ fn linear_constraints_and_bounds_hold_from_the_first_iterate_on() {
 
 #[test]
 fn contradicting_linear_constraints_are_named() {
-    let row = |name: &str, sign: f64, bound: f64| LinearConstraint {
-        name: name.to_owned(),
-        coefficients: vec![sign, 0.0],
-        relation: Relation::AtMost,
-        bound,
-    };
-    let solution = minimax(ProblemParams {
-        linear: vec![
-            row("low enough", 1.0, 1.0),
-            row("high enough", -1.0, -2.0),
-            row("easy", 1.0, 50.0),
-        ],
-        ..disc(0, 0)
-    });
+    let row =
+        |name: &str, sign: f64, bound: f64| LinearConstraint::at_most(name, vec![sign, 0.0], bound);
+    let solution = minimax(disc(0, 0).linear(vec![
+        row("low enough", 1.0, 1.0),
+        row("high enough", -1.0, -2.0),
+        row("easy", 1.0, 50.0),
+    ]));
     let Status::NoFeasiblePoint(violations) = &solution.status else {
         panic!("{:?}", solution.status)
     };
@@ -137,10 +125,10 @@ impl Functions for Apart {
 
 #[test]
 fn least_infeasible_point_where_nothing_is_feasible() {
-    let solution = minimax(ProblemParams {
-        inequalities: vec!["circle".to_owned(), "beyond".to_owned()],
-        ..ProblemParams::new(&[5.0, 5.0], 1, Exact(Apart))
-    });
+    let solution = minimax(
+        ProblemParams::new(&[5.0, 5.0], 1, Exact(Apart))
+            .inequalities(vec!["circle".to_owned(), "beyond".to_owned()]),
+    );
     let Status::NoFeasiblePoint(violations) = &solution.status else {
         panic!("{:?}", solution.status)
     };
@@ -167,10 +155,11 @@ fn a_stop_is_obeyed_at_once() {
 #[test]
 fn limits_are_kept() {
     let problem = Problem::new(disc(0, 0)).unwrap();
-    let limit = |max_iterations, max_values| Settings {
-        max_iterations,
-        max_values,
-        ..Settings::default()
+    let limit = |max_iterations, max_values| {
+        let mut settings = Settings::default();
+        settings.max_iterations = max_iterations;
+        settings.max_values = max_values;
+        settings
     };
     let one = solve(&problem, &Method::Minimax, &limit(0, 100)).unwrap();
     assert_eq!(one.status, Status::Limit(Limit::Iterations));
@@ -253,10 +242,8 @@ fn bad_problems_are_errors_with_names() {
         weights: vec![f64::NAN],
     };
     assert!(solve(&problem, &weights, &Settings::default()).is_err());
-    let settings = Settings {
-        optimality_tolerance: f64::NAN,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.optimality_tolerance = f64::NAN;
     assert!(solve(&problem, &Method::Minimax, &settings).is_err());
 }
 

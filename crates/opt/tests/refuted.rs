@@ -109,13 +109,12 @@ impl Functions for Step {
 /// At (1, 0) the reported gradient is 0, and the optimality conditions hold.
 #[test]
 fn a_flat_side_of_a_kink_is_not_called_a_solution() {
-    let problem = Problem::new(ProblemParams {
-        variables: vec![
+    let problem = Problem::new(
+        ProblemParams::new(&[1.0, 0.5], 1, Exact(Step)).variables(vec![
             Variable::bounded("x", 1.0, -2.0, 2.0),
             Variable::bounded("y", 0.5, -2.0, 2.0),
-        ],
-        ..ProblemParams::new(&[1.0, 0.5], 1, Exact(Step))
-    })
+        ]),
+    )
     .unwrap();
     let settings = Settings::default();
     let solution = solve(&problem, &Method::Minimax, &settings).unwrap();
@@ -123,10 +122,8 @@ fn a_flat_side_of_a_kink_is_not_called_a_solution() {
         solution.status.is_solved() && solution.utility < 1e-9,
         "{solution:?}"
     );
-    let blind = Settings {
-        probes: 0,
-        ..settings
-    };
+    let mut blind = settings;
+    blind.probes = 0;
     let solution = solve(&problem, &Method::Minimax, &blind).unwrap();
     assert_eq!(solution.status, Status::Converged);
     assert!((solution.utility - 1.0).abs() < 1e-9);

@@ -107,17 +107,15 @@ fn constraints_hold_in_every_world() {
         Measure::MeanPlusDeviations { kappa: 2.0 },
         Measure::ConditionalValueAtRisk { alpha: 0.9 },
     ] {
-        let params = ProblemParams {
-            inequalities: vec!["limit".to_owned()],
-            ..ProblemParams::new(
-                &[0.3],
-                1,
-                Exact(Bowl {
-                    a: 0.0,
-                    limit: Some(0.0),
-                }),
-            )
-        };
+        let params = ProblemParams::new(
+            &[0.3],
+            1,
+            Exact(Bowl {
+                a: 0.0,
+                limit: Some(0.0),
+            }),
+        )
+        .inequalities(vec!["limit".to_owned()]);
         let worlds = [2.0, 1.2, 5.0].map(|limit| {
             let limit = Some(limit);
             World::new(
@@ -153,7 +151,7 @@ fn no_worlds_and_bad_measures_are_errors() {
         one,
         Measure::ConditionalValueAtRisk { alpha: 1.0 },
     );
-    assert!(matches!(bad, Err(Error::OutOfRange { .. })));
+    assert!(matches!(bad, Err(Error::OutOfRange(_))));
 }
 
 /// The first points as published with SciPy's implementation of the same direction numbers.

@@ -17,10 +17,10 @@ fn valleys() -> Problem<'static> {
         let two = (x[0] * x[0] - 1.0).powi(2);
         f[0] = two.min((x[0] - 3.0).powi(2) + 0.5);
     });
-    Problem::new(ProblemParams {
-        variables: vec![Variable::bounded("x", 0.9, -2.0, 4.0)],
-        ..ProblemParams::new(&[0.0], 1, model)
-    })
+    Problem::new(
+        ProblemParams::new(&[0.0], 1, model)
+            .variables(vec![Variable::bounded("x", 0.9, -2.0, 4.0)]),
+    )
     .unwrap()
 }
 
@@ -65,21 +65,19 @@ impl Functions for Detour {
 
 fn detour() -> Problem<'static> {
     let axis = |name: &str| Variable::bounded(name, 0.0, -2.0, 2.0);
-    Problem::new(ProblemParams {
-        variables: vec![axis("x"), axis("y")],
-        inequalities: vec!["keep out".to_owned()],
-        ..ProblemParams::new(&[0.0, 0.0], 2, Exact(Detour))
-    })
+    Problem::new(
+        ProblemParams::new(&[0.0, 0.0], 2, Exact(Detour))
+            .variables(vec![axis("x"), axis("y")])
+            .inequalities(vec!["keep out".to_owned()]),
+    )
     .unwrap()
 }
 
 #[test]
 fn fronts_do_not_depend_on_the_number_of_threads() {
-    let settings = ParetoSettings {
-        population: 40,
-        generations: 20,
-        ..ParetoSettings::default()
-    };
+    let mut settings = ParetoSettings::default();
+    settings.population = 40;
+    settings.generations = 20;
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)

@@ -51,6 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         wheel_sensor: WheelSensor::Count,
         reference: Reference::FreeWheel,
         position_sigma: None,
+        is_acceleration_forward_only: false,
     };
     let mut engine = Engine::new(&robot, inputs, &Options::default())?;
 

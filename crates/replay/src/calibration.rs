@@ -9,6 +9,7 @@ use crate::run::run;
 
 /// What a calibration found.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Calibration {
     /// Effective radius over the radius in the robot file, of all runs together.
     pub factor: f64,

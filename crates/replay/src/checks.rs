@@ -9,11 +9,14 @@ const MIN_READINGS: u64 = 10;
 /// The whole way's slip by the filter and by the reference may differ by this: sums over windows at starts, stops and
 /// turns differ by up to 0.02 in the shipped logs.
 const MAX_SLIP_DIFFERENCE: f64 = 0.05;
+/// A longer time between two samples is no gap of a recording, s.
+pub(crate) const MAX_GAP_S: f64 = 3600.0;
 /// A shorter way by the wheels is not compared, m.
 const MIN_WAY_M: f64 = 0.5;
 
 /// How many readings of the reference there were, and how many of them the filter used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ReferenceUse {
     /// Readings that the filter was given, repeated ones left out.
     pub readings: u64,
@@ -23,6 +26,7 @@ pub struct ReferenceUse {
 
 /// Ways while the reference was known, m, each along the direction in which the wheels drove.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WayCheck {
     /// By the wheels.
     pub wheels: f64,
@@ -59,6 +63,13 @@ pub enum Doubt {
         /// Slip of the whole way by the reference.
         reference: f64,
     },
+    /// The reference's motion is turned by this angle against the direction in which the wheels drive, rad, positive to the
+    /// left: its axes, its yaw or the wheels' headings are described wrongly.
+    ReferenceTurned(f64),
+    /// The same of the accelerations that go with speeding up.
+    AccelerationTurned(f64),
+    /// Between two samples lies this time, s: the clock was set, or the log consists of two drives.
+    ClockJump(f64),
 }
 
 impl fmt::Display for Doubt {
@@ -71,6 +82,22 @@ impl fmt::Display for Doubt {
             Self::WaysDiffer { filter, reference } => write!(
                 f,
                 "the slip of the whole way is {filter:.3} by the filter, but {reference:.3} by the reference alone"
+            ),
+            Self::ReferenceTurned(angle) => write!(
+                f,
+                "the reference moves {:.0}° to the left of the direction in which the wheels drive: its axes or its yaw \
+                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose)",
+                angle.to_degrees()
+            ),
+            Self::AccelerationTurned(angle) => write!(
+                f,
+                "where the robot speeds up, the accelerations point {:.0}° to the left of forwards: the mounting of the IMU \
+                 is described wrongly",
+                angle.to_degrees()
+            ),
+            Self::ClockJump(gap_s) => write!(
+                f,
+                "the times of the log jump by {gap_s:.0} s: its clock was set, or it holds more than one drive"
             ),
         }
     }

@@ -18,6 +18,8 @@ pub struct Inputs {
     pub reference: Reference,
     /// The standard deviation of a place by the reference, m, where the log states it.
     pub position_sigma: Option<f64>,
+    /// Is the acceleration measured forwards alone? That to the left is then the one of the turn.
+    pub is_acceleration_forward_only: bool,
 }
 
 impl Inputs {
@@ -32,6 +34,8 @@ impl Inputs {
             wheel_sensor,
             reference: reference(log, file, wheel_sensor, options.reference)?,
             position_sigma: log.position_sigma(),
+            is_acceleration_forward_only: log.measures(Meaning::AccelerationForward)
+                && !log.measures(Meaning::AccelerationLeft),
         })
     }
 }

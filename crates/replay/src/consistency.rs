@@ -8,6 +8,7 @@ const KINDS: [&str; 3] = ["wheels", "yaw_rate", "reference"];
 /// Squared residuals over their variances (NIS) of one kind of sensor: with right sigmas their mean is 1 and 0.95 of
 /// them lie in the 95 % band, below 3.84.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Consistency {
     /// How many residuals there were.
     pub count: u64,

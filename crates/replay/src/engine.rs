@@ -1,9 +1,10 @@
 //! Samples in, rows and a summary out.
 
-use grouser_files::robot::RobotFile;
+use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
-use grouser_slip::{Motion, Reference, Robot, Sample, Slip, WheelRole};
+use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
+use crate::axes::AxisWatch;
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::fusion::Fusion;
@@ -59,6 +60,7 @@ pub struct Engine {
     slips: Slips,
     span: (f64, f64),
     start_ns: Option<i64>,
+    longest_gap_s: f64,
     /// The time of the samples that came last.
     group_ns: Option<i64>,
     /// The wheels that were read at that time, bit by bit.
@@ -66,6 +68,8 @@ pub struct Engine {
     tallies: Vec<Tally>,
     ways: Ways,
     turns: Option<TurnWatch>,
+    axes: AxisWatch,
+    corrections: Corrections,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -99,6 +103,14 @@ impl Slips {
         match self {
             Self::Filter(_, means) => means.latest().copied(),
             Self::Window(estimator) => Some(estimator.latest()?.body),
+        }
+    }
+
+    /// The acceleration to the left by which a robot without sideways motion turns, m/s².
+    fn turn_acceleration(&self) -> f64 {
+        match self {
+            Self::Filter(fusion, _) => fusion.turn_acceleration(),
+            Self::Window(_) => 0.0,
         }
     }
 
@@ -137,6 +149,8 @@ impl Engine {
         Ok(Self {
             slips,
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
+            axes: AxisWatch::new(&robot, settings.low_speed),
+            corrections: file.corrections,
             reckoning: Reckoning::new(settings.window),
             odometry: None,
             span: (
@@ -144,6 +158,7 @@ impl Engine {
                 options.to_s.unwrap_or(f64::INFINITY),
             ),
             start_ns: None,
+            longest_gap_s: 0.0,
             group_ns: None,
             read: 0,
             tallies: vec![Tally::new(); robot.wheels().len()],
@@ -171,13 +186,25 @@ impl Engine {
     ///
     /// # Errors
     /// [`Error::Sink`], and [`Error::Settings`] where smoothing cannot go on.
-    pub fn push(&mut self, sample: Sample, sink: &mut impl Sink) -> Result<()> {
+    pub fn push(&mut self, mut sample: Sample, sink: &mut impl Sink) -> Result<()> {
         if self.group_ns.is_some_and(|group| group != sample.time_ns) {
             self.close_group(sink)?;
         }
-        self.group_ns = Some(sample.time_ns);
+        if let Some(last) = self.group_ns.replace(sample.time_ns) {
+            let gap_s = sample.time_ns.saturating_sub(last) as f64 * 1e-9;
+            self.longest_gap_s = self.longest_gap_s.max(gap_s);
+        }
         self.start_ns.get_or_insert(sample.time_ns);
+        match &mut sample.measurement {
+            Measurement::Pose { yaw, .. } => *yaw -= self.corrections.pose_yaw_offset,
+            Measurement::YawRate { rate } => *rate *= self.corrections.yaw_rate_scale,
+            Measurement::Acceleration { left, .. } if self.inputs.is_acceleration_forward_only => {
+                *left = self.slips.turn_acceleration();
+            }
+            _ => {}
+        }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
+            self.axes.take(&sample);
             self.slips.update(sample);
             if let Some(wheel) = rotating_wheel(&sample.measurement) {
                 self.read |= 1 << wheel;
@@ -225,6 +252,11 @@ impl Engine {
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
             let rims = powered.filter_map(|(index, _)| slips.rim_speed(index));
+            let (sum, count) =
+                (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
+            if count > 0.0 {
+                self.axes.step(now, sum / count);
+            }
             self.ways.count(&body, rims);
         } else if time_s < self.span.0 {
             self.ways.wait(&body);
@@ -250,6 +282,8 @@ impl Engine {
         let (time_s, is_wanted) = self.when(now);
         let robot = self.robot.wheels();
         for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
+            let factor = self.corrections.interval_factor;
+            wheel.sigma = wheel.sigma.map(|sigma| factor * sigma);
             // against itself a reference does not slip
             if described.role == WheelRole::Free && self.inputs.reference == Reference::FreeWheel {
                 (wheel.slip, wheel.sigma) = (None, None);
@@ -325,6 +359,7 @@ impl Engine {
                 (Some(start), Some(end)) => end.saturating_sub(start) as f64 * 1e-9,
                 _ => 0.0,
             },
+            longest_gap_s: self.longest_gap_s,
             wheels: wheels
                 .map(|(wheel, tally)| {
                     let is_free = wheel.role == WheelRole::Free;
@@ -334,6 +369,7 @@ impl Engine {
             along: self.ways.along(reference != Reference::Grip),
             yaw: self.ways.yaw(),
             turns: self.turns.as_ref().map(TurnWatch::summary),
+            axes: self.axes.summary(),
             clock_offset_s: self.clock_offset_s,
             odometry: self.odometry,
             fused,

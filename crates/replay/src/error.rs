@@ -79,6 +79,16 @@ pub enum Error {
         /// Way by the wheels, m.
         travel_wheels: f64,
     },
+    /// Too few runs to calibrate intervals.
+    #[error(
+        "{runs} runs with slips and a reference: at least {needed} are needed to calibrate intervals"
+    )]
+    TooFewRuns {
+        /// How many there are.
+        runs: usize,
+        /// How many are needed.
+        needed: usize,
+    },
     /// What is known of other grounds does not suffice.
     #[error(
         "{known} stretches of known slip: at least 3 are needed, with positive currents, speeds and ripples"

@@ -43,6 +43,7 @@ pub struct FusedSummary {
 
 /// An event that began or ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EventAt {
     /// When it was called, s from the log's start.
     pub time_s: f64,
@@ -175,6 +176,12 @@ impl Fusion {
     pub(crate) fn finish(&mut self) -> Result<Vec<Moment>> {
         let left = self.smoother.take().map(Smoother::finish).transpose()?;
         Ok(left.unwrap_or_default())
+    }
+
+    /// The acceleration to the left of a robot that moves along its heading, v Ω, m/s².
+    pub(crate) fn turn_acceleration(&self) -> f64 {
+        let body = self.filter.latest().body;
+        body.forward.value * body.yaw_rate.value
     }
 
     pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {

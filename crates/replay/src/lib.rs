@@ -31,7 +31,7 @@
 //! | a log, row by row | [`run`](run()), [`run_into`] with a [`Sink`] |
 //! | a live source | [`Engine`] |
 //! | true slips beside the estimates | [`Truth`], [`Compared`] |
-//! | the effective radius | [`calibrate_radius`] |
+//! | the effective radius; with track and scale of the gyro; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_intervals`] |
 //! | a soil's reading of the slips | [`soil_readings`] |
 //! | slip from currents alone, changes of ground | [`slip_without_reference`], [`GroundChange`] |
 //!
@@ -40,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod align;
+mod axes;
 mod calibration;
 mod checks;
 mod choice;
@@ -48,7 +49,9 @@ mod engine;
 mod error;
 mod fusion;
 mod gather;
+mod geometry;
 mod ground_change;
+mod intervals;
 mod method;
 mod moment;
 mod odometry;
@@ -70,6 +73,7 @@ mod turn_watch;
 mod unreferenced;
 mod ways;
 
+pub use axes::AxisCheck;
 pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::Inputs;
@@ -77,7 +81,9 @@ pub use consistency::Consistency;
 pub use engine::Engine;
 pub use error::{Error, Result};
 pub use fusion::{EventAt, FusedSummary};
+pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
+pub use intervals::{IntervalCalibration, calibrate_intervals};
 pub use method::Method;
 pub use odometry::Odometry;
 pub use options::Options;

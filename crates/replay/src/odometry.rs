@@ -4,6 +4,7 @@ use grouser_slip::filter::BodyEstimate;
 
 /// A pose from the beginning of the log, with the speeds that led there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Odometry {
     /// x and y, m, and yaw, rad.
     pub pose: [f64; 3],

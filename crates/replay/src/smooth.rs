@@ -151,6 +151,7 @@ fn latency_ns(settings: &FilterSettings) -> i64 {
 
 /// A robot at one time of its samples, by the filter alone and with what came later.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Smoothed {
     /// ns, on the samples' clock.
     pub time_ns: i64,

@@ -8,6 +8,7 @@ use crate::summary::{Summary, WheelSummary};
 
 /// The soil model's reading of one wheel's median slip.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilReading {
     /// The wheel's name.
     pub wheel: String,

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
+use crate::axes::AxisCheck;
+use crate::checks::{Doubt, MAX_GAP_S};
 use crate::fusion::FusedSummary;
 use crate::method::Method;
 use crate::odometry::Odometry;
@@ -12,6 +14,7 @@ use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Spread {
     /// How many values there were.
     pub count: u64,
@@ -36,6 +39,7 @@ impl From<&Quantiles> for Spread {
 
 /// What the log says of one wheel.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelSummary {
     /// Its name.
     pub name: String,
@@ -56,6 +60,7 @@ pub struct WheelSummary {
 
 /// What the log says of the robot along its track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AlongSummary {
     /// Slip over windows.
     pub slip: Spread,
@@ -69,6 +74,7 @@ pub struct AlongSummary {
 
 /// What the log says of the yaw rate: the powered wheels against the gyro.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct YawSummary {
     /// |turn by the wheels − turn by the gyro| in one window while the powered wheels ran faster
     /// than the robot's `low_speed_m_per_s` on average, rad.
@@ -103,6 +109,7 @@ impl Status {
 
 /// What a whole log says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,
@@ -116,6 +123,8 @@ pub struct Summary {
     pub wheel_sensor: &'static str,
     /// From the first record to the last, s.
     pub duration_s: f64,
+    /// The longest time between two samples, s.
+    pub longest_gap_s: f64,
     /// One per wheel, in the robot's order.
     pub wheels: Vec<WheelSummary>,
     /// The robot along its track.
@@ -125,6 +134,8 @@ pub struct Summary {
     /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
     /// wheels' sides.
     pub turns: Option<TurnCheck>,
+    /// Whether accelerometer and reference point in the direction in which the wheels drive.
+    pub axes: AxisCheck,
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
@@ -134,6 +145,22 @@ pub struct Summary {
     pub fused: Option<FusedSummary>,
     /// Samples that were refused.
     pub rejected: Rejected,
+}
+
+impl Summary {
+    /// Why the result is doubtful; empty where all checks passed.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let of_filter = self.fused.iter().flat_map(|fused| &fused.doubts).copied();
+        let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
+        // The window estimator does not use accelerations.
+        let axes = [
+            self.axes.reference.map(Doubt::ReferenceTurned),
+            acceleration.map(Doubt::AccelerationTurned),
+            (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),
+        ];
+        of_filter.chain(axes.into_iter().flatten()).collect()
+    }
 }
 
 /// The states of one wheel over time.

@@ -49,6 +49,7 @@ pub struct Truth {
 
 /// The errors of one wheel's estimates.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct TruthError {
     /// The wheel.
     pub wheel: String,

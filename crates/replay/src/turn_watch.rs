@@ -20,6 +20,7 @@ const NAMED_LOG_ODDS: f64 = 3.0;
 
 /// What turns by wheels and by gyro say together.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TurnCheck {
     /// When the robot first drove, s from the log's start.
     pub first_motion_s: Option<f64>,

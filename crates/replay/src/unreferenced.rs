@@ -44,6 +44,7 @@ pub struct KnownGround {
 
 /// A slip with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SlipRange {
     /// Median.
     pub median: f64,

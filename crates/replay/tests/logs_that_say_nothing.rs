@@ -13,7 +13,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use grouser_files::robot::WheelSensor;
-use grouser_replay::{Error, Options, Status, run};
+use grouser_replay::{Doubt, Error, Options, Status, run};
 use grouser_slip::{Reference, Robot, WheelRole};
 use shipped::{Example, example};
 
@@ -114,6 +114,9 @@ fn times_of_the_next_centuries_and_wild_counts_do_no_harm() {
     )
     .unwrap();
     assert!(summary.rejected.total() > 0);
+    // the year between its parts is said
+    let jump = |doubt: &Doubt| matches!(doubt, Doubt::ClockJump(gap_s) if *gap_s > 3e7);
+    assert!(summary.doubts().iter().any(jump), "{:?}", summary.doubts());
 }
 
 #[test]

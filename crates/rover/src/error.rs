@@ -1,5 +1,6 @@
 //! What is wrong with a robot, a terrain or a scenario.
 
+use grouser_terra::OutOfRange;
 use std::path::PathBuf;
 
 use crate::terrain_fault::TerrainFault;
@@ -12,20 +13,12 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A number lies outside its limits (NaN always does).
-    #[error("{of}: {field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    #[error("{of}: {range}")]
     OutOfRange {
         /// What it belongs to.
         of: String,
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-        /// The unit of all three; `1` for a pure number.
-        unit: &'static str,
+        /// The number and its limits.
+        range: OutOfRange,
     },
     /// Something needed is not there.
     #[error("{of} lacks {what}")]
@@ -93,19 +86,12 @@ impl Error {
         of: &str,
         field: &'static str,
         value: f64,
-        (low, high): (f64, f64),
+        limits: (f64, f64),
         unit: &'static str,
     ) -> Result<()> {
-        if value >= low && value <= high {
-            return Ok(());
-        }
-        Err(Self::OutOfRange {
+        OutOfRange::check(field, value, limits, unit).map_err(|range| Self::OutOfRange {
             of: of.to_owned(),
-            field,
-            value,
-            low,
-            high,
-            unit,
+            range,
         })
     }
 

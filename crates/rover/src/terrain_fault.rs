@@ -1,5 +1,7 @@
 //! What is wrong with a terrain file.
 
+use grouser_terra::OutOfRange;
+
 /// What is wrong with a terrain file, with the value that it has and the limit that it passes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -26,19 +28,8 @@ pub enum TerrainFault {
         limit: u64,
     },
     /// A number lies outside its limits (NaN always does).
-    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
-    OutOfRange {
-        /// The field's name in the file, or in the map that is made of it.
-        field: &'static str,
-        /// What it says.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-        /// The unit of all three; `1` for a pure number.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// There are more or fewer of something than the file announces.
     #[error("it has {found} {field}, but its size asks for {expected}")]
     Count {

@@ -2,6 +2,8 @@
 
 use alloc::string::String;
 
+use grouser_real::OutOfRange;
+
 /// The result of everything that checks a description.
 pub type Result<T> = core::result::Result<T, Error>;
 
@@ -10,20 +12,12 @@ pub type Result<T> = core::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// A number lies outside its limits (NaN always does).
-    #[error("{of}: {field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
+    #[error("{of}: {range}")]
     OutOfRange {
         /// The wheel or the group of settings.
         of: String,
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-        /// The unit of all three; `1` for a pure number.
-        unit: &'static str,
+        /// The number and its limits.
+        range: OutOfRange,
     },
     /// The number of wheels is outside its limits.
     #[error("the robot has {count} wheels, but must have 1 to {limit}")]
@@ -68,19 +62,11 @@ pub(crate) fn check_range(
     of: &str,
     field: &'static str,
     value: f64,
-    (low, high): (f64, f64),
+    limits: (f64, f64),
     unit: &'static str,
 ) -> Result<()> {
-    if value >= low && value <= high {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange {
-            of: of.into(),
-            field,
-            value,
-            low,
-            high,
-            unit,
-        })
-    }
+    OutOfRange::check(field, value, limits, unit).map_err(|range| Error::OutOfRange {
+        of: of.into(),
+        range,
+    })
 }

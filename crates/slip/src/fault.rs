@@ -1,5 +1,7 @@
 //! What is wrong with a sample: it is refused, counted, and changes nothing else.
 
+use grouser_real::OutOfRange;
+
 /// Why a sample was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -15,19 +17,8 @@ pub enum Fault {
         unit: &'static str,
     },
     /// A number lies outside what its sensor can mean.
-    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
-    OutOfRange {
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-        /// The unit of all three; `1` for a pure number.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// A sample is not later than the last one of the same sensor.
     #[error("time {time_ns} ns is not later than {last_ns} ns")]
     NotLater {
@@ -103,22 +94,13 @@ impl Fault {
         unit: &'static str,
     ) -> Result<(), Self> {
         Self::check_finite(field, value, unit)?;
-        if value >= low && value <= high {
-            Ok(())
-        } else {
-            Err(Self::OutOfRange {
-                field,
-                value,
-                low,
-                high,
-                unit,
-            })
-        }
+        Ok(OutOfRange::check(field, value, (low, high), unit)?)
     }
 }
 
 /// How many samples were refused, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Rejected {
     /// NaN, infinite, or outside what the sensor can mean.
     pub bad_value: u64,
@@ -133,7 +115,7 @@ pub struct Rejected {
 impl Rejected {
     pub(crate) fn count(&mut self, fault: &Fault) {
         let counter = match fault {
-            Fault::NotFinite { .. } | Fault::OutOfRange { .. } | Fault::Implausible { .. } => {
+            Fault::NotFinite { .. } | Fault::OutOfRange(_) | Fault::Implausible { .. } => {
                 &mut self.bad_value
             }
             Fault::NotLater { .. } | Fault::ClockStep { .. } => &mut self.not_later,

@@ -8,6 +8,7 @@ use crate::state::{Degraded, Health, Motion};
 
 /// The limits below which a slip is not a number, or not to be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SlipLimits {
     /// A wheel or a robot slower than this stands still, m/s.
     pub standstill_speed: f64,
@@ -29,6 +30,7 @@ impl Default for SlipLimits {
 
 /// The slip of two measured speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeasuredSlip {
     /// The slip; `None` where the speeds define none worth a number.
     pub slip: Option<Slip>,

@@ -7,6 +7,7 @@ use crate::state::{Health, Motion};
 
 /// What is known of one wheel: means over the window that ends at `until_ns`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelEstimate {
     /// The slip; `None` where there is none worth a number, and for a free wheel that is the reference.
     pub slip: Option<Slip>,

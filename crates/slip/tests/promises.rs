@@ -9,6 +9,7 @@
 mod cart;
 
 use cart::{Drivers, robot, settings};
+use grouser_real::OutOfRange;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Error, Health, Measurement, Reference, Robot, Sample};
 use proptest::prelude::*;
@@ -291,7 +292,10 @@ fn settings_and_robots_are_checked() {
         assert!(matches!(
             WindowEstimator::new(&robot, settings),
             Err(Error::OutOfRange {
-                field: "window",
+                range: OutOfRange {
+                    field: "window",
+                    ..
+                },
                 ..
             })
         ));
@@ -302,7 +306,10 @@ fn settings_and_robots_are_checked() {
         assert!(matches!(
             Robot::new("bad".into(), wheels),
             Err(Error::OutOfRange {
-                field: "radius",
+                range: OutOfRange {
+                    field: "radius",
+                    ..
+                },
                 ..
             })
         ));

@@ -8,6 +8,7 @@ use grouser_real::Real;
 
 /// Forces by linearised stresses, and how far they are from the integral.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ClosedForm {
     /// Vertical force, N.
     pub vertical_force: f64,

@@ -50,6 +50,7 @@ pub struct DualInputs<const N: usize> {
 
 /// A wheel under its load, with the derivatives of everything in the chosen inputs.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct DualSolution<const N: usize> {
     /// Sinkage, m.
     pub sinkage: Dual<N>,

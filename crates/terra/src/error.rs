@@ -1,5 +1,7 @@
 //! What is wrong with an input: the field, its value, the limit and the unit.
 
+use grouser_real::OutOfRange;
+
 /// The result of everything that checks an input.
 pub type Result<T> = core::result::Result<T, Error>;
 
@@ -9,19 +11,8 @@ pub type Result<T> = core::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// A number lies outside what the law allows (NaN always does).
-    #[error("{field} is {value} {unit}, but must lie in [{low}, {high}] {unit}")]
-    OutOfRange {
-        /// The field's name.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The greatest value allowed.
-        high: f64,
-        /// The unit of all three; `1` for a pure number.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// A number must be greater than its limit and is not.
     #[error("{field} is {value} {unit}, but must be greater than {limit} {unit}")]
     NotAbove {
@@ -97,7 +88,7 @@ impl Error {
     #[must_use]
     pub const fn field(&self) -> Option<&'static str> {
         match self {
-            Self::OutOfRange { field, .. }
+            Self::OutOfRange(OutOfRange { field, .. })
             | Self::NotAbove { field, .. }
             | Self::NotFinite { field, .. }
             | Self::Missing { field, .. } => Some(*field),
@@ -148,16 +139,6 @@ impl Error {
         high: f64,
         unit: &'static str,
     ) -> Result<()> {
-        if value >= low && value <= high {
-            Ok(())
-        } else {
-            Err(Self::OutOfRange {
-                field,
-                value,
-                low,
-                high,
-                unit,
-            })
-        }
+        Ok(OutOfRange::check(field, value, (low, high), unit)?)
     }
 }

@@ -74,6 +74,7 @@ pub use contact::{
 pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
 pub use forces::Forces;
+pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
 pub use operating_point::OperatingPoint;

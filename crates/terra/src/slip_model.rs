@@ -12,6 +12,7 @@
 //! - S_0 depends on (θ, z/r) alone: no soil parameter can move it. Where θ → θ_1 it tends to −z/(r − z).
 //! - θ = 32° lies outside the contact at z = 10 mm for every radius in the paper, and in all of its Fig. 10.
 
+use grouser_real::OutOfRange;
 use grouser_real::{Real, Scalar};
 
 use crate::angle::Angle;
@@ -49,6 +50,7 @@ fn sinc<R: Real>(a: R) -> R {
 
 /// A slip that the analytical model gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ModelSlip {
     /// S = 1 − v/(r ω), the driving formula for driving and braking alike.
     pub driving_formula: f64,
@@ -142,13 +144,8 @@ pub fn slip_model(
 /// S(θ, x) for x > 0, from S_0 plus −(K/r) ln(1 − x)/(sin θ_1 − sin θ).
 fn slip_mobilised<R: Scalar>(theta: R, theta_1: R, share: R, k_over_r: R) -> Result<R> {
     if theta.value() >= theta_1.value() {
-        return Err(Error::OutOfRange {
-            field: "theta",
-            value: theta.value(),
-            low: -core::f64::consts::FRAC_PI_2,
-            high: theta_1.value(),
-            unit: "rad",
-        });
+        let limits = (-core::f64::consts::FRAC_PI_2, theta_1.value());
+        OutOfRange::check("theta", theta.value(), limits, "rad")?;
     }
     let half = R::from_f64(0.5);
     let difference =

@@ -13,6 +13,7 @@ use crate::contact::Motion;
 /// Source: ours; the norm is the one in which the test beds that tow a wheel at a fixed speed state slip.
 /// Sign: s_x positive where the rim runs ahead of the ground (driving).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SlipVelocity<R = f64> {
     /// s_x, in [−1, 1].
     pub along: R,

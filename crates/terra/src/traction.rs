@@ -18,6 +18,7 @@ const SLIP_PRECISION: f64 = 1e-9;
 
 /// The slip at which a quantity is greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BestSlip {
     /// Where.
     pub slip: Slip,

@@ -1,6 +1,7 @@
 //! Bad input to the kernel and what must happen, named by its entry in the list of faults (D1-D15).
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use grouser_real::OutOfRange;
 use grouser_terra::{
     Accuracy, Angle, Caution, Error, Forces, Kinematics, LoadOutcome, RigidWheel, Settings, Slip,
     Soil, SoilParams, WheelOnSoil, catalogue,
@@ -29,7 +30,9 @@ fn at(slip: f64) -> Kinematics {
 /// The error names this field.
 fn names<T>(result: &Result<T, Error>, expected: &str) -> bool {
     match result {
-        Err(Error::OutOfRange { field, .. } | Error::NotAbove { field, .. }) => *field == expected,
+        Err(Error::OutOfRange(OutOfRange { field, .. }) | Error::NotAbove { field, .. }) => {
+            *field == expected
+        }
         _ => false,
     }
 }

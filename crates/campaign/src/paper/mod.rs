@@ -22,6 +22,7 @@ pub use statements::{STATEMENTS, Statement, Verdict};
 
 /// A file that the campaign writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PaperFile {
     /// Its name.
     pub name: String,

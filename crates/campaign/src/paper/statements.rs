@@ -25,6 +25,7 @@ impl Verdict {
 
 /// One equation, table or figure.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Statement {
     /// The number that the paper gives it.
     pub item: &'static str,

@@ -19,6 +19,7 @@ pub const GROUSER_HEIGHT: f64 = 0.005;
 
 /// One trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Trial {
     /// Slip angle, rad: positive where the wheel drifts to its left.
     pub slip_angle: f64,

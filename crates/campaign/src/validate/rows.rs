@@ -83,6 +83,7 @@ pub struct Row {
 
 /// A number that a fit found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Found {
     /// Which.
     pub parameter: Parameter,
@@ -96,6 +97,7 @@ pub struct Found {
 
 /// One fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FitReport {
     /// Its data set.
     pub data_set: &'static str,
@@ -115,6 +117,7 @@ pub struct FitReport {
 
 /// A measured point of a figure, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeasuredPoint {
     /// The slip that the test bed states.
     pub slip: f64,
@@ -126,6 +129,7 @@ pub struct MeasuredPoint {
 
 /// Measured points and predicted lines of one quantity at one slip angle.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
     /// The data set.
     pub data_set: &'static str,
@@ -143,6 +147,7 @@ pub struct Series {
 
 /// A validation.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Validation {
     /// The table.
     pub rows: Vec<Row>,

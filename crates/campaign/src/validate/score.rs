@@ -2,6 +2,7 @@
 
 /// Errors of one quantity over several tests, model − measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Score {
     /// How many.
     pub n: usize,

@@ -3,7 +3,7 @@
 use clap_complete::Shell;
 
 use crate::error::Result;
-use crate::report::Report;
+use crate::verb_report::Report;
 use grouser_report::Object;
 
 #[derive(clap::Args, Debug)]

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::report::Report;
+use crate::verb_report::Report;
 use crate::wrap::wrapped;
 use grouser_report::Object;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::error::{Error, Result};
 use crate::output::OutputFile;
-use crate::report::Report;
+use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]

@@ -7,8 +7,8 @@ use grouser_campaign::paper::{Paper, SEED};
 
 use crate::error::{Error, Result, shown as shown_path};
 use crate::output::OutputFile;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
 const SCENARIO: &str = include_str!("../../templates/scenario.toml");

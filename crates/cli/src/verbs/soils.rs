@@ -5,9 +5,9 @@ use std::ffi::OsString;
 use grouser_terra::catalogue::{self, Entry};
 
 use crate::error::Result;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::find;
+use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]

@@ -9,7 +9,7 @@ use super::soils::{read_fixed, read_worlds};
 use super::variables::{read_constraints, read_objectives, read_variables};
 use crate::builder::DesignBuilder;
 use crate::design::{Design, Task};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Starts of a problem whose file names none and whose variables all have finite bounds: a local search from one
 /// start finds one of several optima. Eight found the best of each shipped problem (`tests/refuted.rs`).
@@ -74,57 +74,45 @@ fn whole(
     };
     match usize::try_from(given) {
         Ok(count) if given >= low && given <= high => Ok(count),
-        _ => Err(Error::File(grouser_files::Error::OutOfRange {
-            at: section.place_of(key),
-            key: key.to_owned(),
-            value: given as f64,
-            low: low as f64,
-            high: high as f64,
-        })),
+        _ => Err(section
+            .out_of_range(key, given as f64, (low as f64, high as f64))
+            .into()),
     }
 }
 
 fn read_settings(section: &Section<'_>) -> Result<Settings> {
-    let default = Settings::default();
+    let mut settings = Settings::default();
     let tolerance = |key, default| {
         section
             .optional_number(key, (0.0, 1.0))
             .map(|given| given.unwrap_or(default))
     };
-    Ok(Settings {
-        optimality_tolerance: tolerance("optimality_tolerance", default.optimality_tolerance)?,
-        constraint_tolerance: tolerance("constraint_tolerance", default.constraint_tolerance)?,
-        step_tolerance: tolerance("step_tolerance", default.step_tolerance)?,
-        max_iterations: whole(
-            section,
-            "max_iterations",
-            default.max_iterations,
-            (0, 1_000_000_000),
-        )?,
-        max_values: whole(
-            section,
-            "max_values",
-            default.max_values,
-            (1, 1_000_000_000),
-        )?,
-        ..default
-    })
+    settings.optimality_tolerance =
+        tolerance("optimality_tolerance", settings.optimality_tolerance)?;
+    settings.constraint_tolerance =
+        tolerance("constraint_tolerance", settings.constraint_tolerance)?;
+    settings.step_tolerance = tolerance("step_tolerance", settings.step_tolerance)?;
+    let iterations = settings.max_iterations;
+    settings.max_iterations = whole(section, "max_iterations", iterations, (0, 1_000_000_000))?;
+    settings.max_values = whole(
+        section,
+        "max_values",
+        settings.max_values,
+        (1, 1_000_000_000),
+    )?;
+    Ok(settings)
 }
 
 fn read_pareto(section: &Section<'_>) -> Result<ParetoSettings> {
-    let default = ParetoSettings::default();
+    let mut settings = ParetoSettings::default();
     let algorithms = [("nsga2", Algorithm::NsgaII), ("nsga3", Algorithm::NsgaIII)];
-    let divisions = match section.optional_integer("divisions")? {
+    settings.divisions = match section.optional_integer("divisions")? {
         Some(_) => Some(whole(section, "divisions", 1, (1, 1000))?),
         None => None,
     };
-    let keep = section.flag("keep_unpolished")?;
-    Ok(ParetoSettings {
-        algorithm: section.optional_choice("algorithm", &algorithms)?,
-        population: whole(section, "population", default.population, (4, 1_000_000))?,
-        generations: whole(section, "generations", default.generations, (0, 1_000_000))?,
-        divisions,
-        polish: !keep,
-        ..default
-    })
+    settings.algorithm = section.optional_choice("algorithm", &algorithms)?;
+    settings.population = whole(section, "population", settings.population, (4, 1_000_000))?;
+    settings.generations = whole(section, "generations", settings.generations, (0, 1_000_000))?;
+    settings.polish = !section.flag("keep_unpolished")?;
+    Ok(settings)
 }

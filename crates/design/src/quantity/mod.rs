@@ -17,6 +17,7 @@ use point::{Point, efficiency};
 
 /// A quantity that is computed from the parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Quantity {
     /// Entry angle θ_1, degrees.
     Theta1,

@@ -2,6 +2,7 @@
 
 /// A number of `[wheel]`, `[soil]` or `[state]`; a variable of the same name replaces it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Parameter {
     /// Wheel radius, m.
     Radius,

@@ -130,7 +130,6 @@ impl Meaning {
             Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
             Self::SpeedLeft => Some(Self::SpeedForward),
             Self::CommandLeft => Some(Self::CommandForward),
-            Self::AccelerationForward => Some(Self::AccelerationLeft),
             Self::AccelerationLeft => Some(Self::AccelerationForward),
             Self::DisplacementForward => Some(Self::DisplacementLeft),
             Self::PoseX => Some(Self::PoseYaw),
@@ -168,6 +167,8 @@ pub struct TimeColumn {
     pub column: String,
     /// Its unit.
     pub unit: TimeUnit,
+    /// What is added to its times, ns: a table that counts from its own start beside a bag.
+    pub offset_ns: i64,
 }
 
 /// The unit of a column of time.
@@ -283,6 +284,15 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         Ok(TimeColumn {
             column: time.text("column")?.into(),
             unit: time.choice("unit", &TimeUnit::NAMES)?,
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "within the limits of the key"
+            )]
+            offset_ns: (time
+                .optional_number("offset_s", (-9e9, 9e9))?
+                .unwrap_or(0.0)
+                * 1e9)
+                .round() as i64,
         })
     })?;
     let Some(time) = time else {
@@ -331,13 +341,7 @@ fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Resul
     match section.optional_integer(key)? {
         None => Ok(default),
         Some(lines @ 1..=1000) => Ok(usize::try_from(lines).unwrap_or(default)),
-        Some(lines) => Err(Error::OutOfRange {
-            at: section.place_of(key),
-            key: key.into(),
-            value: lines as f64,
-            low: 1.0,
-            high: 1000.0,
-        }),
+        Some(lines) => Err(section.out_of_range(key, lines as f64, (1.0, 1000.0))),
     }
 }
 

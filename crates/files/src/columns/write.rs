@@ -44,9 +44,13 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
         .iter()
         .find(|(_, unit)| *unit == table.time.unit);
     out.line(&format!(
-        "time = {{ column = {}, unit = \"{}\" }}",
+        "time = {{ column = {}, unit = \"{}\"{} }}",
         quoted(&table.time.column),
-        unit.map_or("s", |(name, _)| *name)
+        unit.map_or("s", |(name, _)| *name),
+        match table.time.offset_ns {
+            0 => String::new(),
+            offset => format!(", offset_s = {:?}", offset as f64 * 1e-9),
+        }
     ));
     out.line("columns = [");
     for column in &table.columns {

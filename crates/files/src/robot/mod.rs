@@ -29,6 +29,7 @@
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
 //! table mean, as in a column map ([`crate::columns`]), for those who want one file.
 
+mod revision;
 mod write;
 
 use std::path::Path;
@@ -45,6 +46,7 @@ use crate::error::{Error, Result};
 use crate::fields::read_fields;
 use crate::topics::{Topics, put_wheels, read_topics};
 
+pub use revision::{Revision, revised, with_radii_scaled};
 pub use write::to_toml;
 
 /// Which of a wheel's sensors is to be used where a log holds several.
@@ -79,6 +81,7 @@ impl WheelSensor {
 
 /// What a robot file says.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RobotFile {
     /// The robot.
     pub robot: Robot,
@@ -91,12 +94,51 @@ pub struct RobotFile {
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
     pub wheel_sensor: Option<WheelSensor>,
+    /// Corrections of sensors and intervals, as calibrations find them.
+    pub corrections: Corrections,
     /// What the topics of a bag mean.
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
     pub columns: Option<ColumnMap>,
     /// Masses, links and motors, if the file describes them.
     pub body: Option<BodyFile>,
+}
+
+/// Corrections of sensors and intervals, in `[estimator]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Corrections {
+    /// Yaw of what measures the pose in the robot's frame (the markers of motion capture), rad.
+    pub pose_yaw_offset: f64,
+    /// Factor on every yaw rate.
+    pub yaw_rate_scale: f64,
+    /// Factor on the standard deviation of every slip.
+    pub interval_factor: f64,
+}
+
+impl Default for Corrections {
+    fn default() -> Self {
+        Self {
+            pose_yaw_offset: 0.0,
+            yaw_rate_scale: 1.0,
+            interval_factor: 1.0,
+        }
+    }
+}
+
+impl Corrections {
+    const FACTOR: (f64, f64) = (0.01, 100.0);
+
+    fn read(section: &Section<'_>) -> Result<Self> {
+        let offset = section.optional_number("pose_yaw_offset_deg", (-360.0, 360.0))?;
+        let scale = section.optional_number("yaw_rate_scale", (0.2, 5.0))?;
+        let factor = section.optional_number("interval_factor", Self::FACTOR)?;
+        Ok(Self {
+            pose_yaw_offset: offset.map_or(0.0, f64::to_radians),
+            yaw_rate_scale: scale.unwrap_or(1.0),
+            interval_factor: factor.unwrap_or(1.0),
+        })
+    }
 }
 
 /// Wide enough for any sensible value; the robot itself checks more closely.
@@ -120,8 +162,9 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut settings = WindowSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
+        let mut corrections = Corrections::default();
         root.section("estimator", |section| {
-            reference = read_estimator(section, &mut settings)?;
+            (reference, corrections) = read_estimator(section, &mut settings)?;
             wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
             Ok(())
         })?;
@@ -152,6 +195,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             filter,
             reference,
             wheel_sensor,
+            corrections,
             topics,
             columns,
             body,
@@ -167,50 +211,15 @@ fn read_meanings(root: &Section<'_>) -> Result<(Topics, Option<ColumnMap>)> {
     Ok((topics, columns))
 }
 
-/// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre;
-/// comments and everything else stay as they are.
-///
-/// # Errors
-/// As [`read`], of the document and of the text that results.
-pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
-    let mut radii = Vec::new();
-    document.parse(|root| {
-        root.text("name")?;
-        // Their keys are checked where the robot is read, below.
-        root.section("estimator", |section| {
-            read_estimator(section, &mut WindowSettings::default())?;
-            section.optional_choice("wheel_sensor", &WheelSensor::NAMES)
-        })?;
-        read_filter(root, &WindowSettings::default())?;
-        read_meanings(root)?;
-        root.sections("wheel", |section| {
-            section.optional_text("joint")?;
-            let wheel = read_wheel(section)?;
-            body::read_wheel(section)?;
-            if let (WheelRole::Powered, Some(span)) = (wheel.role, section.span_of("radius_m")) {
-                radii.push((span, wheel.radius * factor));
-            }
-            Ok(())
-        })?;
-        body::read(root, Vec::new())
-    })?;
-    let mut text = document.text().to_owned();
-    // From the end, so that the places before stay right.
-    for (span, radius) in radii.into_iter().rev() {
-        text.replace_range(span, &format!("{radius:.6}"));
-    }
-    let rewritten = Document::from_text(document.name(), text)?;
-    parse(&rewritten)?;
-    Ok(rewritten.text().to_owned())
-}
-
 fn read_estimator(
     section: &Section<'_>,
     settings: &mut WindowSettings,
-) -> Result<Option<Reference>> {
+) -> Result<(Option<Reference>, Corrections)> {
     read_fields(section, settings, WindowSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
-    section.optional_choice("reference", &references)
+    let corrections = Corrections::read(section)?;
+    let reference = section.optional_choice("reference", &references)?;
+    Ok((reference, corrections))
 }
 
 /// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.

@@ -8,7 +8,7 @@ use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::toml_text::TomlText;
-use crate::topics::{AXES, Topics};
+use crate::topics::{AXES, MOUNTING_KEYS, Topics};
 
 /// The text of a robot file that reads back to the same robot; values that the reader assumes are left out.
 ///
@@ -33,6 +33,18 @@ pub fn to_toml(file: &RobotFile) -> String {
         "wheel_sensor",
         file.wheel_sensor.map(super::WheelSensor::name),
     );
+    let corrections = &file.corrections;
+    if corrections.pose_yaw_offset != 0.0 {
+        out.degrees("pose_yaw_offset_deg", corrections.pose_yaw_offset);
+    }
+    for (key, factor) in [
+        ("yaw_rate_scale", corrections.yaw_rate_scale),
+        ("interval_factor", corrections.interval_factor),
+    ] {
+        if factor != 1.0 {
+            out.number(key, factor);
+        }
+    }
     let usual = WindowSettings::default();
     write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);
     out.header("[filter]");
@@ -82,14 +94,31 @@ fn write_topics(out: &mut TomlText, topics: &Topics) {
         ("yaw_rate", &topics.yaw_rate),
         ("pose", &topics.pose),
         ("speed", &topics.speed),
+        ("fix", &topics.fix),
         ("command", &topics.command),
     ] {
         out.optional_text(key, topic.as_deref());
     }
+    for (key, place) in ["antenna_x_m", "antenna_y_m"]
+        .into_iter()
+        .zip(topics.antenna)
+    {
+        if place != 0.0 {
+            out.number(key, place);
+        }
+    }
+    if let Some(angles) = topics.imu_mounting {
+        for (key, angle) in MOUNTING_KEYS.into_iter().zip(angles) {
+            out.degrees(key, angle);
+        }
+    }
     for (key, axis) in [
         ("imu_up", topics.imu_up),
         ("imu_forward", topics.imu_forward),
-    ] {
+    ]
+    .into_iter()
+    .filter(|_| topics.imu_mounting.is_none())
+    {
         let named = AXES.iter().find(|(_, own)| axis == Some(*own));
         out.optional_text(key, named.map(|(name, _)| *name));
     }

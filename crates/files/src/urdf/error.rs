@@ -1,5 +1,7 @@
 //! What is wrong with a URDF.
 
+use grouser_terra::OutOfRange;
+
 /// What is wrong with a URDF, or why no robot file can be made of it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -53,24 +55,12 @@ pub enum UrdfError {
         count: usize,
     },
     /// A number outside its limits.
-    #[error(
-        "{line}: {attribute} of <{element}> is {value} {unit}, but must lie in [{low}, {high}] {unit}"
-    )]
+    #[error("{line}: {range}")]
     OutOfRange {
         /// From 1.
         line: u32,
-        /// The element.
-        element: String,
-        /// Its attribute.
-        attribute: &'static str,
-        /// What it says.
-        value: f64,
-        /// The least value allowed.
-        low: f64,
-        /// The maximum value allowed.
-        high: f64,
-        /// The unit of all three.
-        unit: &'static str,
+        /// The attribute and its element, and the limits.
+        range: OutOfRange<String>,
     },
     /// Two links or two joints have one name.
     #[error("{line}: there is another {element} \"{name}\"")]

@@ -38,6 +38,7 @@ pub const SIZE_LIMIT: u64 = 1 << 24;
 
 /// A robot file out of a URDF.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Converted {
     /// The robot's name.
     pub name: String,

@@ -1,5 +1,6 @@
 //! Links and joints as the file has them, in one tree.
 
+use grouser_terra::OutOfRange;
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, Node, ParsingOptions};
@@ -192,17 +193,11 @@ fn numbers<const N: usize>(
         });
     };
     for value in values {
-        if !(value >= low && value <= high) {
-            return Err(UrdfError::OutOfRange {
-                line: line(node),
-                element: element(),
-                attribute,
-                value,
-                low,
-                high,
-                unit,
-            });
-        }
+        let field = format!("{attribute} of <{}>", element());
+        OutOfRange::check(field, value, (low, high), unit).map_err(|range| {
+            let line = line(node);
+            UrdfError::OutOfRange { line, range }
+        })?;
     }
     Ok(Some(values))
 }

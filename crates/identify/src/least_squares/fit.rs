@@ -37,6 +37,7 @@ impl Status {
 
 /// A fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fit {
     /// How it ended.
     pub status: Status,

@@ -38,6 +38,7 @@ impl Verdict {
 
 /// The uncertainty of a fit, linear about its answer.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Uncertainty {
     /// Residuals less parameters that were free.
     pub freedom: usize,

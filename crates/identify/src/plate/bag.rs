@@ -55,6 +55,7 @@ pub struct DepthColumn {
 
 /// A plate test as it was read, and what was found out on the way.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlateRecord {
     /// Force against depth from contact to the deepest place.
     pub test: PlateTest,

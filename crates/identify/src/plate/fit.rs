@@ -11,6 +11,7 @@ use crate::least_squares::{
 
 /// How plate tests are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlateSettings {
     /// Readings at less depth are left out, m: there the surface's own roughness and the datum rule.
     pub least_depth: f64,
@@ -32,6 +33,7 @@ impl Default for PlateSettings {
 
 /// One identified number.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlateParameter {
     /// Its name, with its unit.
     pub name: String,
@@ -48,6 +50,7 @@ pub struct PlateParameter {
 
 /// What plate tests determine of a soil.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlateFit {
     /// Sinkage exponent n.
     pub n: f64,

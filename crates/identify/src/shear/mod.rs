@@ -23,6 +23,7 @@ pub struct ShearReading {
 
 /// What shear tests determine of a soil.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ShearFit {
     /// Cohesion, Pa; angle of friction, rad; shear modulus K, m.
     pub values: [f64; 3],

@@ -35,6 +35,7 @@ pub struct WheelModel<'a> {
 
 /// The model's prediction of a test, SI, as it would be read: datum offsets included.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Prediction {
     /// Drawbar pull, N.
     pub pull: f64,

@@ -38,6 +38,7 @@ pub struct Channel {
 
 /// One message.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Message<'a> {
     /// The index of its channel in [`Container::channels`](super::Container::channels).
     pub channel: usize,
@@ -55,6 +56,7 @@ pub struct Message<'a> {
 
 /// A place that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Damage {
     /// Where it begins, bytes from the file's start.
     pub offset: u64,

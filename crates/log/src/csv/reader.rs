@@ -17,6 +17,8 @@ use grouser_slip::Sample;
 
 /// How many rows a row may stand from its place in time.
 pub(crate) const LOOK_AHEAD: usize = 1024;
+/// Rows of several sensors may be written out of order, but not by this much: a clock was set, s.
+const SET_BACK_S: f64 = 60.0;
 /// A message shows this much of a bad field.
 const SHOWN: usize = 64;
 
@@ -31,6 +33,7 @@ pub(crate) struct CsvReader {
     fields: Vec<Field>,
     ordered: Ordered<Sample>,
     rows: u64,
+    last_ns: Option<i64>,
     done: bool,
 }
 
@@ -82,6 +85,7 @@ impl CsvReader {
             fields,
             ordered: Ordered::new(LOOK_AHEAD),
             rows: 0,
+            last_ns: None,
             done: false,
         })
     }
@@ -115,6 +119,14 @@ impl CsvReader {
         let field = |index: usize| self.fields[index].text(text);
         let bad = |bad: BadField| bad_field(&here, &self.names, field(bad.field), bad);
         let time_ns = self.plan.time_ns(field(self.plan.time)).map_err(bad)?;
+        let by_s = self.last_ns.unwrap_or(time_ns).saturating_sub(time_ns) as f64 * 1e-9;
+        if by_s > SET_BACK_S {
+            return Err(Error::SetBack {
+                at: cell(&here, &self.names, self.plan.time),
+                by_s,
+            });
+        }
+        self.last_ns = Some(time_ns);
         self.ordered
             .begin_row(time_ns)
             .map_err(|by_s| Error::OutOfOrder {

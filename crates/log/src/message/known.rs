@@ -105,6 +105,18 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         ],
     ),
     (
+        "sensor_msgs/NavSatStatus",
+        "int8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 STATUS_SBAS_FIX=1\nint8 STATUS_GBAS_FIX=2\nint8 status\n\
+         uint16 service\n",
+        &[],
+    ),
+    (
+        "sensor_msgs/NavSatFix",
+        "std_msgs/Header header\nNavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\n\
+         float64[9] position_covariance\nuint8 position_covariance_type\n",
+        &["std_msgs/Header", "sensor_msgs/NavSatStatus"],
+    ),
+    (
         "nav_msgs/Odometry",
         "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
          geometry_msgs/TwistWithCovariance twist\n",

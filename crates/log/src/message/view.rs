@@ -67,6 +67,7 @@ pub struct JointState {
 
 /// An inertial reading in its own frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Imu {
     /// The frame in which it is given.
     pub frame: String,
@@ -84,6 +85,7 @@ pub struct Imu {
 
 /// A fix of a satellite receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NavSatFix {
     /// deg, north positive.
     pub latitude_deg: f64,
@@ -101,6 +103,7 @@ pub struct NavSatFix {
 
 /// A pose and a twist; the twist is in the child frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Odometry {
     /// The fixed frame.
     pub frame: String,
@@ -122,6 +125,7 @@ pub struct Odometry {
 
 /// One transform of a tree of frames.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Transform {
     /// The parent.
     pub frame: String,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use grouser_slip::Sample;
+use grouser_slip::{Measurement, Sample};
 
 use super::UsedTopic;
 use super::choose::Choice;
@@ -53,6 +53,7 @@ pub struct Intake {
     shifts_ns: Vec<i64>,
     /// The antenna's track, where a satellite receiver is used.
     track: Track,
+    has_fixes: bool,
     channels: Vec<Known>,
     decoders: Decoders,
     ordered: Ordered<Sample>,
@@ -72,9 +73,13 @@ struct Known {
 impl Intake {
     pub(crate) fn new(choice: Arc<Choice>, shifts_ns: Vec<i64>) -> Self {
         Self {
+            track: Track::new(choice.antenna),
+            has_fixes: choice
+                .topics
+                .iter()
+                .any(|topic| topic.jobs.iter().any(|job| matches!(job, Job::Fix))),
             choice,
             shifts_ns,
-            track: Track::default(),
             channels: Vec::new(),
             decoders: Decoders::default(),
             ordered: Ordered::new(LOOK_AHEAD),
@@ -166,7 +171,7 @@ impl Intake {
                 match fix.fault() {
                     Some(fault) => self.left_out.exclude(fault),
                     None => {
-                        if let Some(measurement) = self.track.displacement(fix) {
+                        if let Some(measurement) = self.track.displacement(time_ns, fix) {
                             self.ordered.push(Sample {
                                 time_ns,
                                 measurement,
@@ -175,7 +180,13 @@ impl Intake {
                     }
                 }
             }
+            let (track, has_fixes) = (&mut self.track, self.has_fixes);
             job.measurements(view.as_ref(), &known.value, |measurement| {
+                if let Measurement::YawRate { rate } = measurement
+                    && has_fixes
+                {
+                    track.turn(time_ns, rate);
+                }
                 self.ordered.push(Sample {
                     time_ns,
                     measurement,

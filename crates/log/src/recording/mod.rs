@@ -17,13 +17,14 @@ use crate::error::Result;
 use crate::messages::LeftOut;
 use crate::source::Source;
 use choose::Choice;
-pub(crate) use choose::is_over_ground;
+pub(crate) use choose::{is_command, is_over_ground};
 pub use intake::Intake;
 pub use preview::Preview;
 pub(crate) use reader::RecordingReader;
 
 /// A topic that a log uses, and what for.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct UsedTopic {
     /// The topic.
     pub topic: String,

@@ -38,6 +38,11 @@ fn plain(frame: &str) -> &str {
     frame.trim_start_matches('/')
 }
 
+/// Is a frame the child of a transform, or the robot's base?
+pub(super) fn has_frame(tree: &Tree, frame: &str) -> bool {
+    tree.contains_key(plain(frame)) || is_base(plain(frame))
+}
+
 fn is_base(frame: &str) -> bool {
     ["base_link", "base_footprint", "base"]
         .iter()

@@ -1,5 +1,7 @@
 //! GNSS fixes as the robot's motion: a local tangent plane, and the course that the motion itself shows.
 
+use std::collections::VecDeque;
+
 use grouser_slip::Measurement;
 
 use crate::message::NavSatFix;
@@ -11,10 +13,25 @@ const ECCENTRICITY_2: f64 = 6.694_379_990_141_317e-3;
 const MIN_COURSE_M: f64 = 0.2;
 /// And over this many standard deviations of a fix.
 const COURSE_SIGMAS: f64 = 4.0;
-/// A course that turns by more than this between two fixes is a robot that reverses, cos 120°.
-const REVERSED_COS: f64 = -0.5;
+/// Without a gyro, a course that turns by more than this between two fixes is a robot that reverses, rad (120°); with a
+/// gyro the turn is known, and whatever lies behind the robot is reversing.
+const REVERSED_RAD: f64 = 2.1;
+/// Course and heading differ by this for other reasons than the fixes, rad (2°): the robot drifts sideways.
+const DRIFT_SIGMA_RAD: f64 = 0.035;
+/// Process noise of the heading, rad per √s: beside a gyro of a robot, and without one.
+const GYRO_NOISE_RAD_SQRT_S: f64 = 0.005;
+const TURN_NOISE_RAD_SQRT_S: f64 = 0.5;
+/// A gyro that is silent for longer says nothing of the turn, s.
+const MAX_GYRO_GAP_S: f64 = 0.5;
+/// Readings of the gyro that are kept for fixes which come later than they were measured: 2 s at 1 kHz.
+const MAX_TURNS: usize = 2048;
 /// A fix whose horizontal standard deviation is larger than this does not measure slip, m.
 const MAX_SIGMA_M: f64 = 0.5;
+/// Where the standard deviation changes by more than this factor, the receiver changed its kind of solution, and the
+/// position jumps with it.
+const MAX_SIGMA_RATIO: f64 = 3.0;
+/// After a longer outage the way between two fixes is no measured motion, s.
+const MAX_OUTAGE_S: f64 = 5.0;
 
 impl NavSatFix {
     /// Why the fix is not used, if it is not.
@@ -60,14 +77,21 @@ impl NavSatFix {
 }
 
 /// The track of an antenna on the plane that touches the earth at the first fix.
+///
+/// The heading is a scalar Kalman filter: the gyro turns it, courses over ground correct it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
+    /// Position of the antenna in the robot's frame, m.
+    antenna: [f64; 2],
     origin: Option<Origin>,
-    /// The place of the last fix, east and north, m.
-    last: Option<[f64; 2]>,
-    /// Where the course was taken last, and the course, a unit vector.
-    anchor: Option<[f64; 2]>,
-    course: Option<[f64; 2]>,
+    last: Option<Placed>,
+    /// Where the course was taken last.
+    anchor: Option<Placed>,
+    /// The robot's heading less the gyro's turn, from east to north, rad, with its variance.
+    heading: Option<(f64, f64)>,
+    /// The gyro's turn since the start, rad, over time.
+    turns: VecDeque<(i64, f64)>,
+    rate: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -77,33 +101,149 @@ struct Origin {
     north: [f64; 3],
 }
 
+/// A fix on the plane.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    time_ns: i64,
+    /// East and north, m.
+    place: [f64; 2],
+    /// The gyro's turn, rad; `None` without a gyro.
+    turn: Option<f64>,
+    sigma: f64,
+}
+
 impl Track {
-    /// The displacement since the last fix in the robot's frame, once the robot's course is known.
-    ///
-    /// Assumes: the robot begins forwards, and does not turn on the spot; the antenna stands above the robot's origin, or
-    /// the robot drives straight.
-    pub(super) fn displacement(&mut self, fix: &NavSatFix) -> Option<Measurement> {
-        let place = self.on_plane(fix);
-        let last = self.last.replace(place)?;
-        let anchor = *self.anchor.get_or_insert(last);
-        let way = [place[0] - anchor[0], place[1] - anchor[1]];
-        let size = way[0].hypot(way[1]);
-        if size >= MIN_COURSE_M.max(COURSE_SIGMAS * fix.sigma()) {
-            let mut course = way.map(|part| part / size);
-            if let Some(old) = self.course
-                && old[0] * course[0] + old[1] * course[1] < REVERSED_COS
-            {
-                course = course.map(|part| -part);
-            }
-            (self.course, self.anchor) = (Some(course), Some(place));
+    /// Of an antenna at a position in the robot's frame: forwards and to the left, m.
+    pub(super) fn new(antenna: [f64; 2]) -> Self {
+        Self {
+            antenna,
+            ..Self::default()
         }
-        let [east, north] = self.course?;
-        let (dx, dy) = (place[0] - last[0], place[1] - last[1]);
+    }
+
+    /// Takes a yaw rate, rad/s.
+    pub(super) fn turn(&mut self, time_ns: i64, rate: f64) {
+        if !rate.is_finite() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.rate, rate);
+        let turn = match self.turns.back() {
+            Some(&(last_ns, _)) if last_ns >= time_ns => return,
+            Some(&(last_ns, turn)) if seconds(last_ns, time_ns) < MAX_GYRO_GAP_S => {
+                turn + 0.5 * (before + rate) * seconds(last_ns, time_ns)
+            }
+            Some(_) => {
+                // What was turned in the gap is unknown.
+                self.turns.clear();
+                (self.heading, self.anchor, self.last) = (None, None, None);
+                0.0
+            }
+            None => 0.0,
+        };
+        self.turns.push_back((time_ns, turn));
+        if self.turns.len() > MAX_TURNS {
+            self.turns.pop_front();
+        }
+    }
+
+    /// The gyro's turn at a time, rad.
+    fn turn_at(&self, time_ns: i64) -> Option<f64> {
+        let next = self.turns.partition_point(|(time, _)| *time < time_ns);
+        let after = self.turns.get(next);
+        let before = next
+            .checked_sub(1)
+            .and_then(|before| self.turns.get(before));
+        match (before, after) {
+            (Some(&(t0, turn0)), Some(&(t1, turn1))) => {
+                let share = seconds(t0, time_ns) / seconds(t0, t1);
+                Some(turn0 + (turn1 - turn0) * share)
+            }
+            (Some(&(time, turn)), None) | (None, Some(&(time, turn))) => {
+                let gap = seconds(time, time_ns);
+                (gap.abs() < MAX_GYRO_GAP_S).then_some(turn + self.rate * gap)
+            }
+            (None, None) => None,
+        }
+    }
+
+    /// The displacement of the robot's origin since the last fix in the robot's frame, once its heading is known.
+    ///
+    /// Assumes: the robot begins forwards and does not drift sideways in the mean; without a gyro it does not turn on the
+    /// spot, and an antenna beside its origin shows the turns as motion.
+    pub(super) fn displacement(&mut self, time_ns: i64, fix: &NavSatFix) -> Option<Measurement> {
+        let now = Placed {
+            time_ns,
+            place: self.on_plane(fix),
+            turn: self.turn_at(time_ns),
+            sigma: fix.sigma(),
+        };
+        let last = self.last.replace(now)?;
+        let passed = seconds(last.time_ns, time_ns);
+        let ratio = now.sigma / last.sigma;
+        let is_continued = (MAX_SIGMA_RATIO.recip()..=MAX_SIGMA_RATIO).contains(&ratio)
+            && passed > 0.0
+            && passed < MAX_OUTAGE_S
+            && now.turn.is_some() == last.turn.is_some();
+        if !is_continued {
+            self.anchor = Some(now);
+            return None;
+        }
+        let density = if now.turn.is_some() {
+            GYRO_NOISE_RAD_SQRT_S
+        } else {
+            TURN_NOISE_RAD_SQRT_S
+        };
+        if let Some((_, variance)) = &mut self.heading {
+            *variance += density * density * passed;
+        }
+        let anchor = *self.anchor.get_or_insert(last);
+        let way = [
+            now.place[0] - anchor.place[0],
+            now.place[1] - anchor.place[1],
+        ];
+        let size = way[0].hypot(way[1]);
+        if size >= MIN_COURSE_M.max(COURSE_SIGMAS * now.sigma) {
+            self.correct_heading(&anchor, &now, way, size);
+            self.anchor = Some(now);
+        }
+        let (heading, _) = self.heading?;
+        let (turned, middle) = between(&last, &now);
+        let (north, east) = (heading + middle).sin_cos();
+        let (dx, dy) = (now.place[0] - last.place[0], now.place[1] - last.place[1]);
+        let arc = 2.0 * (0.5 * turned).sin();
         Some(Measurement::Displacement {
-            forward: east * dx + north * dy,
-            left: east * dy - north * dx,
+            forward: east * dx + north * dy + arc * self.antenna[1],
+            left: east * dy - north * dx - arc * self.antenna[0],
             turn: None,
         })
+    }
+
+    /// Corrects the heading by the course of a way of the antenna, whose own turn about the robot's origin is taken out.
+    fn correct_heading(&mut self, from: &Placed, to: &Placed, way: [f64; 2], size: f64) {
+        let (turned, middle) = between(from, to);
+        let aside = 2.0 * (0.5 * turned).sin() * self.antenna[0];
+        if aside.abs() >= 0.7 * size {
+            return;
+        }
+        let along = (size * size - aside * aside).sqrt();
+        let course = f64::atan2(way[1], way[0]) - middle;
+        let (forwards, backwards) = (
+            course - f64::atan2(aside, along),
+            course - f64::atan2(aside, -along),
+        );
+        let noise = (2.0 * from.sigma.powi(2)) / (size * size) + DRIFT_SIGMA_RAD.powi(2);
+        let Some((heading, variance)) = self.heading else {
+            self.heading = Some((forwards, noise));
+            return;
+        };
+        let (ahead, behind) = (wrapped(forwards - heading), wrapped(backwards - heading));
+        let is_reversing = match to.turn {
+            Some(_) => behind.abs() < ahead.abs(),
+            None => ahead.abs() > REVERSED_RAD,
+        };
+        let innovation = if is_reversing { behind } else { ahead };
+        let gain = variance / (variance + noise);
+        self.heading = Some((heading + gain * innovation, (1.0 - gain) * variance));
     }
 
     /// East and north of the first fix, m.
@@ -123,9 +263,28 @@ impl Track {
     }
 }
 
+/// The turn by the gyro between two fixes, and the mean of its turns there, rad; 0 without a gyro.
+fn between(from: &Placed, to: &Placed) -> (f64, f64) {
+    let (from, to) = (from.turn.unwrap_or(0.0), to.turn.unwrap_or(0.0));
+    (to - from, 0.5 * (from + to))
+}
+
+fn seconds(from_ns: i64, to_ns: i64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * 1e-9
+}
+
+/// An angle in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    let (sin, cos) = angle.sin_cos();
+    f64::atan2(sin, cos)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One second of arc of the meridian at 45°, m.
+    const SECOND_M: f64 = 30.87;
 
     fn fix(latitude_deg: f64, longitude_deg: f64) -> NavSatFix {
         NavSatFix {
@@ -138,15 +297,24 @@ mod tests {
         }
     }
 
+    /// A fix at a place near 45° north, 9° east, m.
+    fn at(east: f64, north: f64) -> NavSatFix {
+        let scale = 45.0_f64.to_radians().cos() * 1.001_68;
+        fix(
+            45.0 + north / SECOND_M / 3600.0,
+            9.0 + east / (SECOND_M * scale) / 3600.0,
+        )
+    }
+
     #[test]
     fn a_drive_to_the_north_and_back_is_forwards_and_backwards() {
-        // one second of arc of the meridian at 45° is 30.87 m
-        let step = 0.1 / 30.87 / 3600.0;
+        let step = 0.1 / SECOND_M / 3600.0;
         let mut track = Track::default();
         let mut ways = Vec::new();
-        for k in (0..50).chain((0..49).rev()) {
+        for (time, k) in (0..50).chain((0..49).rev()).enumerate() {
+            let time_ns = 200_000_000 * i64::try_from(time).unwrap();
             if let Some(Measurement::Displacement { forward, left, .. }) =
-                track.displacement(&fix(45.0 + step * f64::from(k), 9.0))
+                track.displacement(time_ns, &fix(45.0 + step * f64::from(k), 9.0))
             {
                 ways.push(forward);
                 assert!(left.abs() < 1e-6, "{left}");
@@ -158,11 +326,95 @@ mod tests {
         assert!(sum.abs() < 0.3, "{sum}");
     }
 
+    /// A drive at 0.5 m/s, straight, then in circles at 0.4 rad/s, then on the spot; fixes at 5 Hz, the antenna at
+    /// (`forward`, `left`). Returns the way forwards in the circles and on the spot, and the greatest displacement to the
+    /// left, m.
+    fn circles(forward: f64, left: f64, described: [f64; 2], has_gyro: bool) -> (f64, f64, f64) {
+        let mut track = Track::new(described);
+        let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.7_f64);
+        let (mut way, mut spot, mut aside): (f64, f64, f64) = (0.0, 0.0, 0.0);
+        for step in 0..6000_i64 {
+            let time_ns = step * 10_000_000;
+            let (speed, rate) = match step {
+                ..1000 => (0.5, 0.0),
+                1000..5000 => (0.5, 0.4),
+                _ => (0.0, 0.4),
+            };
+            if has_gyro {
+                track.turn(time_ns, rate);
+            }
+            let (sin, cos) = yaw.sin_cos();
+            if step % 20 == 0 {
+                let place = at(
+                    x + cos * forward - sin * left,
+                    y + sin * forward + cos * left,
+                );
+                let found = track.displacement(time_ns, &place);
+                if let Some(Measurement::Displacement { forward, left, .. }) = found {
+                    // the fixes at a change of the motion are of both
+                    match step {
+                        1020..=4980 => way += forward,
+                        5020.. => spot += forward,
+                        _ => continue,
+                    }
+                    aside = aside.max(left.abs());
+                }
+            }
+            (x, y, yaw) = (
+                x + 0.01 * speed * cos,
+                y + 0.01 * speed * sin,
+                yaw + 0.01 * rate,
+            );
+        }
+        (way, spot, aside)
+    }
+
+    #[test]
+    fn the_turn_of_an_antenna_about_the_robots_origin_is_no_motion() {
+        // 199 fixes of 0.1 m
+        let (way, spot, aside) = circles(0.4, 0.3, [0.4, 0.3], true);
+        assert!((way - 19.9).abs() < 0.05, "{way}");
+        assert!(spot.abs() < 0.05 && aside < 0.01, "{spot} {aside}");
+        // Described at the origin, the same antenna shows its own circle.
+        let (way, spot, _) = circles(0.4, 0.3, [0.0, 0.0], true);
+        assert!(way < 18.0 && spot < -0.5, "{way} {spot}");
+        // Above the origin a gyro is not needed, but without one the course lags in a bend.
+        let (way, _, _) = circles(0.0, 0.0, [0.0, 0.0], false);
+        assert!((way - 19.9).abs() < 0.3, "{way}");
+    }
+
+    #[test]
+    fn another_kind_of_solution_and_an_outage_are_no_motion() {
+        let mut track = Track::default();
+        let mut step = |time_s: i64, north: f64, variance: f64| {
+            let fix = NavSatFix {
+                variance: Some(variance),
+                ..at(0.0, north)
+            };
+            let found = track.displacement(time_s * 1_000_000_000, &fix)?;
+            let Measurement::Displacement { forward, .. } = found else {
+                return None;
+            };
+            Some(forward)
+        };
+        for second in 0..10 {
+            step(second, second as f64, 4e-4);
+        }
+        assert!((step(10, 10.0, 4e-4).unwrap() - 1.0).abs() < 0.01);
+        // From fixed to float the position jumps by half a metre; then it goes on.
+        assert_eq!(step(11, 11.5, 0.09), None);
+        assert!((step(12, 12.5, 0.09).unwrap() - 1.0).abs() < 0.01);
+        // An outage of eight seconds.
+        assert_eq!(step(20, 20.5, 0.09), None);
+        assert!((step(21, 21.5, 0.09).unwrap() - 1.0).abs() < 0.01);
+    }
+
     #[test]
     fn bad_fixes_are_named() {
         assert_eq!(fix(45.0, 9.0).fault(), None);
         assert!(fix(91.0, 9.0).fault().is_some());
-        assert!(fix(f64::NAN, 9.0).fault().is_some());
+        // an altitude alone
+        assert!(fix(f64::NAN, f64::NAN).fault().is_some());
         let none = NavSatFix {
             is_fixed: false,
             ..fix(45.0, 9.0)

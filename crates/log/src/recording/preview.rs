@@ -11,7 +11,7 @@ use super::intake::Intake;
 use super::mounting::{Accelerations, Tree, enter};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, Value, View};
+use crate::message::{Decoders, NavSatFix, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 use crate::source::Source;
 
@@ -23,6 +23,8 @@ const MAX_MESSAGES: u64 = 64;
 const MAX_JOINTS: usize = 4096;
 /// Messages of an IMU that are decoded, for the mean of gravity.
 const MAX_ACCELERATIONS: f64 = 500.0;
+/// Fixes of a satellite receiver that are decoded: half an hour at 10 Hz.
+const MAX_FIXES: u64 = 20_000;
 
 /// A topic by its first messages.
 #[derive(Clone, Debug)]
@@ -34,6 +36,7 @@ pub(super) struct Seen {
     /// Joints, and whether they have a position, a velocity.
     pub(super) joints: BTreeMap<String, (bool, bool)>,
     pub(super) accelerations: Accelerations,
+    pub(super) fixes: Fixes,
     /// The first message.
     pub(super) sample: Option<Value>,
     /// How far the first stamp is ahead of the recorder's clock, s; `None` without a stamp.
@@ -59,6 +62,33 @@ struct Known {
     channel: Channel,
     topic: usize,
     decoder: Option<SharedDecoder>,
+}
+
+/// The fixes of a satellite receiver.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fixes {
+    /// Standard deviations of those that can be used, m.
+    sigmas: Vec<f64>,
+    /// Why the first of the others cannot be.
+    pub(super) fault: Option<&'static str>,
+}
+
+impl Fixes {
+    fn add(&mut self, fix: &NavSatFix) {
+        match fix.fault() {
+            None => self.sigmas.push(fix.sigma()),
+            Some(fault) => {
+                self.fault.get_or_insert(fault);
+            }
+        }
+    }
+
+    /// The median of the standard deviations, m; `None` where no fix can be used.
+    pub(super) fn sigma(&self) -> Option<f64> {
+        let mut sorted = self.sigmas.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied()
+    }
 }
 
 impl Preview {
@@ -143,6 +173,8 @@ impl Preview {
         let is_enough = match &seen.view {
             Some(View::Imu(_)) => seen.accelerations.count() >= MAX_ACCELERATIONS,
             Some(View::Transforms(_)) => false,
+            // A receiver may need minutes for its best solution.
+            Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES,
             _ => seen.messages > MAX_MESSAGES,
         };
         if is_enough {
@@ -212,6 +244,7 @@ impl Preview {
                 view: None,
                 joints: BTreeMap::new(),
                 accelerations: Accelerations::default(),
+                fixes: Fixes::default(),
                 sample: None,
                 stamp_ahead: None,
             });
@@ -242,6 +275,7 @@ impl Seen {
                     self.accelerations.add(acceleration);
                 }
             }
+            View::NavSatFix(fix) => self.fixes.add(fix),
             View::Transforms(all) => all.iter().for_each(|one| enter(transforms, one)),
             _ => {}
         }

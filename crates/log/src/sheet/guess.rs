@@ -6,6 +6,7 @@ use super::SheetColumn;
 
 /// What a column probably means.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Guess {
     /// What it means.
     pub meaning: Meaning,

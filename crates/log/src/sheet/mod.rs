@@ -25,6 +25,7 @@ const MAX_INTERVALS: usize = 1 << 16;
 
 /// One column of a table.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SheetColumn {
     /// Its name.
     pub name: String,
@@ -52,6 +53,7 @@ pub struct SheetColumn {
 
 /// The times of a table.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SheetTime {
     /// The index of its column.
     pub column: usize,
@@ -71,6 +73,7 @@ pub struct SheetTime {
 
 /// What a table holds.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sheet {
     /// The separator, one byte.
     pub separator: u8,

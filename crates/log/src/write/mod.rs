@@ -22,6 +22,7 @@ pub use topic::Topic;
 
 /// When a message was recorded and published, ns, and its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Times {
     /// When it was recorded, ns.
     pub log_ns: u64,

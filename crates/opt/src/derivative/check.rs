@@ -7,6 +7,7 @@ use crate::problem::Problem;
 
 /// One entry of the Jacobian that is off.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WrongEntry {
     /// The function whose gradient is off.
     pub function: String,
@@ -20,6 +21,7 @@ pub struct WrongEntry {
 
 /// What [`check_derivatives`] found.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct DerivativeCheck {
     /// Every entry that is off, function by function.
     pub wrong: Vec<WrongEntry>,

@@ -5,6 +5,7 @@ use crate::model::Model;
 
 /// Which difference approximates the derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Scheme {
     /// (f(x + h) − f(x))/h with h = ε^(1/2)·max(1, |x|): n + 1 values, error about 1e-8.
     Forward,

@@ -30,6 +30,7 @@ use population::{Individual, evaluate, fronts};
 
 /// One compromise.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FrontPoint {
     /// The variables.
     pub x: Vec<f64>,
@@ -42,6 +43,7 @@ pub struct FrontPoint {
 
 /// A set of compromises none of which beats another.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Front {
     /// The points, ordered by their first objective (then the second, …).
     pub points: Vec<FrontPoint>,

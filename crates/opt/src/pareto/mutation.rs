@@ -6,11 +6,27 @@ use crate::random::Random;
 
 /// How often and how far variables change.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Mutation {
     /// Distribution index η: greater is a smaller change.
     pub eta: f64,
     /// The probability for each variable; `None` for 1/n.
     pub probability: Option<f64>,
+}
+
+impl Mutation {
+    /// Mutation of distribution index `eta`, in [0, 1000], of one variable in each point on average.
+    ///
+    /// ```
+    /// let mut mutation = grouser_opt::Mutation::new(15.0);
+    /// mutation.probability = Some(0.1); // each variable once in ten points
+    /// assert_eq!(mutation.eta, 15.0);
+    /// ```
+    #[must_use]
+    pub const fn new(eta: f64) -> Self {
+        let probability = None;
+        Self { eta, probability }
+    }
 }
 
 /// Mutates `x` in place; returns whether anything changed.

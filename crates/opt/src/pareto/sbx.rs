@@ -7,11 +7,25 @@ use crate::random::Random;
 
 /// How like their parents the children are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Crossover {
     /// Distribution index η: greater is nearer to the parents.
     pub eta: f64,
     /// The probability that a pair is crossed at all.
     pub probability: f64,
+}
+
+impl Crossover {
+    /// Crossover of distribution index `eta`, in [0, 1000], applied with this probability.
+    ///
+    /// ```
+    /// let crossover = grouser_opt::Crossover::new(20.0, 0.9);
+    /// assert_eq!((crossover.eta, crossover.probability), (20.0, 0.9));
+    /// ```
+    #[must_use]
+    pub const fn new(eta: f64, probability: f64) -> Self {
+        Self { eta, probability }
+    }
 }
 
 /// Crosses `a` with `b`, in place.

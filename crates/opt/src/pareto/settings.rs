@@ -7,6 +7,7 @@ use crate::settings::Settings;
 
 /// Which evolutionary search covers the front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Algorithm {
     /// Rank and crowding: for two objectives.
     NsgaII,
@@ -16,6 +17,7 @@ pub enum Algorithm {
 
 /// How to search for a front.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ParetoSettings {
     /// The search; `None` takes NSGA-II for two objectives and NSGA-III for more.
     pub algorithm: Option<Algorithm>,

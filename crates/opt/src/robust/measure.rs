@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 
 /// A measure of risk over K equally likely worlds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Measure {
     /// Every objective in every world counts by itself: m·K partial functions.
     WorstCase,

@@ -6,6 +6,7 @@ use crate::sobol::Sobol;
 
 /// What is known about uncertain parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Uncertainty {
     /// Each anywhere between two ends, independently and uniformly.
     Ranges {

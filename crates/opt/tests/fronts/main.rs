@@ -14,10 +14,8 @@ use problems::{dtlz2, zdt1};
 
 fn volumes((problem, settings): (Problem<'_>, ParetoSettings)) -> (f64, f64, Front) {
     let reference = vec![1.1; problem.objectives().len()];
-    let raw = ParetoSettings {
-        polish: false,
-        ..settings.clone()
-    };
+    let mut raw = settings.clone();
+    raw.polish = false;
     let raw = pareto(&problem, &raw).unwrap();
     let polished = pareto(&problem, &settings).unwrap();
     let volume = |front: &Front| hypervolume(&front.objectives(), &reference).unwrap();

@@ -36,33 +36,25 @@ impl Functions for Dtlz2 {
 
 fn unit_box(n: usize, m: usize, model: impl Functions + 'static) -> Problem<'static> {
     let params = ProblemParams::new(&vec![0.9; n], m, Exact(model));
-    let variables = params
+    let variables: Vec<_> = params
         .variables
         .iter()
         .map(|v| Variable::bounded(v.name.clone(), 0.9, 0.0, 1.0))
         .collect();
-    Problem::new(ProblemParams {
-        variables,
-        ..params
-    })
-    .expect("a published problem")
+    Problem::new(params.variables(variables)).expect("a published problem")
 }
 
 pub(crate) fn zdt1() -> (Problem<'static>, ParetoSettings) {
-    let settings = ParetoSettings {
-        population: 100,
-        generations: 250,
-        ..ParetoSettings::default()
-    };
+    let mut settings = ParetoSettings::default();
+    settings.population = 100;
+    settings.generations = 250;
     (unit_box(30, 2, Zdt1), settings)
 }
 
 pub(crate) fn dtlz2() -> (Problem<'static>, ParetoSettings) {
-    let settings = ParetoSettings {
-        population: 92,
-        generations: 250,
-        divisions: Some(12),
-        ..ParetoSettings::default()
-    };
+    let mut settings = ParetoSettings::default();
+    settings.population = 92;
+    settings.generations = 250;
+    settings.divisions = Some(12);
     (unit_box(12, 3, Dtlz2), settings)
 }

@@ -21,14 +21,11 @@ impl Functions for Wong2 {
 
 /// As in the unconstrained set, with the linear constraints of HS 113 kept as such.
 pub(crate) fn wong2() -> ProblemParams<'static> {
-    ProblemParams {
-        linear: vec![
-            at_most(1, 10, &[(0, 4.0), (1, 5.0), (6, -3.0), (7, 9.0)], 105.0),
-            at_most(2, 10, &[(0, 10.0), (1, -8.0), (6, -17.0), (7, 2.0)], 0.0),
-            at_most(3, 10, &[(0, -8.0), (1, 2.0), (8, 5.0), (9, -2.0)], 12.0),
-        ],
-        ..plain(&WONG_START, 6, Wong2)
-    }
+    plain(&WONG_START, 6, Wong2).linear(vec![
+        at_most(1, 10, &[(0, 4.0), (1, 5.0), (6, -3.0), (7, 9.0)], 105.0),
+        at_most(2, 10, &[(0, 10.0), (1, -8.0), (6, -17.0), (7, 2.0)], 0.0),
+        at_most(3, 10, &[(0, -8.0), (1, 2.0), (8, 5.0), (9, -2.0)], 12.0),
+    ])
 }
 
 struct Mad1;
@@ -41,10 +38,7 @@ impl Functions for Mad1 {
 }
 
 pub(crate) fn mad1() -> ProblemParams<'static> {
-    ProblemParams {
-        linear: vec![at_most(1, 2, &[(0, -1.0), (1, -1.0)], -0.5)],
-        ..plain(&[1.0, 2.0], 3, Mad1)
-    }
+    plain(&[1.0, 2.0], 3, Mad1).linear(vec![at_most(1, 2, &[(0, -1.0), (1, -1.0)], -0.5)])
 }
 
 struct Mad4;
@@ -57,10 +51,8 @@ impl Functions for Mad4 {
 }
 
 pub(crate) fn mad4() -> ProblemParams<'static> {
-    let mut params = ProblemParams {
-        linear: vec![at_most(1, 2, &[(0, -0.05), (1, 1.0)], 0.5)],
-        ..plain(&[-1.0, 0.01], 3, Mad4)
-    };
+    let mut params =
+        plain(&[-1.0, 0.01], 3, Mad4).linear(vec![at_most(1, 2, &[(0, -0.05), (1, 1.0)], 0.5)]);
     params.variables[1].lower = 0.01;
     params
 }
@@ -84,10 +76,7 @@ pub(crate) fn pentagon() -> ProblemParams<'static> {
             linear.push(at_most(linear.len() + 1, 6, &terms, 1.0));
         }
     }
-    ProblemParams {
-        linear,
-        ..plain(&[-1.0, 0.0, 0.0, -1.0, 1.0, 0.0], 3, Pentagon)
-    }
+    plain(&[-1.0, 0.0, 0.0, -1.0, 1.0, 0.0], 3, Pentagon).linear(linear)
 }
 
 struct Antenna;
@@ -114,10 +103,7 @@ pub(crate) fn mad6() -> ProblemParams<'static> {
     let mut apart = at_most(7, 7, &[(3, -1.0), (5, 1.0)], 1.0);
     apart.relation = Relation::Equal;
     linear.push(apart);
-    let mut params = ProblemParams {
-        linear,
-        ..absolute(&start, 163, Antenna)
-    };
+    let mut params = absolute(&start, 163, Antenna).linear(linear);
     params.variables[0].lower = 0.4;
     (params.variables[6].lower, params.variables[6].upper) = (3.5, 3.5);
     params

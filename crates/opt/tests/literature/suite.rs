@@ -1,6 +1,6 @@
 //! What a test problem is, and the list of all of them.
 
-use grouser_opt::{Exact, Functions, LinearConstraint, ProblemParams, Relation};
+use grouser_opt::{Exact, Functions, LinearConstraint, ProblemParams};
 
 use crate::{luksan_vlcek_linear, luksan_vlcek_unconstrained, other};
 
@@ -57,10 +57,7 @@ pub(crate) fn absolute(
     m: usize,
     f: impl Functions + 'static,
 ) -> ProblemParams<'static> {
-    ProblemParams {
-        absolute: m,
-        ..plain(start, m, f)
-    }
+    plain(start, m, f).absolute(m)
 }
 
 /// Σ coefficient · x\[index\] ≤ bound, as row number `number`.
@@ -74,10 +71,5 @@ pub(crate) fn at_most(
     for &(index, coefficient) in terms {
         coefficients[index] = coefficient;
     }
-    LinearConstraint {
-        name: format!("row {number}"),
-        coefficients,
-        relation: Relation::AtMost,
-        bound,
-    }
+    LinearConstraint::at_most(format!("row {number}"), coefficients, bound)
 }

@@ -70,6 +70,7 @@ pub struct Linkage {
 
 /// Where the body is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BodyState {
     /// Origin of the robot's frame in the world, m.
     pub position: Vector,

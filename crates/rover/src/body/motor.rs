@@ -22,6 +22,7 @@ pub struct Motor {
 
 /// What a motor does at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct MotorNow {
     /// A.
     pub current: f64,

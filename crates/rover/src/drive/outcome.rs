@@ -53,6 +53,7 @@ pub struct NamedDecision {
 
 /// How far estimated slips lay from the true ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SlipScore {
     /// How many were compared.
     pub count: u64,
@@ -70,6 +71,7 @@ pub struct SlipScore {
 
 /// What came of a drive.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DriveResult {
     /// How it ended.
     pub outcome: Outcome,

@@ -42,6 +42,7 @@ pub enum GroundShape {
 
 /// A soil by its name.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilSpec {
     /// The name that regions use.
     pub name: String,
@@ -64,6 +65,7 @@ pub struct Region {
 
 /// The ground of a scenario.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GroundSpec {
     /// Its shape.
     pub shape: GroundShape,
@@ -82,6 +84,7 @@ pub struct GroundSpec {
 
 /// A scenario.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Scenario {
     /// Its name, from its file.
     pub name: String,

@@ -4,6 +4,8 @@ use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
 use grouser_slip::onboard::OnBoard;
 
+use grouser_terra::OutOfRange;
+
 use super::frame::{Frame, WheelFrame};
 use super::motor_driver::MotorDriver;
 use super::on_board::{filter_settings, on_board};
@@ -138,6 +140,57 @@ impl Simulation {
         self.result()
     }
 
+    /// What the way requests of the robot now: at rest while it settles and after the last leg.
+    #[must_use]
+    pub fn request(&self) -> Request {
+        let is_settled = self.vehicle.time() >= SETTLING_TIME_S;
+        let leg = self.referee.leg().filter(|_| is_settled);
+        leg.map_or_else(Request::default, |leg| Request {
+            speed: leg.speed,
+            heading: leg.heading,
+        })
+    }
+
+    /// Replaces the on-board computer's commands for the next period: the door for a controller of another kind. Call it
+    /// between two periods of a [`Pilot::OpenLoop`] drive, whose computer estimates and takes no decisions.
+    ///
+    /// # Errors
+    /// [`grouser_slip::Error::UnknownWheel`] unless there is one command a wheel,
+    /// [`grouser_slip::Error::OutOfRange`] for a speed, a traction or an angle that is not finite or absurd; nothing
+    /// changes then.
+    pub fn set_commands(&mut self, commands: &[WheelCommand]) -> Result<()> {
+        /// Faster than any rim, m/s.
+        const MAX_RIM_SPEED: f64 = 1e3;
+        /// More than any soil transmits.
+        const MAX_TRACTION: f64 = 1e3;
+        if commands.len() != self.commands.len() {
+            let (index, wheels) = (commands.len(), self.commands.len());
+            return Err(grouser_slip::Error::UnknownWheel { index, wheels }.into());
+        }
+        for (index, command) in commands.iter().enumerate() {
+            let pi = std::f64::consts::PI;
+            for (field, value, limits, unit) in [
+                (
+                    "rim_speed",
+                    command.rim_speed,
+                    (-MAX_RIM_SPEED, MAX_RIM_SPEED),
+                    "m/s",
+                ),
+                ("traction", command.traction, (0.0, MAX_TRACTION), "1"),
+                ("steering_angle", command.steering_angle, (-pi, pi), "rad"),
+            ] {
+                OutOfRange::check(field, value, limits, unit).map_err(|range| {
+                    grouser_slip::Error::OutOfRange {
+                        of: format!("command of wheel {index}"),
+                        range,
+                    }
+                })?;
+            }
+        }
+        self.commands.copy_from_slice(commands);
+        Ok(())
+    }
+
     /// One period of the control loop; false once the drive has ended.
     pub fn period(&mut self, sink: &mut impl FnMut(&Frame<'_>) -> bool) -> bool {
         self.samples.clear();
@@ -214,11 +267,7 @@ impl Simulation {
             // the wheels are the robot's own, and their angles finite
             let _ = self.on_board.set_steering_angle(index, wheel.steer);
         }
-        let leg = self.referee.leg().filter(|_| is_settled);
-        let request = leg.map_or_else(Request::default, |leg| Request {
-            speed: leg.speed,
-            heading: leg.heading,
-        });
+        let request = self.request();
         let commands = self.on_board.tick(to_ns(time), request);
         self.commands.copy_from_slice(commands);
         self.compare();
@@ -299,7 +348,9 @@ impl Simulation {
         self.vehicle.ledger().electric + self.hotel * self.vehicle.time()
     }
 
-    fn result(&self) -> DriveResult {
+    /// What came of the drive so far; it ends `time-out` where it has not ended.
+    #[must_use]
+    pub fn result(&self) -> DriveResult {
         let ledger = *self.vehicle.ledger();
         let (kinetic, potential) = self.vehicle.energy();
         let stored = kinetic + potential - self.energy_at_start;

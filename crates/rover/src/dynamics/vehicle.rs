@@ -32,6 +32,7 @@ struct WheelInput {
 
 /// A wheel at this moment: the truth that sensors see through noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WheelNow {
     /// Angle turned about its axle since the start, rad.
     pub angle: f64,
@@ -59,6 +60,7 @@ pub struct WheelNow {
 
 /// Where the energy went, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Ledger {
     /// Out of the battery.
     pub electric: f64,

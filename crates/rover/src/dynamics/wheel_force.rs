@@ -47,6 +47,7 @@ pub struct WheelContact {
 
 /// How a wheel stands and moves in its contact plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelMotionNow {
     /// Sinkage below the ground in front of it, m; negative in the air.
     pub sinkage: f64,
@@ -60,6 +61,7 @@ pub struct WheelMotionNow {
 
 /// What the ground does to the wheel, in the contact plane's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WheelLoad {
     /// Away from the ground, N.
     pub normal: f64,

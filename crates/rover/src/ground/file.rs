@@ -7,6 +7,7 @@ mod ascii;
 mod geotiff;
 mod picture;
 
+use grouser_terra::OutOfRange;
 use std::io::{Cursor, Read as _};
 use std::path::PathBuf;
 
@@ -88,16 +89,7 @@ struct Raster {
 
 impl Raster {
     fn into_map(mut self) -> Result<HeightMap, TerrainFault> {
-        let (low, high) = CELL_LIMITS_M;
-        if !(self.cell >= low && self.cell <= high) {
-            return Err(TerrainFault::OutOfRange {
-                field: "cell",
-                value: self.cell,
-                low,
-                high,
-                unit: "m",
-            });
-        }
+        OutOfRange::check("cell", self.cell, CELL_LIMITS_M, "m")?;
         let columns = self.columns;
         let rows = self.heights.len() / columns;
         // the upper row is the leftmost one: y grows upwards
@@ -107,20 +99,7 @@ impl Raster {
         }
         let origin = (0.0, -0.5 * (rows.saturating_sub(1)) as f64 * self.cell);
         HeightMap::new(origin, self.cell, columns, self.heights).map_err(|error| match error {
-            Error::OutOfRange {
-                field,
-                value,
-                low,
-                high,
-                unit,
-                ..
-            } => TerrainFault::OutOfRange {
-                field,
-                value,
-                low,
-                high,
-                unit,
-            },
+            Error::OutOfRange { range, .. } => TerrainFault::OutOfRange(range),
             other => TerrainFault::damaged(other),
         })
     }

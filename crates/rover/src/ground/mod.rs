@@ -17,6 +17,7 @@ pub use crate::terrain_fault::{NoCell, TerrainFault};
 
 /// Where a soil lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Place {
     /// A disc.
     Disc {
@@ -68,6 +69,7 @@ impl Place {
 
 /// How a soil changes where a wheel has passed, and from place to place.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Packing {
     /// Modulus and cohesion of packed soil grow by up to this share ...
     pub gain: f64,
@@ -92,6 +94,7 @@ impl Default for Packing {
 
 /// The ground under a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Spot {
     /// Height of the surface now, ruts included, m.
     pub height: f64,

@@ -15,6 +15,7 @@ use crate::vector::{Tensor, Vector};
 
 /// How a wheel is mounted, and what turns it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelMount {
     /// Its name.
     pub name: String,
@@ -61,6 +62,7 @@ impl WheelMount {
 
 /// A robot: what the estimator knows of it, its body, and its wheels in the same order.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RobotModel {
     /// What the estimator knows.
     pub robot: grouser_slip::Robot,

@@ -112,6 +112,7 @@ impl FaultKind {
 
 /// A fault from one time to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FaultWindow {
     /// What is wrong.
     pub kind: FaultKind,
@@ -123,6 +124,32 @@ pub struct FaultWindow {
     pub to: f64,
     /// As its kind has it.
     pub value: f64,
+}
+
+impl FaultWindow {
+    /// A fault of every wheel or of none, from and to in seconds, with the value that its kind has.
+    ///
+    /// ```
+    /// use grouser_rover::sensors::{FaultKind, FaultWindow, Schedule};
+    ///
+    /// let mut loss = FaultWindow::new(FaultKind::PulseLoss, (10.0, 20.0), 0.05);
+    /// loss.wheel = Some(2);
+    /// let schedule = Schedule::new(vec![loss])?;
+    /// assert_eq!(schedule.active(FaultKind::PulseLoss, Some(2), 15.0), Some(0.05));
+    /// assert_eq!(schedule.active(FaultKind::PulseLoss, Some(1), 15.0), None);
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
+    #[must_use]
+    pub const fn new(kind: FaultKind, (from, to): (f64, f64), value: f64) -> Self {
+        let wheel = None;
+        Self {
+            kind,
+            wheel,
+            from,
+            to,
+            value,
+        }
+    }
 }
 
 /// Faults by schedule.

@@ -6,6 +6,7 @@ use crate::error::Result;
 
 /// How good the sensors are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SensorSettings {
     /// Readings of encoders, inertial unit and currents, 1/s.
     pub rate: f64,

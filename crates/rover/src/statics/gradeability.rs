@@ -8,6 +8,7 @@ use crate::robot::RobotModel;
 
 /// What a robot can climb on a soil.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Gradeability {
     /// The slope that each powered wheel alone holds under its load on the level, rad; `None` for a free wheel
     /// and for one that cannot even pull itself.

@@ -6,6 +6,7 @@ use crate::vector::{Attitude, Vector};
 
 /// What each wheel carries.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WheelLoads {
     /// N, at right angles to the ground, in the robot's order.
     pub loads: Vec<f64>,

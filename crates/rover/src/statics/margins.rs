@@ -20,6 +20,7 @@ pub struct Edge {
 
 /// The stability of a robot that stands on a plane.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StabilityMargins {
     /// Least distance of the plumb line from the edges of the support, m; negative: it falls.
     pub horizontal: f64,

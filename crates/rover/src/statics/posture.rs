@@ -6,6 +6,7 @@ use crate::robot::RobotModel;
 
 /// What may be adjusted, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PostureLimits {
     /// The chassis' centre of gravity slides forwards and back by up to this, m.
     pub slide: f64,
@@ -35,6 +36,7 @@ impl Default for PostureLimits {
 
 /// A chassis adjusted for a slope.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Posture {
     /// The centre of gravity's way forwards, to the left and down, m.
     pub moved: [f64; 3],

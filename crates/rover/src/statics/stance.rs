@@ -31,6 +31,7 @@ pub struct Footing<'a> {
 
 /// How a robot stands.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Stance {
     /// What each wheel carries, N, upwards; 0 where it hangs in the air.
     pub loads: Vec<f64>,

@@ -1,6 +1,7 @@
 //! E11: `GeoTIFF`.
 
 use grouser_rover::ground::{NoCell, TerrainFault};
+use grouser_terra::OutOfRange;
 
 use super::made::{
     BLACK, COMPRESSION, HEIGHT, KEYS, LENGTHS, NO_DATA, OFFSETS, ROWS_PER_STRIP, SCALE,
@@ -147,7 +148,7 @@ fn e11_a_tile_count_that_lies() {
         assert!(
             matches!(
                 fault,
-                TerrainFault::OutOfRange { .. }
+                TerrainFault::OutOfRange(_)
                     | TerrainFault::Cells { .. }
                     | TerrainFault::Damaged { .. }
             ),
@@ -157,10 +158,10 @@ fn e11_a_tile_count_that_lies() {
     let lying = small().with(ROWS_PER_STRIP, Value::Long(vec![0]));
     assert!(matches!(
         refused(&lying),
-        TerrainFault::OutOfRange {
+        TerrainFault::OutOfRange(OutOfRange {
             field: "RowsPerStrip",
             ..
-        } | TerrainFault::Damaged { .. }
+        }) | TerrainFault::Damaged { .. }
     ));
 }
 
@@ -172,7 +173,7 @@ fn e11_a_strip_beyond_the_end() {
         assert!(
             matches!(
                 fault,
-                TerrainFault::OutOfRange { field: "StripOffsets", value, unit: "byte", .. }
+                TerrainFault::OutOfRange(OutOfRange { field: "StripOffsets", value, unit: "byte", .. })
                     if value == f64::from(start)
             ),
             "{fault}"
@@ -193,10 +194,10 @@ fn e11_a_strip_beyond_the_end() {
     let lying = small().with(LENGTHS, Value::Long(vec![u32::MAX]));
     assert!(matches!(
         refused(&lying),
-        TerrainFault::OutOfRange {
+        TerrainFault::OutOfRange(OutOfRange {
             field: "StripOffsets",
             ..
-        }
+        })
     ));
 }
 
@@ -233,11 +234,11 @@ fn e11_no_data_is_no_height() {
     assert!(
         matches!(
             fault,
-            TerrainFault::OutOfRange {
+            TerrainFault::OutOfRange(OutOfRange {
                 field: "height",
                 unit: "m",
                 ..
-            }
+            })
         ),
         "{fault}"
     );
@@ -247,10 +248,10 @@ fn e11_no_data_is_no_height() {
     assert!(
         matches!(
             fault,
-            TerrainFault::OutOfRange {
+            TerrainFault::OutOfRange(OutOfRange {
                 field: "height",
                 ..
-            }
+            })
         ),
         "{fault}"
     );
@@ -259,10 +260,10 @@ fn e11_no_data_is_no_height() {
     assert!(
         matches!(
             fault,
-            TerrainFault::OutOfRange {
+            TerrainFault::OutOfRange(OutOfRange {
                 field: "known heights",
                 ..
-            }
+            })
         ),
         "{fault}"
     );
@@ -345,11 +346,11 @@ fn e11_scales_that_are_none() {
         assert!(
             matches!(
                 fault,
-                TerrainFault::OutOfRange {
+                TerrainFault::OutOfRange(OutOfRange {
                     field: "cell",
                     unit: "m",
                     ..
-                }
+                })
             ),
             "{fault}"
         );

@@ -1,5 +1,6 @@
 //! E11: pictures and ASCII grids.
 
+use grouser_terra::OutOfRange;
 use std::fmt::Write as _;
 
 use grouser_rover::ground::{NoCell, TerrainFault};
@@ -130,7 +131,7 @@ fn e11_grids_that_lie() {
     );
     assert!(matches!(
         fault,
-        TerrainFault::OutOfRange { field: "ncols", value, unit: "1", .. } if value == 2_147_483_648.0
+        TerrainFault::OutOfRange(OutOfRange { field: "ncols", value, unit: "1", .. }) if value == 2_147_483_648.0
     ));
     // within a header's limits, yet more than a map holds
     let fault = grid_refused(
@@ -153,7 +154,7 @@ fn e11_grids_that_lie() {
         ("nrows 2", "nrows 1e400"),
     ] {
         assert!(
-            matches!(changed(from, to), TerrainFault::OutOfRange { .. }),
+            matches!(changed(from, to), TerrainFault::OutOfRange(_)),
             "{to}"
         );
     }
@@ -196,7 +197,7 @@ fn e11_grids_that_lie() {
     );
     for (to, field) in [("1e30", "height"), ("inf", "height")] {
         assert!(
-            matches!(changed("5e0", to), TerrainFault::OutOfRange { field: found, .. } if found == field)
+            matches!(changed("5e0", to), TerrainFault::OutOfRange(OutOfRange { field: found, .. }) if found == field)
         );
     }
     for cell in ["0", "-1", "nan", "1e9"] {
@@ -204,11 +205,11 @@ fn e11_grids_that_lie() {
         assert!(
             matches!(
                 fault,
-                TerrainFault::OutOfRange {
+                TerrainFault::OutOfRange(OutOfRange {
                     field: "cell",
                     unit: "m",
                     ..
-                }
+                })
             ),
             "{fault}"
         );

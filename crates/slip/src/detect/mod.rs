@@ -55,6 +55,7 @@ pub enum Event {
 
 /// An event begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Change {
     /// Which.
     pub event: Event,

@@ -17,6 +17,7 @@ const MAX_RADIUS_EXCESS: f64 = 0.2;
 
 /// What was learnt of one wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct LearntWheel {
     /// Slip of a free wheel: its skid. `None` for a powered one.
     pub free_slip: Option<SlipPrior>,
@@ -27,6 +28,7 @@ pub struct LearntWheel {
 /// What [`SlipFilter::learnt`](super::SlipFilter::learnt) saves and
 /// [`SlipFilter::restore`](super::SlipFilter::restore) restores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Learnt {
     /// Bias of the gyro, rad/s.
     pub gyro_bias: Measured,

@@ -12,6 +12,7 @@ const MAX_ANGLE_SIGMA_RAD: f64 = 0.35;
 
 /// The ground's angle under two wheels, from the link that joins their centres, rad, positive uphill.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ContactLean {
     /// Under the front wheel.
     pub front: Uncertain,

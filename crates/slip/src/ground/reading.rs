@@ -1,5 +1,6 @@
 //! One reading of a wheel that tells something of the soil's strength.
 
+use grouser_real::OutOfRange;
 use grouser_terra::Slip;
 
 use super::entry::Uncertain;
@@ -32,12 +33,14 @@ impl WheelReading {
             .check("sinkage", "sigma of the sinkage", (0.0, radius), "m")?;
         self.torque
             .check("torque", "sigma of the torque", (-1e7, 1e7), "N m")?;
-        Slip::new(self.slip.value).map_err(|_| Fault::OutOfRange {
-            field: "slip",
-            value: self.slip.value,
-            low: -1.0,
-            high: 1.0,
-            unit: "1",
+        Slip::new(self.slip.value).map_err(|_| {
+            Fault::OutOfRange(OutOfRange {
+                field: "slip",
+                value: self.slip.value,
+                low: -1.0,
+                high: 1.0,
+                unit: "1",
+            })
         })
     }
 }

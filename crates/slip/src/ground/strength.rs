@@ -46,6 +46,7 @@ pub enum Knowledge {
 
 /// What is known of the ground now.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilEstimate {
     /// Cohesion, Pa.
     pub cohesion: (Uncertain, Knowledge),

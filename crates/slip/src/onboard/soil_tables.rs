@@ -29,6 +29,7 @@ pub type TorqueTable = [f64; TORQUE_POINTS];
 /// [`SoilTables::solve`] makes them from the laws of terra, which takes some ten milliseconds on a desktop. A
 /// microcontroller takes ready-made ones: every field is plain numbers.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct SoilTables {
     /// Mean skid of the free wheels, over laws and soil; `None`: the filter's default.
     pub free_slip: Option<SlipPrior>,

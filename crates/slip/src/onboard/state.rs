@@ -14,6 +14,7 @@ use crate::filter::Learnt;
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OnBoardState {
     /// Biases, soil and radii that the filter has learnt.
     pub learnt: Learnt,

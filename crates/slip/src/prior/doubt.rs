@@ -7,6 +7,7 @@ use crate::filter::SlipPrior;
 
 /// How well a soil's parameters are known, as shares of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SoilDoubt {
     /// Of the pressure-sinkage moduli, together.
     pub moduli: f64,

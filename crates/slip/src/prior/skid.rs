@@ -1,7 +1,7 @@
 //! The skid of a free wheel on soft ground, over its load.
 
-use grouser_real::Real;
-use grouser_terra::{Error, Result, RigidWheel, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
+use grouser_real::{OutOfRange, Real};
+use grouser_terra::{Result, RigidWheel, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
 
 use super::doubt::SoilDoubt;
 use super::table::Table;
@@ -56,15 +56,7 @@ impl FreeWheelSkid {
             ("least load", loads.0, 1e-3),
             ("greatest load", loads.1, loads.0),
         ] {
-            if !(load >= low && load <= 1e6) {
-                return Err(Error::OutOfRange {
-                    field,
-                    value: load,
-                    low,
-                    high: 1e6,
-                    unit: "N",
-                });
-            }
+            OutOfRange::check(field, load, (low, 1e6), "N")?;
         }
         // what is wrong with the wheel, the soil or the bearing shows at once
         WheelOnSoil::new(wheel, *soil, Settings::default())?.free_slip(loads.0, bearing_torque)?;

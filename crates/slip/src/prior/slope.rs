@@ -1,6 +1,7 @@
 //! The slip that holds a slope, over the slope.
 
-use grouser_terra::{Angle, Error, Result, RigidWheel, Settings, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_real::OutOfRange;
+use grouser_terra::{Angle, Result, RigidWheel, Settings, SlopeOutcome, Soil, WheelOnSoil};
 
 use super::doubt::SoilDoubt;
 use super::table::Table;
@@ -42,15 +43,12 @@ impl SlipDemand {
         doubt: SoilDoubt,
     ) -> Result<Self> {
         let (from, to) = (slopes.0.rad(), slopes.1.rad());
-        if !(from <= to) {
-            return Err(Error::OutOfRange {
-                field: "greatest slope",
-                value: to,
-                low: from,
-                high: core::f64::consts::FRAC_PI_2,
-                unit: "rad",
-            });
-        }
+        OutOfRange::check(
+            "greatest slope",
+            to,
+            (from, core::f64::consts::FRAC_PI_2),
+            "rad",
+        )?;
         let pair = WheelOnSoil::new(wheel, *soil, Settings::default())?;
         pair.slip_demand(weight, slopes.0)?;
         pair.slip_demand(weight, slopes.1)?;
@@ -112,20 +110,6 @@ impl SlipDemand {
     }
 }
 
-fn check(
-    field: &'static str,
-    value: f64,
-    (low, high): (f64, f64),
-    unit: &'static str,
-) -> Result<()> {
-    if value >= low && value <= high {
-        return Ok(());
-    }
-    Err(Error::OutOfRange {
-        field,
-        value,
-        low,
-        high,
-        unit,
-    })
+fn check(field: &'static str, value: f64, limits: (f64, f64), unit: &'static str) -> Result<()> {
+    Ok(OutOfRange::check(field, value, limits, unit)?)
 }

@@ -10,6 +10,7 @@ use crate::wheel_estimate::WheelEstimate;
 
 /// What is known after a sample.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct WindowOutput<'a> {
     /// The newest time of any sample, ns.
     pub time_ns: i64,

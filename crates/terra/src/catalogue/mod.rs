@@ -11,6 +11,7 @@ use crate::soil::{Soil, SoilParams};
 
 /// One published soil.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Entry {
     /// Its key, as `--soil` takes it.
     pub key: &'static str,

@@ -28,6 +28,7 @@ pub fn sinkage_from_entry_angle<R: Real>(theta_1: R, radius: R) -> R {
 
 /// The three angles of a contact, rad: θ_2 ≤ 0 ≤ θ_m ≤ θ_1, from the vertical, positive towards travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ContactAngles<R = f64> {
     /// Entry: where the rim meets the undisturbed ground.
     pub theta_1: R,

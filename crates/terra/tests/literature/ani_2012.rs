@@ -1,5 +1,6 @@
 //! What Ani et al. 2012 (J. Cent. South Univ. 19, 2458-2467) print, or what follows from their formulas.
 
+use grouser_real::OutOfRange;
 use grouser_terra::{
     Angle, Contact, Error, Kinematics, Mobilised, ModelOutcome, ModelSlip, RigidWheel, ShearLaw,
     Slip, catalogue, entry_angle, slip_ani, slip_model,
@@ -130,7 +131,7 @@ fn what_cannot_be_mobilised_is_an_outcome_and_the_pole_an_error() {
     let beyond = slip_model(Angle::from_deg(60.0), 0.02, 0.1, Some(all));
     assert!(matches!(
         beyond,
-        Err(Error::OutOfRange { field: "theta", .. })
+        Err(Error::OutOfRange(OutOfRange { field: "theta", .. }))
     ));
     assert!(matches!(
         slip_model(Angle::from_deg(10.0), 0.1, 0.1, None),

@@ -23,9 +23,9 @@ use crate::law_error::Names;
 use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use crate::verb_report::Report;
 use grouser_report::number::exact;
 use grouser_report::{Fields, fields};
 

@@ -16,8 +16,8 @@ use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::operation::{self, Asked};
 use crate::output_choice::Output;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 use crate::wheel_choice::WheelArguments;
 use grouser_report::number::{in_message, parse_finite, shown};
 

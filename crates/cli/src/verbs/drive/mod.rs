@@ -27,8 +27,8 @@ use crate::error::{Error, Result};
 use crate::figure_file::ending;
 use crate::output::OutputFile;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(

@@ -1,49 +1,82 @@
-//! `estimate --calibrate-radius`: the effective radius from runs without slip.
+//! `estimate --calibrate…`: what runs with a reference show of the robot file.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use grouser_files::{Document, robot};
-use grouser_replay::{Calibration, calibrate_radius};
-use grouser_report::{Fields, fields};
+use grouser_files::Document;
+use grouser_files::robot::{Revision, revised};
+use grouser_log::Log;
+use grouser_replay::{
+    Calibration, Factor, GeometryCalibration, IntervalCalibration, calibrate_geometry,
+    calibrate_intervals, calibrate_radius,
+};
+use grouser_report::{Fields, Object, fields};
 use grouser_slip::WheelRole;
 
 use super::request::Request;
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
-/// Each log is a run of its own here.
+/// What is calibrated.
+#[derive(Clone, Copy)]
+pub(super) enum Job {
+    Radius,
+    Geometry,
+    Intervals,
+}
+
+/// The files of a calibration.
+pub(super) struct Files<'a> {
+    /// Each log is a run of its own.
+    pub(super) logs: &'a [PathBuf],
+    pub(super) robot: &'a Path,
+    pub(super) target: &'a Path,
+}
+
 pub(super) fn run(
-    paths: &[PathBuf],
-    robot_path: &Path,
+    job: Job,
+    files: &Files<'_>,
     request: &Request,
-    target: &Path,
     session: &mut Session,
 ) -> Result<Report> {
-    let mut output = OutputFile::create(target)?;
+    let mut output = OutputFile::create(files.target)?;
     let mut logs = Vec::new();
-    for path in paths {
+    for path in files.logs {
         let log = request.log(std::slice::from_ref(path))?;
         for file in log.files() {
             session.used_file(file)?;
         }
         logs.push(log);
     }
-    let found = calibrate_radius(&logs, &request.robot, &request.options)?;
-    let document = Document::read(robot_path)?;
-    let rewritten = robot::with_radii_scaled(&document, found.factor)?;
+    let Calibrated {
+        revision,
+        object,
+        mut text,
+    } = match job {
+        Job::Radius => radius(&logs, request, files.target)?,
+        Job::Geometry => geometry(&logs, request, files.target)?,
+        Job::Intervals => intervals(&logs, request, files.target)?,
+    };
+    let rewritten = revised(&Document::read(files.robot)?, &revision)?;
     let written = output.write_all(rewritten.as_bytes());
-    written.map_err(|error| Error::file("write", target, &error))?;
+    written.map_err(|error| Error::file("write", files.target, &error))?;
     output.finish()?;
+    let _ = writeln!(text, "wrote {}", shown(files.target));
+    Ok(Report::done(object, text))
+}
 
-    let powered = request.robot.robot.wheels().iter();
-    let radii: Vec<(String, f64)> = powered
-        .filter(|wheel| wheel.role == WheelRole::Powered)
-        .map(|wheel| (wheel.name.clone(), wheel.radius * found.factor))
-        .collect();
+/// What changes in the robot file, and what is said of it.
+struct Calibrated {
+    revision: Revision,
+    object: Object,
+    text: String,
+}
+
+fn radius(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+    let found = calibrate_radius(logs, &request.robot, &request.options)?;
     let each: Vec<String> = found
         .factors
         .iter()
@@ -53,20 +86,131 @@ pub(super) fn run(
     if let Some(half) = found.half_spread() {
         let _ = write!(text, " ± {half:.4} (runs: {})", each.join(", "));
     }
-    let _ = writeln!(text, "\nwrote {}", shown(target));
-    let object = fields().object((&found, &radii, target));
-    Ok(Report::done(object, text))
+    text.push('\n');
+    let radii = radii(request, found.factor);
+    Ok(Calibrated {
+        revision: Revision {
+            radius: Some(found.factor),
+            ..Revision::default()
+        },
+        object: of_radius().object((&found, &radii, target)),
+        text,
+    })
 }
 
-type Calibrated<'a> = (&'a Calibration, &'a Vec<(String, f64)>, &'a Path);
+/// The radius of each powered wheel times a factor.
+fn radii(request: &Request, factor: f64) -> Vec<(String, f64)> {
+    let powered = request.robot.robot.wheels().iter();
+    powered
+        .filter(|wheel| wheel.role == WheelRole::Powered)
+        .map(|wheel| (wheel.name.clone(), wheel.radius * factor))
+        .collect()
+}
 
-/// The JSON object of a calibration.
-pub(super) fn fields<'a>() -> Fields<'a, Calibrated<'a>> {
-    fields! { |found: Calibrated<'a>|
+fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+    let found = calibrate_geometry(logs, &request.robot, &request.options)?;
+    let mut text = String::new();
+    for (name, factor) in [
+        ("radius", Some(found.radius)),
+        ("track", found.track),
+        ("yaw rate", found.yaw_rate),
+    ] {
+        let _ = match factor {
+            None => writeln!(text, "{name}: not observable in these logs, unchanged"),
+            Some(Factor {
+                value,
+                half_width: Some(half),
+            }) => writeln!(
+                text,
+                "{name}: {value:.4} ± {half:.4} of the robot file's (95 %)"
+            ),
+            Some(Factor { value, .. }) => writeln!(
+                text,
+                "{name}: {value:.4} of the robot file's (too short for an interval)"
+            ),
+        };
+    }
+    Ok(Calibrated {
+        revision: Revision {
+            radius: Some(found.radius.value),
+            track: found.track.map(|factor| factor.value),
+            yaw_rate: found.yaw_rate.map(|factor| factor.value),
+            ..Revision::default()
+        },
+        object: of_geometry().object((&found, target)),
+        text,
+    })
+}
+
+fn intervals(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+    let found = calibrate_intervals(logs, &request.robot, &request.options)?;
+    let text = format!(
+        "interval factor: {:.3}\n90 % intervals contain {:.1} % of the true slips in runs that the factor was not taken \
+         from ({:.1} % without it), median half-width {:.3}\n",
+        found.factor,
+        100.0 * found.coverage,
+        100.0 * found.coverage_before,
+        found.half_width,
+    );
+    Ok(Calibrated {
+        revision: Revision {
+            interval: Some(found.factor),
+            ..Revision::default()
+        },
+        object: of_intervals().object((&found, target)),
+        text,
+    })
+}
+
+type Radius<'a> = (&'a Calibration, &'a Vec<(String, f64)>, &'a Path);
+
+/// The JSON object of a calibrated radius.
+fn of_radius<'a>() -> Fields<'a, Radius<'a>> {
+    fields! { |found: Radius<'a>|
         "radius_factor" "effective radius over that of the robot file" = found.0.factor;
         "radius_factors" "the same of each run" = found.0.factors.clone();
         "half_spread" "half of their spread" = found.0.half_spread();
         "radii_m" "effective radius of each powered wheel" values = Some(found.1.iter().cloned());
         "output" "the file that was written" = found.2.display().to_string();
     }
+}
+
+type Geometry<'a> = (&'a GeometryCalibration, &'a Path);
+
+fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
+    fn factor<'a>() -> Fields<'a, Factor> {
+        fields! { |factor: Factor|
+            "value" "right value over that of the robot file" = factor.value;
+            "half_width" "half of its 95 % interval; null of less than 25 s" = factor.half_width;
+        }
+    }
+    fields! { |found: Geometry<'a>|
+        "radius" "radii of the powered wheels" group(factor()) = found.0.radius;
+        "track" "distance of left and right wheels; null where it is not observable" group(factor()) = found.0.track;
+        "yaw_rate" "yaw rate; null where it is not observable" group(factor()) = found.0.yaw_rate;
+        "output" "the file that was written" = found.1.display().to_string();
+    }
+}
+
+type Intervals<'a> = (&'a IntervalCalibration, &'a Path);
+
+fn of_intervals<'a>() -> Fields<'a, Intervals<'a>> {
+    fields! { |found: Intervals<'a>|
+        "interval_factor" "factor on the standard deviations of the slips" = found.0.factor;
+        "coverage" "share of the 90 % intervals that hold the true slip, in runs left out of the calibration" =
+            found.0.coverage;
+        "coverages" "the same of each run" = found.0.coverages.clone();
+        "coverage_before" "the same without a factor" = found.0.coverage_before;
+        "half_width" "median half-width of the 90 % intervals" = found.0.half_width;
+        "output" "the file that was written" = found.1.display().to_string();
+    }
+}
+
+/// The JSON schemas of the calibrations.
+pub(super) fn schemas() -> [serde_json::Value; 3] {
+    [
+        of_radius().schema(),
+        of_geometry().schema(),
+        of_intervals().schema(),
+    ]
 }

@@ -18,11 +18,12 @@ use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
-    Compared, Doubt, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
-    Truth, check_start, run_into, soil_readings,
+    Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
+    check_start, run_into, soil_readings,
 };
 use grouser_slip::Reference;
 
+use self::calibration::Job;
 use self::object::Found;
 use self::output::Outputs;
 use self::request::Request;
@@ -30,9 +31,9 @@ use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use crate::verb_report::Report;
 use grouser_report::number::parse_finite;
 use grouser_report::printable;
 
@@ -91,6 +92,12 @@ pub(crate) struct Arguments {
     /// Write the robot file with the radius at which these logs, runs without slip, show none
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil"])]
     calibrate_radius: Option<PathBuf>,
+    /// Write the robot file with radii, track and scale of the yaw rate with which these logs, runs without slip, agree with their reference
+    #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil", "calibrate_radius"])]
+    calibrate: Option<PathBuf>,
+    /// Write the robot file with the factor with which 90 % intervals hold in these reference runs, each LOG a run
+    #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil", "calibrate_radius", "calibrate"])]
+    calibrate_intervals: Option<PathBuf>,
 }
 
 fn reference(name: &str) -> std::result::Result<Reference, String> {
@@ -118,8 +125,21 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let request = request(arguments, session)?;
-    if let Some(target) = &arguments.calibrate_radius {
-        return calibration::run(&arguments.logs, &arguments.robot, &request, target, session);
+    let jobs = [
+        (&arguments.calibrate_radius, Job::Radius),
+        (&arguments.calibrate, Job::Geometry),
+        (&arguments.calibrate_intervals, Job::Intervals),
+    ];
+    if let Some((target, job)) = jobs
+        .into_iter()
+        .find_map(|(target, job)| Some((target.as_ref()?, job)))
+    {
+        let files = calibration::Files {
+            logs: &arguments.logs,
+            robot: &arguments.robot,
+            target,
+        };
+        return calibration::run(job, &files, &request, session);
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
@@ -175,7 +195,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
-            Status::Done if doubts(&summary).is_empty() && !is_implausible => Outcome::Done,
+            Status::Done if summary.doubts().is_empty() && !is_implausible => Outcome::Done,
             Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
@@ -237,14 +257,6 @@ fn truth(
         .files()
         .filter(|file| matches!(Container::kind(file), Ok(Some(_))));
     Ok(Some(Truth::read_topic(recordings, &topic, &robot.robot)?))
-}
-
-/// Why the result is doubtful.
-fn doubts(summary: &Summary) -> &[Doubt] {
-    summary
-        .fused
-        .as_ref()
-        .map_or(&[], |fused| fused.doubts.as_slice())
 }
 
 fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
@@ -328,7 +340,7 @@ fn warnings(
     readings: &[SoilReading],
 ) -> Vec<String> {
     let mut out = Vec::new();
-    out.extend(doubts(summary).iter().map(ToString::to_string));
+    out.extend(summary.doubts().iter().map(ToString::to_string));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"
@@ -393,5 +405,9 @@ fn warnings(
 
 /// The JSON schema: of an estimate, or of a calibration.
 pub(crate) fn schema() -> serde_json::Value {
-    serde_json::json!({"anyOf": [object::fields().schema(), calibration::fields().schema()]})
+    let calibrations = calibration::schemas();
+    let all: Vec<_> = std::iter::once(object::fields().schema())
+        .chain(calibrations)
+        .collect();
+    serde_json::json!({ "anyOf": all })
 }

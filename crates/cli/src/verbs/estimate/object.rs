@@ -46,12 +46,16 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "reference" "what measures the speed over ground" = found.summary.reference.name();
         "wheel_sensor" "what measures the wheels" = found.summary.wheel_sensor;
         "duration_s" "length of the log" = found.summary.duration_s;
+        "longest_gap_s" "longest time between two samples" = found.summary.longest_gap_s;
         "window_s" "time over which means are taken" = found.summary.window_s;
         "wheels" "each wheel" named(wheel()) =
             found.summary.wheels.iter().map(move |wheel| (wheel.name.as_str(), (wheel, found.readings)));
         "along" "slip along the track" group(along()) = &found.summary.along;
         "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
             Part::with(found.summary, found.summary.yaw.as_ref());
+        "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
+        "doubts" "why the result is doubtful" =
+            found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
         "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, found.summary.fused.as_ref());
         "truth" "errors beside the true slips" rows(truth()) = found.errors.unwrap_or_default().iter();
@@ -149,6 +153,14 @@ pub(super) fn cause(turns: &TurnCheck, summary: &Summary) -> String {
     )
 }
 
+fn axes<'a>() -> Fields<'a, &'a Summary> {
+    fields! { |summary: &'a Summary|
+        "reference_deg" "of the reference; null where it agrees" = summary.axes.reference.map(f64::to_degrees);
+        "acceleration_deg" "of the accelerations; null where they agree" =
+            summary.axes.acceleration.map(f64::to_degrees);
+    }
+}
+
 fn odometry<'a>() -> Fields<'a, &'a Odometry> {
     fn sigma(odometry: &Odometry, axis: usize) -> f64 {
         odometry.pose_covariance[axis][axis].max(0.0).sqrt()
@@ -179,8 +191,6 @@ fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
         "reference_used" "how many of them changed the filter's state" = filter.part.reference.map(|of| of.used);
         "way_slip" "slip of the whole way by the filter" = filter.part.ways.slip_by_filter();
         "way_slip_of_reference" "the same by the reference alone" = filter.part.ways.slip_by_reference();
-        "doubts" "why the result is doubtful" =
-            filter.part.doubts.iter().map(ToString::to_string).collect::<Vec<_>>();
         "dropped" "samples that are missing" = filter.part.dropped;
         "clock_steps" "clocks that were set" = filter.part.clock_steps;
         "events" "events" rows(event()) =

@@ -89,24 +89,20 @@ pub(super) fn text(
 
 /// What the log can show, and why the result is doubtful.
 fn observability(summary: &Summary) -> String {
+    let doubts = summary.doubts();
+    let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
     if summary.reference == Reference::Grip {
-        return "no sensor measures the robot's motion: a slip common to all wheels is not observable; differences \
-                only\n\n"
-            .to_owned();
+        let differences = "no sensor measures the robot's motion: a slip common to all wheels is not observable; \
+                           differences only\n\n";
+        return doubts.chain([differences.to_owned()]).collect();
     }
-    let Some(fused) = &summary.fused else {
-        return String::new();
-    };
-    let used = fused.reference.map_or_else(String::new, |of| {
+    let used = summary.fused.as_ref().and_then(|fused| fused.reference);
+    let used = used.map_or_else(String::new, |of| {
         format!(
             "{} of {} readings of the reference used\n",
             of.used, of.readings
         )
     });
-    let doubts = fused
-        .doubts
-        .iter()
-        .map(|doubt| format!("DOUBTFUL: {doubt}\n"));
     let lines: String = doubts.chain([used]).collect();
     if lines.is_empty() {
         lines

@@ -15,8 +15,8 @@ use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
 use crate::law_error::Names;
 use crate::output::OutputFile;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(

@@ -14,8 +14,8 @@ use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
 use crate::output::OutputFile;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(

@@ -1,59 +1,163 @@
 //! `log info`: what a recorded log holds.
 
-use std::path::PathBuf;
+use std::fmt::Write as _; // writing to a string cannot fail
+use std::path::{Path, PathBuf};
 
 use grouser_log::container::Container;
-use grouser_log::{Sheet, Survey, Topic, Use, suggest_for_sheet, suggest_for_survey};
-use grouser_report::{Fields, fields};
+use grouser_log::{Sheet, Survey, Topic, Use, run_files, suggest_for_sheets, suggest_for_survey};
+use grouser_report::{Fields, fields, printable};
 use serde_json::{Value, json};
 
 use super::copied::{damage, damages_text};
 use super::sheet;
-use crate::error::Result;
+use crate::error::{Error, Result, shown};
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    after_help = "Example:\n  grouser log info examples/five-wheel/log.csv --suggest-robot > robot.toml\n  grouser \
-        estimate examples/five-wheel/log.csv --robot robot.toml"
+    after_help = "Example:\n  grouser log info examples/five-wheel/log.csv --suggest-robot > robot.toml\n"
 )]
 pub(super) struct Arguments {
-    /// The log: an MCAP file, a ROS 1 bag, or a table (CSV, plain or gzip)
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    /// The log: an MCAP file, a ROS 1 bag, a table (CSV, plain or gzip), a folder of them (such as rosbag2 writes), or the
+    /// beginning that the names of one run's files share
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
     /// Print a robot file to start from instead: what the log cannot tell is marked in it
     #[arg(long)]
     suggest_robot: bool,
 }
 
+/// Endings of names of tables: in a folder, other text is not taken for one.
+const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
+
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let file = &arguments.file;
-    let is_table = Container::kind(file)?.is_none();
-    let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
-    let (mut report, robot) = if is_table {
-        let sheet = Sheet::read(file, |read| progress.reach(read))?;
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        (sheet::report(&sheet), suggest_for_sheet(&sheet, &name))
-    } else {
-        let survey = Survey::read(file, |offset| progress.reach(offset))?;
-        let mut report = Report::done(fields().object(&survey), text(&survey));
-        if survey.damage_count > 0 {
-            report.warnings.push(format!(
-                "{} places are damaged, {} bytes are lost in them",
-                survey.damage_count, survey.bytes_lost
-            ));
-        }
-        (report, suggest_for_survey(&survey))
-    };
-    drop(progress);
-    session.used_file(file)?;
+    let (run, unread) = Run::read(&arguments.log)?;
+    for file in &run.files {
+        session.used_file(file)?;
+    }
+    let mut report = run.report();
+    if !unread.is_empty() {
+        let _ = writeln!(report.text, "\nnot read: {}", unread.join(", "));
+    }
     if arguments.suggest_robot {
+        let robot = run.suggestion();
         report.text.clone_from(&robot);
         report.object.insert("suggested_robot".into(), robot.into());
     }
     Ok(report)
+}
+
+/// The files of one run, read whole.
+struct Run {
+    /// MCAP files or bags.
+    survey: Option<Survey>,
+    /// Tables, each with its file name.
+    sheets: Vec<(String, Sheet)>,
+    files: Vec<PathBuf>,
+}
+
+impl Run {
+    /// Reads the files that a path means; returns the names of those that are no log too.
+    fn read(path: &Path) -> Result<(Self, Vec<String>)> {
+        let found = run_files(path)?;
+        let is_named = found.as_slice() == [path.to_owned()];
+        let (mut recordings, mut tables, mut unread) = (Vec::new(), Vec::new(), Vec::new());
+        for file in found {
+            if Container::kind(&file)?.is_some() {
+                recordings.push(file);
+            } else if is_named || is_table(&file) {
+                tables.push(file);
+            } else {
+                unread.push(file_name(&file));
+            }
+        }
+        if recordings.is_empty() && tables.is_empty() {
+            return Err(Error::usage(
+                format!("{} holds no log", shown(path)),
+                "a log is an MCAP file, a ROS 1 bag, or a table (.csv, .tsv, .txt; plain or gzip)",
+            ));
+        }
+        let files: Vec<PathBuf> = recordings.iter().chain(&tables).cloned().collect();
+        let length = |file: &PathBuf| std::fs::metadata(file).map_or(0, |found| found.len());
+        let progress = Progress::of_bytes(Some(files.iter().map(length).sum()));
+        let survey = if recordings.is_empty() {
+            None
+        } else {
+            Some(Survey::read_run(&recordings, |offset| {
+                progress.reach(offset);
+            })?)
+        };
+        let mut before: u64 = recordings.iter().map(length).sum();
+        let mut sheets = Vec::new();
+        for file in tables {
+            let sheet = Sheet::read(&file, |read| progress.reach(before + read))?;
+            before += length(&file);
+            sheets.push((file_name(&file), sheet));
+        }
+        let run = Self {
+            survey,
+            sheets,
+            files,
+        };
+        Ok((run, unread))
+    }
+
+    fn report(&self) -> Report {
+        let survey = self.survey.as_ref();
+        match (survey, self.sheets.as_slice()) {
+            (Some(survey), []) => recording_report(survey),
+            (None, [(_, sheet)]) => sheet::report(sheet),
+            (survey, sheets) => {
+                let mut report = Report::done(of_run().object(self), String::new());
+                let mut add = |title: &str, part: Report| {
+                    let _ = writeln!(report.text, "{title}\n{}", part.text);
+                    report.warnings.extend(part.warnings);
+                };
+                if let Some(survey) = survey {
+                    add("MCAP files and bags:", recording_report(survey));
+                }
+                for (name, sheet) in sheets {
+                    add(&format!("{}:", printable(name)), sheet::report(sheet));
+                }
+                report
+            }
+        }
+    }
+
+    fn suggestion(&self) -> String {
+        match &self.survey {
+            Some(survey) => suggest_for_survey(survey),
+            None => {
+                let sheets = self.sheets.iter();
+                suggest_for_sheets(sheets.map(|(name, sheet)| (sheet, name.as_str())))
+            }
+        }
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+fn is_table(path: &Path) -> bool {
+    let name = file_name(path).to_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    name.rsplit_once('.')
+        .is_some_and(|(_, ending)| TABLES.contains(&ending))
+}
+
+fn recording_report(survey: &Survey) -> Report {
+    let mut report = Report::done(fields().object(survey), text(survey));
+    if survey.damage_count > 0 {
+        report.warnings.push(format!(
+            "{} places are damaged, {} bytes are lost in them",
+            survey.damage_count, survey.bytes_lost
+        ));
+    }
+    report
 }
 
 /// What an estimate of slip needs and the log does not have.
@@ -114,9 +218,26 @@ fn fields<'a>() -> Fields<'a, &'a Survey> {
     }
 }
 
-/// Of an MCAP file or a bag, or of a table; with `--suggest-robot` the proposed file too.
+/// Several tables, or tables and recordings.
+fn of_run<'a>() -> Fields<'a, &'a Run> {
+    let table = fields! { |of: &'a (String, Sheet)|
+        "file" "name of the file" = of.0.as_str();
+        join(sheet::fields()) = &of.1;
+    };
+    fields! { |run: &'a Run|
+        "recording" "MCAP files and bags, as one" group(fields()) = run.survey.as_ref();
+        "tables" "tables" rows(table) = run.sheets.iter();
+    }
+}
+
+/// Of MCAP files and bags, of a table, or of several files; with `--suggest-robot` the proposed file too.
 pub(super) fn schema() -> Value {
-    let schemas = [fields().schema(), sheet::fields().schema()].map(|mut schema| {
+    let schemas = [
+        fields().schema(),
+        sheet::fields().schema(),
+        of_run().schema(),
+    ]
+    .map(|mut schema| {
         schema["properties"]["suggested_robot"] =
             json!({"type": "string", "description": "proposed robot file"});
         schema

@@ -7,8 +7,8 @@ mod recover;
 mod sheet;
 
 use crate::error::Result;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(

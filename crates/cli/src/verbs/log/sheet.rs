@@ -6,7 +6,7 @@ use grouser_files::columns::Meaning;
 use grouser_log::{Sheet, SheetColumn};
 use grouser_report::{Fields, fields};
 
-use crate::report::Report;
+use crate::verb_report::Report;
 
 pub(super) fn report(sheet: &Sheet) -> Report {
     let mut report = Report::done(fields().object(sheet), text(sheet));

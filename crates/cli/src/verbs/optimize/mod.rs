@@ -15,8 +15,8 @@ use self::object::Solved;
 use crate::error::Result;
 use crate::exit::Outcome;
 use crate::output_choice::Output;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 use grouser_report::number::{in_message, shown};
 
 #[derive(clap::Args, Debug)]

@@ -10,8 +10,8 @@ use grouser_slip::{Wheel, WheelRole};
 
 use crate::error::{Error, Result};
 use crate::output::OutputFile;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]

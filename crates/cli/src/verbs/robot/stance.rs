@@ -11,8 +11,8 @@ use grouser_rover::statics::{
 };
 
 use crate::error::Result;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 // No group: it would have the name of the group of the verb's own arguments.
 #[derive(clap::Args, Debug)]

@@ -15,9 +15,9 @@ use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
-use crate::report::Report;
 use crate::session::Session;
 use crate::soil_choice::{Overrides, choose};
+use crate::verb_report::Report;
 use grouser_report::number::{parse_finite, shown};
 
 #[derive(clap::Args, Debug)]

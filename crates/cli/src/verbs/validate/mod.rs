@@ -13,8 +13,8 @@ use crate::figure_file::Target;
 use crate::law_error::Names;
 use crate::output::OutputFile;
 use crate::output_choice::Output;
-use crate::report::Report;
 use crate::session::Session;
+use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(

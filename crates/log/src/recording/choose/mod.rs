@@ -14,7 +14,7 @@ use super::preview::{Preview, Seen};
 use crate::error::{Error, Result};
 use crate::message::known::TRUTH;
 use crate::messages::Clock;
-pub(crate) use names::is_over_ground;
+pub(crate) use names::{is_command, is_over_ground};
 
 /// One topic that is used.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub(crate) struct Choice {
     pub(crate) clock: Clock,
     /// The standard deviation of a place by the reference, m, where its messages state it.
     pub(crate) position_sigma: Option<f64>,
+    /// Position of the satellite receiver's antenna in the robot's frame, m.
+    pub(crate) antenna: [f64; 2],
     pub(crate) notes: Vec<String>,
 }
 
@@ -52,6 +54,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
             wheels: topics.joints.iter().map(|j| j.wheel.clone()).collect(),
             clock: Clock::Header,
             position_sigma: None,
+            antenna: topics.antenna,
             notes: Vec::new(),
         },
     };

@@ -2,7 +2,7 @@
 
 use grouser_files::columns::Meaning;
 
-use super::names::{is_over_ground, words};
+use super::names::{is_command, is_over_ground, words};
 use super::{Choosing, Job, Seen};
 use crate::error::Result;
 use crate::message::View;
@@ -44,6 +44,13 @@ impl Choosing<'_> {
             }
             self.take(seen, Job::Speed, "speed over ground", SPEED);
         }
+        if let Some(name) = &self.topics.fix {
+            let seen = self.named("fix", name)?;
+            if !matches!(seen.view, Some(View::NavSatFix(_))) {
+                return Err(self.unfit("fix", seen, "sensor_msgs/NavSatFix"));
+            }
+            self.fixes(Some(seen));
+        }
         let free: Vec<&Seen> = self.free().collect();
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
@@ -70,6 +77,16 @@ impl Choosing<'_> {
         if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
             self.fixes(first(|view, _| matches!(view, View::NavSatFix(_))));
         }
+        if self.topics.antenna != [0.0; 2]
+            && self.choice.position_sigma.is_some()
+            && !self.measures(Meaning::YawRate)
+        {
+            self.choice.notes.push(
+                "the antenna is not above the robot's origin and no yaw rate is measured: its motion in turns is not \
+                 corrected"
+                    .to_owned(),
+            );
+        }
         if !self.measures(Meaning::SpeedForward)
             && let Some(seen) = first(|view, topic| {
                 matches!(view, View::Odometry(_) | View::Twist { .. })
@@ -91,17 +108,18 @@ impl Choosing<'_> {
 
     /// Fixes of a satellite receiver that are accurate enough to measure slip.
     fn fixes(&mut self, seen: Option<&Seen>) {
-        let Some((seen, Some(View::NavSatFix(fix)))) = seen.map(|seen| (seen, &seen.view)) else {
+        let Some(seen) = seen else {
             return;
         };
-        match fix.fault() {
-            None => {
+        match seen.fixes.sigma() {
+            Some(sigma) => {
                 self.take(seen, Job::Fix, "way between fixes", WAY);
-                self.choice.position_sigma = Some(fix.sigma());
+                self.choice.position_sigma = Some(sigma);
             }
-            Some(fault) => self.choice.notes.push(format!(
-                "`{}` is not used: it begins with {fault}",
-                seen.channel.topic
+            None => self.choice.notes.push(format!(
+                "`{}` is not used: it holds only {}",
+                seen.channel.topic,
+                seen.fixes.fault.unwrap_or("fixes that cannot be decoded")
             )),
         }
     }
@@ -118,9 +136,7 @@ impl Choosing<'_> {
             None
         } else {
             self.free().find(|seen| {
-                matches!(seen.view, Some(View::Twist { .. }))
-                    && !is_over_ground(&seen.channel.topic)
-                    && words(&seen.channel.topic).any(|word| word == "cmd" || word == "command")
+                matches!(seen.view, Some(View::Twist { .. })) && is_command(&seen.channel.topic)
             })
         };
         if let Some(seen) = seen {

@@ -42,6 +42,11 @@ pub(crate) fn is_over_ground(topic: &str) -> bool {
     words.any(|word| OVER_GROUND.contains(&word.as_str()))
 }
 
+/// Does a topic's name say that it is a commanded speed?
+pub(crate) fn is_command(topic: &str) -> bool {
+    !is_over_ground(topic) && words(topic).any(|word| word == "cmd" || word == "command")
+}
+
 /// The joint whose name is the wheel's, the words `joint`, `wheel` and `link` aside: `front_left` is
 /// `front_left_wheel_joint`. Two such joints are none.
 pub(super) fn joint_by_name<'a>(

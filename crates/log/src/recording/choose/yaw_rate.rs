@@ -6,7 +6,7 @@ use super::names::words;
 use super::{Choosing, Job, Seen};
 use crate::error::Result;
 use crate::message::{Imu, Trust, View};
-use crate::recording::mounting::{agree, axes_by_file, axes_by_transforms};
+use crate::recording::mounting::{agree, axes_by_file, axes_by_transforms, has_frame};
 
 impl Choosing<'_> {
     pub(super) fn yaw_rate(&mut self) -> Result<()> {
@@ -69,8 +69,15 @@ impl Choosing<'_> {
                         "no transforms give its forward axis (`imu_forward` in the robot file does)"
                     }
                 };
+                let tree = &self.preview.transforms;
+                let lost = match self.topics.imu_forward {
+                    None if !tree.is_empty() && !has_frame(tree, &imu.frame) => {
+                        format!("no transform holds its frame `{}`; ", imu.frame)
+                    }
+                    _ => String::new(),
+                };
                 self.choice.notes.push(format!(
-                    "the accelerations of `{topic}` are not used: {why}"
+                    "the accelerations of `{topic}` are not used: {lost}{why}"
                 ));
             }
             return;

@@ -2,6 +2,7 @@
 
 use super::{Raster, check_size};
 use crate::terrain_fault::{NoCell, TerrainFault};
+use grouser_terra::OutOfRange;
 
 /// What the header says, as numbers.
 struct Header {
@@ -116,13 +117,13 @@ fn whole(field: &'static str, value: Option<f64>) -> Result<u64, TerrainFault> {
             let whole = value as u64;
             Ok(whole)
         }
-        Some(value) => Err(TerrainFault::OutOfRange {
+        Some(value) => Err(TerrainFault::OutOfRange(OutOfRange {
             field,
             value,
             low: 2.0,
             high: MAX_CELLS,
             unit: "1",
-        }),
+        })),
         None => Err(TerrainFault::Missing { field }),
     }
 }

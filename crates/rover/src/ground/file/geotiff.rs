@@ -2,6 +2,7 @@
 //!
 //! Source: the OGC GeoTIFF standard 1.1 for keys and tags; GDAL's documentation for no-data and missing tiles.
 
+use grouser_terra::OutOfRange;
 use std::io::{BufRead, Cursor, Seek};
 
 use tiff::ColorType;
@@ -93,13 +94,13 @@ struct Cut {
 fn cut<R: BufRead + Seek>(decoder: &mut Decoder<R>, (columns, rows): (u32, u32)) -> Fault<Cut> {
     let least = |field, value: u32| {
         if value == 0 {
-            return Err(TerrainFault::OutOfRange {
+            return Err(TerrainFault::OutOfRange(OutOfRange {
                 field,
                 value: 0.0,
                 low: 1.0,
                 high: f64::from(u32::MAX),
                 unit: "1",
-            });
+            }));
         }
         Ok(value)
     };
@@ -165,13 +166,13 @@ fn check_places<R: BufRead + Seek>(
             continue;
         }
         if offset.saturating_add(*bytes) > length {
-            return Err(TerrainFault::OutOfRange {
+            return Err(TerrainFault::OutOfRange(OutOfRange {
                 field: cut.names[1],
                 value: *offset as f64,
                 low: 8.0,
                 high: length.saturating_sub(*bytes) as f64,
                 unit: "byte",
-            });
+            }));
         }
         // the last strip ends with the image, tiles are always whole
         let top = index / cut.across * cut.height;

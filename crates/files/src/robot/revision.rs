@@ -1,0 +1,159 @@
+//! A robot file with some numbers changed, its comments and everything else as they stand.
+
+use std::ops::Range;
+
+use grouser_slip::WheelRole;
+use grouser_slip::window::WindowSettings;
+
+use super::{
+    Corrections, WheelSensor, parse, read_estimator, read_filter, read_meanings, read_wheel,
+};
+use crate::body;
+use crate::document::{Document, Section};
+use crate::error::{Error, Place, Result};
+
+/// What a calibration changes in a robot file; `None` leaves it as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Revision {
+    /// Factor on the radii of all powered wheels.
+    pub radius: Option<f64>,
+    /// Factor on the distance of left and right wheels: on `y_m` of all wheels.
+    pub track: Option<f64>,
+    /// Factor on `yaw_rate_scale`.
+    pub yaw_rate: Option<f64>,
+    /// The new `interval_factor`.
+    pub interval: Option<f64>,
+}
+
+/// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre.
+///
+/// # Errors
+/// As [`revised`].
+pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
+    let radius = Some(factor);
+    revised(
+        document,
+        &Revision {
+            radius,
+            ..Revision::default()
+        },
+    )
+}
+
+/// The document's text with numbers changed; comments and everything else stay as they are. Lengths are rounded to a
+/// micrometre, factors to 1e-5.
+///
+/// # Errors
+/// As [`read`](super::read), of the document and of the text that results; [`Error::Contradiction`] where a new key of
+/// `[estimator]` has no place because the table is written in one line.
+pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
+    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    let mut added = String::new();
+    let mut at: Option<Place> = None;
+    document.parse(|root| {
+        root.text("name")?;
+        let mut corrections = Corrections::default();
+        root.section("estimator", |section| {
+            corrections = read_estimator(section, &mut WindowSettings::default())?.1;
+            // The names of sensors are checked where the robot is read, below.
+            section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
+            at = Some(section.place());
+            put_factors(section, revision, corrections, &mut edits, &mut added);
+            Ok::<_, Error>(())
+        })?;
+        if at.is_none() {
+            added = factors(revision, corrections)
+                .map(|(key, value)| format!("{key} = {value:.5}\n"))
+                .collect();
+        }
+        read_filter(root, &WindowSettings::default())?;
+        read_meanings(root)?;
+        root.sections("wheel", |section| {
+            section.optional_text("joint")?;
+            let wheel = read_wheel(section)?;
+            body::read_wheel(section)?;
+            let mut put = |key: &str, value: f64| {
+                if let Some(span) = section.span_of(key) {
+                    edits.push((span, format!("{value:.6}")));
+                }
+            };
+            if let (Some(factor), WheelRole::Powered) = (revision.radius, wheel.role) {
+                put("radius_m", wheel.radius * factor);
+            }
+            if let Some(factor) = revision.track {
+                put("y_m", wheel.y * factor);
+            }
+            Ok(())
+        })?;
+        body::read(root, Vec::new())
+    })?;
+    let mut text = document.text().to_owned();
+    if !added.is_empty() {
+        let place = match at {
+            None => {
+                text.push_str("\n[estimator]\n");
+                text.len()
+            }
+            Some(at) => header_end(&text).ok_or_else(|| Error::Contradiction {
+                at,
+                message: format!(
+                    "add to it by hand, since it is no table with a header of its own: {}",
+                    added.trim_end().replace('\n', ", ")
+                ),
+            })?,
+        };
+        edits.push((place..place, added));
+    }
+    // From the end, so that the places before stay right.
+    edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
+    for (span, value) in edits {
+        text.replace_range(span, &value);
+    }
+    let rewritten = Document::from_text(document.name(), text)?;
+    parse(&rewritten)?;
+    Ok(rewritten.text().to_owned())
+}
+
+/// The factors of `[estimator]` that change, with their new values.
+fn factors(
+    revision: &Revision,
+    corrections: Corrections,
+) -> impl Iterator<Item = (&'static str, f64)> {
+    let yaw_rate = revision
+        .yaw_rate
+        .map(|factor| factor * corrections.yaw_rate_scale);
+    let all = [
+        ("yaw_rate_scale", yaw_rate),
+        ("interval_factor", revision.interval),
+    ];
+    all.into_iter()
+        .filter_map(|(key, value)| Some((key, value?)))
+}
+
+fn put_factors(
+    section: &Section<'_>,
+    revision: &Revision,
+    corrections: Corrections,
+    edits: &mut Vec<(Range<usize>, String)>,
+    added: &mut String,
+) {
+    for (key, value) in factors(revision, corrections) {
+        match section.span_of(key) {
+            Some(span) => edits.push((span, format!("{value:.5}"))),
+            None => added.push_str(&format!("{key} = {value:.5}\n")),
+        }
+    }
+}
+
+/// The byte behind the line of the header `[estimator]`.
+fn header_end(text: &str) -> Option<usize> {
+    let mut offset = 0;
+    for line in text.split_inclusive('\n') {
+        offset += line.len();
+        let bare = line.split('#').next().unwrap_or("").trim();
+        if bare == "[estimator]" && line.ends_with('\n') {
+            return Some(offset);
+        }
+    }
+    None
+}

@@ -1,0 +1,101 @@
+//! The error of a number outside its limits, shared by all crates.
+
+use core::fmt::{self, Debug, Display, Formatter};
+
+/// A number lies outside its limits (NaN always does).
+///
+/// The message omits the unit of a pure number, and an upper limit of `f64::MAX`, which is none; `{:#}` puts the
+/// field's name in backticks.
+///
+/// ```
+/// use grouser_real::OutOfRange;
+///
+/// let error = OutOfRange::<&str>::check("width", 200.0, (0.001, 100.0), "m").unwrap_err();
+/// assert_eq!(error.to_string(), "width is 200 m, but must lie in [0.001, 100] m");
+/// assert_eq!(error.named("width_m").to_string(), "width_m is 200 m, but must lie in [0.001, 100] m");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfRange<Field = &'static str> {
+    /// The field's name.
+    pub field: Field,
+    /// The value that was given.
+    pub value: f64,
+    /// The minimum value allowed.
+    pub low: f64,
+    /// The maximum value allowed; `f64::MAX` where there is none.
+    pub high: f64,
+    /// The unit of all three; `1` for a pure number.
+    pub unit: &'static str,
+}
+
+impl<Field> OutOfRange<Field> {
+    /// Checks that `value` lies in [low, high].
+    ///
+    /// # Errors
+    /// Itself, for a value outside and for NaN.
+    ///
+    /// ```
+    /// use grouser_real::OutOfRange;
+    ///
+    /// assert!(OutOfRange::<&str>::check("slip", 1.0, (-1.0, 1.0), "1").is_ok());
+    /// let error = OutOfRange::<String>::check("slip", f64::NAN, (-1.0, 1.0), "1").unwrap_err();
+    /// assert_eq!(error.to_string(), "slip is NaN, but must lie in [-1, 1]");
+    /// ```
+    pub fn check(
+        field: impl Into<Field>,
+        value: f64,
+        (low, high): (f64, f64),
+        unit: &'static str,
+    ) -> Result<(), Self> {
+        if value >= low && value <= high {
+            return Ok(());
+        }
+        Err(Self {
+            field: field.into(),
+            value,
+            low,
+            high,
+            unit,
+        })
+    }
+
+    /// The same number under another name, such as a column's or a flag's.
+    ///
+    /// ```
+    /// use grouser_real::OutOfRange;
+    ///
+    /// let error = OutOfRange::<&str>::check("slip", 2.0, (-1.0, 1.0), "1").unwrap_err();
+    /// assert_eq!(format!("{:#}", error.named("--slip")), "`--slip` is 2, but must lie in [-1, 1]");
+    /// ```
+    pub fn named<Other>(self, field: Other) -> OutOfRange<Other> {
+        OutOfRange {
+            field,
+            value: self.value,
+            low: self.low,
+            high: self.high,
+            unit: self.unit,
+        }
+    }
+}
+
+impl<Field: Display> Display for OutOfRange<Field> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let quote = if f.alternate() { "`" } else { "" };
+        let (space, unit) = match self.unit {
+            "" | "1" => ("", ""),
+            unit => (" ", unit),
+        };
+        write!(
+            f,
+            "{quote}{}{quote} is {}{space}{unit}, but must ",
+            self.field, self.value
+        )?;
+        if self.high >= f64::MAX {
+            write!(f, "be at least {}{space}{unit}", self.low)
+        } else {
+            write!(f, "lie in [{}, {}]{space}{unit}", self.low, self.high)
+        }
+    }
+}
+
+impl<Field: Debug + Display> core::error::Error for OutOfRange<Field> {}

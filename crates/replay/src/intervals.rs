@@ -1,0 +1,174 @@
+//! Do the intervals of the slips hold what they promise? A factor on all sigmas from reference runs, by split conformal
+//! prediction, checked on runs that it was not taken from.
+
+use std::io;
+
+use grouser_files::robot::RobotFile;
+use grouser_log::Log;
+use grouser_slip::Health;
+
+use crate::error::{Error, Result};
+use crate::method::Method;
+use crate::options::Options;
+use crate::run::run_into;
+use crate::sink::{Row, Sink};
+
+/// The share that the intervals are to contain.
+const SHARE: f64 = 0.9;
+/// 90 % of a normal distribution lie within so many standard deviations.
+const SIGMAS_90: f64 = 1.644_854;
+/// True slips are means of the reference over this time about an estimate, s: noise of a reading averages out.
+const TRUTH_WINDOW_S: f64 = 1.0;
+/// Fewer runs do not show how much runs differ.
+const MIN_RUNS: usize = 3;
+/// A wheel-run with fewer compared estimates does not count.
+const MIN_ROWS: usize = 20;
+
+/// What a calibration of intervals found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IntervalCalibration {
+    /// Factor on the standard deviations of all slips.
+    pub factor: f64,
+    /// Share of each run's 90 % intervals that contain the true slip, with the factor from the other runs.
+    pub coverages: Vec<f64>,
+    /// The mean of these, and that without a factor.
+    pub coverage: f64,
+    /// The share without a factor.
+    pub coverage_before: f64,
+    /// Median half-width of the 90 % intervals with the factor.
+    pub half_width: f64,
+}
+
+/// The factor on the standard deviations of the slips with which 90 % of the intervals contain the true slip in runs with a
+/// reference. Each run counts alike. `file` must not contain a factor yet: it is divided out.
+///
+/// The true slip of a wheel is the mean over the second about each estimate, by the run's own reference.
+///
+/// # Errors
+/// As [`run`](crate::run()); [`Error::TooFewRuns`] for less than three runs with slips.
+pub fn calibrate_intervals(
+    logs: &[Log],
+    file: &RobotFile,
+    options: &Options,
+) -> Result<IntervalCalibration> {
+    let mut plain = file.clone();
+    plain.corrections.interval_factor = 1.0;
+    let mut runs = Vec::new();
+    for log in logs {
+        let errors = errors_of(log, &plain, options)?;
+        if errors.len() >= MIN_ROWS {
+            runs.push(errors);
+        }
+    }
+    if runs.len() < MIN_RUNS {
+        return Err(Error::TooFewRuns {
+            runs: runs.len(),
+            needed: MIN_RUNS,
+        });
+    }
+    let all: Vec<usize> = (0..runs.len()).collect();
+    let factor = factor_of(&runs, &all);
+    let coverages: Vec<f64> = all
+        .iter()
+        .map(|held_out| {
+            let others: Vec<usize> = all.iter().copied().filter(|run| run != held_out).collect();
+            coverage(&runs[*held_out], factor_of(&runs, &others))
+        })
+        .collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let before: Vec<f64> = runs.iter().map(|run| coverage(run, 1.0)).collect();
+    let mut widths: Vec<f64> = runs.iter().flatten().map(|error| error.sigma).collect();
+    widths.sort_unstable_by(f64::total_cmp);
+    Ok(IntervalCalibration {
+        factor,
+        coverage: mean(&coverages),
+        coverages,
+        coverage_before: mean(&before),
+        half_width: factor * SIGMAS_90 * widths[widths.len() / 2],
+    })
+}
+
+/// An estimate's error and its standard deviation.
+#[derive(Clone, Copy, Debug)]
+struct SlipError {
+    error: f64,
+    sigma: f64,
+}
+
+/// The factor with which the share is reached, each run weighing alike.
+fn factor_of(runs: &[Vec<SlipError>], used: &[usize]) -> f64 {
+    let mut scores: Vec<(f64, f64)> = used
+        .iter()
+        .flat_map(|run| {
+            let errors = &runs[*run];
+            let weight = 1.0 / (errors.len() * used.len()) as f64;
+            errors
+                .iter()
+                .map(move |error| (error.error.abs() / (SIGMAS_90 * error.sigma), weight))
+        })
+        .collect();
+    scores.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut below = 0.0;
+    for (score, weight) in &scores {
+        below += weight;
+        if below >= SHARE {
+            return *score;
+        }
+    }
+    scores.last().map_or(1.0, |(score, _)| *score)
+}
+
+fn coverage(run: &[SlipError], factor: f64) -> f64 {
+    let is_inside = |error: &&SlipError| error.error.abs() <= factor * SIGMAS_90 * error.sigma;
+    run.iter().filter(is_inside).count() as f64 / run.len() as f64
+}
+
+/// Slips over time by wheel.
+#[derive(Default)]
+struct Kept(Vec<Vec<[f64; 3]>>);
+
+impl Sink for Kept {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        if self.0.len() <= row.wheel {
+            self.0.resize(row.wheel + 1, Vec::new());
+        }
+        if let Some((slip, sigma)) = row.slip.zip(row.slip_sigma)
+            && matches!(row.health, Health::Ok)
+        {
+            self.0[row.wheel].push([row.time_s, slip, sigma]);
+        }
+        Ok(())
+    }
+}
+
+/// The errors of all wheels of a run.
+fn errors_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<SlipError>> {
+    let mut estimates = Kept::default();
+    run_into(log, file, options, &mut estimates)?;
+    let by_windows = Options {
+        method: Some(Method::Window),
+        smooth: false,
+        window_s: Some(TRUTH_WINDOW_S),
+        ..*options
+    };
+    let mut means = Kept::default();
+    run_into(log, file, &by_windows, &mut means)?;
+    let mut errors = Vec::new();
+    for (estimates, means) in estimates.0.iter().zip(&means.0) {
+        for &[time, slip, sigma] in estimates {
+            // The window that ends half its length later is centred here.
+            let end = time + 0.5 * TRUTH_WINDOW_S;
+            let next = means.partition_point(|mean| mean[0] < end);
+            let Some(mean) = means.get(next).filter(|mean| mean[0] - end < 0.1) else {
+                continue;
+            };
+            if sigma > 0.0 {
+                errors.push(SlipError {
+                    error: slip - mean[1],
+                    sigma,
+                });
+            }
+        }
+    }
+    Ok(errors)
+}

@@ -1,0 +1,157 @@
+//! Sensors whose axes are described wrongly are named, and an acceleration along one axis is of use.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may print what it measured"
+)]
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::io;
+
+use grouser_files::Document;
+use grouser_files::robot::{self, RobotFile, WheelSensor};
+use grouser_replay::{Doubt, Engine, Inputs, Options, Row, Sink, Summary};
+use grouser_slip::{Measurement, Reference};
+use grouser_synthetic::{Disturbance, KnownTruth, SlipProfile};
+
+fn file(more: &str) -> RobotFile {
+    let mut text = format!(
+        "format = 1\nname = \"known truth\"\n[estimator]\nposition_sigma_m = 0.02\n{more}\n"
+    );
+    for wheel in KnownTruth::robot().unwrap().wheels() {
+        let (name, x, y) = (&wheel.name, wheel.x, wheel.y);
+        writeln!(
+            text,
+            "[[wheel]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = {y:?}\nradius_m = 0.1\ndrive = \"powered\"\n\
+             ticks_per_turn = 1000"
+        )
+        .unwrap();
+    }
+    robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
+}
+
+/// Sum of the squared errors of the slips after 10 s, and their number.
+struct Errors<'a> {
+    truth: &'a [[f64; 4]],
+    sum: f64,
+    count: f64,
+}
+
+impl Sink for Errors<'_> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a row's number"
+        )]
+        let step = (row.time_s * 100.0).round() as usize;
+        if let Some(slip) = row.slip.filter(|_| row.time_s > 10.0) {
+            self.sum += (slip - self.truth[step][row.wheel]).powi(2);
+            self.count += 1.0;
+        }
+        Ok(())
+    }
+}
+
+/// A drive with its samples changed: the summary and the RMSE of the slips.
+fn run(
+    accelerations: bool,
+    is_acceleration_forward_only: bool,
+    more: &str,
+    change: impl Fn(&mut Measurement),
+) -> (Summary, f64) {
+    let drive = KnownTruth {
+        rim_speed: 2.0,
+        accelerations,
+        disturbance: Disturbance::Clean,
+        profile: SlipProfile::Waves,
+        position_sigma: 0.02,
+        duration_s: 60,
+        seed: 7,
+    };
+    let inputs = Inputs {
+        wheel_sensor: WheelSensor::Count,
+        reference: Reference::Pose,
+        position_sigma: None,
+        is_acceleration_forward_only,
+    };
+    let steps = drive.steps();
+    let truth: Vec<[f64; 4]> = steps.iter().map(|step| step.wheel_slips).collect();
+    let mut errors = Errors {
+        truth: &truth,
+        sum: 0.0,
+        count: 0.0,
+    };
+    let mut engine = Engine::new(&file(more), inputs, &Options::default()).unwrap();
+    for mut sample in steps.iter().flat_map(|step| step.samples.clone()) {
+        change(&mut sample.measurement);
+        engine.push(sample, &mut errors).unwrap();
+    }
+    let summary = engine.finish(&mut errors).unwrap();
+    (summary, (errors.sum / errors.count).sqrt())
+}
+
+#[test]
+fn right_axes_raise_no_doubt() {
+    for accelerations in [true, false] {
+        let (summary, rmse) = run(accelerations, false, "", |_| ());
+        assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
+        assert!(rmse < 0.1, "{rmse}");
+    }
+}
+
+#[test]
+fn an_imu_that_is_turned_round_is_named() {
+    // The rims hardly change their speed here: the reference shows when the robot speeds up.
+    let (summary, rmse) = run(true, false, "", |measurement| {
+        if let Measurement::Acceleration { forward, left } = measurement {
+            (*forward, *left) = (-*forward, -*left);
+        }
+    });
+    println!("turned round: rmse {rmse:.4}");
+    let is_turned =
+        |doubt: &Doubt| matches!(doubt, Doubt::AccelerationTurned(angle) if angle.abs() > 3.0);
+    assert!(
+        summary.doubts().iter().any(is_turned),
+        "{:?}",
+        summary.doubts()
+    );
+}
+
+#[test]
+fn a_pose_that_is_turned_round_is_named_and_corrected() {
+    let turned = |measurement: &mut Measurement| {
+        if let Measurement::Pose { yaw, .. } = measurement {
+            *yaw += PI;
+        }
+    };
+    let (summary, _) = run(false, false, "", turned);
+    let is_turned =
+        |doubt: &Doubt| matches!(doubt, Doubt::ReferenceTurned(angle) if angle.abs() > 3.0);
+    assert!(
+        summary.doubts().iter().any(is_turned),
+        "{:?}",
+        summary.doubts()
+    );
+    let (summary, rmse) = run(false, false, "pose_yaw_offset_deg = 180.0", turned);
+    assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
+    let right = run(false, false, "", |_| ()).1;
+    assert!((rmse - right).abs() < 1e-3, "{rmse} and {right}");
+}
+
+#[test]
+fn an_acceleration_forwards_alone_is_of_use() {
+    let without = run(false, false, "", |_| ()).1;
+    let both = run(true, false, "", |_| ()).1;
+    let forward = run(true, true, "", |measurement| {
+        if let Measurement::Acceleration { left, .. } = measurement {
+            *left = 0.0;
+        }
+    });
+    println!(
+        "rmse: without {without:.4}, both axes {both:.4}, forwards alone {:.4}",
+        forward.1
+    );
+    assert!(forward.1 < 1.1 * both && forward.1 < 0.7 * without);
+}

@@ -1,0 +1,21 @@
+"""Wheel slip of robots on soft ground.
+
+Modules by subject: `soils`, `wheel` (forces and sinkage, at one point or at millions), `optimize`, `slip`
+(filter and on-board computer), `logs`, `drive` (simulation), `figures`. Bad input raises `InputError` (a
+ValueError) or `InputTypeError` (a TypeError) with field, value, limit and unit.
+"""
+
+from . import drive, figures, logs, optimize, slip, soils, wheel
+from ._errors import InputError, InputTypeError
+
+__all__ = [
+    "InputError",
+    "InputTypeError",
+    "drive",
+    "figures",
+    "logs",
+    "optimize",
+    "slip",
+    "soils",
+    "wheel",
+]

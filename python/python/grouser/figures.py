@@ -1,0 +1,100 @@
+"""Figures as SVG: the same look as those of the command, shown by notebooks as they are.
+
+>>> import numpy as np
+>>> from grouser import figures
+>>> slip = np.linspace(0.0, 1.0, 50)
+>>> figure = figures.lines("Pull", "Slip *s*", "Pull (N)", figures.Line(slip, 30.0 * slip, "*W* = 80 N"))
+>>> figure.svg.startswith("<svg")
+True
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from . import wheel as _wheel
+from ._arrays import FloatArray, as_floats
+from ._core import Soil, Wheel
+from ._errors import InputError
+
+__all__ = ["Figure", "Line", "lines", "slip_curves"]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure: SVG text, which notebooks show."""
+
+    svg: str
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Writes the SVG file."""
+        Path(path).write_text(self.svg, encoding="utf-8")
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line through points, or the points alone; NaN breaks a line.
+
+    The label may contain *italic*, _{subscript} and ^{superscript}.
+    """
+
+    x: Any
+    y: Any
+    label: str = ""
+    points: bool = False
+
+
+def _column(field: str, value: Any) -> FloatArray:
+    return np.ascontiguousarray(as_floats(field, value)).reshape(-1)
+
+
+def lines(title: str, x_title: str, y_title: str, *given: Line) -> Figure:
+    """A chart of lines and points; axis titles end with their unit in brackets.
+
+    Raises
+    ------
+    InputError
+        Columns of different lengths.
+    """
+    drawn = []
+    for line in given:
+        x, y = _column("x", line.x), _column("y", line.y)
+        if x.size != y.size:
+            raise InputError(f"y has {y.size} points, but x has {x.size}", "y", y.size, x.size, "1")
+        drawn.append((x, y, line.label, bool(line.points)))
+    return Figure(_core.chart_svg(title, x_title, y_title, drawn))
+
+
+def slip_curves(soil: Soil, wheel: Wheel, *, load_n: Any, quantity: str = "drawbar_pull_n") -> Figure:
+    """A quantity of one wheel against slip, a line for each load.
+
+    Examples
+    --------
+    >>> from grouser import figures, soils
+    >>> from grouser.wheel import Wheel
+    >>> f = figures.slip_curves(soils.find("dry-sand"), Wheel(radius_m=0.125, width_m=0.1), load_n=[40.0, 80.0])
+    >>> "Drawbar pull" in f.svg
+    True
+    """
+    titles = {
+        "drawbar_pull_n": "Drawbar pull *F*_{DP} (N)",
+        "sinkage_m": "Sinkage *z* (m)",
+        "torque_nm": "Torque *T* (N m)",
+    }
+    if quantity not in titles:
+        raise InputError(f"quantity is `{quantity}`, but must be one of {', '.join(titles)}", "quantity", quantity)
+    slip = np.linspace(0.0, 0.95, 96)
+    drawn = [
+        Line(slip, getattr(_wheel.curve(soil, wheel, load_n=load, slip=slip), quantity), f"*W* = {load:g} N")
+        for load in _column("load_n", load_n)
+    ]
+    return lines(f"{soil.name}: {quantity} against slip", "Slip *s*", titles[quantity], *drawn)

@@ -1,0 +1,240 @@
+"""Recorded logs (MCAP, ROS 1 bags, tables) and live streams through the slip estimator.
+
+>>> from grouser import logs
+>>> robot = logs.Robot.read("examples/five-wheel/robot.toml")
+>>> result = logs.estimate("examples/five-wheel/log.csv", robot, columns="examples/five-wheel/columns.toml")
+>>> len(result.rows.slip)
+10005
+>>> result.summary["wheels"][0]["slip"]["p95"] > 0.33
+True
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import as_floats
+from ._core import Robot, Sample
+from ._errors import InputError
+
+__all__ = ["Engine", "Result", "Robot", "Rows", "Sample", "Samples", "estimate", "read"]
+
+Paths = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
+
+
+class Rows(NamedTuple):
+    """A row for every wheel whenever it was read, as columns."""
+
+    time_s: npt.NDArray[np.float64]
+    """Seconds from the log's start."""
+    wheel: npt.NDArray[np.uint32]
+    """The wheel's index in the robot's order."""
+    slip: npt.NDArray[np.float64]
+    """NaN where there is none."""
+    slip_sigma: npt.NDArray[np.float64]
+    """Standard deviation of the slip's error."""
+    side_slip_angle_deg: npt.NDArray[np.float64]
+    """From the wheel's heading to the way of its centre, to the left."""
+    motion: list[str]
+    health: list[str]
+    """How far the slip can be trusted, with the reason."""
+
+
+class Result(NamedTuple):
+    """A log's rows and its summary."""
+
+    rows: Rows
+    summary: dict[str, Any]
+    """Status, method, reference, the wheels' slips, ways, and `doubts`: empty where all checks passed."""
+
+
+class Samples(NamedTuple):
+    """The samples of a log in the order of time, as columns."""
+
+    time_ns: npt.NDArray[np.int64]
+    kind: npt.NDArray[np.uint8]
+    """An index in `kinds`."""
+    wheel: npt.NDArray[np.int64]
+    """An index in `wheels`; -1 for a sensor of the robot."""
+    numbers: npt.NDArray[np.float64]
+    """Shape (n, 6): the numbers of each sample, then NaN."""
+    kinds: list[str]
+    wheels: list[str]
+    """The log's wheels."""
+    notes: list[str]
+    """What is worth knowing of the log."""
+
+    def of_kind(self, kind: str) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+        """Times (ns), wheels and numbers of one kind of sample."""
+        if kind not in self.kinds:
+            raise InputError(f"kind is `{kind}`, but must be one of {', '.join(self.kinds)}", "kind", kind)
+        here = self.kind == self.kinds.index(kind)
+        return self.time_ns[here], self.wheel[here], self.numbers[here]
+
+
+def _paths(paths: Paths) -> list[str]:
+    if isinstance(paths, (str, os.PathLike)):
+        return [os.fspath(paths)]
+    return [os.fspath(path) for path in paths]
+
+
+def _optional(field: str, value: float | None) -> float | None:
+    if value is None:
+        return None
+    array = as_floats(field, value)
+    if array.ndim != 0:
+        raise InputError(f"{field} has the shape {array.shape}, but must be one number", field)
+    return float(array)
+
+
+def _choices(
+    method: str | None,
+    reference: str | None,
+    wheel_sensor: str | None,
+    window_s: float | None,
+    from_s: float | None,
+    to_s: float | None,
+    smooth: bool,
+) -> dict[str, Any]:
+    return {
+        "method": method,
+        "reference": reference,
+        "wheel_sensor": wheel_sensor,
+        "window_s": _optional("window_s", window_s),
+        "from_s": _optional("from_s", from_s),
+        "to_s": _optional("to_s", to_s),
+        "smooth": bool(smooth),
+    }
+
+
+def estimate(
+    paths: Paths,
+    robot: Robot,
+    *,
+    columns: str | os.PathLike[str] | None = None,
+    method: str | None = None,
+    reference: str | None = None,
+    wheel_sensor: str | None = None,
+    window_s: float | None = None,
+    from_s: float | None = None,
+    to_s: float | None = None,
+    smooth: bool = False,
+) -> Result:
+    """The slip of every wheel over a log.
+
+    Parameters
+    ----------
+    paths : path or paths
+        Files of one log, or folders of them.
+    robot : Robot
+    columns : path, optional
+        The column map of tables; the robot file's own by default.
+    method : str, optional
+        `filter` or `window`.
+    reference : str, optional
+        `displacement`, `pose`, `speed`, `free-wheel` or `grip`; the best in the log by default.
+    wheel_sensor : str, optional
+        `count`, `angle` or `rate`.
+    window_s, from_s, to_s : float, optional
+        The window of means; the span of the log, s from its start.
+    smooth : bool
+        Runs forward and backward: every slip then uses the whole log.
+
+    Returns
+    -------
+    Result
+        Read `summary["doubts"]`: a doubtful result is not an exception.
+
+    Raises
+    ------
+    OSError
+        A file cannot be read.
+    InputError
+        A file that is damaged or does not fit the robot; a choice that does not exist.
+    """
+    map_path = None if columns is None else os.fspath(columns)
+    choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, smooth)
+    rows, summary = _core.estimate(_paths(paths), robot, map_path, choices)
+    return Result(Rows(**rows), summary)
+
+
+def read(paths: Paths, robot: Robot, *, columns: str | os.PathLike[str] | None = None) -> Samples:
+    """The samples of a log in the order of time, on their own clocks.
+
+    Examples
+    --------
+    >>> from grouser import logs
+    >>> robot = logs.Robot.read("examples/five-wheel/robot.toml")
+    >>> samples = logs.read("examples/five-wheel/log.csv", robot, columns="examples/five-wheel/columns.toml")
+    >>> time_ns, _, numbers = samples.of_kind("yaw-rate")
+    >>> abs(numbers[:, 0].sum() * 0.02 - 0.94) < 0.01  # 0.15 rad/s for 6 s, and the gyro's bias
+    True
+    """
+    map_path = None if columns is None else os.fspath(columns)
+    found = _core.read_samples(_paths(paths), robot, map_path)
+    found["numbers"] = found["numbers"].reshape(-1, 6)
+    return Samples(**found)
+
+
+class Engine:
+    """Samples of a live source through the estimator, in the order of time.
+
+    Parameters
+    ----------
+    robot : Robot
+    reference : str
+        What measures how fast the robot travels: `displacement`, `pose`, `speed`, `free-wheel` or `grip`.
+    wheel_sensor : str
+        `count`, `angle` or `rate`.
+
+    Examples
+    --------
+    >>> from grouser import logs
+    >>> robot = logs.Robot.read("examples/five-wheel/robot.toml")
+    >>> engine = logs.Engine(robot, reference="free-wheel", wheel_sensor="count")
+    >>> for k in range(100):
+    ...     for wheel in range(5):
+    ...         engine.push(logs.Sample.wheel_count(time_ns=k * 20_000_000, wheel=wheel, count=40 * k))
+    >>> summary = engine.finish()
+    >>> len(engine.rows().slip)
+    500
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        reference: str,
+        wheel_sensor: str = "count",
+        method: str | None = None,
+        window_s: float | None = None,
+        smooth: bool = False,
+    ) -> None:
+        choices = _choices(method, None, None, window_s, None, None, smooth)
+        self._core = _core.Engine(robot, reference, wheel_sensor, choices)
+
+    def push(self, sample: Sample) -> None:
+        """Takes a sample, not earlier than those before; its wheel is an index in the robot's order."""
+        self._core.push(sample)
+
+    def rows(self) -> Rows:
+        """The rows since the last call."""
+        return Rows(**self._core._rows())
+
+    def finish(self) -> dict[str, Any]:
+        """Ends the run: the summary. The last rows are in `rows`."""
+        return self._core._finish()
+
+    def run(self, samples: Iterable[Sample]) -> Iterator[Rows]:
+        """Pushes samples; yields their rows as they come."""
+        for sample in samples:
+            self.push(sample)
+            rows = self.rows()
+            if len(rows.slip):
+                yield rows

@@ -1,0 +1,340 @@
+"""The wheel in the soil: sinkage, forces, derivatives, slip demand, at one point or at millions.
+
+Array functions broadcast their inputs as NumPy's own functions do. Every keyword carries its unit.
+Inputs are numbers, NumPy arrays, lists, and columns of pandas, polars and pyarrow; contiguous columns of
+float64 are read in place. A point that cannot be computed is not an exception but a status, with NaN in
+its results: the others are computed.
+
+=======  =================================================
+status   meaning
+=======  =================================================
+0        solved
+1        no sinkage below the hub carries the load, or no slip holds the slope
+2        the search for the sinkage ended without its result
+3        bad input: a value outside its limits, or NaN
+=======  =================================================
+
+The threads of a call end with it. While it computes, the interpreter is released, and Ctrl-C interrupts
+it.
+
+>>> import numpy as np
+>>> from grouser import soils, wheel
+>>> points = wheel.under_load(
+...     soils.find("lunar"), radius_m=0.125, width_m=0.15, load_n=65.0, slip=np.array([0.1, 0.25])
+... )
+>>> points.drawbar_pull_n.round(4)
+array([-3.656 ,  3.2949])
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import as_floats, columns, shaped, threads_of
+from ._core import OperatingPoint, Soil, Wheel, WheelOnSoil
+from ._errors import InputError
+
+__all__ = [
+    "Derivatives",
+    "Demand",
+    "OperatingPoint",
+    "OperatingPoints",
+    "Points",
+    "Wheel",
+    "WheelOnSoil",
+    "at_sinkage",
+    "curve",
+    "instructions",
+    "jacobian",
+    "operating_points",
+    "slip_demand",
+    "slip_from_speeds",
+    "under_load",
+]
+
+instructions = _core.instructions
+
+
+class Points(NamedTuple):
+    """Operating points side by side, in the shape of the inputs; NaN where the status is not 0."""
+
+    status: Any
+    """How each point ended (uint8): see the module."""
+    sinkage_m: Any
+    """Sinkage, m."""
+    vertical_force_n: Any
+    """Vertical force, N, upwards."""
+    drawbar_pull_n: Any
+    """Drawbar pull, N, forwards."""
+    torque_nm: Any
+    """Torque, N m, positive where a motor drives."""
+
+
+class OperatingPoints(NamedTuple):
+    """Operating points of one wheel that may drift; NaN where the status is not 0."""
+
+    status: Any
+    """How each point ended (uint8): see the module."""
+    sinkage_m: Any
+    """Sinkage, m."""
+    vertical_force_n: Any
+    """Vertical force, N, upwards."""
+    drawbar_pull_n: Any
+    """Drawbar pull, N, forwards."""
+    torque_nm: Any
+    """Torque, N m, positive where a motor drives."""
+    side_force_n: Any
+    """Side force, N, to the left."""
+
+
+class Demand(NamedTuple):
+    """The slip that a slope needs; NaN where the status is not 0."""
+
+    status: Any
+    """How each point ended (uint8): 0 holds, 1 immobilised, 3 bad input."""
+    slip: Any
+    """The smallest slip that holds the slope; negative downhill."""
+
+
+class Derivatives(NamedTuple):
+    """Values and exact derivatives under a load; NaN where the status is not 0.
+
+    The last axis of each derivative is (slip, radius_m, width_m, load_n), in SI units.
+    """
+
+    status: Any
+    """How each point ended (uint8): see the module."""
+    sinkage_m: Any
+    """Sinkage, m."""
+    drawbar_pull_n: Any
+    """Drawbar pull, N."""
+    torque_nm: Any
+    """Torque, N m."""
+    d_sinkage: Any
+    """Derivatives of the sinkage, shape (..., 4)."""
+    d_drawbar_pull: Any
+    """Derivatives of the drawbar pull, shape (..., 4)."""
+    d_torque: Any
+    """Derivatives of the torque, shape (..., 4)."""
+
+
+def _outputs(points: int) -> tuple[npt.NDArray[np.uint8], list[npt.NDArray[np.float64]]]:
+    return np.empty(points, dtype=np.uint8), [np.empty(points) for _ in range(4)]
+
+
+def _points(
+    shape: tuple[int, ...], status: npt.NDArray[np.uint8], numbers: list[npt.NDArray[np.float64]]
+) -> Points:
+    return Points(shaped(shape, status), *(shaped(shape, column) for column in numbers))
+
+
+def under_load(
+    soil: Soil,
+    *,
+    radius_m: Any,
+    width_m: Any,
+    load_n: Any,
+    slip: Any,
+    rebound: Any = None,
+    threads: int | None = None,
+) -> Points:
+    """Sinkage and forces of smooth wheels under loads, straight ahead.
+
+    Parameters
+    ----------
+    soil : Soil
+        The soil of all points.
+    radius_m, width_m : array_like
+        Radius and width of the wheels, m, 0.001 to 100.
+    load_n : array_like
+        Load of each wheel, N.
+    slip : array_like
+        Slip, -1 to 1; negative where the wheel brakes.
+    rebound : array_like, optional
+        Rebound ratio of the soil behind the wheel; the soil's own by default.
+    threads : int, optional
+        Threads of this call; by default as many as the machine runs, one for each 16384 points.
+
+    Returns
+    -------
+    Points
+        Each in the shape of the broadcast inputs; accurate to 1e-9 of the largest force.
+
+    Raises
+    ------
+    InputError
+        Shapes that do not broadcast.
+    InputTypeError
+        Objects, text or complex numbers.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> p = wheel.under_load(soils.find("dry-sand"), radius_m=0.125, width_m=0.1, load_n=80.0, slip=[0.2, 2.0])
+    >>> p.status
+    array([0, 3], dtype=uint8)
+    """
+    rebound = soil.rebound if rebound is None else rebound
+    shape, points, flat = columns(
+        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, load_n=load_n
+    )
+    status, numbers = _outputs(points)
+    _core.solve_under_load(soil, flat, status, numbers, threads_of(threads))
+    return _points(shape, status, numbers)
+
+
+def at_sinkage(
+    soil: Soil,
+    *,
+    radius_m: Any,
+    width_m: Any,
+    sinkage_m: Any,
+    slip: Any,
+    rebound: Any = None,
+    threads: int | None = None,
+) -> Points:
+    """Forces of smooth wheels at sinkages (m), straight ahead; otherwise as `under_load`.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> p = wheel.at_sinkage(soils.find("dry-sand"), radius_m=0.1, width_m=0.05, sinkage_m=0.01, slip=0.2)
+    >>> round(float(p.vertical_force_n), 6)
+    11.899672
+    """
+    rebound = soil.rebound if rebound is None else rebound
+    shape, points, flat = columns(
+        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, sinkage_m=sinkage_m
+    )
+    status, numbers = _outputs(points)
+    _core.solve_at_sinkage(soil, flat, status, numbers, threads_of(threads))
+    return _points(shape, status, numbers)
+
+
+def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
+    """Sinkage and forces of one smooth wheel under one load at many slips.
+
+    As accurate as `under_load`, and several times as fast, because the points start from an interpolation.
+
+    Raises
+    ------
+    InputError
+        A wheel with grousers, a load that is no single number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grouser import soils, wheel
+    >>> slip = np.linspace(0.0, 0.9, 100)
+    >>> c = wheel.curve(soils.find("dry-sand"), wheel.Wheel(radius_m=0.125, width_m=0.1), load_n=80.0, slip=slip)
+    >>> bool(c.drawbar_pull_n[0] < 0.0 < c.drawbar_pull_n[-1])
+    True
+    """
+    slips = as_floats("slip", slip)
+    load = as_floats("load_n", load_n)
+    if load.size != 1:
+        raise InputError(f"load_n has the shape {load.shape}, but must be one number", "load_n")
+    flat = np.ascontiguousarray(slips).reshape(-1)
+    status, numbers = _outputs(flat.size)
+    _core.solve_curve(soil, wheel, float(load.reshape(())), flat, status, numbers)
+    return _points(slips.shape, status, numbers)
+
+
+def operating_points(
+    contact: WheelOnSoil,
+    *,
+    load_n: Any,
+    slip: Any,
+    slip_angle_deg: Any = 0.0,
+    threads: int | None = None,
+) -> OperatingPoints:
+    """Sinkage and forces of one wheel, with grousers and slip angles, point by point.
+
+    The same bits as `WheelOnSoil.under_load`. For smooth wheels straight ahead `under_load` is some
+    twenty times as fast.
+
+    Parameters
+    ----------
+    contact : WheelOnSoil
+    load_n : array_like
+        Load, N.
+    slip : array_like
+        Slip, -1 to 1.
+    slip_angle_deg : array_like
+        Slip angle, degrees, -89.9 to 89.9, positive where the wheel drifts to its left.
+    threads : int, optional
+        Threads of this call.
+    """
+    shape, points, flat = columns(load_n=load_n, slip=slip, slip_angle_deg=slip_angle_deg)
+    status, results = contact._operating_points(flat, points, threads_of(threads))
+    return OperatingPoints(shaped(shape, status), *(shaped(shape, column) for column in results))
+
+
+def slip_demand(
+    contact: WheelOnSoil, *, weight_n: Any, slope_deg: Any, threads: int | None = None
+) -> Demand:
+    """The smallest slip at which a wheel holds a slope.
+
+    Parameters
+    ----------
+    contact : WheelOnSoil
+    weight_n : array_like
+        Weight on the wheel on the level, N.
+    slope_deg : array_like
+        Slope, degrees, positive uphill.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), soils.find("dry-sand"))
+    >>> wheel.slip_demand(contact, weight_n=80.0, slope_deg=[0.0, 40.0]).status
+    array([0, 1], dtype=uint8)
+    """
+    shape, points, flat = columns(weight_n=weight_n, slope_deg=slope_deg)
+    status, slips = contact._slip_demand(flat, points, threads_of(threads))
+    return Demand(shaped(shape, status), shaped(shape, slips))
+
+
+def jacobian(
+    contact: WheelOnSoil, *, load_n: Any, slip: Any, threads: int | None = None
+) -> Derivatives:
+    """Sinkage, drawbar pull and torque with exact derivatives in slip, radius, width and load.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), soils.find("dry-sand"))
+    >>> d = wheel.jacobian(contact, load_n=80.0, slip=0.2)
+    >>> d.d_drawbar_pull.shape
+    (4,)
+    """
+    shape, points, flat = columns(load_n=load_n, slip=slip)
+    status, numbers = contact._jacobian(flat, points, threads_of(threads))
+    rows = numbers.reshape((*shape, 15))
+    return Derivatives(
+        shaped(shape, status),
+        *(rows[..., k][()] for k in range(3)),
+        *(rows[..., 3 + 4 * k : 7 + 4 * k] for k in range(3)),
+    )
+
+
+def slip_from_speeds(*, forward_speed_mps: Any, rim_speed_mps: Any) -> Any:
+    """Slip from the speed of the wheel's centre and of its rim, m/s.
+
+    With v the speed of the centre and u that of the rim: 1 - v/u where the wheel drives, u/v - 1 where it
+    brakes. NaN where the speeds define no slip: at standstill, and where the wheel travels against its
+    rotation.
+
+    Examples
+    --------
+    >>> from grouser import wheel
+    >>> wheel.slip_from_speeds(forward_speed_mps=[0.8, 1.0], rim_speed_mps=1.0)
+    array([0.2, 0. ])
+    """
+    shape, points, flat = columns(forward_speed_mps=forward_speed_mps, rim_speed_mps=rim_speed_mps)
+    full = [np.ascontiguousarray(np.broadcast_to(column, (points,))) for column in flat]
+    return shaped(shape, _core.slips_from_speeds(*full))

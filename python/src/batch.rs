@@ -1,0 +1,208 @@
+//! Many operating points at once: arrays in, arrays out, on lanes and threads.
+
+use grouser::terra::{BatchColumns, BatchInput, BatchKernel, BatchPoints, SolveStatus};
+use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::prelude::*;
+
+use crate::error::raised;
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+use crate::workers::{self, POINTS_PER_BLOCK};
+
+/// A quantity of all points: a contiguous array, which is not copied, or one number.
+#[derive(FromPyObject)]
+pub(crate) enum Column<'py> {
+    Array(PyReadonlyArray1<'py, f64>),
+    Constant(f64),
+}
+
+impl Column<'_> {
+    pub(crate) fn input(&self) -> PyResult<BatchInput<'_>> {
+        Ok(match self {
+            Self::Array(array) => BatchInput::Column(array.as_slice()?),
+            Self::Constant(x) => BatchInput::Constant(*x),
+        })
+    }
+}
+
+/// The columns that a batch writes, allocated by the caller: sinkage, vertical force, drawbar pull, torque.
+type Numbers<'py> = [PyReadwriteArray1<'py, f64>; 4];
+
+/// What is computed at each point.
+#[derive(Clone, Copy)]
+enum Given {
+    Load,
+    Sinkage,
+}
+
+/// One job of a batch.
+struct Batch<'py> {
+    columns: [Column<'py>; 5],
+    status: PyReadwriteArray1<'py, u8>,
+    numbers: Numbers<'py>,
+    threads: usize,
+}
+
+fn check_length(found: usize, expected: usize) -> PyResult<()> {
+    if found == expected {
+        return Ok(());
+    }
+    raised(Err(grouser::terra::Error::Lengths { expected, found }))
+}
+
+fn part<'a>(input: BatchInput<'a>, from: usize, to: usize) -> BatchInput<'a> {
+    match input {
+        BatchInput::Column(column) => BatchInput::Column(&column[from..to]),
+        constant => constant,
+    }
+}
+
+impl Batch<'_> {
+    fn run(mut self, py: Python<'_>, soil: &Soil, given: Given) -> PyResult<()> {
+        let codes = self.status.as_slice_mut()?;
+        let points = codes.len();
+        let mut inputs = [BatchInput::Constant(0.0); 5];
+        for (input, column) in inputs.iter_mut().zip(&self.columns) {
+            *input = column.input()?;
+            if let BatchInput::Column(values) = input {
+                check_length(values.len(), points)?;
+            }
+        }
+        let [sinkage, vertical_force, drawbar_pull, torque] = &mut self.numbers;
+        let mut rest = [
+            sinkage.as_slice_mut()?,
+            vertical_force.as_slice_mut()?,
+            drawbar_pull.as_slice_mut()?,
+            torque.as_slice_mut()?,
+        ];
+        for column in &rest {
+            check_length(column.len(), points)?;
+        }
+        let kernel = BatchKernel::new(soil.soil);
+        let threads = workers::count(self.threads, points);
+        let block = points.min(POINTS_PER_BLOCK * threads);
+        let mut statuses = vec![SolveStatus::default(); block];
+        let mut from = 0;
+        for codes in codes.chunks_mut(block.max(1)) {
+            let share = codes.len().div_ceil(threads);
+            let block_end = from + codes.len();
+            let mut jobs = Vec::with_capacity(threads);
+            for status in statuses[..codes.len()].chunks_mut(share) {
+                let to = block_end.min(from + share);
+                let [sinkage, vertical_force, drawbar_pull, torque] =
+                    rest.each_mut().map(|column| {
+                        let (mine, others) = std::mem::take(column).split_at_mut(to - from);
+                        *column = others;
+                        mine
+                    });
+                let mut out = BatchColumns {
+                    sinkage,
+                    vertical_force,
+                    drawbar_pull,
+                    torque,
+                    status,
+                };
+                let [radius, width, rebound, slip, value] =
+                    inputs.map(|input| part(input, from, to));
+                let points = BatchPoints {
+                    radius,
+                    width,
+                    rebound,
+                    slip,
+                };
+                let kernel = &kernel;
+                jobs.push(move || match given {
+                    Given::Load => kernel.under_load(&points, value, &mut out),
+                    Given::Sinkage => kernel.forces(&points, value, &mut out),
+                });
+                from = to;
+            }
+            for result in workers::run(py, jobs) {
+                raised(result)?;
+            }
+            write_codes(codes, &statuses);
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+}
+
+fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
+    for (code, status) in codes.iter_mut().zip(statuses) {
+        *code = status.code();
+    }
+}
+
+/// Sinkage and forces under loads. `columns` are radius, width, rebound, slip and load, each a contiguous
+/// array or one number; `status` and `numbers` (sinkage, vertical force, drawbar pull, torque) are written.
+#[pyfunction]
+pub(crate) fn solve_under_load<'py>(
+    py: Python<'py>,
+    soil: &Soil,
+    columns: [Column<'py>; 5],
+    status: PyReadwriteArray1<'py, u8>,
+    numbers: Numbers<'py>,
+    threads: usize,
+) -> PyResult<()> {
+    let batch = Batch {
+        columns,
+        status,
+        numbers,
+        threads,
+    };
+    batch.run(py, soil, Given::Load)
+}
+
+/// Forces at sinkages; as `solve_under_load` with the sinkage in place of the load.
+#[pyfunction]
+pub(crate) fn solve_at_sinkage<'py>(
+    py: Python<'py>,
+    soil: &Soil,
+    columns: [Column<'py>; 5],
+    status: PyReadwriteArray1<'py, u8>,
+    numbers: Numbers<'py>,
+    threads: usize,
+) -> PyResult<()> {
+    let batch = Batch {
+        columns,
+        status,
+        numbers,
+        threads,
+    };
+    batch.run(py, soil, Given::Sinkage)
+}
+
+/// Sinkage and forces of one wheel under one load at many slips; outputs as in `solve_under_load`.
+#[pyfunction]
+pub(crate) fn solve_curve<'py>(
+    py: Python<'py>,
+    soil: &Soil,
+    wheel: &Wheel,
+    load_n: f64,
+    slip: PyReadonlyArray1<'py, f64>,
+    mut status: PyReadwriteArray1<'py, u8>,
+    mut numbers: Numbers<'py>,
+) -> PyResult<()> {
+    let slip = slip.as_slice()?;
+    let kernel = BatchKernel::new(soil.soil);
+    let mut statuses = vec![SolveStatus::default(); slip.len()];
+    let [sinkage, vertical_force, drawbar_pull, torque] = &mut numbers;
+    let mut columns = BatchColumns {
+        sinkage: sinkage.as_slice_mut()?,
+        vertical_force: vertical_force.as_slice_mut()?,
+        drawbar_pull: drawbar_pull.as_slice_mut()?,
+        torque: torque.as_slice_mut()?,
+        status: &mut statuses,
+    };
+    raised(py.detach(|| kernel.curve(&wheel.0, load_n, slip, &mut columns)))?;
+    let codes = status.as_slice_mut()?;
+    check_length(codes.len(), slip.len())?;
+    write_codes(codes, &statuses);
+    Ok(())
+}
+
+/// The instructions that batches run on: `avx512`, `avx2` or `portable`.
+#[pyfunction]
+pub(crate) fn instructions(soil: &Soil) -> &'static str {
+    BatchKernel::new(soil.soil).instructions()
+}

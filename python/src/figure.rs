@@ -1,0 +1,41 @@
+//! Line charts as SVG.
+
+use grouser::figure::{Axis, Chart, Curve, Figure, Points, Style, plain};
+use numpy::{PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+/// Lines: x, y, label (empty for none), and whether they are points.
+type Lines<'py> = Vec<(
+    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
+    String,
+    bool,
+)>;
+
+/// The SVG text of a chart; titles and labels may contain `*italic*`, `_{subscript}` and `^{superscript}`.
+#[pyfunction]
+pub(crate) fn chart_svg(
+    py: Python<'_>,
+    title: &str,
+    x_title: &str,
+    y_title: &str,
+    lines: Lines<'_>,
+) -> PyResult<String> {
+    let mut chart = Chart::new(Axis::new(x_title), Axis::new(y_title));
+    for (k, (x, y, label, is_points)) in lines.iter().enumerate() {
+        let (x, y) = (x.to_vec()?, y.to_vec()?);
+        let points = x.into_iter().zip(y).map(|(x, y)| [x, y]);
+        chart = if *is_points {
+            chart.points(Points::new(points))
+        } else {
+            let curve = Curve::new(points).style(Style::numbered(k));
+            chart.curve(if label.is_empty() {
+                curve
+            } else {
+                curve.label(label.clone())
+            })
+        };
+    }
+    let figure = Figure::new(plain(title)).panel(chart);
+    Ok(py.detach(|| figure.svg()))
+}

@@ -1,0 +1,42 @@
+//! The extension module `grouser._core`: the Rust libraries as Python objects.
+//!
+//! The public modules in `python/grouser/` are built on it: they check and broadcast arrays, this module
+//! computes with the interpreter released. Bad input is raised as `grouser.InputError` (a `ValueError`) or
+//! `grouser.InputTypeError` (a `TypeError`), both with field, value, limit and unit.
+#![forbid(unsafe_op_in_unsafe_fn)]
+
+mod batch;
+mod callable;
+mod command;
+mod contact;
+mod drive;
+mod error;
+mod figure;
+mod logs;
+mod optimize;
+mod robot;
+mod sample;
+mod settings_text;
+mod slip;
+mod soil;
+mod wheel;
+mod workers;
+
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use super::{
+        batch::{instructions, solve_at_sinkage, solve_curve, solve_under_load},
+        command::run_command,
+        contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
+        drive::{Scenario, Simulation},
+        figure::chart_svg,
+        logs::{Engine, estimate, read_samples},
+        optimize::{solve, solve_file, solve_front, solve_many},
+        robot::Robot,
+        sample::Sample,
+        slip::{OnBoard, SlipFilter},
+        soil::{Soil, catalogue_keys},
+        wheel::Wheel,
+    };
+}

@@ -1,0 +1,108 @@
+//! The wheel.
+
+use grouser::terra::{GrouserRule, Grousers, RigidWheel};
+use pyo3::prelude::*;
+
+use crate::error::raised;
+
+/// A rigid wheel.
+///
+/// Parameters
+/// ----------
+/// radius_m : float
+///     Radius of the rim, m, 0.001 to 100.
+/// width_m : float
+///     Width, m, 0.001 to 100.
+/// grouser_height_m : float
+///     Height of the grousers above the rim, m; 0 for a smooth wheel.
+/// grouser_tip_share : float or None
+///     The share of the surface that is grouser tip, 0 to 1: the normal stress is averaged by it. `None`:
+///     closely spaced grousers act as a drum at the radius of their tips.
+///
+/// Raises
+/// ------
+/// InputError
+///     A number outside its limits.
+///
+/// Examples
+/// --------
+/// >>> from grouser.wheel import Wheel
+/// >>> Wheel(radius_m=0.125, width_m=0.1)
+/// Wheel(radius_m=0.125, width_m=0.1)
+#[pyclass(frozen, eq, from_py_object, module = "grouser._core")]
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wheel(pub(crate) RigidWheel);
+
+#[pymethods]
+impl Wheel {
+    #[new]
+    #[pyo3(signature = (*, radius_m, width_m, grouser_height_m=0.0, grouser_tip_share=None))]
+    fn new(
+        radius_m: f64,
+        width_m: f64,
+        grouser_height_m: f64,
+        grouser_tip_share: Option<f64>,
+    ) -> PyResult<Self> {
+        let wheel = raised(RigidWheel::new(radius_m, width_m))?;
+        if grouser_height_m == 0.0 && grouser_tip_share.is_none() {
+            return Ok(Self(wheel));
+        }
+        raised(wheel.with_grousers(Grousers {
+            height: grouser_height_m,
+            rule:
+                grouser_tip_share.map_or(GrouserRule::Tips, |tips| GrouserRule::AreaShare { tips }),
+        }))
+        .map(Self)
+    }
+
+    /// Radius of the rim, m.
+    #[getter]
+    fn radius_m(&self) -> f64 {
+        self.0.radius()
+    }
+
+    /// Width, m.
+    #[getter]
+    fn width_m(&self) -> f64 {
+        self.0.width()
+    }
+
+    /// Height of the grousers, m; 0 for a smooth wheel.
+    #[getter]
+    fn grouser_height_m(&self) -> f64 {
+        self.0.grousers().map_or(0.0, |grousers| grousers.height)
+    }
+
+    /// The share of the surface that is grouser tip; `None` where the grousers act as a drum.
+    #[getter]
+    fn grouser_tip_share(&self) -> Option<f64> {
+        match self.0.grousers()?.rule {
+            GrouserRule::AreaShare { tips } => Some(tips),
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let mut text = format!(
+            "Wheel(radius_m={}, width_m={}",
+            self.radius_m(),
+            self.width_m()
+        );
+        if self.0.grousers().is_some() {
+            text += &format!(", grouser_height_m={}", self.grouser_height_m());
+            if let Some(share) = self.grouser_tip_share() {
+                text += &format!(", grouser_tip_share={share}");
+            }
+        }
+        text + ")"
+    }
+
+    fn __getnewargs_ex__(&self, py: Python<'_>) -> PyResult<((), Py<pyo3::types::PyDict>)> {
+        let keys = pyo3::types::PyDict::new(py);
+        keys.set_item("radius_m", self.radius_m())?;
+        keys.set_item("width_m", self.width_m())?;
+        keys.set_item("grouser_height_m", self.grouser_height_m())?;
+        keys.set_item("grouser_tip_share", self.grouser_tip_share())?;
+        Ok(((), keys.unbind()))
+    }
+}

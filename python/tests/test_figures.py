@@ -1,0 +1,38 @@
+"""Figures."""
+
+from __future__ import annotations
+
+import pickle
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grouser import InputError, figures, soils
+from grouser.wheel import Wheel
+
+
+def test_a_figure_is_valid_svg_and_shows_its_lines(tmp_path: Path) -> None:
+    wheel = Wheel(radius_m=0.125, width_m=0.1)
+    figure = figures.slip_curves(soils.find("dry-sand"), wheel, load_n=[40.0, 80.0])
+    assert ElementTree.fromstring(figure._repr_svg_()).tag.endswith("svg")
+    one = figures.slip_curves(soils.find("dry-sand"), wheel, load_n=80.0)
+    assert one.svg.count("<path") < figure.svg.count("<path")
+    figure.write(tmp_path / "figure.svg")
+    assert (tmp_path / "figure.svg").read_text() == figure.svg
+    assert pickle.loads(pickle.dumps(figure)) == figure
+
+
+def test_titles_are_text_not_markup() -> None:
+    figure = figures.lines("<script>", "x", "y", figures.Line([0.0, 1.0], [0.0, np.nan]), figures.Line([0.5], [0.5], points=True))
+    assert "<script>" not in figure.svg
+    ElementTree.fromstring(figure.svg)
+
+
+def test_columns_of_different_lengths_are_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        figures.lines("a", "x", "y", figures.Line([0.0, 1.0], [0.0]))
+    assert caught.value.field == "y"
+    with pytest.raises(InputError):
+        figures.slip_curves(soils.find("lunar"), Wheel(radius_m=0.1, width_m=0.1), load_n=50.0, quantity="colour")

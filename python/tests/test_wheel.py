@@ -1,0 +1,261 @@
+"""The wheel's array functions: numbers, shapes, types, threads."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+from grouser import InputError, InputTypeError, soils, wheel
+
+SAND = soils.find("dry-sand")
+LUNAR = soils.find("lunar")
+SIZE = {"radius_m": 0.125, "width_m": 0.1}
+
+
+def test_an_independent_quadrature_is_met() -> None:
+    # independent 1e-10 quadrature: 17.007 mm and 3.295 N
+    points = wheel.under_load(LUNAR, radius_m=0.125, width_m=0.15, load_n=65.0, slip=0.25)
+    assert points.status == 0
+    assert points.sinkage_m == pytest.approx(0.017007, abs=1e-6)
+    assert points.drawbar_pull_n == pytest.approx(3.2949, abs=1e-4)
+
+
+def test_scalars_give_scalars_and_arrays_broadcast() -> None:
+    one = wheel.under_load(SAND, **SIZE, load_n=80, slip=0.2)
+    assert np.ndim(one.sinkage_m) == 0 and isinstance(one.sinkage_m, np.float64)
+    slip = np.linspace(-0.4, 0.9, 14)
+    load = np.array([[40.0], [80.0], [120.0]])
+    table = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip)
+    assert table.drawbar_pull_n.shape == (3, 14)
+    for i in range(3):
+        for j in range(14):
+            alone = wheel.under_load(SAND, **SIZE, load_n=float(load[i, 0]), slip=float(slip[j]))
+            assert alone.drawbar_pull_n == table.drawbar_pull_n[i, j]
+    empty = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=np.empty((0, 3)))
+    assert empty.sinkage_m.shape == (0, 3)
+    single = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=np.array([[0.2]]))
+    assert single.sinkage_m.shape == (1, 1)
+
+
+@pytest.mark.parametrize("layout", ["strided", "reversed", "fortran", "read-only", "float32", "int", "list", "big"])
+def test_every_layout_gives_the_same_numbers(layout: str) -> None:
+    base = np.linspace(0.0, 1.0, 24).reshape(4, 6)
+    if layout == "strided":
+        slip = np.repeat(base, 2, axis=1)[:, ::2]
+    elif layout == "reversed":
+        slip = base[::-1, ::-1][::-1, ::-1]
+    elif layout == "fortran":
+        slip = np.asfortranarray(base)
+    elif layout == "read-only":
+        slip = base.copy()
+        slip.flags.writeable = False
+    elif layout == "float32":
+        slip = base.astype(np.float32)
+        base = slip.astype(np.float64)
+    elif layout == "int":
+        slip = np.array([[0, 1]])
+        base = slip.astype(np.float64)
+    elif layout == "big":
+        slip = base.astype(">f8")
+    else:
+        slip = base.tolist()
+    expected = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=base)
+    given = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=slip)
+    for ours, theirs in zip(given, expected):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        "0.2",
+        None,
+        0.2j,
+        True,
+        object(),
+        np.array([0.1, None], dtype=object),
+        np.array(["0.1"]),
+        np.array([1 + 2j]),
+        np.array([True]),
+        np.array(["2020-01-01"], dtype="datetime64[D]"),
+        [[0.1], [0.1, 0.2]],
+        {"slip": 0.1},
+        b"0.1",
+    ],
+    ids=lambda bad: repr(bad)[:30],
+)
+def test_what_holds_no_numbers_is_a_type_error(bad: object) -> None:
+    with pytest.raises(InputTypeError) as caught:
+        wheel.under_load(SAND, **SIZE, load_n=80.0, slip=bad)
+    assert caught.value.field == "slip"
+    assert isinstance(caught.value, TypeError)
+
+
+def test_a_bad_point_is_a_status_and_changes_no_other() -> None:
+    slip = np.array([0.2, np.nan, 7.0, 0.2, -np.inf])
+    points = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=slip)
+    assert points.status.tolist() == [0, 3, 3, 0, 3]
+    assert np.isnan(points.sinkage_m[[1, 2, 4]]).all()
+    assert points.sinkage_m[0] == points.sinkage_m[3] == wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.2).sinkage_m
+    heavy = wheel.under_load(LUNAR, **SIZE, load_n=1e9, slip=0.2)
+    assert heavy.status == 1 and np.isnan(heavy.torque_nm)
+
+
+def test_shapes_that_do_not_broadcast_are_named() -> None:
+    with pytest.raises(InputError, match="load_n") as caught:
+        wheel.under_load(SAND, **SIZE, load_n=np.ones(3), slip=np.ones(2))
+    assert caught.value.field == "shape"
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "2", True, 10**6])
+def test_a_bad_number_of_threads_is_refused(threads: object) -> None:
+    with pytest.raises((InputError, InputTypeError)) as caught:
+        wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.2, threads=threads)  # type: ignore[arg-type]
+    assert caught.value.field == "threads"
+
+
+def test_the_number_of_threads_changes_no_bit() -> None:
+    rng = np.random.default_rng(7)
+    slip, load = rng.uniform(-0.01, 0.95, 120_001), rng.uniform(10.0, 150.0, 120_001)
+    one = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip, threads=1)
+    for threads in (2, 3, 8):
+        many = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip, threads=threads)
+        for a, b in zip(one, many):
+            np.testing.assert_array_equal(a, b)
+
+
+def test_python_threads_share_arrays_and_objects() -> None:
+    slip = np.linspace(0.0, 0.9, 50_000)
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    results: dict[int, tuple[object, object]] = {}
+
+    def work(k: int) -> None:
+        batch = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=slip).drawbar_pull_n
+        point = contact.under_load(load_n=80.0, slip=0.2)
+        assert point is not None
+        results[k] = (batch, point.drawbar_pull_n)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 8
+    for batch, point in results.values():
+        np.testing.assert_array_equal(batch, results[0][0])
+        assert point == results[0][1]
+
+
+def test_the_batch_and_the_single_point_agree() -> None:
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    rng = np.random.default_rng(3)
+    slip, load = rng.uniform(-0.9, 0.95, 500), rng.uniform(10.0, 150.0, 500)
+    batch = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip)
+    columns = wheel.operating_points(contact, load_n=load, slip=slip)
+    for i in range(500):
+        point = contact.under_load(load_n=load[i], slip=slip[i])
+        assert point is not None and columns.status[i] == 0
+        # the same path: the same bits
+        assert columns.drawbar_pull_n[i] == point.drawbar_pull_n
+        assert columns.sinkage_m[i] == point.sinkage_m
+        scale = max(load[i], abs(point.drawbar_pull_n), abs(point.torque_nm) / 0.125)
+        assert abs(batch.drawbar_pull_n[i] - point.drawbar_pull_n) < 1e-9 * scale
+        assert abs(batch.torque_nm[i] - point.torque_nm) < 1e-9 * scale
+        assert abs(batch.sinkage_m[i] - point.sinkage_m) < 1e-9 * 0.125
+
+
+def test_a_curve_is_as_accurate_as_its_points() -> None:
+    slip = np.linspace(0.0, 0.9, 300)
+    curve = wheel.curve(SAND, wheel.Wheel(**SIZE), load_n=80.0, slip=slip)
+    points = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=slip)
+    np.testing.assert_allclose(curve.drawbar_pull_n, points.drawbar_pull_n, atol=80.0 * 2e-9, rtol=0.0)
+    with pytest.raises(InputError) as caught:
+        wheel.curve(SAND, wheel.Wheel(**SIZE, grouser_height_m=0.01), load_n=80.0, slip=slip)
+    assert caught.value.field == "grouser_height" and caught.value.unit == "m"
+
+
+def test_derivatives_agree_with_differences() -> None:
+    h = 1e-6
+    for wheel_keys in (SIZE, {**SIZE, "grouser_height_m": 0.01}):
+        contact = wheel.WheelOnSoil(wheel.Wheel(**wheel_keys), SAND)
+        found = wheel.jacobian(contact, load_n=80.0, slip=np.array([-0.2, 0.1, 0.5]))
+        for i, slip in enumerate([-0.2, 0.1, 0.5]):
+
+            def at(ds: float = 0.0, dr: float = 0.0, db: float = 0.0, dw: float = 0.0) -> np.ndarray:
+                size = {**wheel_keys, "radius_m": 0.125 + dr, "width_m": 0.1 + db}
+                here = wheel.WheelOnSoil(wheel.Wheel(**size), SAND)
+                p = here.under_load(load_n=80.0 + dw, slip=slip + ds)
+                assert p is not None
+                return np.array([p.sinkage_m, p.drawbar_pull_n, p.torque_nm])
+
+            steps = [{"ds": h}, {"dr": h}, {"db": h}, {"dw": 1e3 * h}]
+            for k, step in enumerate(steps):
+                back = {key: -value for key, value in step.items()}
+                difference = (at(**step) - at(**back)) / (2 * sum(step.values()))
+                ours = np.array([found.d_sinkage[i, k], found.d_drawbar_pull[i, k], found.d_torque[i, k]])
+                np.testing.assert_allclose(ours, difference, rtol=2e-5, atol=1e-7)
+
+
+def test_a_slip_demand_holds_its_slope() -> None:
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    slope = np.array([-5.0, 0.0, 2.0, 5.0, 60.0, np.nan])
+    demand = wheel.slip_demand(contact, weight_n=80.0, slope_deg=slope)
+    assert demand.status.tolist() == [0, 0, 0, 0, 1, 3]
+    for alpha, slip in zip(np.radians(slope[:4]), demand.slip[:4]):
+        point = contact.under_load(load_n=80.0 * np.cos(alpha), slip=slip)
+        assert point is not None
+        assert point.drawbar_pull_n == pytest.approx(80.0 * np.sin(alpha), abs=1e-6)
+
+
+def test_a_drifting_wheel_is_pushed_against_its_drift() -> None:
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), soils.find("lunar", unit_weight_n_per_m3=2700.0))
+    points = wheel.operating_points(contact, load_n=65.0, slip=0.2, slip_angle_deg=[-20.0, 0.0, 20.0, 95.0])
+    assert points.side_force_n[0] > 0.0 == points.side_force_n[1] > points.side_force_n[2]
+    assert points.side_force_n[0] == -points.side_force_n[2]
+    assert points.status.tolist() == [0, 0, 0, 3]
+
+
+def test_slip_from_speeds_by_hand() -> None:
+    slip = wheel.slip_from_speeds(forward_speed_mps=[0.08, 0.1, 0.0, -0.1], rim_speed_mps=[0.1, 0.08, 0.0, 0.1])
+    np.testing.assert_allclose(slip, [0.2, -0.2, np.nan, np.nan], atol=1e-15)
+
+
+def test_errors_name_field_value_limit_and_unit() -> None:
+    with pytest.raises(InputError) as caught:
+        wheel.Wheel(radius_m=-0.1, width_m=0.1)
+    error = caught.value
+    assert (error.field, error.value, error.limit, error.unit) == ("radius", -0.1, (0.001, 100.0), "m")
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.field, again.value, again.limit, again.unit, str(again)) == (
+        error.field,
+        error.value,
+        error.limit,
+        error.unit,
+        str(error),
+    )
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    for keys in ({"load_n": float("nan"), "slip": 0.1}, {"load_n": 80.0, "slip": 1.5}, {"load_n": -1.0, "slip": 0.1}):
+        with pytest.raises(InputError) as caught:
+            contact.under_load(**keys)
+        assert caught.value.field in keys or caught.value.field == "load"
+    with pytest.raises(InputError) as caught:
+        contact.at_sinkage(sinkage_m=0.2, slip=0.1)
+    assert caught.value.field == "sinkage" and caught.value.limit == (0.0, 0.125)
+    with pytest.raises(TypeError):
+        wheel.Wheel(0.1, 0.1)  # type: ignore[misc]
+
+
+def test_everything_is_picklable() -> None:
+    heavy = wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_tip_share=0.3)
+    contact = wheel.WheelOnSoil(heavy, LUNAR, reference_accuracy=True, shear="slip-velocity")
+    again = pickle.loads(pickle.dumps(contact))
+    assert again.wheel == heavy and again.soil == LUNAR
+    a = contact.under_load(load_n=65.0, slip=0.25)
+    b = again.under_load(load_n=65.0, slip=0.25)
+    assert a is not None and b is not None
+    assert (a.drawbar_pull_n, a.torque_nm) == (b.drawbar_pull_n, b.torque_nm)
+    points = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=[0.1, 0.2])
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(points)).sinkage_m, points.sinkage_m)
