@@ -85,12 +85,7 @@ impl Fusion {
             ..DetectSettings::default()
         };
         Ok(Self {
-            // Without a free wheel the filter uses positions as positions, with what they have in common.
-            gather: Gather::over(if has_free_wheel {
-                0.5 * settings.window
-            } else {
-                0.0
-            }),
+            gather: Gather::over(0.5 * settings.window, has_free_wheel),
             waiting: Vec::new(),
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,
