@@ -51,7 +51,7 @@ search:
 
 # every cut of 64 KiB files, every bit of 16 KiB ones, a thousand kills of a logger; a part runs in `cargo test`
 dense:
-    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test e1_cuts --test e2_flips --test e13_killed -- --nocapture
+    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test truncated_files --test flipped_bits --test killed_loggers -- --nocapture
 
 # ten thousand runs with random faults from a seed on, 3.3e8 samples (about five minutes of one core); twice the same seeds print the same bits
 soak first="0":

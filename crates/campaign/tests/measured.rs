@@ -5,7 +5,10 @@
     reason = "a test fails by panicking and may say that it is skipped"
 )]
 
-use std::path::{Path, PathBuf};
+#[path = "../../log/tests/support/measured_data.rs"]
+mod measured_data;
+
+use std::path::PathBuf;
 
 use grouser_campaign::validate::{ModelName, Row, Split, ding, plate_tests, validate};
 use grouser_identify::Parameter;
@@ -13,22 +16,12 @@ use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
 use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
 use grouser_terra::{RigidWheel, SoilParams, catalogue};
+use measured_data::measured_data;
 
-/// The folder of measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
+/// The folder of measured data.
 fn data() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    let path = root.join(base);
-    if path.join("cmu-wheel/trials.csv").is_file() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "no measured data at {}, and CI is set",
-        path.display()
-    );
-    eprintln!("skipped: no {} (GROUSER_DATA)", path.display());
-    None
+    measured_data("cmu-wheel/trials.csv")?;
+    measured_data("")
 }
 
 /// Bag and text file to a force-depth curve to n and k, against the fits that stand beside these data:

@@ -165,7 +165,7 @@ fn a_bag_becomes_mcap_and_a_bag_again_without_a_loss() {
 }
 
 #[test]
-fn e7_a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
+fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
     let folder = Folder::new("e7");
     let bytes = fs::read(root().join(MCAP)).unwrap();
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
@@ -223,7 +223,7 @@ fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
 }
 
 #[test]
-fn e7_what_cannot_be_read_at_all_leaves_no_file() {
+fn what_cannot_be_read_at_all_leaves_no_file() {
     let folder = Folder::new("e7-nothing");
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
     fs::write(&cut, &fs::read(root().join(MCAP)).unwrap()[..60]).unwrap();
@@ -391,7 +391,7 @@ fn what_makes_no_sense_is_refused() {
     for verb in [&["log", "info"][..], &["estimate", "--robot", ROBOT]] {
         refused(
             &[verb, &[&database]].concat(),
-            "`ros2 bag convert` makes an MCAP file of it",
+            "`rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file",
         );
     }
 }

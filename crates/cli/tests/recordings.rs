@@ -123,9 +123,9 @@ fn an_estimate_as_messages_says_what_the_table_says() {
     assert!((yaw - 0.90).abs() < 0.01, "{yaw}");
 }
 
-/// FAULTS.md E13 of outputs: a kill at any moment leaves the old file or the whole new one.
+/// A kill at any moment leaves the old file or the whole new one.
 #[test]
-fn e13_a_kill_leaves_the_old_file_or_the_new_one() {
+fn a_kill_leaves_the_old_file_or_the_new_one() {
     let folder = Folder::new("kill");
     let out = folder.path("out.mcap");
     let old = b"the old file".to_vec();

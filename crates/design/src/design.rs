@@ -14,6 +14,10 @@ use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
 
 /// How the objectives are joined.
+///
+/// ```
+/// assert_eq!(grouser_design::Task::Attain.name(), "attain");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// The best worst case.
@@ -100,6 +104,12 @@ pub(crate) struct WorldInputs {
 }
 
 /// A problem file, checked and ready to be solved.
+///
+/// ```
+/// let design = grouser_design::read("../../examples/problems/paper.toml".as_ref())?;
+/// assert!(design.check_derivatives(&design.variables.iter().map(|v| v.start).collect::<Vec<_>>(), 1e-5)?.wrong.is_empty());
+/// # Ok::<(), grouser_design::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Design {
     /// The file as it was named.

@@ -6,6 +6,15 @@ use crate::formula::FormulaError;
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why a problem cannot be solved.
+///
+/// ```
+/// use grouser_files::Document;
+///
+/// let text = "format = 1\nmethod = \"minimax\"\n[variables]\nx = { start = 1.0 }\n[objectives]\nf = \"y\"\n";
+/// let error = grouser_design::parse(&Document::from_text("a.toml", text.into())?).unwrap_err();
+/// assert!(error.to_string().starts_with("a.toml:6:"));
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -147,6 +147,20 @@ impl Design {
     /// # Errors
     /// [`Error::Problem`] for a point of the wrong length; a measure over worlds that has helper variables of
     /// its own has no merit at a point.
+    ///
+    /// ```
+    /// use grouser_design::{Design, State};
+    /// use grouser_opt::Variable;
+    /// use grouser_terra::{RigidWheel, catalogue};
+    ///
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let design = Design::builder(&RigidWheel::new(0.125, 0.1)?, &soil, State::under_load(60.0))
+    ///     .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+    ///     .minimise("pull", "-drawbar_pull_n")
+    ///     .build()?;
+    /// assert!(design.merit(&[0.4])?.utility < design.merit(&[0.1])?.utility); // more slip, more pull
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn merit(&self, x: &[f64]) -> Result<Merit> {
         let problem = self.problem()?;
         let method = self.method(&problem);

@@ -85,6 +85,12 @@ pub enum Marker {
 }
 
 /// Colour, dash and width of a line.
+///
+/// ```
+/// use grouser_figure::Style;
+///
+/// assert_ne!(Style::numbered(0), Style::numbered(1)); // curves of one chart differ
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// Its colour, and that of its label.

@@ -20,6 +20,15 @@ pub const SIZE_LIMIT: u64 = 1 << 20;
 pub const DEPTH_LIMIT: usize = 64;
 
 /// The text of a file.
+///
+/// ```
+/// use grouser_files::Document;
+///
+/// let document = Document::from_text("wheel.toml", "format = 1\nradius_m = 0.1\n".into())?;
+/// let radius = document.parse(|root| root.number("radius_m", (0.001, 100.0)))?;
+/// assert_eq!(radius, 0.1);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Document {
     name: String,
@@ -170,6 +179,21 @@ impl Document {
 
 /// A table of a document. Every key that is read becomes known; other keys
 /// are refused when the section ends.
+///
+/// ```
+/// use grouser_files::Document;
+///
+/// let text = "format = 1\n[wheel]\nradius_m = 500.0\n";
+/// let document = Document::from_text("wheel.toml", text.into())?;
+/// let error = document
+///     .parse(|root| root.section("wheel", |wheel| wheel.number("radius_m", (0.001, 100.0))))
+///     .unwrap_err();
+/// assert_eq!(
+///     error.to_string(),
+///     "wheel.toml:3:12: `radius_m` is 500, but must lie in [0.001, 100]"
+/// );
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Section<'a> {
     document: &'a Document,
@@ -236,6 +260,20 @@ impl<'a> Section<'a> {
     }
 
     /// The error of a number outside its limits; `key` carries the unit.
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("count.toml", "format = 1\ncount = 3\n".into())?;
+    /// let error = document
+    ///     .parse(|root| match root.integer("count")? {
+    ///         odd if odd % 2 == 1 => Err(root.out_of_range("count", odd as f64, (0.0, 2.0))),
+    ///         even => Ok(even),
+    ///     })
+    ///     .unwrap_err();
+    /// assert_eq!(error.to_string(), "count.toml:2:9: `count` is 3, but must lie in [0, 2]");
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     #[must_use]
     pub fn out_of_range(&self, key: &str, value: f64, (low, high): (f64, f64)) -> Error {
         Error::OutOfRange {
@@ -309,6 +347,15 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::OutOfRange`].
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("soil.toml", "format = 1\n".into())?;
+    /// let found = document.parse(|root| root.optional_number("rebound", (0.0, 100.0)))?;
+    /// assert_eq!(found, None);
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     pub fn optional_number(
         &self,
         key: &'static str,
@@ -407,6 +454,15 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// [`Error::WrongType`].
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("a.toml", "format = 1\nignore = [\"/tf\"]\n".into())?;
+    /// let ignored = document.parse(|root| Ok(root.texts("ignore")?.len()))?;
+    /// assert_eq!(ignored, 1);
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     pub fn texts(&self, key: &'static str) -> Result<Vec<&'a str>> {
         let Some(value) = self.find(key) else {
             return Ok(Vec::new());
@@ -427,6 +483,14 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// [`Error::WrongType`].
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("a.toml", "format = 1\nalign_clock = true\n".into())?;
+    /// assert!(document.parse(|root| root.flag("align_clock"))?);
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     pub fn flag(&self, key: &'static str) -> Result<bool> {
         match self.find(key) {
             None => Ok(false),
@@ -467,6 +531,17 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// As [`Section::optional_choice`]; [`Error::MissingKey`].
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("a.toml", "format = 1\ndrive = \"fre\"\n".into())?;
+    /// let error = document
+    ///     .parse(|root| root.choice("drive", &[("powered", 0), ("free", 1)]))
+    ///     .unwrap_err();
+    /// assert_eq!(error.hint().unwrap(), "did you mean \"free\"?");
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
         self.optional_choice(key, choices)?
             .ok_or_else(|| self.missing(key))

@@ -17,6 +17,20 @@ pub struct Entry<'s, 'a> {
 
 impl<'a> Section<'a> {
     /// Every entry, in the order of the file; none of them is unknown any more.
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let text = "format = 1\n[variables]\nradius = \"free\"\nwidth = \"fixed\"\n";
+    /// let document = Document::from_text("a.toml", text.into())?;
+    /// let names = document.parse(|root| {
+    ///     root.section("variables", |table| {
+    ///         Ok(table.entries().iter().map(|entry| entry.name().to_owned()).collect::<Vec<_>>())
+    ///     })
+    /// })?;
+    /// assert_eq!(names.unwrap(), ["radius", "width"]);
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
     #[must_use]
     pub fn entries(&self) -> Vec<Entry<'_, 'a>> {
         self.allow_any_key();

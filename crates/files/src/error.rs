@@ -8,6 +8,15 @@ use std::io;
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// A place in a file, counted from 1.
+///
+/// ```
+/// use grouser_files::Document;
+///
+/// let error = Document::from_text("broken.toml", "format = \n".into())
+///     .and_then(|document| document.parse(|_| Ok(())))
+///     .unwrap_err();
+/// assert!(error.to_string().starts_with("broken.toml:1:"));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file as it was named.

@@ -12,6 +12,17 @@ const ANY: (f64, f64) = (-1e12, 1e12);
 ///
 /// # Errors
 /// A value that is no number.
+///
+/// ```
+/// use grouser_files::{Document, read_fields};
+/// use grouser_slip::filter::FilterSettings;
+///
+/// let document = Document::from_text("filter.toml", "format = 1\n".into())?;
+/// let mut settings = FilterSettings::default();
+/// document.parse(|root| read_fields(root, &mut settings, FilterSettings::FIELDS))?;
+/// assert_eq!(settings, FilterSettings::default()); // no key, no change
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn read_fields<S: Copy>(
     section: &Section<'_>,
     settings: &mut S,

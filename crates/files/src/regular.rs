@@ -12,6 +12,13 @@ use crate::error::{Error, Place, Result};
 /// [`Error::NotAFile`] for a directory, a pipe, a device or a socket (checked before opening: to open a
 /// pipe may wait for ever); [`Error::Unreadable`] for whatever the system refuses, a loop of links
 /// included.
+///
+/// ```
+/// use grouser_files::{Error, regular};
+///
+/// let error = regular::open(std::path::Path::new("/")).unwrap_err();
+/// assert!(matches!(error, Error::NotAFile { .. }));
+/// ```
 pub fn open(path: &Path) -> Result<File> {
     let name = || path.display().to_string();
     let unreadable = |source: io::Error| Error::Unreadable {

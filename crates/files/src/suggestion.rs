@@ -3,6 +3,13 @@
 /// The candidate nearest to `given`, if one is near enough to be a slip of the finger: at most a third
 /// of its letters changed, inserted, left out or swapped, or one of the two begins with the other
 /// (a forgotten unit).
+///
+/// ```
+/// use grouser_files::nearest;
+///
+/// assert_eq!(nearest("raduis_m", ["radius_m", "width_m"]), Some("radius_m"));
+/// assert_eq!(nearest("colour", ["radius_m", "width_m"]), None);
+/// ```
 #[must_use]
 pub fn nearest<'a>(given: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Longer ones are no typing errors, and the distance is quadratic.

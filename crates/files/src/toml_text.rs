@@ -63,11 +63,25 @@ impl TomlText {
     }
 
     /// A number, unless it is 0, which the reader assumes.
+    ///
+    /// ```
+    /// # use grouser_files::TomlText;
+    /// let mut text = TomlText::new(&[]);
+    /// text.nonzero("rebound", 0.0);
+    /// assert_eq!(text.finish(), "format = 1\n");
+    /// ```
     pub fn nonzero(&mut self, key: &str, value: f64) {
         self.optional_number(key, (value != 0.0).then_some(value));
     }
 
     /// A number in a unit `scale` times the SI one.
+    ///
+    /// ```
+    /// # use grouser_files::TomlText;
+    /// let mut text = TomlText::new(&[]);
+    /// text.scaled("cohesion_kpa", 1040.0, 1e3);
+    /// assert_eq!(text.finish(), "format = 1\ncohesion_kpa = 1.04\n");
+    /// ```
     pub fn scaled(&mut self, key: &str, value: f64, scale: f64) {
         self.number(key, nearest(value / scale, |x| scale * x, value));
     }
@@ -90,6 +104,13 @@ impl TomlText {
     }
 
     /// A list of texts, unless it is empty.
+    ///
+    /// ```
+    /// # use grouser_files::TomlText;
+    /// let mut text = TomlText::new(&[]);
+    /// text.texts("ignore", &["/tf".to_owned(), "/odom".to_owned()]);
+    /// assert_eq!(text.finish(), "format = 1\nignore = [\"/tf\", \"/odom\"]\n");
+    /// ```
     pub fn texts(&mut self, key: &str, values: &[String]) {
         if !values.is_empty() {
             let all: Vec<String> = values.iter().map(|value| quoted(value)).collect();

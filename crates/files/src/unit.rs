@@ -1,6 +1,14 @@
 //! Units of columns: name → quantity and the factor to SI.
 
 /// What a unit measures.
+///
+/// ```
+/// use grouser_files::unit::{Quantity, UNITS};
+///
+/// let (_, quantity, factor) = UNITS.iter().find(|(name, ..)| *name == "rpm").expect("a unit");
+/// assert_eq!(*quantity, Quantity::AngularRate);
+/// assert!((60.0 * factor - std::f64::consts::TAU).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// s.
@@ -50,6 +58,13 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
 
 impl Quantity {
     /// The units that measure it, with their factors.
+    ///
+    /// ```
+    /// use grouser_files::unit::Quantity;
+    ///
+    /// let lengths = Quantity::Length.units();
+    /// assert!(lengths.contains(&("in", 0.0254)));
+    /// ```
     #[must_use]
     pub fn units(self) -> Vec<(&'static str, f64)> {
         UNITS

@@ -382,7 +382,7 @@ fn trees_that_are_none_and_numbers_that_are_none() {
     }
 }
 
-/// E10 for XML: nesting, size, every cut and turned bits.
+/// XML: nesting, size, every cut and turned bits.
 #[test]
 fn hostile_descriptions_end() {
     let begun = Instant::now();

@@ -15,6 +15,19 @@ use crate::shear::{self, ShearFit, ShearReading, fit_shear};
 use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
+///
+/// ```
+/// use grouser_files::Document;
+/// use grouser_identify::{Job, identify};
+///
+/// let file = Document::read("../../examples/bevameter/tests.toml".as_ref())?;
+/// let mut job = Job::read(&file)?;
+/// job.wheel = None; // plates and shear alone
+/// let found = identify(&job)?;
+/// assert!(found.missing().is_empty());
+/// assert!(found.soil.n > 0.5 && found.soil.phi.deg() > 20.0);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Identification {

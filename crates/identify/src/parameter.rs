@@ -6,6 +6,13 @@ use grouser_terra::{Angle, Pressure, SoilLaws, SoilParams};
 use crate::least_squares::Bounded;
 
 /// A number to be identified from wheel tests: of the soil, or of how the tests were measured.
+///
+/// ```
+/// use grouser_identify::Parameter;
+///
+/// let phi = Parameter::named("phi_deg").expect("a parameter");
+/// assert!((phi.to_key_unit(0.5) - 28.647_89).abs() < 1e-5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Parameter {

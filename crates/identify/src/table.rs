@@ -19,6 +19,16 @@ pub const ROW_LIMIT: usize = 200_000;
 pub struct Column(pub &'static [(&'static str, f64)]);
 
 /// A table in memory.
+///
+/// ```
+/// use grouser_identify::table::{Column, Table};
+///
+/// let table = Table::parse("load.csv".as_ref(), "load_kn,test\n0.06,a\n# a remark\n0.08,b\n")?;
+/// let load = Column(&[("load_n", 1.0), ("load_kn", 1e3)]);
+/// assert_eq!(table.numbers(load)?, [60.0, 80.0]);
+/// assert_eq!(table.texts("test").unwrap(), ["a", "b"]);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     path: PathBuf,
@@ -117,6 +127,14 @@ impl Table {
     }
 
     /// Does it have a column of this quantity?
+    ///
+    /// ```
+    /// use grouser_identify::table::{Column, Table};
+    ///
+    /// let table = Table::parse("a.csv".as_ref(), "slip\n0.1\n")?;
+    /// assert!(table.has(Column(&[("slip", 1.0)])) && !table.has(Column(&[("load_n", 1.0)])));
+    /// # Ok::<(), grouser_identify::Error>(())
+    /// ```
     #[must_use]
     pub fn has(&self, column: Column) -> bool {
         self.place(column).is_some()
@@ -133,6 +151,14 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::Content`] where there is no such column, or a field that is no finite number.
+    ///
+    /// ```
+    /// use grouser_identify::table::{Column, Table};
+    ///
+    /// let table = Table::parse("a.csv".as_ref(), "torque_nm,slip\n,0.1\n2.5,0.2\n")?;
+    /// assert_eq!(table.optional(Column(&[("torque_nm", 1.0)]))?, [None, Some(2.5)]);
+    /// # Ok::<(), grouser_identify::Error>(())
+    /// ```
     pub fn optional(&self, column: Column) -> Result<Vec<Option<f64>>> {
         let Some((place, scale)) = self.place(column) else {
             return Err(self.absent(column));

@@ -33,6 +33,13 @@ impl fmt::Display for Cell {
 }
 
 /// Why a log cannot be read.
+///
+/// ```
+/// use grouser_log::csv::Lines;
+///
+/// let error = Lines::open("no-such-table.csv".as_ref()).err().unwrap();
+/// assert!(error.to_string().contains("no-such-table.csv"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -279,7 +286,11 @@ impl Error {
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }
-            Self::Database { .. } => Some("`ros2 bag convert` makes an MCAP file of it".into()),
+            Self::Database { .. } => Some(
+                "`pip install rosbags`, then `rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file of \
+                 the folder that holds it"
+                    .into(),
+            ),
             Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),

@@ -18,6 +18,18 @@ use crate::recording::{Recording, RecordingReader, UsedTopic};
 use crate::source::Source;
 
 /// The files of one run with what their columns or topics mean.
+///
+/// ```
+/// use grouser_files::columns;
+/// use grouser_log::Log;
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?;
+/// assert_eq!((log.wheels().len(), log.clocks()), (5, 1));
+/// assert!(log.measures(columns::Meaning::YawRate));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Log {
     map: ColumnMap,
@@ -41,6 +53,16 @@ impl Log {
     ///
     /// # Errors
     /// [`Error::NoTable`] when no file fits a table, [`Error::TwoFiles`], and what the system refuses.
+    ///
+    /// ```
+    /// use grouser_files::columns;
+    /// use grouser_log::{Error, Log};
+    ///
+    /// let map = columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+    /// let nothing = Log::find(&["../../examples/five-wheel/robot.toml".into()], map);
+    /// assert!(matches!(nothing, Err(Error::NoTable { .. })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn find(paths: &[PathBuf], map: ColumnMap) -> Result<Self> {
         Self::find_any(paths, Some(map), &Topics::default())
     }
@@ -49,6 +71,13 @@ impl Log {
     ///
     /// # Errors
     /// What the system refuses.
+    ///
+    /// ```
+    /// use grouser_log::Log;
+    ///
+    /// assert!(Log::needs_columns(&["../../examples/five-wheel/log.csv".into()])?);
+    /// # Ok::<(), grouser_log::Error>(())
+    /// ```
     pub fn needs_columns(paths: &[PathBuf]) -> Result<bool> {
         let mut found = Vec::new();
         for path in paths {
@@ -222,6 +251,16 @@ impl Log {
     }
 
     /// How many bytes the files hold, as they stand (compressed or not).
+    ///
+    /// ```
+    /// use grouser_files::columns;
+    /// use grouser_log::Log;
+    ///
+    /// let map = columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+    /// let log = Log::find(&["../../examples/five-wheel/log.csv".into()], map)?;
+    /// assert_eq!(log.bytes(), std::fs::metadata("../../examples/five-wheel/log.csv")?.len());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.all_files().map(Source::bytes).sum()

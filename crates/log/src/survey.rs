@@ -24,6 +24,10 @@ const JOINTS: usize = 64;
 const JOINT_NAME: usize = 256;
 
 /// What Grouser can use a topic for.
+///
+/// ```
+/// assert_eq!(grouser_log::Use::YawRate.words(), "yaw rate");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Use {

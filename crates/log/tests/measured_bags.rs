@@ -6,32 +6,17 @@
     reason = "a test fails by panicking and may say that it is skipped"
 )]
 
-use std::path::{Path, PathBuf};
+#[path = "support/measured_data.rs"]
+mod measured_data;
 
 use grouser_log::container::{Container, Event};
 use grouser_log::message::Decoder;
 use grouser_log::{Error, Survey, Use, series};
-
-/// A file of the measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    let path = root.join(base).join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "no measured data at {}, and CI is set",
-        path.display()
-    );
-    eprintln!("skipped: no {} (GROUSER_DATA)", path.display());
-    None
-}
+use measured_data::measured_data;
 
 #[test]
 fn the_jackal_has_a_yaw_rate_and_odometry() {
-    let Some(path) = data("jackal/jackal_61s.bag") else {
+    let Some(path) = measured_data("jackal/jackal_61s.bag") else {
         return;
     };
     let survey = Survey::read(&path, |_| ()).unwrap();
@@ -77,7 +62,7 @@ fn the_plates_force_is_read_by_the_definition_in_its_bag() {
     ];
     for (number, count, least, temperature, longest_ns) in plates {
         let name = format!("cmu-wheel/f-d-large-box__force-displacement_{number}.bag");
-        let Some(path) = data(&name) else {
+        let Some(path) = measured_data(&name) else {
             return;
         };
         let mut container = Container::open(&path).unwrap();

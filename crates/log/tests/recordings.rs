@@ -250,7 +250,7 @@ fn the_robot_file_decides_over_gravity() {
 }
 
 #[test]
-fn c2_a_covariance_says_what_may_be_used() {
+fn a_covariance_says_what_may_be_used() {
     let folder = Folder::new("c2");
     let max = f64::MAX;
     let of = |variances| {

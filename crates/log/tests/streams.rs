@@ -180,7 +180,7 @@ fn several_files_are_one_log_by_folder_by_name_or_by_beginning() {
 
 #[cfg(unix)]
 #[test]
-fn e12_logs_that_are_no_files() {
+fn logs_that_are_no_files() {
     let folder = Folder::new("nofiles");
     let pipe = folder.0.join("log.csv");
     assert!(

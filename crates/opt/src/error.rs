@@ -6,6 +6,15 @@ use grouser_real::OutOfRange;
 pub type Result<T> = core::result::Result<T, Error>;
 
 /// A bad input. A solve that finds no answer is not one of these: see [`Status`](crate::Status).
+///
+/// ```
+/// use grouser_opt::{Differences, Error, Problem, ProblemParams};
+///
+/// let model = Differences::new(|_: &[f64], _: &mut [f64]| {});
+/// let error = Problem::new(ProblemParams::new(&[f64::NAN], 1, model)).err().unwrap();
+/// assert!(matches!(error, Error::NotFinite { .. }));
+/// assert_eq!(error.to_string(), "start of `x1` is NaN, but must be a finite number");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

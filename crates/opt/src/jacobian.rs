@@ -1,6 +1,15 @@
 //! A dense matrix of derivatives, one row per function.
 
 /// Row-major derivatives: row = function, column = variable.
+///
+/// ```
+/// use grouser_opt::Jacobian;
+///
+/// let mut jacobian = Jacobian::zeros(2, 3);
+/// jacobian.set(1, 2, -4.0);
+/// assert_eq!(jacobian.row(1), [0.0, 0.0, -4.0]);
+/// assert_eq!(jacobian.row_norm(1), 4.0);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Jacobian {
     rows: usize,

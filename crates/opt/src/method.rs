@@ -4,6 +4,23 @@ use crate::error::{Error, Result};
 use crate::problem::Problem;
 
 /// What "best" means when there are several objectives f_i.
+///
+/// ```
+/// use grouser_opt::{Differences, Method, Problem, ProblemParams, Settings, solve};
+///
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| {
+///     f[0] = (x[0] - 1.0).powi(2);
+///     f[1] = (x[0] + 1.0).powi(2);
+/// });
+/// let problem = Problem::new(ProblemParams::new(&[3.0], 2, model))?;
+/// let settings = Settings::default();
+/// // The worst of both is least half-way; a sum that weighs the first three times is least at 0.5.
+/// let minimax = solve(&problem, &Method::Minimax, &settings)?;
+/// assert!(minimax.x[0].abs() < 1e-6);
+/// let weighted = solve(&problem, &Method::Weighted { weights: vec![3.0, 1.0] }, &settings)?;
+/// assert!((weighted.x[0] - 0.5).abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Method {
     /// Minimise max_i f_i(x): the best worst case.

@@ -11,6 +11,26 @@ use crate::jacobian::Jacobian;
 /// Three ways to get one: [`Exact`](crate::Exact) (written once over a generic number, exact
 /// derivatives), [`Differences`](crate::Differences) (a closure, finite differences), or this trait
 /// itself where the derivatives are known as formulas.
+///
+/// ```
+/// use grouser_opt::{Jacobian, Method, Model, Problem, ProblemParams, Settings, solve};
+///
+/// /// x² with its derivative as a formula.
+/// struct Parabola;
+/// impl Model for Parabola {
+///     fn values(&self, x: &[f64], values: &mut [f64]) {
+///         values[0] = x[0] * x[0];
+///     }
+///     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+///         self.values(x, values);
+///         jacobian.set(0, 0, 2.0 * x[0]);
+///     }
+/// }
+/// let problem = Problem::new(ProblemParams::new(&[3.0], 1, Parabola))?;
+/// let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
+/// assert!(solution.x[0].abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub trait Model: Sync {
     /// Writes the value of every function at `x`.
     fn values(&self, x: &[f64], values: &mut [f64]);

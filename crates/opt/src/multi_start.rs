@@ -76,6 +76,20 @@ impl MultiStart {
 ///
 /// # Errors
 /// `starts` is 0, a variable lacks a finite bound, or what [`solve`] refuses.
+///
+/// ```
+/// use grouser_opt::{Differences, Method, Problem, ProblemParams, Settings, Variable, multi_start};
+///
+/// // Two valleys of the same depth, at −1 and 1.
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = (x[0] * x[0] - 1.0).powi(2));
+/// let params = ProblemParams::new(&[0.9], 1, model)
+///     .variables([Variable::bounded("x", 0.9, -2.0, 2.0)]);
+/// let found = multi_start(&Problem::new(params)?, &Method::Minimax, &Settings::default(), 8, 1)?;
+/// assert_eq!(found.optima.len(), 2);
+/// assert!(found.is_ambiguous());
+/// assert!((found.best().x[0].abs() - 1.0).abs() < 1e-3);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub fn multi_start(
     problem: &Problem<'_>,
     method: &Method,

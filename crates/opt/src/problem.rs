@@ -6,6 +6,14 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 
 /// One variable: where the search starts and how far it may go.
+///
+/// ```
+/// use grouser_opt::Variable;
+///
+/// let radius = Variable::bounded("radius", 0.12, 0.05, 0.3);
+/// assert_eq!((radius.lower, radius.upper), (0.05, 0.3));
+/// assert_eq!(Variable::free("x", 0.0).upper, f64::INFINITY);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Variable {
@@ -193,6 +201,16 @@ impl<'a> ProblemParams<'a> {
 }
 
 /// A checked optimisation problem.
+///
+/// ```
+/// use grouser_opt::{Differences, Problem, ProblemParams};
+///
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0]);
+/// let problem = Problem::new(ProblemParams::new(&[3.0], 1, model))?;
+/// assert_eq!(problem.objectives(), ["f1"]);
+/// assert_eq!(problem.variables()[0].start, 3.0);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub struct Problem<'a> {
     params: ProblemParams<'a>,
     /// The number of leading variables that enter the functions nonlinearly.
@@ -283,6 +301,16 @@ impl<'a> Problem<'a> {
     ///
     /// # Errors
     /// The start has the wrong length or is not finite.
+    ///
+    /// ```
+    /// use grouser_opt::{Differences, Problem, ProblemParams};
+    ///
+    /// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0]);
+    /// let problem = Problem::new(ProblemParams::new(&[3.0], 1, model))?;
+    /// assert_eq!(problem.from_start(&[7.0])?.variables()[0].start, 7.0);
+    /// assert!(problem.from_start(&[f64::NAN]).is_err());
+    /// # Ok::<(), grouser_opt::Error>(())
+    /// ```
     pub fn from_start<'b>(&'b self, start: &[f64]) -> Result<Problem<'b>> {
         Error::check_length("the start", start.len(), self.params.variables.len())?;
         let mut variables = self.params.variables.clone();

@@ -3,6 +3,18 @@
 use crate::error::{Error, Result};
 
 /// Tolerances and limits of one solve.
+///
+/// ```
+/// use grouser_opt::{Differences, Limit, Method, Problem, ProblemParams, Settings, Status, solve};
+///
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0].cosh());
+/// let problem = Problem::new(ProblemParams::new(&[5.0], 1, model))?;
+/// let mut settings = Settings::default();
+/// settings.max_iterations = 1;
+/// let solution = solve(&problem, &Method::Minimax, &settings)?;
+/// assert_eq!(solution.status, Status::Limit(Limit::Iterations));
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {

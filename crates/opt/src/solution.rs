@@ -64,6 +64,20 @@ impl core::ops::AddAssign for Counts {
 }
 
 /// The result of a solve.
+///
+/// ```
+/// use grouser_opt::{Differences, LinearConstraint, Method, Problem, ProblemParams, Settings, solve};
+///
+/// // x² with x ≥ 1: the constraint holds the point, and its price is d(x²)/dx = 2.
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0] * x[0]);
+/// let params = ProblemParams::new(&[3.0], 1, model)
+///     .linear([LinearConstraint::at_most("reach", vec![-1.0], -1.0)]);
+/// let solution = solve(&Problem::new(params)?, &Method::Minimax, &Settings::default())?;
+/// assert!(solution.status.is_solved());
+/// assert!((solution.multipliers.linear[0] - 2.0).abs() < 1e-5);
+/// assert!(solution.active.contains(&"reach".to_owned()));
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {

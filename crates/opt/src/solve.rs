@@ -15,6 +15,17 @@ use crate::{sqp, weighted};
 /// # Errors
 /// The method's goals or weights do not fit the problem, or a setting is out of its range. A solve
 /// that finds no answer is no error: read [`Solution::status`].
+///
+/// ```
+/// use grouser_opt::{Differences, Method, Problem, ProblemParams, Settings, solve};
+///
+/// // max(x, −x) is least at its kink.
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| (f[0], f[1]) = (x[0], -x[0]));
+/// let problem = Problem::new(ProblemParams::new(&[3.0], 2, model))?;
+/// let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
+/// assert!(solution.status.is_solved() && solution.maximum.abs() < 1e-9);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub fn solve(problem: &Problem<'_>, method: &Method, settings: &Settings) -> Result<Solution> {
     solve_with(
         problem,

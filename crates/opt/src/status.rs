@@ -21,6 +21,14 @@ pub enum Limit {
 }
 
 /// The outcome of a solve.
+///
+/// ```
+/// use grouser_opt::{Limit, Status};
+///
+/// assert!(Status::SmallStep.is_solved());
+/// assert!(!Status::Limit(Limit::Values).is_solved());
+/// assert_eq!(Status::Unbounded.name(), "unbounded");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Status {

@@ -12,6 +12,8 @@ mod luksan_vlcek_linear;
 mod luksan_vlcek_unconstrained;
 #[path = "literature/other.rs"]
 mod other;
+#[path = "support/random_starts.rs"]
+mod random_starts;
 #[allow(dead_code, reason = "shared with the literature's tests")]
 #[path = "literature/suite.rs"]
 mod suite;
@@ -22,25 +24,7 @@ use grouser_opt::{
     Exact, Functions, Method, Problem, ProblemParams, Settings, Status, Variable, evaluate, solve,
 };
 use grouser_real::Scalar;
-
-/// How many starts for each problem: `GROUSER_STARTS` overrides the default.
-fn starts(default: u64) -> u64 {
-    let given = std::env::var("GROUSER_STARTS").ok();
-    given.map_or(default, |given| given.parse().unwrap())
-}
-
-/// Numbers in [0, 1) from a seed (SplitMix64).
-struct Stream(u64);
-
-impl Stream {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
+use random_starts::{Stream, starts};
 
 /// The best of 200 probes of up to 1e-4 (1 + |x|) in each variable; `None` where none lowers the utility by
 /// 1e-6 (1 + |utility|).

@@ -27,6 +27,10 @@ pub struct Dual<const N: usize> {
 
 impl<const N: usize> Dual<N> {
     /// A number that depends on nothing.
+    ///
+    /// ```
+    /// assert_eq!(grouser_real::Dual::<2>::constant(3.0).gradient, [0.0, 0.0]);
+    /// ```
     #[must_use]
     pub const fn constant(value: f64) -> Self {
         Self {
@@ -36,6 +40,16 @@ impl<const N: usize> Dual<N> {
     }
 
     /// The variable of direction `index`; a constant if `index` is not below `N`.
+    ///
+    /// ```
+    /// use grouser_real::{Dual, Real};
+    ///
+    /// let x = Dual::<2>::variable(3.0, 0);
+    /// let y = Dual::<2>::variable(4.0, 1);
+    /// let distance = x.hypot(y);
+    /// assert_eq!(distance.value, 5.0);
+    /// assert!((distance.gradient[0] - 0.6).abs() < 1e-15 && (distance.gradient[1] - 0.8).abs() < 1e-15);
+    /// ```
     #[must_use]
     pub fn variable(value: f64, index: usize) -> Self {
         let mut dual = Self::constant(value);
@@ -46,6 +60,12 @@ impl<const N: usize> Dual<N> {
     }
 
     /// The chain rule: a function's `value` at this point and its `slope` there.
+    ///
+    /// ```
+    /// // sin at 0.5 by its value and its slope
+    /// let x = grouser_real::Dual::<1>::variable(0.5, 0);
+    /// assert_eq!(x.chain(0.5_f64.sin(), 0.5_f64.cos()).gradient, [0.5_f64.cos()]);
+    /// ```
     #[inline]
     #[must_use]
     pub fn chain(self, value: f64, slope: f64) -> Self {

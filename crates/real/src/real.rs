@@ -10,6 +10,20 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 /// chosen may be NaN.
 ///
 /// The functions take radians and follow IEEE 754 in what they do outside their domain: NaN, no panic.
+///
+/// ```
+/// use grouser_real::{Dual, Real};
+///
+/// /// The greater of the roots of x² + p x + q.
+/// fn root<R: Real>(p: R, q: R) -> R {
+///     let half = p * R::from_f64(0.5);
+///     (half.square() - q).sqrt() - half
+/// }
+/// assert_eq!(root(-5.0, 6.0), 3.0);
+/// assert_eq!(root(-5.0_f32, 6.0), 3.0);
+/// // ∂x/∂q = −1/(2x + p)
+/// assert_eq!(root(Dual::<1>::constant(-5.0), Dual::variable(6.0, 0)).gradient, [-1.0]);
+/// ```
 pub trait Real:
     Copy
     + Debug
@@ -44,6 +58,12 @@ pub trait Real:
     /// Is `self <= other`?
     fn le(self, other: Self) -> Self::Mask;
     /// `a` where the mask holds, else `b`.
+    ///
+    /// ```
+    /// use grouser_real::Real;
+    ///
+    /// assert_eq!(f64::select(Real::lt(1.0, 2.0), 3.0, 4.0), 3.0);
+    /// ```
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
     /// `self * a + b`, in one rounding where the machine does that fast.
@@ -115,11 +135,23 @@ pub trait Real:
         Self::select(other.lt(self), other, self)
     }
     /// `self` held between `low` and `high`.
+    ///
+    /// ```
+    /// use grouser_real::Real;
+    ///
+    /// assert_eq!(Real::clamp(7.0, 0.0, 1.0), 1.0);
+    /// ```
     #[must_use]
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
     /// `self` squared.
+    ///
+    /// ```
+    /// use grouser_real::Real;
+    ///
+    /// assert_eq!(3.0_f64.square(), 9.0);
+    /// ```
     #[must_use]
     fn square(self) -> Self {
         self * self
@@ -145,6 +177,23 @@ pub trait Real:
 ///
 /// For a [`Dual`](crate::Dual) the value is the function's value without its derivative, so that the
 /// path through a program depends on the point alone.
+///
+/// ```
+/// use grouser_real::{Dual, Scalar};
+///
+/// /// A branch that no select expresses: it needs the value.
+/// fn steps<R: Scalar>(mut x: R) -> u32 {
+///     let mut count = 0;
+///     while x.value() > 1.0 {
+///         (x, count) = (x.sqrt(), count + 1);
+///         if x.value() < 1.0 + 1e-3 {
+///             break;
+///         }
+///     }
+///     count
+/// }
+/// assert_eq!(steps(16.0), steps(Dual::<2>::constant(16.0)));
+/// ```
 pub trait Scalar: Real<Mask = bool> + PartialOrd {
     /// The value in double precision.
     fn value(self) -> f64;

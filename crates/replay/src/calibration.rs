@@ -35,6 +35,21 @@ impl Calibration {
 ///
 /// # Errors
 /// As [`run`]; [`Error::NoCalibration`] where the ways do not give a sensible factor.
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_replay::{Options, calibrate_radius};
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?;
+/// let found = calibrate_radius(&[log], &robot, &Options::default())?;
+/// // This run slips: the calibration would take its slip for a smaller radius.
+/// assert!(found.factor < 1.0 && found.half_spread().is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn calibrate_radius(logs: &[Log], file: &RobotFile, options: &Options) -> Result<Calibration> {
     let (mut reference, mut wheels) = (0.0, 0.0);
     let mut factors = Vec::new();

@@ -25,6 +25,13 @@ pub struct ReferenceUse {
 }
 
 /// Ways while the reference was known, m, each along the direction in which the wheels drove.
+///
+/// ```
+/// let mut ways = grouser_replay::WayCheck::default();
+/// (ways.wheels, ways.filter, ways.reference) = (10.0, 8.0, 7.5); // m
+/// assert!((ways.slip_by_filter().unwrap() - 0.2).abs() < 1e-12);
+/// assert!((ways.slip_by_reference().unwrap() - 0.25).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct WayCheck {

@@ -4,6 +4,13 @@
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why a log gives no slip.
+///
+/// ```
+/// use grouser_replay::{Error, Stretch, slip_without_reference};
+///
+/// let stretch = Stretch { current: 1.0, speed: 0.2, across: 0.5, ripple: 1.2 };
+/// assert!(matches!(slip_without_reference(&stretch, &[]), Err(Error::TooFewGrounds { known: 0 })));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -66,6 +66,7 @@ mod sink;
 mod smooth;
 mod soil_reading;
 mod start;
+mod steering;
 mod summary;
 mod tally;
 mod truth;

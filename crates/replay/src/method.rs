@@ -4,6 +4,12 @@ use grouser_slip::filter::MAX_FILTER_WHEELS;
 use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 /// Which engine finds the slips of the rows.
+///
+/// ```
+/// use grouser_replay::Method;
+///
+/// assert_eq!(Method::NAMES.map(|(_, method)| method.name()), ["filter", "window"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {

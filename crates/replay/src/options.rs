@@ -6,6 +6,13 @@ use grouser_slip::Reference;
 use crate::method::Method;
 
 /// What a run can be given beyond the files.
+///
+/// ```
+/// use grouser_replay::{Method, Options};
+///
+/// let options = Options { method: Some(Method::Window), to_s: Some(20.0), ..Options::default() };
+/// assert!(options.reference.is_none()); // the robot file's, else the best in the log
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// Which engine finds the slips; `None`: the filter where the robot's speed is measured.

@@ -5,6 +5,16 @@ const BINS: usize = 1 << 16;
 
 /// Quantiles of values in a range, to 1/65536 of it: a histogram, so that memory does not grow with
 /// the log. Values outside the range count at its ends.
+///
+/// ```
+/// use grouser_replay::Quantiles;
+///
+/// let mut quantiles = Quantiles::new(0.0, 1.0);
+/// for i in 0..100 {
+///     quantiles.add(f64::from(i) / 100.0);
+/// }
+/// assert!((quantiles.at(0.5).unwrap() - 0.5).abs() < 0.02);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Quantiles {
     low: f64,

@@ -32,6 +32,31 @@ pub fn run(
 ///
 /// # Errors
 /// As [`run`].
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_replay::{Options, Row, Sink, run_into};
+///
+/// /// Counts the rows.
+/// #[derive(Default)]
+/// struct Count(usize);
+/// impl Sink for Count {
+///     fn row(&mut self, _: &Row<'_>) -> std::io::Result<()> {
+///         self.0 += 1;
+///         Ok(())
+///     }
+/// }
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?;
+/// let mut count = Count::default();
+/// let summary = run_into(&log, &robot, &Options::default(), &mut count)?;
+/// assert_eq!(count.0, 5 * 2001);
+/// assert_eq!(summary.wheels.len(), 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run_into(
     log: &Log,
     file: &RobotFile,

@@ -59,6 +59,17 @@ pub struct SlipRange {
 ///
 /// An omni wheel that stands across the way hardly turns, but its rollers roll at the robot's own speed, and no motor drives
 /// them: they are free wheels. Each of their turns shows as a ripple in what holds the wheel.
+///
+/// ```
+/// use grouser_replay::roller_ripple;
+///
+/// let series: Vec<(f64, f64)> = (0..500)
+///     .map(|i| 0.02 * f64::from(i))
+///     .map(|time| (time, 0.3 + 0.1 * (std::f64::consts::TAU * 1.2 * time).sin()))
+///     .collect();
+/// assert!((roller_ripple(&series).unwrap() - 1.2).abs() < 0.05); // Hz
+/// assert_eq!(roller_ripple(&series[..100]), None); // 2 s are too short
+/// ```
 #[must_use]
 pub fn roller_ripple(series: &[(f64, f64)]) -> Option<f64> {
     let (first, last) = (series.first()?.0, series.last()?.0);

@@ -10,6 +10,14 @@ enum Side {
 }
 
 /// A table under construction.
+///
+/// ```
+/// use grouser_report::Table;
+///
+/// let mut table = Table::new().text("wheel").number("load");
+/// table.row(["left", "60"]);
+/// assert_eq!(table.render(), "wheel  load\nleft     60\n");
+/// ```
 #[derive(Debug, Default)]
 pub struct Table {
     sides: Vec<Side>,

@@ -9,6 +9,13 @@ use crate::terrain_fault::TerrainFault;
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// A description that cannot be used.
+///
+/// ```
+/// use grouser_rover::{Error, robot::RobotModel};
+///
+/// let error = RobotModel::read("no-such-robot.toml".as_ref()).unwrap_err();
+/// assert!(matches!(error, Error::File(_)));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

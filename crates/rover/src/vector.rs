@@ -3,6 +3,14 @@
 use std::ops::{Add, AddAssign, Index, Mul, Neg, Sub};
 
 /// A vector of three numbers.
+///
+/// ```
+/// use grouser_rover::vector::Vector;
+///
+/// let lever = Vector::new(0.3, 0.0, 0.0);
+/// let force = Vector::new(0.0, 0.0, 10.0);
+/// assert_eq!(lever.cross(force), Vector::new(0.0, -3.0, 0.0)); // lifts the nose
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vector {
     /// Forwards (or east).
@@ -30,12 +38,23 @@ impl Vector {
     }
 
     /// Scalar product.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::Vector;
+    /// assert_eq!(Vector::new(1.0, 2.0, 3.0).dot(Vector::AXES[2]), 3.0);
+    /// ```
     #[must_use]
     pub fn dot(self, other: Self) -> f64 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// Vector product.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::Vector;
+    /// let [x, y, z] = Vector::AXES;
+    /// assert_eq!(x.cross(y), z);
+    /// ```
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
@@ -46,12 +65,23 @@ impl Vector {
     }
 
     /// Length.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::Vector;
+    /// assert_eq!(Vector::new(3.0, 0.0, 4.0).length(), 5.0);
+    /// ```
     #[must_use]
     pub fn length(self) -> f64 {
         self.dot(self).sqrt()
     }
 
     /// The vector of length 1 along it; nothing for nothing.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::Vector;
+    /// assert_eq!(Vector::new(0.0, 0.0, 4.0).unit(), Vector::AXES[2]);
+    /// assert_eq!(Vector::ZERO.unit(), Vector::ZERO);
+    /// ```
     #[must_use]
     pub fn unit(self) -> Self {
         let length = self.length();
@@ -139,6 +169,13 @@ impl Tensor {
     }
 
     /// The inertia about the origin of a mass (kg) at `at`.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::{Tensor, Vector};
+    /// // 2 kg at 3 m along x: nothing about x, 18 kg m² about y and z
+    /// let inertia = Tensor::of_point(2.0, Vector::new(3.0, 0.0, 0.0));
+    /// assert_eq!(inertia.diagonal, Vector::new(0.0, 18.0, 18.0));
+    /// ```
     #[must_use]
     pub fn of_point(mass: f64, at: Vector) -> Self {
         let Vector { x, y, z } = at;
@@ -158,6 +195,12 @@ impl Tensor {
     }
 
     /// Tensor times vector.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::{Tensor, Vector};
+    /// let inertia = Tensor::diagonal(Vector::new(1.0, 2.0, 3.0));
+    /// assert_eq!(inertia.times(Vector::AXES[1]), Vector::new(0.0, 2.0, 0.0));
+    /// ```
     #[must_use]
     pub fn times(&self, v: Vector) -> Vector {
         let (d, p) = (self.diagonal, self.products);
@@ -170,6 +213,14 @@ impl Tensor {
 }
 
 /// An attitude: a unit quaternion that turns the robot's frame into the world's.
+///
+/// ```
+/// use grouser_rover::vector::{Attitude, Vector};
+///
+/// let left = Attitude::from_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);
+/// let ahead = left.to_world(Vector::AXES[0]);
+/// assert!((ahead - Vector::AXES[1]).length() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attitude {
     w: f64,
@@ -236,6 +287,13 @@ impl Attitude {
     }
 
     /// A vector of the world's frame in the robot's.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::{Attitude, Vector};
+    /// // Nose up by 0.2 rad: gravity pulls backwards too.
+    /// let down = Attitude::from_angles(0.0, -0.2, 0.0).to_robot(-Vector::AXES[2]);
+    /// assert!((down.x + 0.2_f64.sin()).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn to_robot(self, a: Vector) -> Vector {
         Self {
@@ -246,6 +304,12 @@ impl Attitude {
     }
 
     /// Roll, pitch (nose down positive) and yaw, rad.
+    ///
+    /// ```
+    /// # use grouser_rover::vector::Attitude;
+    /// let (roll, pitch, yaw) = Attitude::from_angles(0.1, -0.2, 0.3).angles();
+    /// assert!((roll - 0.1).abs() < 1e-12 && (pitch + 0.2).abs() < 1e-12 && (yaw - 0.3).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn angles(self) -> (f64, f64, f64) {
         let forward = self.to_world(Vector::AXES[0]);

@@ -91,7 +91,7 @@ fn the_controller_goes_round_the_soft_patch() {
 
 /// At 50 s everything falls silent: within the time without sight that its settings give it, it ends the drive and says why.
 #[test]
-fn c11_it_stops_when_its_sensors_fall_silent() {
+fn it_stops_when_its_sensors_fall_silent() {
     let scenario = scenario("faults");
     let result = drive(&scenario, Pilot::Controller, scenario.seed);
     assert_eq!(result.outcome, Outcome::SensorsLost);

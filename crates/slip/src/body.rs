@@ -14,6 +14,15 @@ pub struct BodyMotion {
 impl BodyMotion {
     /// The motion along `row`: for a wheel's [`speed_row`](crate::Wheel::speed_row) the speed of its
     /// centre along its heading, v_i = e_i · (v_body + Ω × p_i).
+    ///
+    /// ```
+    /// use grouser_slip::{BodyMotion, Wheel};
+    ///
+    /// // 0.2 m/s ahead while turning left at 0.5 rad/s: a wheel 0.3 m to the left moves slower.
+    /// let motion = BodyMotion { velocity: [0.2, 0.0, 0.5], covariance: [[0.0; 3]; 3] };
+    /// let left = Wheel::powered("left").at(0.0, 0.3);
+    /// assert!((motion.along(left.speed_row()).value - 0.05).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn along(&self, row: [f64; 3]) -> Measured {
         let mut variance = 0.0;

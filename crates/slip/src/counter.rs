@@ -3,6 +3,14 @@
 use crate::error::{Error, Result};
 
 /// How many bits a tick counter has, 8 to 64.
+///
+/// ```
+/// use grouser_slip::CounterWidth;
+///
+/// assert_eq!(CounterWidth::new(16)?.bits(), 16);
+/// assert!(CounterWidth::new(7).is_err());
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CounterWidth(u32);
 
@@ -49,6 +57,15 @@ impl CounterWidth {
 
     /// The step whose size is nearest to `expected` ticks: it finds steps of half a range and more, and
     /// several wraps between two readings, where a prediction is at hand.
+    ///
+    /// ```
+    /// use grouser_slip::CounterWidth;
+    ///
+    /// let narrow = CounterWidth::new(8)?;
+    /// assert_eq!(narrow.step(0, 44), 44);
+    /// assert_eq!(narrow.step_near(0, 44, 310), 300); // one wrap more, where about 310 ticks are expected
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     #[must_use]
     pub fn step_near(self, from: u64, to: u64, expected: i64) -> i64 {
         let unused = 64 - self.0;
@@ -95,6 +112,15 @@ impl Counter {
     }
 
     /// [`Counter::advance`] for a step expected to be near `expected` ticks.
+    ///
+    /// ```
+    /// use grouser_slip::{Counter, CounterWidth};
+    ///
+    /// let mut counter = Counter::new(CounterWidth::new(8)?);
+    /// counter.advance(250);
+    /// assert_eq!(counter.advance_near(4, 260), 266);
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn advance_near(&mut self, raw: u64, expected: i64) -> i64 {
         let step = self
             .last

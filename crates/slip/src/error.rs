@@ -8,6 +8,14 @@ use grouser_real::OutOfRange;
 pub type Result<T> = core::result::Result<T, Error>;
 
 /// A robot or settings that cannot be used. What is wrong with a *sample* is a [`Fault`](crate::Fault).
+///
+/// ```
+/// use grouser_slip::{Robot, Wheel};
+///
+/// let wheels = vec![Wheel::powered("left").radius(-0.1)];
+/// let error = Robot::new("cart".into(), wheels).unwrap_err();
+/// assert_eq!(error.to_string(), "left: radius is -0.1 m, but must lie in [0.001, 10] m");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -3,6 +3,15 @@
 use grouser_real::OutOfRange;
 
 /// Why a sample was refused.
+///
+/// ```
+/// use grouser_slip::Fault;
+/// use grouser_slip::ground::{Uncertain, sinkage_from_camera};
+///
+/// let radius = Uncertain { value: 0.1, sigma: 0.0 }; // m
+/// let fault = sinkage_from_camera(Uncertain { value: f64::NAN, sigma: 0.02 }, radius).unwrap_err();
+/// assert!(matches!(fault, Fault::NotFinite { .. }));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {

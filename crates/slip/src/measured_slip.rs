@@ -7,6 +7,15 @@ use crate::speed::Measured;
 use crate::state::{Degraded, Health, Motion};
 
 /// The limits below which a slip is not a number, or not to be trusted.
+///
+/// ```
+/// use grouser_slip::{Measured, MeasuredSlip, Motion, SlipLimits};
+///
+/// let mut limits = SlipLimits::default();
+/// limits.standstill_speed = 0.05; // m/s
+/// let slow = Measured { value: 0.02, variance: 0.0 };
+/// assert_eq!(MeasuredSlip::from_speeds(slow, slow, &limits).motion, Motion::Standstill);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SlipLimits {

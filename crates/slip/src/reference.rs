@@ -1,6 +1,13 @@
 //! The sensors that can measure how fast the robot travels.
 
 /// What tells how fast the robot travels.
+///
+/// ```
+/// use grouser_slip::Reference;
+///
+/// assert_eq!(Reference::ALL[0], Reference::Displacement); // preferred where there are several
+/// assert_eq!(Reference::FreeWheel.name(), "free-wheel");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reference {

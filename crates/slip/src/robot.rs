@@ -30,6 +30,16 @@ pub enum Shaft {
 
 /// The sensor of a wheel's rotation. The default sits on the wheel's own shaft and has a 64-bit counter, but no ticks: it
 /// gives angles or rates.
+///
+/// ```
+/// use grouser_slip::{Encoder, Wheel};
+///
+/// let encoder = Encoder::counting(500).on_motor(20.0).reversed();
+/// let wheel = Wheel::powered("left").radius(0.1).encoder(encoder);
+/// // 10 000 ticks per turn of the wheel, counted down
+/// let way = wheel.travel_per_tick().unwrap() * -10_000.0;
+/// assert!((way - 0.1 * std::f64::consts::TAU).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Encoder {
@@ -242,6 +252,12 @@ impl Wheel {
     }
 
     /// Rim travel per radian of the sensor's shaft, m/rad, forwards positive.
+    ///
+    /// ```
+    /// use grouser_slip::Wheel;
+    ///
+    /// assert_eq!(Wheel::free("fifth").radius(0.05).travel_per_radian(), 0.05); // m
+    /// ```
     #[must_use]
     pub fn travel_per_radian(&self) -> f64 {
         let size = match self.encoder.shaft {
@@ -260,6 +276,12 @@ impl Wheel {
 
     /// The row c of v_i = c · (v_x, v_y, Ω): speed of the wheel's centre along its heading,
     /// e_i · (v_body + Ω × p_i).
+    ///
+    /// ```
+    /// use grouser_slip::Wheel;
+    ///
+    /// assert_eq!(Wheel::powered("left").at(0.2, 0.25).speed_row(), [1.0, 0.0, -0.25]);
+    /// ```
     #[must_use]
     pub fn speed_row(&self) -> [f64; 3] {
         let (e_x, e_y) = (self.heading.cos(), self.heading.sin());
@@ -268,6 +290,16 @@ impl Wheel {
 }
 
 /// A robot with any number of wheels up to [`MAX_WHEELS`], checked.
+///
+/// ```
+/// use grouser_slip::{Error, Robot, Wheel};
+///
+/// let robot = Robot::new("cart".into(), vec![Wheel::powered("left"), Wheel::powered("right")])?;
+/// assert_eq!(robot.wheel_index("right"), Some(1));
+/// let twice = Robot::new("cart".into(), vec![Wheel::powered("left"), Wheel::free("left")]);
+/// assert!(matches!(twice, Err(Error::WheelName { .. })));
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {
     name: String,
@@ -321,6 +353,16 @@ impl Robot {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a radius leaves its limits.
+    ///
+    /// ```
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let wheels = vec![Wheel::powered("left").radius(0.1), Wheel::free("fifth").radius(0.1)];
+    /// let robot = Robot::new("cart".into(), wheels)?.with_radii_scaled(1.02)?;
+    /// assert!((robot.wheels()[0].radius - 0.102).abs() < 1e-15);
+    /// assert_eq!(robot.wheels()[1].radius, 0.1); // a free wheel keeps its own
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn with_radii_scaled(mut self, factor: f64) -> Result<Self> {
         let powered = |wheel: &&mut Wheel| wheel.role == WheelRole::Powered;
         for wheel in self.wheels.iter_mut().filter(powered) {

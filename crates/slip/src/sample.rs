@@ -4,6 +4,13 @@
 ///
 /// Times are nanoseconds on one clock with any zero: integers, so that a clock that counts from 1970
 /// loses nothing.
+///
+/// ```
+/// use grouser_slip::{Measurement, Sample};
+///
+/// let sample = Sample { time_ns: 20_000_000, measurement: Measurement::YawRate { rate: 0.1 } };
+/// assert_eq!(sample.measurement.wheel(), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// When it was taken, ns.
@@ -96,6 +103,19 @@ pub enum Measurement {
         /// rad, nose down positive.
         angle: f64,
     },
+    /// The angle by which a wheel is steered beside its heading in the description, to the left positive.
+    SteeringAngle {
+        /// The wheel's index.
+        wheel: usize,
+        /// rad.
+        angle: f64,
+    },
+    /// The angle of the robot's steering as a whole: of the middle of a steered axle, or of an articulated joint, to the left
+    /// positive. Who knows the robot's steering makes [`Measurement::SteeringAngle`] of it; estimators ignore it.
+    Steering {
+        /// rad.
+        angle: f64,
+    },
     /// A motor's current, for [`OnBoard`](crate::onboard::OnBoard).
     MotorCurrent {
         /// The wheel's index.
@@ -143,12 +163,20 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => Some(wheel),
             _ => None,
         }
     }
 
     /// The same measurement of another wheel; without effect on measurements of the robot.
+    ///
+    /// ```
+    /// use grouser_slip::Measurement;
+    ///
+    /// let moved = Measurement::WheelAngle { wheel: 0, angle: 1.5 }.with_wheel(3);
+    /// assert_eq!(moved.wheel(), Some(3));
+    /// ```
     #[must_use]
     pub const fn with_wheel(mut self, index: usize) -> Self {
         match &mut self {
@@ -158,6 +186,7 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => *wheel = index,
             _ => {}
         }
@@ -165,6 +194,13 @@ impl Measurement {
     }
 
     /// Does it tell how far or how fast a wheel turns?
+    ///
+    /// ```
+    /// use grouser_slip::Measurement;
+    ///
+    /// assert!(Measurement::WheelRate { wheel: 0, rate: 2.0 }.is_rotation());
+    /// assert!(!Measurement::YawRate { rate: 2.0 }.is_rotation());
+    /// ```
     #[must_use]
     pub const fn is_rotation(&self) -> bool {
         matches!(
@@ -180,7 +216,10 @@ impl Measurement {
     pub(crate) const fn is_raw(&self) -> bool {
         matches!(
             self,
-            Self::Inertial { .. } | Self::JointAngle { .. } | Self::MotorCurrent { .. }
+            Self::Inertial { .. }
+                | Self::JointAngle { .. }
+                | Self::Steering { .. }
+                | Self::MotorCurrent { .. }
         )
     }
 }

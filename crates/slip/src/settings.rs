@@ -91,6 +91,14 @@ impl<S: Copy> Field<S> {
     }
 
     /// The value in the unit of a file.
+    ///
+    /// ```
+    /// use grouser_slip::filter::FilterSettings;
+    ///
+    /// let settings = FilterSettings { gyro_bias: 1_f64.to_radians(), ..FilterSettings::default() };
+    /// let field = FilterSettings::FIELDS.iter().find(|field| field.name == "gyro_bias").unwrap();
+    /// assert!((field.get_for_file(&settings) - 1.0).abs() < 1e-12); // in degrees
+    /// ```
     #[must_use]
     pub fn get_for_file(&self, settings: &S) -> f64 {
         match self.file_unit {
@@ -123,6 +131,15 @@ impl<S: Copy> Field<S> {
 ///
 /// # Errors
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) for the first field outside its limits.
+///
+/// ```
+/// use grouser_slip::filter::FilterSettings;
+/// use grouser_slip::settings::check_fields;
+///
+/// let settings = FilterSettings { gyro_bias: f64::NAN, ..FilterSettings::default() };
+/// let error = check_fields("filter", &settings, FilterSettings::FIELDS).unwrap_err();
+/// assert!(error.to_string().starts_with("filter: gyro_bias is NaN rad/s, but must lie in"));
+/// ```
 pub fn check_fields<S: Copy>(of: &str, settings: &S, fields: &[Field<S>]) -> Result<()> {
     fields
         .iter()

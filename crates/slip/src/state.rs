@@ -3,6 +3,12 @@
 use core::fmt;
 
 /// How a wheel moves. One part of a wheel's state; [`Health`] is the other.
+///
+/// ```
+/// use grouser_slip::Motion;
+///
+/// assert_eq!(Motion::RollBack.to_string(), "RollBack");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Motion {
@@ -52,6 +58,14 @@ impl fmt::Display for Motion {
 }
 
 /// How far an estimate can be trusted.
+///
+/// ```
+/// use grouser_slip::{Degraded, Health};
+///
+/// // A program that drives on `Ok` alone is safe against causes that are added later.
+/// let health = Health::Degraded(Degraded::ReferenceReadmitted);
+/// assert_ne!(health, Health::Ok);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Health {

@@ -83,7 +83,7 @@ fn following(commands: &[WheelCommand]) -> [WheelObservation; 4] {
 }
 
 #[test]
-fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
+fn a_reversed_encoder_never_gets_full_torque_for_long() {
     let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
     let log = run(&mut controller, (0, 6), |time, commands| {
         let mut seen = following(commands);
@@ -115,7 +115,7 @@ fn a5_a_reversed_encoder_never_gets_full_torque_for_long() {
 }
 
 #[test]
-fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
+fn a_stalled_wheel_sheds_its_torque_within_50_ms() {
     let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
     let log = run(&mut controller, (0, 8), |time, commands| {
         let mut seen = following(commands);
@@ -140,7 +140,7 @@ fn a11_a_stalled_wheel_sheds_its_torque_within_50_ms() {
 }
 
 #[test]
-fn c11_without_any_sensor_it_stops_within_the_declared_time() {
+fn without_any_sensor_it_stops_within_the_declared_time() {
     let settings = ControlSettings::default();
     let mut controller = Controller::new(&robot(), settings).unwrap();
     run(&mut controller, (0, 3), |_, commands| following(commands));

@@ -1,4 +1,4 @@
-//! FAULTS A6: counters roll over, both ways, at the exact boundary, and more than once between readings.
+//! Counters roll over, both ways, at the exact boundary, and more than once between readings.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -23,7 +23,7 @@ fn follow(bits: u32, counts: &[i128]) {
 }
 
 #[test]
-fn a6_rollover_at_the_exact_boundary_both_ways() {
+fn rollover_at_the_exact_boundary_both_ways() {
     for bits in [8, 16, 24, 31, 32, 63, 64] {
         let unsigned = 1_i128 << bits;
         let signed = 1_i128 << (bits - 1);
@@ -36,7 +36,7 @@ fn a6_rollover_at_the_exact_boundary_both_ways() {
 }
 
 #[test]
-fn a6_twice_in_one_step_with_a_prediction() {
+fn twice_in_one_step_with_a_prediction() {
     let width = CounterWidth::new(8).unwrap();
     // 600 ticks on a counter of 256: two whole turns and 88.
     assert_eq!(width.step_near(10, shown(610, 8), 590), 600);
@@ -64,7 +64,7 @@ fn widths_outside_8_to_64_are_refused() {
 
 proptest! {
     #[test]
-    fn a6_any_walk_within_half_a_range_is_followed(
+    fn any_walk_within_half_a_range_is_followed(
         bits in 8_u32..=64,
         start in any::<i64>(),
         shares in prop::collection::vec(-0.499_f64..0.499, 1..50),

@@ -71,9 +71,9 @@ fn high_slip_and_dig_in_are_called_in_time_and_end() {
     assert!(ended(&found, Event::DigIn) && ended(&found, Event::HighSlip { wheel: 0 }));
 }
 
-/// FAULTS A13: wheels that run and a robot that stays.
+/// Wheels that run and a robot that stays.
 #[test]
-fn a13_immobilised_is_called_within_a_second() {
+fn immobilised_is_called_within_a_second() {
     // the robot creeps at 12 mm/s; between 10 and 15 s its rims run fifty times as fast
     let stuck = World {
         slip: (0.08, 0.98),
@@ -97,9 +97,9 @@ fn a_slip_below_the_threshold_calls_nothing() {
     }
 }
 
-/// FAULTS A10: the torque of a lifted wheel falls away; it is not the ground that slips.
+/// The torque of a lifted wheel falls away; it is not the ground that slips.
 #[test]
-fn a10_a_lifted_wheel_is_called_so() {
+fn a_lifted_wheel_is_called_so() {
     let world = soft(0.1);
     let torque = |truth: &Truth, wheel: usize| {
         let lifted = wheel == 1 && truth.time > 12.0 && truth.time < 14.0;
@@ -113,9 +113,9 @@ fn a10_a_lifted_wheel_is_called_so() {
     assert!(!others, "{found:?}");
 }
 
-/// FAULTS A11: full torque on wheels that stand.
+/// Full torque on wheels that stand.
 #[test]
-fn a11_a_stalled_wheel_is_called_so() {
+fn a_stalled_wheel_is_called_so() {
     let settings = DetectSettings {
         stall_torque: 5.0,
         ..DetectSettings::default()

@@ -110,7 +110,7 @@ fn slips_of_a_five_wheeled_robot_are_found_within_their_sigmas() {
         );
         assert!(s.rms() < most);
         assert!(s.nees() < 1.2);
-        // FAULTS: never beyond a second
+        // never beyond a second
         assert!(s.silent < 0.5);
     }
 }

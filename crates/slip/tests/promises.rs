@@ -135,7 +135,7 @@ proptest! {
 }
 
 #[test]
-fn c1_a_bad_number_changes_no_bit() {
+fn a_bad_number_changes_no_bit() {
     let robot = robot(32);
     let drivers = Drivers {
         speed: 0.4,

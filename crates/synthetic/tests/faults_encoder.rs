@@ -28,7 +28,7 @@ fn honest(out: &trial::Outcome, what: &str) {
 }
 
 #[test]
-fn a1_a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
+fn a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
     let nominal = Trial::new(1).run();
     for (phase, from) in PHASES {
         for (gap, invalid) in [(0.05, false), (0.5, true), (60.0, true)] {
@@ -79,7 +79,7 @@ fn a1_a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
 }
 
 #[test]
-fn a2_a_stuck_encoder_is_found_and_is_no_skid() {
+fn a_stuck_encoder_is_found_and_is_no_skid() {
     for (phase, from) in [("converge", 3.0), ("steady", 9.0), ("stop", 20.5)] {
         let out = Trial::new(2)
             .fault(Fault::WheelStuck(1), from, from + 2.0)
@@ -104,7 +104,7 @@ fn a2_a_stuck_encoder_is_found_and_is_no_skid() {
 }
 
 #[test]
-fn a3_lost_pulses_bias_the_slip_by_no_more_than_their_share() {
+fn lost_pulses_bias_the_slip_by_no_more_than_their_share() {
     let nominal = Trial::new(3).run();
     let mean = |out: &trial::Outcome| {
         let errors: Vec<f64> = out
@@ -141,7 +141,7 @@ fn missed(trial: &Trial, from: f64) -> (Option<f64>, bool) {
 }
 
 #[test]
-fn a3_a_twentieth_of_the_pulses_lost_is_said_within_five_seconds() {
+fn a_twentieth_of_the_pulses_lost_is_said_within_five_seconds() {
     // at rest and while braking there are no pulses, or too few, to be lost
     for (phase, from) in [
         ("start", 2.5),
@@ -168,7 +168,7 @@ fn a3_a_twentieth_of_the_pulses_lost_is_said_within_five_seconds() {
 }
 
 #[test]
-fn a4_a_broken_slot_is_named_and_is_no_slip() {
+fn a_broken_slot_is_named_and_is_no_slip() {
     let mut trial = Trial::new(4);
     trial.robot.legs[2].seconds = 60.0;
     let broken = |trial: &Trial| {
@@ -203,7 +203,7 @@ fn a4_a_broken_slot_is_named_and_is_no_slip() {
 }
 
 #[test]
-fn a5_swapped_tracks_are_found() {
+fn swapped_tracks_are_found() {
     for (phase, from) in [("converge", 3.0), ("steady", 9.0), ("stop", 20.5)] {
         let out = Trial::new(5)
             .fault(Fault::Swapped(1), from, from + 2.0)
@@ -216,7 +216,7 @@ fn a5_swapped_tracks_are_found() {
 }
 
 #[test]
-fn a6_a_counter_that_goes_round_is_the_same_to_the_bit() {
+fn a_counter_that_goes_round_is_the_same_to_the_bit() {
     let told = |bits: u32, ticks: f64, start: i64, back: bool| {
         let mut trial = Trial::new(6);
         trial.sensors.bits = bits;
@@ -261,7 +261,7 @@ fn a6_a_counter_that_goes_round_is_the_same_to_the_bit() {
 }
 
 #[test]
-fn a7_a_counter_that_begins_again_costs_one_sample() {
+fn a_counter_that_begins_again_costs_one_sample() {
     for (phase, from) in PHASES {
         let mut trial = Trial::new(7).fault(Fault::CounterReset(1), from, END);
         trial.sensors.bits = 32;
@@ -277,7 +277,7 @@ fn a7_a_counter_that_begins_again_costs_one_sample() {
 }
 
 #[test]
-fn a8_a_single_jump_is_refused_and_moves_nothing() {
+fn a_single_jump_is_refused_and_moves_nothing() {
     for (phase, from) in PHASES {
         for ticks in [1_000_000, -1_000_000] {
             let mut trial = Trial::new(8);
@@ -303,7 +303,7 @@ fn a8_a_single_jump_is_refused_and_moves_nothing() {
 }
 
 #[test]
-fn a9_a_crawling_wheel_is_called_slow_without_chatter() {
+fn a_crawling_wheel_is_called_slow_without_chatter() {
     let mut trial = Trial::new(9);
     for leg in &mut trial.robot.legs {
         leg.speed *= 0.005 / 0.3;
@@ -337,7 +337,7 @@ fn a9_a_crawling_wheel_is_called_slow_without_chatter() {
 }
 
 #[test]
-fn a12_a_towed_robot_slips_backwards() {
+fn a_towed_robot_slips_backwards() {
     let mut trial = Trial::new(12);
     trial.robot.drive_slip = (-0.08, -0.2);
     let out = trial.run();
@@ -357,7 +357,7 @@ fn a12_a_towed_robot_slips_backwards() {
 }
 
 #[test]
-fn a13_an_immobilised_robot_slips_wholly() {
+fn an_immobilised_robot_slips_wholly() {
     let mut trial = Trial::new(13);
     trial.robot.legs[2].seconds = 68.0;
     trial = trial.event(Event::Immobilised, 6.0, 66.0);
@@ -406,7 +406,7 @@ fn said(trial: &Trial) -> Vec<(f64, Said, bool)> {
 }
 
 #[test]
-fn a10_a_wheel_in_the_air_is_called_so_and_no_high_slip() {
+fn a_wheel_in_the_air_is_called_so_and_no_high_slip() {
     for (phase, from) in [("converge", 4.0), ("steady", 9.0), ("bend", 14.0)] {
         let trial = Trial::new(10).event(Event::LiftOff { wheel: 2 }, from, from + 2.0);
         let seen = said(&trial);
@@ -425,7 +425,7 @@ fn a10_a_wheel_in_the_air_is_called_so_and_no_high_slip() {
 }
 
 #[test]
-fn a11_a_stalled_robot_is_called_so() {
+fn a_stalled_robot_is_called_so() {
     // from rest, and out of motion: the motors push with 8 N m and nothing turns
     for (phase, from, most) in [("start", 1.0, 0.08), ("steady", 9.0, 0.3)] {
         let trial = Trial::new(11).event(Event::Stall { torque: 8.0 }, from, from + 1.0);
@@ -447,7 +447,7 @@ fn a11_a_stalled_robot_is_called_so() {
 }
 
 #[test]
-fn a14_a_wrong_radius_is_told_apart_from_slip() {
+fn a_wrong_radius_is_told_apart_from_slip() {
     // all wheels, and one: a worn or a wrong tyre
     for (what, error) in [
         ("right", [0.0; FREE + 1]),
@@ -485,7 +485,7 @@ fn a14_a_wrong_radius_is_told_apart_from_slip() {
 }
 
 #[test]
-fn a15_play_in_the_gears_makes_no_lasting_slip() {
+fn play_in_the_gears_makes_no_lasting_slip() {
     // 30 ticks of 960 at once
     let play = 30.0 / 960.0 * std::f64::consts::TAU * 0.1;
     for (phase, from) in PHASES {

@@ -63,7 +63,7 @@ fn compare(what: &str, trial: Trial, fault: Fault, lasts: f64, most: f64) {
 
 #[test]
 #[allow(clippy::too_many_lines, reason = "a list of every field")]
-fn c1_what_is_no_number_is_refused_counted_and_changes_no_bit() {
+fn what_is_no_number_is_refused_counted_and_changes_no_bit() {
     let (_, samples) = with_camera(1).samples();
     let mut filter = with_camera(1).filter();
     for sample in &samples[..8000] {
@@ -178,7 +178,7 @@ fn c1_what_is_no_number_is_refused_counted_and_changes_no_bit() {
 }
 
 #[test]
-fn c2_a_sigma_that_is_none_is_refused_by_name() {
+fn a_sigma_that_is_none_is_refused_by_name() {
     let trial = Trial::new(2);
     let robot = trial.robot.described(16).unwrap();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1.797e308] {
@@ -215,12 +215,12 @@ fn c2_a_sigma_that_is_none_is_refused_by_name() {
 }
 
 #[test]
-fn c3_a_stuck_imu_does_no_lasting_harm() {
+fn a_stuck_imu_does_no_lasting_harm() {
     compare("IMU stuck", Trial::new(3), Fault::ImuStuck, 3.0, 1.3);
 }
 
 #[test]
-fn c4_an_impact_that_saturates_the_accelerometer_does_little() {
+fn an_impact_that_saturates_the_accelerometer_does_little() {
     compare(
         "saturated 0.1 s",
         Trial::new(4),
@@ -240,7 +240,7 @@ fn c4_an_impact_that_saturates_the_accelerometer_does_little() {
 /// Within 30 s of a step, a ramp or the warming of a sensor the errors are those of a run without it, and the sigmas are right
 /// meanwhile.
 #[test]
-fn c5_a_bias_that_changes_is_learnt_within_thirty_seconds() {
+fn a_bias_that_changes_is_learnt_within_thirty_seconds() {
     let mut long = Trial::new(5);
     long.robot.legs[2].seconds = 50.0;
     let nominal = long.run();
@@ -268,14 +268,14 @@ fn c5_a_bias_that_changes_is_learnt_within_thirty_seconds() {
 }
 
 #[test]
-fn c6_an_imu_that_is_silent_or_noise_does_no_lasting_harm() {
+fn an_imu_that_is_silent_or_noise_does_no_lasting_harm() {
     compare("IMU silent", Trial::new(6), Fault::ImuSilent, 3.0, 1.3);
     compare("IMU noise", Trial::new(6), Fault::ImuGarbage(2.0), 3.0, 1.3);
     compare("IMU zero", Trial::new(6), Fault::ImuValue(0.0), 3.0, 1.3);
 }
 
 #[test]
-fn c7_a_camera_that_fails_is_left() {
+fn a_camera_that_fails_is_left() {
     let lasts = 3.0;
     compare("camera lost", with_camera(7), Fault::CameraLost, lasts, 1.3);
     compare(
@@ -336,7 +336,7 @@ fn c7_a_camera_that_fails_is_left() {
 }
 
 #[test]
-fn c8_c9_wrong_units_and_signs_never_pass_silently() {
+fn wrong_units_and_signs_never_pass_silently() {
     for (what, scale) in [
         ("degrees for radians", 57.3),
         ("sign", -1.0),
@@ -369,7 +369,7 @@ fn c8_c9_wrong_units_and_signs_never_pass_silently() {
 }
 
 #[test]
-fn c10_bad_torques_do_not_move_the_slips() {
+fn bad_torques_do_not_move_the_slips() {
     for fault in [
         Fault::TorqueOffset(3.0),
         Fault::TorqueZero,
@@ -380,7 +380,7 @@ fn c10_bad_torques_do_not_move_the_slips() {
 }
 
 #[test]
-fn c11_when_all_is_silent_the_estimate_ends() {
+fn when_all_is_silent_the_estimate_ends() {
     for (phase, from) in PHASES {
         let trial = Trial::new(11).fault(Fault::AllSilent, from, END + 60.0);
         let (_, samples) = trial.samples();
@@ -398,7 +398,7 @@ fn c11_when_all_is_silent_the_estimate_ends() {
 }
 
 #[test]
-fn c12_a_start_in_motion_or_on_a_slope_is_right_or_says_that_it_is_not() {
+fn a_start_in_motion_or_on_a_slope_is_right_or_says_that_it_is_not() {
     // in motion: nothing is heard before
     let moving = Trial::new(12).fault(Fault::AllSilent, 0.0, 6.0).run();
     honest(&moving, "moving");

@@ -84,7 +84,7 @@ fn a_robot_that_is_as_described_is_plausible() {
 }
 
 #[test]
-fn c8_a_wrong_unit_is_refused_by_the_name_of_its_field() {
+fn a_wrong_unit_is_refused_by_the_name_of_its_field() {
     for (what, scale, like) in [
         ("gyro in degrees", 57.295_78, "degrees given as radians"),
         (
@@ -122,7 +122,7 @@ fn c8_a_wrong_unit_is_refused_by_the_name_of_its_field() {
 }
 
 #[test]
-fn c8_wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetres_too() {
+fn wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetres_too() {
     // the powered wheels' counters as rates
     let trial = with_camera(4);
     let (course, samples) = trial.samples();
@@ -166,7 +166,7 @@ fn c8_wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetre
 /// A lone camera's scale cannot be seen from the start: what it halves looks like soft ground. One that runs ahead of all wheels
 /// is no reference at all for the filter.
 #[test]
-fn c8_a_lone_camera_is_not_refused_for_what_soft_ground_would_show_as_well() {
+fn a_lone_camera_is_not_refused_for_what_soft_ground_would_show_as_well() {
     let mut trial = with_camera(5);
     trial.faults.push((Fault::WheelSilent(FREE), (0.0, END)));
     trial.faults.push((Fault::CameraScale(0.5), (0.0, END)));
@@ -174,7 +174,7 @@ fn c8_a_lone_camera_is_not_refused_for_what_soft_ground_would_show_as_well() {
 }
 
 #[test]
-fn c9_signs_and_exchanged_axes_are_refused_by_name() {
+fn signs_and_exchanged_axes_are_refused_by_name() {
     let trial = with_camera(6).fault(Fault::GyroScale(-1.0), 0.0, END);
     named(
         "gyro, sign",
@@ -230,7 +230,7 @@ fn c9_signs_and_exchanged_axes_are_refused_by_name() {
 }
 
 #[test]
-fn c9_c12_gravity_tells_which_way_is_up() {
+fn gravity_tells_which_way_is_up() {
     let steepest = Angle::from_deg(40.0);
     // any axis along gravity but up, either way
     for (force, name) in [
@@ -255,7 +255,7 @@ fn c9_c12_gravity_tells_which_way_is_up() {
 }
 
 #[test]
-fn c12_a_robot_on_its_side_is_refused_and_one_on_a_slope_or_in_motion_is_not() {
+fn a_robot_on_its_side_is_refused_and_one_on_a_slope_or_in_motion_is_not() {
     for (tilt, name) in [
         ((9.8, 0.0), "acceleration forward"),
         ((0.0, -9.8), "acceleration left"),

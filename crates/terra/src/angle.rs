@@ -12,6 +12,11 @@ pub struct Angle(f64);
 
 impl Angle {
     /// The angle of `degrees` degrees.
+    ///
+    /// ```
+    /// # use grouser_terra::Angle;
+    /// assert_eq!(Angle::from_deg(180.0).rad(), core::f64::consts::PI);
+    /// ```
     #[must_use]
     pub fn from_deg(degrees: f64) -> Self {
         Self(degrees.to_radians())
@@ -30,6 +35,11 @@ impl Angle {
     }
 
     /// In degrees.
+    ///
+    /// ```
+    /// # use grouser_terra::Angle;
+    /// assert!((Angle::from_rad(0.5).deg() - 28.647_889_756_541_16).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn deg(self) -> f64 {
         self.0.to_degrees()

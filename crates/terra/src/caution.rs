@@ -3,6 +3,13 @@
 use core::fmt;
 
 /// A reason to look twice at a result.
+///
+/// ```
+/// use grouser_terra::Caution;
+///
+/// assert_eq!(Caution::DeepSinkage.key(), "deep-sinkage");
+/// assert_eq!(Caution::DeepSinkage.to_string(), "sinkage is more than a sixth of the wheel's diameter");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Caution {
@@ -76,6 +83,15 @@ impl fmt::Display for Caution {
 }
 
 /// A set of cautions.
+///
+/// ```
+/// use grouser_terra::{Caution, Cautions};
+///
+/// let mut cautions = Cautions::default();
+/// cautions.insert(Caution::DeepSinkage);
+/// cautions.insert_if(false, Caution::WorkGained);
+/// assert!(cautions.contains(Caution::DeepSinkage) && cautions.iter().count() == 1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cautions(u16);
 

@@ -7,6 +7,14 @@ pub type Result<T> = core::result::Result<T, Error>;
 
 /// A bad input. A solve that finds no answer is not one of these: see
 /// the `status` of a solution.
+///
+/// ```
+/// use grouser_terra::{Error, RigidWheel};
+///
+/// let error = RigidWheel::new(0.125, f64::NAN).unwrap_err();
+/// assert!(matches!(error, Error::OutOfRange(_)));
+/// assert_eq!(error.to_string(), "width is NaN m, but must lie in [0.001, 100] m");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

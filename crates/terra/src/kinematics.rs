@@ -10,6 +10,16 @@ use crate::slip::{Slip, WheelMotion};
 ///
 /// y points to the left of travel; the slip angle is β = atan2(v_y, v_x) and q_y = v_y/(r ω) the
 /// lateral counterpart of q, finite where β is 90°.
+///
+/// ```
+/// use grouser_terra::{Angle, Kinematics, Slip};
+///
+/// let straight = Kinematics::straight(Slip::new(0.2)?);
+/// assert_eq!(straight.slip_angle().rad(), 0.0);
+/// let drifting = Kinematics::with_slip_angle(Slip::new(0.2)?, Angle::from_deg(45.0))?;
+/// assert!((drifting.q_y() - 0.8).abs() < 1e-12); // v_y = v_x = 0.8 r ω
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
     slip: Slip,
@@ -58,6 +68,15 @@ impl Kinematics {
     /// # Errors
     /// [`Error::NoSlip`] at standstill and when the wheel travels against its rotation;
     /// [`Error::NotFinite`] for NaN and infinity.
+    ///
+    /// ```
+    /// use grouser_terra::Kinematics;
+    ///
+    /// let motion = Kinematics::from_speeds(0.08, 0.0, 0.1)?;
+    /// assert!((motion.slip().value() - 0.2).abs() < 1e-12);
+    /// assert!(Kinematics::from_speeds(0.0, 0.0, 0.0).is_err()); // no slip at standstill
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     pub fn from_speeds(v_x: f64, v_y: f64, rim_speed: f64) -> Result<Self> {
         Error::check_finite("v_y", v_y, "m/s")?;
         let WheelMotion::Rolling { slip, reversed } =

@@ -7,6 +7,19 @@ use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 
 /// A wheel at one sinkage and one motion: geometry, stresses, forces and how far to trust them.
+///
+/// ```
+/// use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+///
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+/// let solution = contact.under_load(80.0, &Kinematics::straight(Slip::new(0.3)?))?;
+/// let point = solution.point().expect("80 N are carried");
+/// assert!((point.forces.vertical_force / 80.0 - 1.0).abs() < 1e-6);
+/// assert_eq!(point.normal_stress(point.angles.theta_1), 0.0); // none where the soil is first touched
+/// assert!(point.tractive_efficiency().is_some_and(|efficiency| efficiency < 0.7)); // η < 1 − s
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct OperatingPoint {
     /// The motion it was computed for.

@@ -4,6 +4,13 @@ use crate::bulldozing::Bulldozing;
 use crate::shear::ShearLaw;
 
 /// How a wheel on soil is computed.
+///
+/// ```
+/// use grouser_terra::{Accuracy, Settings};
+///
+/// let settings = Settings { accuracy: Accuracy::Reference, ..Settings::default() };
+/// assert_eq!(settings.shear.key(), "coupled");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
     /// How exactly the integrals are taken.

@@ -47,6 +47,12 @@ pub enum LoadOutcome<T> {
 
 impl<T> LoadOutcome<T> {
     /// The result, where there is one.
+    ///
+    /// ```
+    /// # use grouser_terra::LoadOutcome;
+    /// assert_eq!(LoadOutcome::Solved(0.02).solved(), Some(0.02));
+    /// assert_eq!(LoadOutcome::<f64>::NotConverged.solved(), None);
+    /// ```
     pub fn solved(self) -> Option<T> {
         match self {
             Self::Solved(found) => Some(found),

@@ -96,6 +96,13 @@ impl Slip {
     }
 
     /// q = v/(r ω), from 0 (spinning) by 1 (no slip) to ∞ (locked).
+    ///
+    /// ```
+    /// # use grouser_terra::Slip;
+    /// assert_eq!(Slip::new(0.25)?.speed_ratio(), 0.75);
+    /// assert_eq!(Slip::new(-0.5)?.speed_ratio(), 2.0); // the wheel turns at half of the ground's speed
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     #[must_use]
     pub fn speed_ratio(self) -> f64 {
         if self.0 >= 0.0 {
@@ -120,6 +127,12 @@ impl Slip {
     }
 
     /// Gustafsson's slip (r ω − v)/v = 1/q − 1: unbounded above, +∞ for the spinning wheel.
+    ///
+    /// ```
+    /// # use grouser_terra::Slip;
+    /// assert_eq!(Slip::new(0.5)?.to_gustafsson(), 1.0);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     #[must_use]
     pub fn to_gustafsson(self) -> f64 {
         1.0 / self.speed_ratio() - 1.0
@@ -129,6 +142,14 @@ impl Slip {
 /// What a wheel's two speeds say of its motion.
 ///
 /// Opposite signs and standstill are states of their own and never a clamped number.
+///
+/// ```
+/// use grouser_terra::WheelMotion;
+///
+/// assert_eq!(WheelMotion::from_speeds(0.001, -0.001, 0.01)?, WheelMotion::Standstill);
+/// assert_eq!(WheelMotion::from_speeds(0.1, -0.1, 0.01)?, WheelMotion::RollBack);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WheelMotion {
     /// The wheel rolls, with slip; `reversed` when both speeds are negative (the mirror image: contact

@@ -136,6 +136,24 @@ impl SoilParams {
 }
 
 /// A soil whose every number has been checked, and what its sinkage exponent prepares for the integrals.
+///
+/// ```
+/// use grouser_terra::{Angle, Soil, SoilParams};
+///
+/// let sand = SoilParams {
+///     cohesion: 1040.0,                // Pa
+///     phi: Angle::from_deg(28.0),
+///     k_shear: 0.018,                  // m
+///     c_1: 0.4,
+///     c_2: 0.2,
+///     ..SoilParams::bekker(990.0, 1.528e6, 1.1)
+/// };
+/// assert!(!Soil::new(sand)?.has_slip_sinkage());
+/// // An angle of friction in degrees is refused.
+/// let error = Soil::new(SoilParams { phi: Angle::from_rad(28.0), ..sand }).unwrap_err();
+/// assert_eq!(error.field(), Some("phi"));
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Soil {
     params: SoilParams,

@@ -1,6 +1,13 @@
 //! How a solve for an operating point ended.
 
 /// How a solve for an operating point ended; the number is the code for foreign interfaces.
+///
+/// ```
+/// use grouser_terra::SolveStatus;
+///
+/// // The default of a column that a batch has not written yet is no success.
+/// assert_eq!(SolveStatus::default().key(), "not-converged");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 #[non_exhaustive]

@@ -49,6 +49,16 @@ impl WheelOnSoil {
     ///
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    ///
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+    /// let best = contact.slip_of_maximum_pull(80.0)?.expect("80 N are carried");
+    /// assert!(best.value > 0.0 && best.slip.value() > 0.3); // N; dry sand pulls most at high slip
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     pub fn slip_of_maximum_pull(&self, load: f64) -> Result<Option<BestSlip>> {
         self.best_slip(load, |point| Some(point.forces.drawbar_pull))
     }
@@ -165,6 +175,16 @@ impl WheelOnSoil {
     ///
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    ///
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+    /// let slope = contact.gradeability(80.0)?.expect("it pulls on the level");
+    /// assert!(slope.deg() > 0.0 && slope.rad() < soil.params().phi.rad());
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     pub fn gradeability(&self, weight: f64) -> Result<Option<Angle>> {
         let surplus = |alpha: f64| -> Result<Option<f64>> {
             let angle = Angle::from_rad(alpha);

@@ -64,6 +64,15 @@ impl RigidWheel {
     /// # Errors
     /// [`Error::OutOfRange`] for a height that is negative or above the radius, or a share outside
     /// [0, 1].
+    ///
+    /// ```
+    /// use grouser_terra::{GrouserRule, Grousers, RigidWheel};
+    ///
+    /// let bars = Grousers { height: 0.01, rule: GrouserRule::Tips };
+    /// let wheel = RigidWheel::new(0.1, 0.05)?.with_grousers(bars)?;
+    /// assert!((wheel.running_radius() - 0.11).abs() < 1e-15);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     pub fn with_grousers(self, grousers: Grousers) -> Result<Self> {
         Error::check_range("grouser_height", grousers.height, 0.0, self.radius, "m")?;
         if let GrouserRule::AreaShare { tips } = grousers.rule {

@@ -168,7 +168,7 @@ proptest! {
     }
 
     #[test]
-    fn d14_a_lane_gives_the_same_bits_in_any_company(
+    fn a_lane_gives_the_same_bits_in_any_company(
         soil in soil(),
         points in prop::collection::vec(point(), 1..30),
         bad in prop::collection::vec(0..30_usize, 0..4),
@@ -204,7 +204,7 @@ proptest! {
 }
 
 #[test]
-fn d14_batches_of_every_small_length() {
+fn batches_of_every_small_length() {
     let soil = catalogue::find("lunar").unwrap().soil().unwrap();
     let kernel = BatchKernel::new(soil);
     for n in [0, 1, 3, 5, 7, 8, 9, 255, 256, 257, 1000] {
@@ -232,7 +232,7 @@ fn d14_batches_of_every_small_length() {
 }
 
 #[test]
-fn d13_continuous_where_the_lanes_end() {
+fn continuous_where_the_lanes_end() {
     // Slip, sinkage and rebound through every limit of the lanes: from one rule to the next and from the
     // lanes to the general kernel, which agree to their accuracy.
     let soil = catalogue::find("clayey-soil").unwrap().soil().unwrap();
@@ -376,7 +376,7 @@ fn a_curve_is_as_good_as_its_points() {
 /// Found by fuzzing: with the greatest stress close behind the entry, what the short cosine lacks counts by the
 /// narrow front. Such a point is not for lanes.
 #[test]
-fn d13_a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
+fn a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
     let radius = 0.318_132_698_162_955_36;
     for (c_2, n) in [
         (0.0, 2.2),

@@ -50,7 +50,7 @@ fn finite(f: &Forces) -> bool {
 }
 
 #[test]
-fn d1_nan_cohesion_is_an_error() {
+fn nan_cohesion_is_an_error() {
     assert!(names(
         &Soil::new(SoilParams {
             cohesion: f64::NAN,
@@ -68,7 +68,7 @@ fn d1_nan_cohesion_is_an_error() {
 }
 
 #[test]
-fn d2_greatest_stress_at_the_entry_is_computed_with_a_caution() {
+fn greatest_stress_at_the_entry_is_computed_with_a_caution() {
     for c_1 in [1.0, 1.5] {
         let point = on(SoilParams { c_1, ..sand() })
             .at_sinkage(0.02, &at(0.2))
@@ -95,14 +95,14 @@ fn d2_greatest_stress_at_the_entry_is_computed_with_a_caution() {
 }
 
 #[test]
-fn d3_negative_sinkage_is_an_error() {
+fn negative_sinkage_is_an_error() {
     for z in [-1e-12, -1.0, f64::NAN] {
         assert!(names(&on(sand()).forces_at(z, &at(0.1)), "sinkage"));
     }
 }
 
 #[test]
-fn d4_tiny_sinkage_keeps_its_digits() {
+fn tiny_sinkage_keeps_its_digits() {
     let contact = on(sand());
     let nothing = contact.forces_at(0.0, &at(0.1)).unwrap();
     assert_eq!(
@@ -138,7 +138,7 @@ fn both_accuracies(params: SoilParams, sinkage: f64, slip: f64) -> (Forces, Forc
 }
 
 #[test]
-fn d5_a_buried_hub_is_outside_the_model() {
+fn a_buried_hub_is_outside_the_model() {
     for z in [0.125, 0.2, 0.25, 1e300] {
         let result = on(sand()).at_sinkage(z, &at(0.1));
         assert!(
@@ -162,7 +162,7 @@ fn d5_a_buried_hub_is_outside_the_model() {
 }
 
 #[test]
-fn d6_slip_from_minus_one_to_one_and_nothing_else() {
+fn slip_from_minus_one_to_one_and_nothing_else() {
     for slip in [
         -1.0,
         (-1.0_f64).next_up(),
@@ -190,7 +190,7 @@ fn d6_slip_from_minus_one_to_one_and_nothing_else() {
 }
 
 #[test]
-fn d7_sinkage_exponents() {
+fn sinkage_exponents() {
     for n in [0.1, 0.5, 1.0, 2.5, 3.0] {
         let (fast, exact) = both_accuracies(SoilParams { n, ..sand() }, 0.02, 0.2);
         assert!(
@@ -206,7 +206,7 @@ fn d7_sinkage_exponents() {
 }
 
 #[test]
-fn d8_stiff_shear_keeps_its_accuracy() {
+fn stiff_shear_keeps_its_accuracy() {
     for k_shear in [1e-6, 1e-5, 1e-4, 1e-3] {
         for slip in [-0.9, -0.2, 0.0, 0.02, 0.5] {
             let (fast, exact) = both_accuracies(SoilParams { k_shear, ..sand() }, 0.02, slip);
@@ -223,7 +223,7 @@ fn d8_stiff_shear_keeps_its_accuracy() {
 }
 
 #[test]
-fn d9_an_angle_of_friction_in_degrees_is_an_error() {
+fn an_angle_of_friction_in_degrees_is_an_error() {
     for phi in [30.0, 35.0, core::f64::consts::FRAC_PI_2, -0.1, f64::NAN] {
         assert!(names(
             &Soil::new(SoilParams {
@@ -236,7 +236,7 @@ fn d9_an_angle_of_friction_in_degrees_is_an_error() {
 }
 
 #[test]
-fn d10_a_soil_that_pulls_is_an_error() {
+fn a_soil_that_pulls_is_an_error() {
     let negative = SoilParams {
         cohesion: 1000.0,
         phi: Angle::from_deg(30.0),
@@ -250,7 +250,7 @@ fn d10_a_soil_that_pulls_is_an_error() {
 }
 
 #[test]
-fn d11_loads_that_nothing_carries() {
+fn loads_that_nothing_carries() {
     let contact = on(sand());
     assert_eq!(
         contact
@@ -295,7 +295,7 @@ fn d11_loads_that_nothing_carries() {
 }
 
 #[test]
-fn d12_the_lowest_rising_branch_and_word_of_the_others() {
+fn the_lowest_rising_branch_and_word_of_the_others() {
     // Snow that rises behind a slipping wheel: the vertical force is negative at small sinkage.
     let snow = *catalogue::find("snow").unwrap().soil().unwrap().params();
     let contact = WheelOnSoil::new(
@@ -328,7 +328,7 @@ fn d12_the_lowest_rising_branch_and_word_of_the_others() {
 }
 
 #[test]
-fn d13_continuous_across_every_internal_switch() {
+fn continuous_across_every_internal_switch() {
     // Along each input the forces move by what their slope says and no more, also where the rule, the
     // branch or the order changes. Steps of 1e-7 over the ranges in which the switches lie.
     let mut worst = 0.0_f64;
@@ -371,7 +371,7 @@ fn d13_continuous_across_every_internal_switch() {
 }
 
 #[test]
-fn d15_sizes_out_of_range_name_their_field() {
+fn sizes_out_of_range_name_their_field() {
     for bad in [0.0, 1e-310, 1e300, -1.0, f64::NAN, f64::INFINITY] {
         assert!(names(&RigidWheel::new(bad, 0.1), "radius"));
         assert!(names(&RigidWheel::new(0.1, bad), "width"));

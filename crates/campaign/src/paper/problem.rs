@@ -17,6 +17,12 @@ use grouser_design::{Design, Result, parse};
 pub const PRINTED_SLIP: f64 = 0.1146;
 
 /// What is assumed where the paper is silent.
+///
+/// ```
+/// use grouser_campaign::paper::READINGS;
+///
+/// assert!(READINGS[0].text(4, 1).starts_with("format = 1\n"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Its name in tables.

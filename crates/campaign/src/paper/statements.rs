@@ -1,6 +1,12 @@
 //! What of the paper is reproduced, item by item, and why the rest is not.
 
 /// How far an item can be reproduced.
+///
+/// ```
+/// use grouser_campaign::paper::Verdict;
+///
+/// assert!(!Verdict::Reproduced.key().is_empty());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The whole item.

@@ -1,6 +1,14 @@
 //! How far predictions lie from measurements.
 
 /// Errors of one quantity over several tests, model − measured.
+///
+/// ```
+/// use grouser_campaign::validate::Score;
+///
+/// let score = Score::of(&[0.1, -0.1, 0.3]).expect("three errors");
+/// assert!((score.bias - 0.1).abs() < 1e-12 && score.max == 0.3);
+/// assert_eq!(Score::of(&[]), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Score {

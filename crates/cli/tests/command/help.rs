@@ -109,29 +109,21 @@ fn templates_are_the_examples() {
 #[test]
 fn batch_reads_and_writes_the_standard_streams() {
     use std::io::Write as _;
-    let mut child = start(["batch", "-", "-o", "-"], Stdio::piped());
-    let table = "soil,radius_m,width_m,slip,load_n\nlunar,0.1,0.1,0.2,40\nnothing,0.1,0.1,0.2,40\n";
-    child
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(table.as_bytes())
-        .unwrap();
-    let said = wait(child);
+    let batch = |rows: &str| {
+        let mut child = start(["batch", "-", "-o", "-"], Stdio::piped());
+        let mut input = child.stdin.take().unwrap();
+        write!(input, "soil,radius_m,width_m,slip,load_n\n{rows}").unwrap();
+        drop(input);
+        wait(child)
+    };
+    let said = batch("lunar,0.1,0.1,0.2,40\nnothing,0.1,0.1,0.2,40\n");
     assert_eq!(said.code, Some(3), "one row of two failed: {said:?}");
     assert_eq!(said.out.lines().count(), 3, "{said:?}");
     assert!(
         said.err.starts_with("wrote `-`: 2 rows, 1 solved"),
         "{said:?}"
     );
-    let mut child = start(["batch", "-", "-o", "-"], Stdio::piped());
-    let table = "soil,radius_m,width_m,slip,load_n\nnothing,0.1,0.1,0.2,40\n";
-    child
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(table.as_bytes())
-        .unwrap();
-    assert_eq!(wait(child).code, Some(1), "no row is solved");
+    let said = batch("nothing,0.1,0.1,0.2,40\n");
+    assert_eq!(said.code, Some(1), "no row is solved");
     line("batch - -o - --json").assert_refused("two users of standard output");
 }

@@ -1,4 +1,4 @@
-//! Every verb with arguments and files that mean no good (FAULTS D1-D15, E8, E10, E12).
+//! Every verb with arguments and files that mean no good.
 
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;

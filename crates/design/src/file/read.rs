@@ -19,6 +19,12 @@ const BOUNDED_STARTS: usize = 8;
 ///
 /// # Errors
 /// What is missing or wrong in the file, with its place.
+///
+/// ```
+/// let design = grouser_design::read("../../examples/problems/paper.toml".as_ref())?;
+/// assert!(!design.objectives.is_empty());
+/// # Ok::<(), grouser_design::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<Design> {
     parse(&Document::read(path)?)
 }

@@ -4,6 +4,14 @@
 pub(super) type Result<T> = std::result::Result<T, FormulaError>;
 
 /// Why a text is no formula. Columns are counted in characters, from 1.
+///
+/// ```
+/// use grouser_design::{Formula, VariableNames};
+///
+/// let error = Formula::parse("radius + widht", &VariableNames::new(["radius", "width"])).unwrap_err();
+/// assert!(error.to_string().contains("widht"));
+/// assert_eq!(error.hint().unwrap(), "did you mean `width`?");
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormulaError {

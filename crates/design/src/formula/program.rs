@@ -75,6 +75,16 @@ pub(super) enum Step {
 }
 
 /// A formula over numbered variables.
+///
+/// ```
+/// use grouser_design::{Formula, VariableNames};
+/// use grouser_real::Dual;
+///
+/// let formula = Formula::parse("-x^2 + 1e-8*y", &VariableNames::new(["x", "y"]))?;
+/// assert_eq!(formula.evaluate(&[3.0, 0.0]), -9.0); // a power binds tighter than a sign
+/// assert_eq!(formula.evaluate(&[Dual::<1>::variable(3.0, 0), Dual::constant(0.0)]).gradient, [-6.0]);
+/// # Ok::<(), grouser_design::FormulaError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     pub(super) steps: Vec<Step>,
@@ -91,6 +101,14 @@ impl Formula {
     }
 
     /// The numbers of the variables that occur, each once, in rising order.
+    ///
+    /// ```
+    /// use grouser_design::{Formula, VariableNames};
+    ///
+    /// let formula = Formula::parse("c + a*c", &VariableNames::new(["a", "b", "c"]))?;
+    /// assert_eq!(formula.variables(), [0, 2]);
+    /// # Ok::<(), grouser_design::FormulaError>(())
+    /// ```
     #[must_use]
     pub fn variables(&self) -> Vec<usize> {
         let mut list: Vec<usize> = self

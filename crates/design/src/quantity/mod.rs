@@ -16,6 +16,13 @@ pub(crate) use point::NoValue;
 use point::{Point, efficiency};
 
 /// A quantity that is computed from the parameters.
+///
+/// ```
+/// use grouser_design::Quantity;
+///
+/// assert!(Quantity::names().any(|name| name == "drawbar_pull_n"));
+/// assert_eq!(Quantity::named("sinkage_m").map(Quantity::name), Some("sinkage_m"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Quantity {

@@ -1,6 +1,13 @@
 //! The numbers that a wheel, its soil and its state are described by.
 
 /// A number of `[wheel]`, `[soil]` or `[state]`; a variable of the same name replaces it.
+///
+/// ```
+/// use grouser_design::{Parameter, Place};
+///
+/// let slope = Parameter::named("slope_deg").expect("a parameter");
+/// assert_eq!((slope.place(), slope.default()), (Place::State, Some(0.0)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Parameter {

@@ -42,6 +42,10 @@ pub enum Meaning {
     WheelSpeed,
     /// Torque on a wheel, positive when it drives forwards.
     WheelTorque,
+    /// Angle by which a wheel is steered, to the left.
+    WheelSteering,
+    /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
+    SteeringAngle,
     /// The robot's yaw rate.
     YawRate,
     /// What an accelerometer feels forwards, gravity's share on a slope included.
@@ -72,12 +76,14 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 18] = [
+    pub const ALL: [(&'static str, Self, Quantity); 20] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
         ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
+        ("wheel_steering", Self::WheelSteering, Quantity::Angle),
+        ("steering_angle", Self::SteeringAngle, Quantity::Angle),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
         (
             "acceleration_forward",
@@ -119,6 +125,7 @@ impl Meaning {
                 | Self::WheelRate
                 | Self::WheelSpeed
                 | Self::WheelTorque
+                | Self::WheelSteering
         )
     }
 
@@ -225,6 +232,15 @@ impl Table {
 }
 
 /// What a column map says.
+///
+/// ```
+/// use grouser_files::{Document, columns};
+///
+/// let map = columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+/// let text = columns::to_toml(&map);
+/// assert_eq!(columns::parse(&Document::from_text("again.toml", text)?)?, map);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnMap {
     /// Its tables.
@@ -235,6 +251,12 @@ pub struct ColumnMap {
 ///
 /// # Errors
 /// What the file lacks or says wrong, with its place.
+///
+/// ```
+/// let map = grouser_files::columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+/// assert!(map.tables.iter().any(|table| table.describes("log.csv")));
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<ColumnMap> {
     parse(&Document::read(path)?)
 }

@@ -44,6 +44,7 @@ use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
+use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
 
 pub use revision::{Revision, revised, with_radii_scaled};
@@ -80,6 +81,13 @@ impl WheelSensor {
 }
 
 /// What a robot file says.
+///
+/// ```
+/// let file = grouser_files::robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// assert_eq!(file.robot.wheels().len(), 5);
+/// assert!(file.body.is_none()); // an estimator needs no masses
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RobotFile {
@@ -96,6 +104,8 @@ pub struct RobotFile {
     pub wheel_sensor: Option<WheelSensor>,
     /// Corrections of sensors and intervals, as calibrations find them.
     pub corrections: Corrections,
+    /// How one angle steers several wheels, if the file says it.
+    pub steering: Option<Steering>,
     /// What the topics of a bag mean.
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
@@ -148,6 +158,12 @@ const POSITIVE: (f64, f64) = (1e-12, 1e12);
 ///
 /// # Errors
 /// What the file lacks or says wrong, with its place.
+///
+/// ```
+/// let file = grouser_files::robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// assert!(file.robot.wheels()[0].radius > 0.0); // m
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn read(path: &Path) -> Result<RobotFile> {
     parse(&Document::read(path)?)
 }
@@ -174,6 +190,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             .map_err(|source| Error::Robot { at, source })?;
         let filter = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
+        let steering = root.section("steering", read_names)?;
         let mut joints = Vec::new();
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
@@ -184,6 +201,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
+        })?;
+        let steering = steering.map(|names| resolve(&names, &robot)).transpose();
+        let steering = steering.map_err(|message| Error::Contradiction {
+            at: root.place_of("steering"),
+            message,
         })?;
         put_wheels(&mut topics, &robot, joints).map_err(|message| Error::Contradiction {
             at: root.place_of("topics"),
@@ -196,6 +218,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             reference,
             wheel_sensor,
             corrections,
+            steering,
             topics,
             columns,
             body,
@@ -284,12 +307,17 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     encoder.reversed = section.flag("reversed")?;
     let rate_step = section.optional_number("rate_step_rad_per_s", (0.0, 1e6))?;
     encoder.rate_step = rate_step.unwrap_or(0.0);
+    // Rollers at an angle: the wheel drives along their axes, by the share of its rim's speed along them.
+    let roller = section
+        .optional_number("roller_deg", (-80.0, 80.0))?
+        .unwrap_or(0.0);
     let mut wheel = match role {
         WheelRole::Powered => Wheel::powered(name),
         WheelRole::Free => Wheel::free(name),
     };
-    wheel = wheel.at(x, y).radius(radius).encoder(encoder);
-    wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0)));
+    let share = Angle::from_deg(roller).cos();
+    wheel = wheel.at(x, y).radius(radius * share).encoder(encoder);
+    wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0) + roller));
     wheel.width = section.optional_number("width_m", POSITIVE)?;
     wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.

@@ -11,6 +11,7 @@ use super::{
 use crate::body;
 use crate::document::{Document, Section};
 use crate::error::{Error, Place, Result};
+use crate::steering::read_names;
 
 /// What a calibration changes in a robot file; `None` leaves it as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +30,17 @@ pub struct Revision {
 ///
 /// # Errors
 /// As [`revised`].
+///
+/// ```
+/// use grouser_files::{Document, robot};
+///
+/// let document = Document::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// let before = robot::parse(&document)?.robot.wheels()[0].radius;
+/// let text = robot::with_radii_scaled(&document, 1.02)?;
+/// let after = robot::parse(&Document::from_text("scaled.toml", text)?)?.robot.wheels()[0].radius;
+/// assert!((after / before - 1.02).abs() < 1e-5);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
     let radius = Some(factor);
     revised(
@@ -66,6 +78,7 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
                 .map(|(key, value)| format!("{key} = {value:.5}\n"))
                 .collect();
         }
+        root.section("steering", read_names)?;
         read_filter(root, &WindowSettings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {
@@ -78,7 +91,9 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
                 }
             };
             if let (Some(factor), WheelRole::Powered) = (revision.radius, wheel.role) {
-                put("radius_m", wheel.radius * factor);
+                let roller = section.optional_number("roller_deg", (-80.0, 80.0))?;
+                let share = roller.unwrap_or(0.0).to_radians().cos();
+                put("radius_m", wheel.radius / share * factor);
             }
             if let Some(factor) = revision.track {
                 put("y_m", wheel.y * factor);

@@ -55,6 +55,17 @@ pub fn to_toml(file: &RobotFile) -> String {
         &usual,
         grouser_slip::filter::FilterSettings::FIELDS,
     );
+    if let Some(steering) = &file.steering {
+        out.header("[steering]");
+        let wheels = file.robot.wheels();
+        let names: Vec<String> = steering
+            .wheels
+            .iter()
+            .map(|index| wheels[*index].name.clone())
+            .collect();
+        out.text("kind", "ackermann");
+        out.texts("wheels", &names);
+    }
     write_topics(&mut out, &file.topics);
     for table in file.columns.iter().flat_map(|map| &map.tables) {
         write_table(&mut out, table);

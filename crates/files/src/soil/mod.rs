@@ -40,6 +40,18 @@ pub use write::to_toml;
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
 
 /// What a soil file says.
+///
+/// ```
+/// use grouser_files::{Document, soil};
+/// use grouser_terra::catalogue::Completion;
+///
+/// let text = "format = 1\nname = \"sand\"\nk_c_kn_per_m_n1 = 0.99\nk_phi_kn_per_m_n2 = 1528.0\nn = 1.1\ncohesion_kpa = 1.04\nphi_deg = 28.0\n";
+/// let file = soil::parse(&Document::from_text("sand.toml", text.into())?)?;
+/// assert_eq!(file.missing().collect::<Vec<_>>(), ["k_shear", "c_1", "c_2"]);
+/// let completion = Completion { k_shear: Some(0.018), c_1: Some(0.4), c_2: Some(0.2), ..Completion::default() };
+/// assert_eq!(file.completed(&completion)?.params().cohesion, 1040.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoilFile {
     /// Its key, if it gives one.

@@ -55,6 +55,13 @@ pub struct Converted {
 /// # Errors
 /// [`UrdfError`] for what is no URDF, for macros that were not expanded, for links that make no tree, and where no
 /// joint is a wheel or a wheel's radius is not given.
+///
+/// ```
+/// use grouser_files::urdf;
+///
+/// let error = urdf::robot_file("<robot name=\"stone\"><link name=\"base\"/></robot>").unwrap_err();
+/// assert!(error.to_string().contains("wheel"));
+/// ```
 pub fn robot_file(urdf: &str) -> Result<Converted, UrdfError> {
     let tree = tree::Tree::parse(urdf)?;
     let parts = parts::Parts::of(&tree)?;

@@ -3,6 +3,12 @@
 use super::Bounded;
 
 /// How a fit ended.
+///
+/// ```
+/// use grouser_identify::least_squares::Status;
+///
+/// assert!(Status::Stalled.is_solved() && !Status::StepLimit.is_solved());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {

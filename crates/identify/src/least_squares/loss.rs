@@ -1,6 +1,14 @@
 //! What a residual costs.
 
 /// The loss of a residual r in units of its standard deviation.
+///
+/// ```
+/// use grouser_identify::least_squares::Loss;
+///
+/// let huber = Loss::Huber { threshold: 1.345 };
+/// assert_eq!(huber.of(1.0), Loss::Squares.of(1.0));
+/// assert!(huber.of(10.0) < Loss::Squares.of(10.0)); // an outlier costs less
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Loss {
@@ -29,6 +37,12 @@ impl Loss {
     }
 
     /// The weight w with which r enters a least-squares step: the loss's slope is w r.
+    ///
+    /// ```
+    /// use grouser_identify::least_squares::Loss;
+    ///
+    /// assert_eq!(Loss::Huber { threshold: 2.0 }.weight(8.0), 0.25);
+    /// ```
     #[must_use]
     pub fn weight(self, r: f64) -> f64 {
         match self {

@@ -48,6 +48,23 @@ struct Point {
 ///
 /// # Errors
 /// [`Error::Start`] for a start outside its bounds; [`Error::TooFew`] for fewer residuals than parameters.
+///
+/// ```
+/// use grouser_identify::least_squares::{Bounded, Loss, Settings, Uncertainty, fit};
+/// use grouser_opt::Differences;
+///
+/// // A straight line through four points: y = 1 + 2 x.
+/// let line = Differences::new(|p: &[f64], r: &mut [f64]| {
+///     for (x, residual) in [0.0, 1.0, 2.0, 3.0].into_iter().zip(r) {
+///         *residual = p[0] + p[1] * x - (1.0 + 2.0 * x);
+///     }
+/// });
+/// let start = [Bounded::free(0.0), Bounded::free(0.0)];
+/// let found = fit(&line, 4, &start, &Settings::default())?;
+/// assert!((found.x[0] - 1.0).abs() < 1e-6 && (found.x[1] - 2.0).abs() < 1e-6);
+/// assert_eq!(Uncertainty::of(&found, Loss::Squares).freedom, 2);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn fit(
     model: &impl Model,
     count: usize,

@@ -26,6 +26,12 @@ pub use uncertainty::{Uncertainty, Verdict};
 use crate::error::{Error, Result};
 
 /// One parameter: its bounds, where the search begins, and its natural size.
+///
+/// ```
+/// use grouser_identify::least_squares::Bounded;
+///
+/// assert_eq!(Bounded::free(2.0).upper, f64::INFINITY);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
     /// Where the search begins.

@@ -34,6 +34,21 @@ const SAME_COST: f64 = 1e-6;
 ///
 /// # Errors
 /// As [`fit`].
+///
+/// ```
+/// use grouser_identify::least_squares::{Bounded, Settings, StartSettings, multi_start};
+/// use grouser_opt::Differences;
+///
+/// // sin(3 x) has several valleys; x = 1.9 lies in one of them.
+/// let model = Differences::new(|p: &[f64], r: &mut [f64]| {
+///     r[0] = (3.0 * p[0]).sin() - (3.0 * 1.9_f64).sin();
+///     r[1] = 0.1 * (p[0] - 1.9);
+/// });
+/// let start = [Bounded { start: 0.1, lower: 0.0, upper: 4.0 }];
+/// let (best, _) = multi_start(&model, 2, &start, &Settings::default(), &StartSettings::default())?;
+/// assert!((best.x[0] - 1.9).abs() < 1e-6);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn multi_start(
     model: &impl Model,
     count: usize,

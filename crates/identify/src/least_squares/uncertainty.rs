@@ -10,6 +10,12 @@ use super::student::student_quantile;
 const BLIND_SINGULAR_RATIO: f64 = 1e-8;
 
 /// What the data say about one parameter.
+///
+/// ```
+/// use grouser_identify::least_squares::Verdict;
+///
+/// assert_eq!(Verdict::NotIdentifiable.key(), "not-identifiable");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Verdict {

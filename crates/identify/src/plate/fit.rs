@@ -10,6 +10,14 @@ use crate::least_squares::{
 };
 
 /// How plate tests are fitted.
+///
+/// ```
+/// use grouser_identify::plate::PlateSettings;
+///
+/// let mut settings = PlateSettings::default();
+/// settings.fit_datum = true; // the height of each test's surface is uncertain
+/// assert_eq!(settings.least_depth, 2e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlateSettings {

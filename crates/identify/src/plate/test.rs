@@ -6,6 +6,15 @@ use crate::error::{Error, Result};
 use crate::table::{Column, Table};
 
 /// A plate.
+///
+/// ```
+/// use grouser_identify::plate::Plate;
+///
+/// let plate = Plate::disc(0.1)?; // m
+/// assert!((plate.area - 0.007_853_98).abs() < 1e-8 && plate.width == 0.05);
+/// assert!(Plate::disc(f64::NAN).is_err());
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plate {
     /// Area, m².
@@ -48,6 +57,14 @@ pub struct PlateTest {
 
 impl PlateTest {
     /// Pressure at a reading, Pa.
+    ///
+    /// ```
+    /// use grouser_identify::plate::{Plate, PlateTest};
+    ///
+    /// let plate = Plate { area: 0.01, width: 0.05 };
+    /// let test = PlateTest { name: "disc".into(), plate, depth: vec![0.01], force: vec![200.0] };
+    /// assert_eq!(test.pressure(0), 20e3); // Pa
+    /// ```
     #[must_use]
     pub fn pressure(&self, index: usize) -> f64 {
         self.force[index] / self.plate.area
@@ -59,6 +76,12 @@ impl PlateTest {
 ///
 /// # Errors
 /// As [`Table::numbers`]; [`Error::Content`] for a test whose plate changes.
+///
+/// ```
+/// let tests = grouser_identify::plate::read_table("../../examples/bevameter/plates.csv".as_ref())?;
+/// assert!(tests.len() > 1 && tests[0].depth.len() == tests[0].force.len());
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn read_table(path: &Path) -> Result<Vec<PlateTest>> {
     let table = Table::read(path)?;
     let depth = table.numbers(Column(&[("depth_m", 1.0), ("depth_mm", 1e-3)]))?;

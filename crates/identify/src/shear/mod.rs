@@ -41,6 +41,12 @@ pub struct ShearFit {
 ///
 /// # Errors
 /// As [`Table::numbers`].
+///
+/// ```
+/// let readings = grouser_identify::shear::read_table("../../examples/bevameter/shear.csv".as_ref())?;
+/// assert!(readings.iter().all(|reading| reading.normal > 0.0)); // Pa
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
     let table = Table::read(path)?;
     let normal = table.numbers(Column(&[
@@ -89,6 +95,27 @@ impl Functions for Law<'_> {
 ///
 /// # Errors
 /// [`Error::TooFew`] for fewer readings than numbers.
+///
+/// ```
+/// use grouser_identify::least_squares::Loss;
+/// use grouser_identify::shear::{ShearReading, fit_shear};
+///
+/// // τ = (1 kPa + σ tan 30°)(1 − e^(−j/20 mm)) at two normal stresses
+/// let tan = 30_f64.to_radians().tan();
+/// let readings: Vec<ShearReading> = [5e3, 20e3]
+///     .into_iter()
+///     .flat_map(|normal| (1..=20).map(move |i| (normal, 5e-3 * f64::from(i))))
+///     .map(|(normal, displacement)| ShearReading {
+///         normal,
+///         displacement,
+///         shear: (1e3 + normal * tan) * (1.0 - (-displacement / 0.02).exp()),
+///     })
+///     .collect();
+/// let [cohesion, phi, k_shear] = fit_shear(&readings, Loss::Squares)?.values;
+/// assert!((cohesion - 1e3).abs() < 1.0 && (phi.to_degrees() - 30.0).abs() < 1e-3);
+/// assert!((k_shear - 0.02).abs() < 1e-6);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
     let most = readings.iter().map(|r| r.shear).fold(0.0, f64::max);
     let reach = readings.iter().map(|r| r.displacement).fold(0.0, f64::max);

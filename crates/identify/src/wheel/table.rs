@@ -31,6 +31,14 @@ const SINKAGE: Column = Column(&[("sinkage_m", 1.0), ("sinkage_mm", 1e-3)]);
 /// # Errors
 /// As [`Table::optional`]; [`Error::Law`] for a motion that is none; [`Error::Content`] for a row without load
 /// and sinkage.
+///
+/// ```
+/// use grouser_identify::wheel::{Quantity, read_table};
+///
+/// let tests = read_table("../../examples/bevameter/wheel.csv".as_ref())?;
+/// assert!(tests.iter().any(|test| test.read(Quantity::Pull).is_some()));
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
     let table = Table::read(path)?;
     let given = |column: Column| -> Result<Vec<Option<f64>>> {

@@ -3,6 +3,22 @@
 use grouser_terra::Kinematics;
 
 /// A steady state that was measured: what was set, and what of the rest was read.
+///
+/// ```
+/// use grouser_identify::wheel::{Quantity, Support, WheelTest};
+/// use grouser_terra::{Kinematics, Slip};
+///
+/// let test = WheelTest {
+///     kinematics: Kinematics::straight(Slip::new(0.2)?),
+///     support: Support::Load(80.0), // N
+///     pull: Some(12.0),             // N
+///     side: None,
+///     torque: None,
+///     sinkage: None,
+/// };
+/// assert_eq!(test.read(Quantity::Pull), Some(12.0));
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelTest {
     /// How the wheel moved.
@@ -29,6 +45,12 @@ pub enum Support {
 }
 
 /// What a test reads.
+///
+/// ```
+/// use grouser_identify::wheel::Quantity;
+///
+/// assert_eq!(Quantity::ALL.map(Quantity::unit), ["N", "N", "N m", "mm"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// Drawbar pull.

@@ -78,6 +78,12 @@ pub enum Event<'a> {
 }
 
 /// A kind of file.
+///
+/// ```
+/// use grouser_log::container::Format;
+///
+/// assert_ne!(Format::Mcap.name(), Format::Bag.name());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {

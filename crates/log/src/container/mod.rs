@@ -168,6 +168,27 @@ impl Container {
     ///
     /// # Errors
     /// As [`Container::open`].
+    ///
+    /// ```
+    /// use grouser_log::container::{Container, Event};
+    /// use grouser_log::message::build;
+    /// use grouser_log::write::McapWriter;
+    ///
+    /// let mut writer = McapWriter::new(Vec::new(), "ros2")?;
+    /// let mut topic = writer.topic("/cmd_vel", "geometry_msgs/Twist")?;
+    /// writer.send(&mut topic, 1_000, &build::twist([0.2, 0.0, 0.0], [0.0; 3]))?;
+    /// let file = writer.finish()?;
+    ///
+    /// let mut container = Container::over("memory.mcap".as_ref(), std::io::Cursor::new(file))?;
+    /// let mut times = Vec::new();
+    /// while let Some(event) = container.next() {
+    ///     if let Event::Message(message) = event {
+    ///         times.push(message.log_time_ns);
+    ///     }
+    /// }
+    /// assert_eq!(times, [1_000]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn over(name: &Path, source: impl Read + Seek + Send + 'static) -> Result<Self> {
         Self::of(&Source::over(name, source))
     }

@@ -3,6 +3,13 @@
 use std::borrow::Cow;
 
 /// What is wrong with the quotation marks of a line.
+///
+/// ```
+/// use grouser_log::csv::split;
+///
+/// let bad = split("left,\"open", b',', &mut Vec::new()).unwrap_err();
+/// assert_eq!(bad.field, 1);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BadQuote {
     /// The field, counted from 0.
@@ -12,6 +19,16 @@ pub struct BadQuote {
 }
 
 /// One field of a line, by its place in that line.
+///
+/// ```
+/// use grouser_log::csv::split;
+///
+/// let line = "\"a \"\"b\"\"\", c";
+/// let mut fields = Vec::new();
+/// split(line, b',', &mut fields).expect("closed quotation marks");
+/// assert_eq!((fields[0].value(line).as_ref(), fields[1].value(line).as_ref()), ("a \"b\"", "c"));
+/// assert_eq!(fields[1].raw(line), " c");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
     start: usize,

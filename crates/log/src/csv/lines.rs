@@ -59,6 +59,15 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The place of the current line.
+    ///
+    /// ```
+    /// use grouser_log::csv::Lines;
+    ///
+    /// let mut lines = Lines::over(&b"slip\n"[..], "runs.csv");
+    /// lines.advance()?;
+    /// assert_eq!(lines.cell().to_string(), "runs.csv: line 1");
+    /// # Ok::<(), grouser_log::Error>(())
+    /// ```
     #[must_use]
     pub fn cell(&self) -> Cell {
         Cell {
@@ -129,6 +138,15 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// The current line as it is, without its end.
+    ///
+    /// ```
+    /// use grouser_log::csv::Lines;
+    ///
+    /// let mut lines = Lines::over(&b"\xef\xbb\xbfslip\r\n"[..], "runs.csv");
+    /// lines.advance()?;
+    /// assert_eq!(lines.raw(), b"slip"); // without mark and line end
+    /// # Ok::<(), grouser_log::Error>(())
+    /// ```
     #[must_use]
     pub fn raw(&self) -> &[u8] {
         &self.buffer

@@ -5,6 +5,11 @@ use grouser_files::columns::TimeUnit;
 use super::date;
 
 /// Why a field is no number.
+///
+/// ```
+/// let error = grouser_log::csv::finite("fast", b'.').unwrap_err();
+/// assert!(!error.expected.is_empty());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotANumber {
     /// What the field must be.

@@ -3,6 +3,14 @@
 use super::Value;
 
 /// A message of these fields.
+///
+/// ```
+/// use grouser_log::message::{Value, build};
+///
+/// let point = build::message([("x", Value::Float(1.5)), ("name", Value::Text("left".into()))]);
+/// assert_eq!(point.number_at("x"), Some(1.5));
+/// assert_eq!(point.at("name").and_then(Value::text), Some("left"));
+/// ```
 #[must_use]
 pub fn message<const N: usize>(fields: [(&str, Value); N]) -> Value {
     let fields = fields.into_iter();
@@ -10,12 +18,24 @@ pub fn message<const N: usize>(fields: [(&str, Value); N]) -> Value {
 }
 
 /// An array of numbers.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// assert_eq!(build::numbers(&[1.0, 2.0]).numbers(), Some(vec![1.0, 2.0]));
+/// ```
 #[must_use]
 pub fn numbers(values: &[f64]) -> Value {
     Value::Array(values.iter().copied().map(Value::Float).collect())
 }
 
 /// An array of texts.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// assert_eq!(build::texts(&["left", "right"]).elements().unwrap().len(), 2);
+/// ```
 #[must_use]
 pub fn texts<T: AsRef<str>>(values: &[T]) -> Value {
     let texts = values.iter().map(|text| Value::Text(text.as_ref().into()));
@@ -23,6 +43,13 @@ pub fn texts<T: AsRef<str>>(values: &[T]) -> Value {
 }
 
 /// `std_msgs/Header`.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// let header = build::header(1_500_000_000, "base");
+/// assert_eq!(header.at("stamp").unwrap().time_ns(), Some(1_500_000_000));
+/// ```
 #[must_use]
 pub fn header(time_ns: i64, frame: &str) -> Value {
     let (seconds, rest) = (
@@ -39,6 +66,12 @@ pub fn header(time_ns: i64, frame: &str) -> Value {
 }
 
 /// `geometry_msgs/Vector3` or `Point`.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// assert_eq!(build::vector([1.0, 2.0, 3.0]).number_at("z"), Some(3.0));
+/// ```
 #[must_use]
 pub fn vector([x, y, z]: [f64; 3]) -> Value {
     message([
@@ -49,6 +82,13 @@ pub fn vector([x, y, z]: [f64; 3]) -> Value {
 }
 
 /// `geometry_msgs/Quaternion` of a turn about z, rad.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// let half = build::turn(std::f64::consts::PI); // half a turn: z = 1, w = 0
+/// assert!((half.number_at("z").unwrap() - 1.0).abs() < 1e-15);
+/// ```
 #[must_use]
 pub fn turn(yaw: f64) -> Value {
     let (sin, cos) = (0.5 * yaw).sin_cos();
@@ -61,6 +101,13 @@ pub fn turn(yaw: f64) -> Value {
 }
 
 /// `geometry_msgs/Twist`.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// let twist = build::twist([0.2, 0.0, 0.0], [0.0, 0.0, 0.5]);
+/// assert_eq!(twist.number_at("angular.z"), Some(0.5));
+/// ```
 #[must_use]
 pub fn twist(linear: [f64; 3], angular: [f64; 3]) -> Value {
     message([("linear", vector(linear)), ("angular", vector(angular))])
@@ -73,6 +120,12 @@ pub fn twist_stamped(header: Value, linear: [f64; 3], angular: [f64; 3]) -> Valu
 }
 
 /// `geometry_msgs/Pose` on the ground.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// assert_eq!(build::pose(1.0, 2.0, 0.0).number_at("position.y"), Some(2.0));
+/// ```
 #[must_use]
 pub fn pose(x: f64, y: f64, yaw: f64) -> Value {
     message([
@@ -82,6 +135,17 @@ pub fn pose(x: f64, y: f64, yaw: f64) -> Value {
 }
 
 /// `sensor_msgs/JointState`; what is not measured is empty.
+///
+/// ```
+/// use grouser_log::message::{View, build};
+///
+/// let header = build::header(0, "base");
+/// let message = build::joint_state(header, &["left"], [&[1.5], &[0.2], &[]]);
+/// let Some(View::JointState(joints)) = View::new("sensor_msgs/msg/JointState", &message) else {
+///     unreachable!("it has all fields of its type");
+/// };
+/// assert_eq!((joints.position[0], joints.velocity[0]), (1.5, 0.2));
+/// ```
 #[must_use]
 pub fn joint_state(
     header: Value,
@@ -128,6 +192,13 @@ pub fn planar_imu(header: Value, yaw_rate: Option<f64>, acceleration: Option<[f6
 }
 
 /// `grouser_msgs/WheelTicks`.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// let message = build::wheel_ticks(build::header(0, "base"), &["left"], &[4_000]);
+/// assert_eq!(message.count_at("ticks[0]"), Some(4_000));
+/// ```
 #[must_use]
 pub fn wheel_ticks(header: Value, names: &[&str], ticks: &[u64]) -> Value {
     let ticks = ticks.iter().copied().map(Value::UInt);

@@ -1,6 +1,13 @@
 //! What a variance in a message says about its value.
 
 /// What a variance in a message says about its value, by REP 103 and what drivers do.
+///
+/// ```
+/// use grouser_log::message::Trust;
+///
+/// assert_eq!(Trust::of(0.01), Trust::Variance(0.01));
+/// assert!(!Trust::of(-1.0).is_usable());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trust {
     /// 0, or nothing that a variance can be (NaN, less than -1): the variance is not known.

@@ -51,6 +51,15 @@ pub(super) struct Type {
 }
 
 /// A message type with all types that it is made of; the first is the message.
+///
+/// ```
+/// use grouser_log::message::{Definition, Value, build};
+///
+/// let definition = Definition::parse("demo/msg/Tilt", "float64 roll\nfloat64 pitch\n")?;
+/// let tilt = build::message([("roll", Value::Float(0.1)), ("pitch", Value::Float(0.2))]);
+/// assert_eq!(definition.encode(&tilt)?.len(), 4 + 16); // head and two numbers
+/// # Ok::<(), grouser_log::message::MessageError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Definition {
     pub(super) types: Vec<Type>,

@@ -164,6 +164,13 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
 ];
 
 /// The definition of a type that is written, in the language `ros2msg`, with all types that it holds.
+///
+/// ```
+/// use grouser_log::message::known;
+///
+/// assert!(known::definition("geometry_msgs/Twist").unwrap().contains("MSG: geometry_msgs/Vector3"));
+/// assert_eq!(known::definition("geometry_msgs/Wrench"), None);
+/// ```
 #[must_use]
 pub fn definition(type_name: &str) -> Option<String> {
     let entry = |name: &str| TEXTS.iter().find(|(own, _, _)| *own == name);
@@ -188,6 +195,10 @@ pub fn definition(type_name: &str) -> Option<String> {
 }
 
 /// `package/msg/Type` of `package/Type`, as ROS 2 names types.
+///
+/// ```
+/// assert_eq!(grouser_log::message::known::ros2_name("sensor_msgs/Imu"), "sensor_msgs/msg/Imu");
+/// ```
 #[must_use]
 pub fn ros2_name(type_name: &str) -> String {
     type_name.replacen('/', "/msg/", 1)

@@ -82,6 +82,27 @@ pub enum MessageError {
 }
 
 /// Reads the messages of one channel.
+///
+/// ```
+/// use std::collections::BTreeMap;
+///
+/// use grouser_log::container::{Channel, Encoding};
+/// use grouser_log::message::{Decoder, Definition, Value, build};
+///
+/// let text = "float64 roll\n";
+/// let channel = Channel {
+///     topic: "/tilt".into(),
+///     type_name: "demo/msg/Tilt".into(),
+///     encoding: Encoding::Cdr,
+///     encoding_name: "cdr".into(),
+///     definition_language: "ros2msg".into(),
+///     definition: text.as_bytes().to_vec().into(),
+///     metadata: BTreeMap::new(),
+/// };
+/// let bytes = Definition::parse("demo/msg/Tilt", text)?.encode(&build::message([("roll", Value::Float(0.1))]))?;
+/// assert_eq!(Decoder::new(&channel)?.decode(&bytes)?.number_at("roll"), Some(0.1));
+/// # Ok::<(), grouser_log::message::MessageError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Decoder {
     encoding: Encoding,

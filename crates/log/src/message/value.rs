@@ -3,6 +3,14 @@
 use std::sync::Arc;
 
 /// A field, or a whole message.
+///
+/// ```
+/// use grouser_log::message::Value;
+///
+/// let value = Value::Struct(vec![("ticks".into(), Value::Array(vec![Value::Int(-1)]))]);
+/// assert_eq!(value.number_at("ticks[0]"), Some(-1.0));
+/// assert_eq!(value.count_at("ticks[0]"), Some(u64::MAX)); // the bits of a counter
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Value {
@@ -28,6 +36,14 @@ pub enum Value {
 
 impl Value {
     /// A field by its path: `twist.twist.linear.x`, `transforms[0].child_frame_id`.
+    ///
+    /// ```
+    /// use grouser_log::message::build;
+    ///
+    /// let message = build::twist_stamped(build::header(0, "base"), [0.2, 0.0, 0.0], [0.0; 3]);
+    /// assert!(message.at("twist.linear.x").is_some());
+    /// assert!(message.at("twist.linear.w").is_none());
+    /// ```
     #[must_use]
     pub fn at(&self, path: &str) -> Option<&Self> {
         path.split('.').try_fold(self, |value, step| {

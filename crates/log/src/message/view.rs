@@ -171,6 +171,12 @@ fn text(value: &Value, path: &str) -> String {
 
 impl View {
     /// Is there a view for messages of that type?
+    ///
+    /// ```
+    /// use grouser_log::message::View;
+    ///
+    /// assert!(View::exists_for("nav_msgs/msg/Odometry") && !View::exists_for("sensor_msgs/msg/Image"));
+    /// ```
     #[must_use]
     pub fn exists_for(type_name: &str) -> bool {
         matches!(

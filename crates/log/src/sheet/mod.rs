@@ -24,6 +24,15 @@ const GAP_MEDIANS: f64 = 5.0;
 const MAX_INTERVALS: usize = 1 << 16;
 
 /// One column of a table.
+///
+/// ```
+/// use grouser_log::Sheet;
+///
+/// let sheet = Sheet::read("../../examples/five-wheel/log.csv".as_ref(), |_| ())?;
+/// assert_eq!((sheet.rows, sheet.ragged), (2001, 0));
+/// assert!(sheet.time.is_some());
+/// # Ok::<(), grouser_log::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SheetColumn {

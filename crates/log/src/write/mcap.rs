@@ -29,6 +29,18 @@ type SchemaKey = (String, String, Vec<u8>);
 ///
 /// A chunk is closed, and given to the system, after 1 MiB or one second of messages: what a program that is
 /// killed may lose.
+///
+/// ```
+/// use grouser_log::message::build;
+/// use grouser_log::write::McapWriter;
+///
+/// let mut writer = McapWriter::new(Vec::new(), "ros2")?;
+/// let mut topic = writer.topic("/cmd_vel", "geometry_msgs/Twist")?;
+/// writer.send(&mut topic, 1_000_000_000, &build::twist([0.2, 0.0, 0.0], [0.0; 3]))?;
+/// let file = writer.finish()?;
+/// assert!(file.starts_with(b"\x89MCAP0\r\n") && file.ends_with(b"\x89MCAP0\r\n"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub struct McapWriter<W: Write> {
     out: W,
     at: u64,

@@ -34,6 +34,12 @@ pub struct Times {
 
 impl Times {
     /// Recorded and published at once.
+    ///
+    /// ```
+    /// use grouser_log::write::Times;
+    ///
+    /// assert_eq!(Times::at(5).publish_ns, 5);
+    /// ```
     #[must_use]
     pub const fn at(time_ns: u64) -> Self {
         Self {

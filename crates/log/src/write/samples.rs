@@ -24,6 +24,20 @@ const COMMAND: (&str, &str) = ("/cmd_vel", "geometry_msgs/TwistStamped");
 /// `grouser_msgs/Displacement`. Wheels of one time share one message.
 ///
 /// Read again, the log is the same, but that a speed to the left that was not measured is 0.
+///
+/// ```
+/// use grouser_log::write::SampleWriter;
+/// use grouser_slip::{Measurement, Sample};
+///
+/// let mut writer = SampleWriter::new(Vec::new(), &["left".to_owned()])?;
+/// for step in 0..10 {
+///     let measurement = Measurement::WheelCount { wheel: 0, raw: 12 * step };
+///     writer.sample(&Sample { time_ns: 20_000_000 * step as i64, measurement })?;
+/// }
+/// let (_, messages) = writer.finish()?;
+/// assert_eq!(messages, 10);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub struct SampleWriter<W: Write> {
     writer: McapWriter<W>,
     topics: BTreeMap<&'static str, Topic>,

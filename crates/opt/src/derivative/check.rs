@@ -37,6 +37,27 @@ pub struct DerivativeCheck {
 ///
 /// # Errors
 /// `x` has another length than the problem has variables, or a point that is not finite.
+///
+/// ```
+/// use grouser_opt::{Jacobian, Model, Problem, ProblemParams, check_derivatives};
+///
+/// /// x² with the derivative 3 x, which is wrong.
+/// struct Wrong;
+/// impl Model for Wrong {
+///     fn values(&self, x: &[f64], values: &mut [f64]) {
+///         values[0] = x[0] * x[0];
+///     }
+///     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+///         self.values(x, values);
+///         jacobian.set(0, 0, 3.0 * x[0]);
+///     }
+/// }
+/// let problem = Problem::new(ProblemParams::new(&[1.0], 1, Wrong))?;
+/// let check = check_derivatives(&problem, &[2.0], 1e-6)?;
+/// assert_eq!(check.wrong[0].claimed, 6.0);
+/// assert!((check.wrong[0].difference - 4.0).abs() < 1e-6);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub fn check_derivatives(
     problem: &Problem<'_>,
     x: &[f64],

@@ -8,6 +8,12 @@
 ///
 /// Source: Das 1999, "On characterizing the knee of the Pareto curve based on Normal-Boundary
 /// Intersection", Struct. Optim. 18, for two objectives; the sum for more is the same distance.
+///
+/// ```
+/// // The second point loses little of either objective.
+/// let front = [vec![0.0, 1.0], vec![0.1, 0.1], vec![1.0, 0.0]];
+/// assert_eq!(grouser_opt::knee(&front), Some(1));
+/// ```
 #[must_use]
 pub fn knee(front: &[Vec<f64>]) -> Option<usize> {
     let first = front.first()?;

@@ -73,6 +73,26 @@ impl Front {
 ///
 /// # Errors
 /// Fewer than two objectives, a variable without finite bounds, or a setting out of its range.
+///
+/// ```
+/// use grouser_opt::{Differences, ParetoSettings, Problem, ProblemParams, Variable, pareto};
+///
+/// // Between the minima at 0 and 2 every point is a compromise: √f1 + √f2 = 2.
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| {
+///     f[0] = x[0] * x[0];
+///     f[1] = (x[0] - 2.0).powi(2);
+/// });
+/// let params = ProblemParams::new(&[1.0], 2, model)
+///     .variables([Variable::bounded("x", 1.0, -1.0, 3.0)]);
+/// let mut settings = ParetoSettings::default();
+/// (settings.population, settings.generations) = (12, 10);
+/// let front = pareto(&Problem::new(params)?, &settings)?;
+/// for point in &front.points {
+///     let sum: f64 = point.objectives.iter().map(|f| f.sqrt()).sum();
+///     assert!((sum - 2.0).abs() < 1e-3);
+/// }
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front> {
     let m = problem.objectives().len();
     Error::check_range("the number of objectives", m as f64, 2.0, 20.0)?;

@@ -16,6 +16,12 @@ pub enum Algorithm {
 }
 
 /// How to search for a front.
+///
+/// ```
+/// let mut settings = grouser_opt::ParetoSettings::default();
+/// settings.population = 60;
+/// assert!(settings.polish); // each point is exact to the solver's tolerance
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ParetoSettings {

@@ -29,6 +29,16 @@ pub enum Uncertainty {
 /// # Errors
 /// Lists of different lengths, ends in the wrong order, a number that is not finite, a covariance that
 /// is not symmetric (to 1e-9 of its diagonal) or not positive definite, more than 64 parameters.
+///
+/// ```
+/// use grouser_opt::{Uncertainty, sample};
+///
+/// let (low, high) = (vec![0.0, 10.0], vec![1.0, 20.0]);
+/// let points = sample(&Uncertainty::Ranges { low, high }, 16, 7)?;
+/// assert_eq!(points.len(), 16);
+/// assert!(points.iter().all(|p| p[0] <= 1.0 && (10.0..=20.0).contains(&p[1])));
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
 pub fn sample(uncertainty: &Uncertainty, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
     match uncertainty {
         Uncertainty::Ranges { low, high } => {

@@ -1,6 +1,9 @@
 //! The examples that ship, and the measured data where it is at hand.
 #![allow(dead_code, reason = "each test file uses its own part of this")]
 
+#[path = "../../../log/tests/support/measured_data.rs"]
+mod measured_data;
+
 use std::path::{Path, PathBuf};
 
 use grouser_files::robot::RobotFile;
@@ -12,25 +15,8 @@ pub(crate) fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A folder of the measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
-pub(crate) fn data(folder: &str) -> Option<PathBuf> {
-    let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root().join("data"), PathBuf::from);
-    // A relative path counts from the workspace's root, wherever the test runs.
-    let path = root().join(base).join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "no measured data at {}, and CI is set",
-        path.display()
-    );
-    eprintln!(
-        "skipped: no measured data at {} (GROUSER_DATA)",
-        path.display()
-    );
-    None
-}
+#[allow(unused_imports, reason = "each test file uses its own part of this")]
+pub(crate) use measured_data::measured_data as data;
 
 /// Robotino's, by the names of their files.
 pub(crate) const ROBOTINO: [&str; 6] = [

@@ -61,6 +61,15 @@ pub struct Hold {
 }
 
 /// The robot's body.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+/// let linkage = RobotModel::read(file.as_ref())?.linkage;
+/// assert!(linkage.freedoms() > 0 && linkage.mass() > 1.0); // rockers and bogies; kg
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage {
     bodies: Vec<Body>,
@@ -69,6 +78,16 @@ pub struct Linkage {
 }
 
 /// Where the body is and how it moves.
+///
+/// ```
+/// use grouser_rover::body::BodyState;
+/// use grouser_rover::vector::{Attitude, Vector};
+///
+/// let mut state = BodyState::at(Vector::ZERO, Attitude::LEVEL);
+/// state.speeds[3] = 0.2; // m/s ahead
+/// assert_eq!(state.velocity(), Vector::new(0.2, 0.0, 0.0));
+/// assert_eq!(state.turning(), Vector::ZERO);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BodyState {
@@ -212,6 +231,19 @@ impl Linkage {
     }
 
     /// Centre of gravity in the robot's frame, m.
+    ///
+    /// ```
+    /// use grouser_rover::body::BodyState;
+    /// use grouser_rover::robot::RobotModel;
+    /// use grouser_rover::vector::{Attitude, Vector};
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+    /// let linkage = RobotModel::read(file.as_ref())?.linkage;
+    /// let rest = BodyState::at(Vector::ZERO, Attitude::LEVEL);
+    /// let centre = linkage.centre(&linkage.pose(&rest));
+    /// assert!(centre.y.abs() < 1e-9 && centre.z > 0.0); // on the middle plane, above the ground
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     #[must_use]
     pub fn centre(&self, pose: &Pose) -> Vector {
         let mut sum = Vector::ZERO;

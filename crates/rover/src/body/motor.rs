@@ -4,6 +4,22 @@
 ///
 /// i = (V − k γ ω)/R with γ the gear's ratio and ω the wheel's rate against its link; |V| and |i| are limited;
 /// the gear passes on the share η of the torque when the motor drives, and takes 1/η when it is driven.
+///
+/// ```
+/// use grouser_rover::body::Motor;
+///
+/// let motor = Motor {
+///     resistance: 0.6,  // Ω
+///     constant: 0.03,   // N m/A
+///     gear: 100.0,
+///     efficiency: 0.85,
+///     voltage: 24.0,    // V
+///     current: 6.0,     // A
+/// };
+/// assert!((motor.max_torque() - 15.3).abs() < 1e-12); // 0.03 · 100 · 6 · 0.85 N m
+/// let stalled = motor.drive(5.1, 0.0);
+/// assert!((stalled.current - 2.0).abs() < 1e-12 && (stalled.heat - stalled.power).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
     /// R, Ω.

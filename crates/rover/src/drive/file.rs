@@ -30,6 +30,16 @@ const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 ///
 /// # Errors
 /// What the file lacks or says wrong, with its place.
+///
+/// ```
+/// use grouser_rover::drive::read_scenario;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+/// let scenario = read_scenario(file.as_ref())?;
+/// assert!(scenario.asked_distance() > 9.0); // m
+/// scenario.check()?;
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 pub fn read_scenario(path: &Path) -> Result<Scenario> {
     let document = Document::read(path)?;
     let beside = path.parent().unwrap_or(Path::new(""));

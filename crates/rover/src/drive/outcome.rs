@@ -5,6 +5,13 @@ use grouser_slip::control::Decision;
 use crate::dynamics::Ledger;
 
 /// How a drive ended.
+///
+/// ```
+/// use grouser_rover::drive::Outcome;
+///
+/// assert!(Outcome::Arrived < Outcome::TimeOut);
+/// assert_eq!(Outcome::OffMap.name(), "off-map");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Outcome {

@@ -3,6 +3,12 @@
 use grouser_slip::control::ControlSettings;
 
 /// Who drives.
+///
+/// ```
+/// use grouser_rover::drive::Pilot;
+///
+/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "fixed-slip", "controller"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Pilot {

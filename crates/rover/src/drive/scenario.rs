@@ -64,6 +64,16 @@ pub struct Region {
 }
 
 /// The ground of a scenario.
+///
+/// ```
+/// use grouser_rover::drive::read_scenario;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+/// let spec = read_scenario(file.as_ref())?.ground;
+/// let (one, two) = (spec.build(1)?, spec.build(2)?);
+/// assert_ne!(one.at(5.0, 0.0).height, two.at(5.0, 0.0).height); // the dunes depend on the seed
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GroundSpec {
@@ -204,6 +214,15 @@ impl Scenario {
     }
 
     /// Mean load of the robot's powered wheels on the level, N, and the first of them.
+    ///
+    /// ```
+    /// use grouser_rover::drive::read_scenario;
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+    /// let (wheel, load) = read_scenario(file.as_ref())?.typical_wheel().expect("a powered wheel");
+    /// assert!(wheel == 0 && load > 10.0); // N
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     #[must_use]
     pub fn typical_wheel(&self) -> Option<(usize, f64)> {
         let loads = crate::statics::wheel_loads(&self.robot, 0.0, 0.0);

@@ -32,6 +32,23 @@ const MAX_DECISIONS: usize = 1000;
 const WORST_SLIP_TIME_S: f64 = 1.0;
 
 /// A simulated drive under way.
+///
+/// ```
+/// use grouser_rover::drive::{Pilot, Simulation, read_scenario};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+/// let scenario = read_scenario(file.as_ref())?;
+/// let mut drive = Simulation::new(&scenario, Pilot::Controller, 0.3, scenario.seed)?;
+/// let mut times = Vec::new();
+/// for _ in 0..5 {
+///     drive.period(&mut |frame| {
+///         times.push(frame.time);
+///         true
+///     });
+/// }
+/// assert!(times.windows(2).all(|pair| pair[0] < pair[1]) && drive.vehicle().time() > 0.0);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Simulation {
     ground: Ground,

@@ -75,6 +75,27 @@ pub struct Ledger {
 }
 
 /// A robot on the ground.
+///
+/// ```
+/// use grouser_rover::dynamics::Vehicle;
+/// use grouser_rover::ground::{Ground, HeightMap};
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_terra::catalogue;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let mut ground = Ground::new(HeightMap::from_shape((6.0, 4.0), 0.1, |_, _| 0.0)?, vec![soil])?;
+/// let mut vehicle = Vehicle::new(RobotModel::read(file.as_ref())?, &ground, (2.0, 0.0, 0.0), 1e-3)?;
+/// for wheel in 0..vehicle.wheels().len() {
+///     vehicle.set_input(wheel, 2.0, 0.0); // N m on each wheel
+/// }
+/// for _ in 0..300 {
+///     vehicle.advance(&mut ground);
+/// }
+/// assert!((vehicle.time() - 0.3).abs() < 1e-9);
+/// assert!(vehicle.state().position.x > 2.0);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     model: RobotModel,

@@ -55,6 +55,16 @@ pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
 ///
 /// # Errors
 /// [`Error::Terrain`].
+///
+/// ```
+/// use grouser_rover::ground::{HeightFile, parse_heights};
+///
+/// let grid = b"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n0.1 0.2\n0.3 0.4\n";
+/// let file = HeightFile { path: "grid.asc".into(), cell: Some(1.0), height_step: 0.001 };
+/// let map = parse_heights(grid, &file)?;
+/// assert_eq!(map.cells(), 4);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 pub fn parse_heights(bytes: &[u8], file: &HeightFile) -> Result<HeightMap> {
     raster(bytes, file)
         .and_then(Raster::into_map)

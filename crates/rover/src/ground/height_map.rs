@@ -10,6 +10,16 @@ pub(crate) const MAX_CELLS: usize = 1 << 25;
 pub(crate) const CELL_LIMITS_M: (f64, f64) = (1e-3, 1e3);
 
 /// Heights at the nodes of a square grid, between which they are bilinear. Beyond the edge the edge goes on.
+///
+/// ```
+/// use grouser_rover::ground::HeightMap;
+///
+/// // A slope of 10 %: 10 m by 4 m, a node every 0.5 m.
+/// let map = HeightMap::from_shape((10.0, 4.0), 0.5, |x, _| 0.1 * x)?;
+/// assert!((map.height(3.25, 0.7) - 0.325).abs() < 1e-6);
+/// assert_eq!(map.extent(), ((0.0, -2.0), (10.0, 2.0)));
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     origin: (f64, f64),
@@ -64,6 +74,14 @@ impl HeightMap {
     /// # Errors
     /// [`Error::OutOfRange`] for sizes outside their limits, for heights that do not fit them, for infinite
     /// heights, and where no height is known.
+    ///
+    /// ```
+    /// # use grouser_rover::ground::HeightMap;
+    /// let map = HeightMap::new((0.0, 0.0), 1.0, 2, vec![0.0, 0.2, 0.0, 0.2])?;
+    /// assert!((map.height(0.5, 0.5) - 0.1).abs() < 1e-6);
+    /// assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![0.0; 5]).is_err()); // a cell beyond the last row
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     pub fn new(origin: (f64, f64), cell: f64, columns: usize, heights: Vec<f32>) -> Result<Self> {
         let of = "height map";
         let far = (-1e7, 1e7);
@@ -195,6 +213,13 @@ impl HeightMap {
     }
 
     /// Is (x, y) on the map, and the height of the node next to it known?
+    ///
+    /// ```
+    /// # use grouser_rover::ground::HeightMap;
+    /// let map = HeightMap::new((0.0, 0.0), 1.0, 2, vec![0.3, f32::NAN, 0.3, 0.3])?;
+    /// assert!(map.known(0.0, 0.0) && !map.known(1.0, 0.0));
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     #[must_use]
     pub fn known(&self, x: f64, y: f64) -> bool {
         self.surface(&self.corner(x, y)).known

@@ -43,6 +43,13 @@ pub enum Place {
 
 impl Place {
     /// The same place, moved by (x, y) m.
+    ///
+    /// ```
+    /// use grouser_rover::ground::Place;
+    ///
+    /// let disc = Place::Disc { x: 1.0, y: 0.0, radius: 0.5 };
+    /// assert_eq!(disc.moved(2.0, 1.0), Place::Disc { x: 3.0, y: 1.0, radius: 0.5 });
+    /// ```
     #[must_use]
     pub fn moved(mut self, right: f64, up: f64) -> Self {
         match &mut self {
@@ -111,6 +118,18 @@ pub struct Spot {
 }
 
 /// The ground.
+///
+/// ```
+/// use grouser_rover::ground::{Ground, HeightMap};
+/// use grouser_terra::catalogue;
+///
+/// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let mut ground = Ground::new(HeightMap::from_shape((4.0, 2.0), 0.1, |_, _| 0.0)?, vec![sand])?;
+/// ground.press((1.0, 0.0), (2.0, 0.0), 0.2, 0.03); // a wheel of 0.2 m has passed, 0.03 m deep
+/// assert!((ground.at(1.5, 0.0).height + 0.03).abs() < 1e-6);
+/// assert!(ground.rut_volume() > 0.0);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Ground {
     map: HeightMap,
@@ -155,6 +174,18 @@ impl Ground {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a soil that is not there.
+    ///
+    /// ```
+    /// use grouser_rover::ground::{Ground, HeightMap, Place};
+    /// use grouser_terra::catalogue;
+    ///
+    /// let soil = |key| catalogue::find(key).expect("in the catalogue").soil().expect("complete");
+    /// let map = HeightMap::from_shape((4.0, 2.0), 0.1, |_, _| 0.0)?;
+    /// let mut ground = Ground::new(map, vec![soil("dry-sand"), soil("lunar")])?;
+    /// ground.lay(1, &Place::Disc { x: 2.0, y: 0.0, radius: 0.5 })?;
+    /// assert_eq!((ground.at(2.0, 0.0).soil, ground.at(0.5, 0.0).soil), (1, 0));
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     pub fn lay(&mut self, soil: usize, place: &Place) -> Result<()> {
         let last = self.soils.len() - 1;
         Error::check("region", "soil", soil as f64, (0.0, last as f64), "1")?;

@@ -3,6 +3,14 @@
 use super::noise::Noise;
 
 /// A shape of the ground: height over (x, y) in m.
+///
+/// ```
+/// use grouser_rover::ground::Shape;
+///
+/// let slope = Shape::Slope { angle: 0.2, from: 1.0 };
+/// assert_eq!(slope.height(0, 0.5, 0.0), 0.0);
+/// assert!((slope.height(0, 3.0, 0.0) - 2.0 * 0.2_f64.tan()).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Shape {
@@ -34,6 +42,15 @@ pub enum Shape {
 }
 
 /// Rocks strewn over the ground.
+///
+/// ```
+/// use grouser_rover::ground::Rocks;
+///
+/// let rocks = Rocks { density: 0.5, size: 0.3 }.strew(1, (0.0, -2.0), (10.0, 2.0), 1.0);
+/// assert!(rocks.iter().all(|[x, y, radius, _]| x.hypot(*y) > 1.0 && *radius <= 0.15));
+/// let [x, y, _, height] = rocks[0];
+/// assert!(Rocks::height(&rocks, x, y) >= height);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rocks {
     /// Per m².

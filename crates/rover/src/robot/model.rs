@@ -61,6 +61,16 @@ impl WheelMount {
 }
 
 /// A robot: what the estimator knows of it, its body, and its wheels in the same order.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/five-wheel.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// assert_eq!((model.wheels.len(), model.powered().count()), (6, 5));
+/// assert!((model.weight() / model.linkage.mass() - 9.8).abs() < 0.1);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RobotModel {

@@ -104,6 +104,11 @@ impl FaultKind {
     }
 
     /// Its name in files.
+    ///
+    /// ```
+    /// # use grouser_rover::sensors::FaultKind;
+    /// assert_eq!(FaultKind::PulseLoss.name(), "pulse-loss");
+    /// ```
     #[must_use]
     pub fn name(self) -> &'static str {
         self.entry().0
@@ -153,6 +158,12 @@ impl FaultWindow {
 }
 
 /// Faults by schedule.
+///
+/// ```
+/// use grouser_rover::sensors::Schedule;
+///
+/// assert!(Schedule::default().windows().is_empty()); // no faults
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Schedule {
     windows: Vec<FaultWindow>,

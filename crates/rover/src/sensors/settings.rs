@@ -5,6 +5,16 @@ use grouser_slip::settings::{Field, check_fields};
 use crate::error::Result;
 
 /// How good the sensors are.
+///
+/// ```
+/// use grouser_rover::sensors::SensorSettings;
+///
+/// let mut settings = SensorSettings::default();
+/// settings.check()?;
+/// settings.rate = f64::NAN;
+/// assert!(settings.check().is_err());
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SensorSettings {

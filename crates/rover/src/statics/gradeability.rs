@@ -24,6 +24,18 @@ pub struct Gradeability {
 ///
 /// # Errors
 /// [`Error::Law`].
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::gradeability;
+/// use grouser_terra::catalogue;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let climbs = gradeability(&RobotModel::read(file.as_ref())?, &soil)?;
+/// assert!(climbs.whole.is_some_and(|slope| slope > 0.0 && slope < soil.params().phi.rad()));
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 pub fn gradeability(model: &RobotModel, soil: &Soil) -> Result<Gradeability> {
     let mut pairs = Vec::new();
     for mount in &model.wheels {

@@ -27,6 +27,18 @@ const MAX_EQUATIONS: usize = MAX_SPEEDS - 3;
 /// robot on the slope, each in proportion to its load; free wheels carry only.
 ///
 /// Assumes: small sinkage, and links in the pose of the description.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::wheel_loads;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// let level = wheel_loads(&model, 0.0, 0.0);
+/// assert!(level.stands);
+/// assert!((level.loads.iter().sum::<f64>() / model.weight() - 1.0).abs() < 1e-9);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[must_use]
 pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
     let linkage = &model.linkage;

@@ -38,6 +38,17 @@ pub struct StabilityMargins {
 /// p, with g the centre of gravity and d downwards: the tip-over angle is the one by which d must turn about e to
 /// pass through the edge; the energy (vertical) margin after Messuri & Klein is R (1 − cos angle) in the plane
 /// across the edge, projected on the vertical.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::stability_margins;
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// let (level, tilted) = (stability_margins(&model, 0.0, 0.0), stability_margins(&model, 0.0, 0.3));
+/// assert!(level.tip_over > tilted.tip_over && tilted.vertical > 0.0);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[must_use]
 pub fn stability_margins(model: &RobotModel, pitch: f64, roll: f64) -> StabilityMargins {
     let loads = wheel_loads(model, pitch, roll);

@@ -55,6 +55,18 @@ pub struct Posture {
 ///
 /// A pattern search within the limits: each variable in turn by steps that halve, from no adjustment; it never ends
 /// worse than it began. Five variables and a function of microseconds ask for no more.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::{PostureLimits, adjusted_posture};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// let posture = adjusted_posture(&model, (0.35, 0.0), &PostureLimits::default());
+/// let [before, after] = posture.tip_over;
+/// assert!(after > before);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 #[must_use]
 pub fn adjusted_posture(
     model: &RobotModel,

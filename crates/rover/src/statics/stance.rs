@@ -63,6 +63,20 @@ pub struct Stance {
 /// # Errors
 /// [`Error::OutOfRange`] for heights beyond ±10 m or another number of them, and for a stiffness outside
 /// [1e2, 1e8] N/m.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::{Footing, stance};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// let mut heights = vec![0.0; model.wheels.len()];
+/// heights[0] = 0.05; // the first wheel stands on a stone
+/// let rest = stance(&model, &Footing { heights: &heights, stiffness: 1e5 })?;
+/// assert!(rest.settled);
+/// assert!((rest.loads.iter().sum::<f64>() / model.weight() - 1.0).abs() < 1e-6);
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
 pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
     let of = "footing";
     let wheels = model.wheels.len() as f64;

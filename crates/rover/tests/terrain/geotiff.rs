@@ -1,4 +1,4 @@
-//! E11: `GeoTIFF`.
+//! `GeoTIFF`.
 
 use grouser_rover::ground::{NoCell, TerrainFault};
 use grouser_terra::OutOfRange;
@@ -40,7 +40,7 @@ fn looked_up(map: &grouser_rover::ground::HeightMap, columns: usize, rows: usize
 }
 
 #[test]
-fn e11_every_cell_is_where_it_was_in_strips_and_in_tiles() {
+fn every_cell_is_where_it_was_in_strips_and_in_tiles() {
     for (columns, rows) in [(5, 4), (16, 16), (17, 33), (40, 7)] {
         let truth = heights(columns, rows);
         let [wide, high] = [columns, rows].map(|n| u32::try_from(n).unwrap());
@@ -65,7 +65,7 @@ fn e11_every_cell_is_where_it_was_in_strips_and_in_tiles() {
 }
 
 #[test]
-fn e11_whole_numbers_and_doubles() {
+fn whole_numbers_and_doubles() {
     let strip = |bytes: Vec<Vec<u8>>| bytes.concat();
     let values = [-7_i16, 0, 300, 12, 5, 9];
     let signed = Tiff::of(
@@ -101,7 +101,7 @@ fn e11_whole_numbers_and_doubles() {
 }
 
 #[test]
-fn e11_two_to_the_31_by_two_to_the_31() {
+fn two_to_the_31_by_two_to_the_31() {
     let side = 1_u32 << 31;
     let huge = small()
         .with(WIDTH, Value::Long(vec![side]))
@@ -128,7 +128,7 @@ fn e11_two_to_the_31_by_two_to_the_31() {
 }
 
 #[test]
-fn e11_a_tile_count_that_lies() {
+fn a_tile_count_that_lies() {
     let truth = heights(40, 20);
     let tiff = Tiff::floats(40, 20, &truth).tiled((40, 20), &truth, 0.0);
     for count in [1_usize, 5, 7, 100_000] {
@@ -166,7 +166,7 @@ fn e11_a_tile_count_that_lies() {
 }
 
 #[test]
-fn e11_a_strip_beyond_the_end() {
+fn a_strip_beyond_the_end() {
     for start in [100_000_u32, u32::MAX] {
         let lying = small().with(OFFSETS, Value::Long(vec![start]));
         let fault = refused(&lying);
@@ -203,7 +203,7 @@ fn e11_a_strip_beyond_the_end() {
 
 /// No data, NaN and missing tiles: never a height of 0, and marked.
 #[test]
-fn e11_no_data_is_no_height() {
+fn no_data_is_no_height() {
     let mut truth = heights(5, 4);
     for height in &mut truth {
         *height += 100.0;
@@ -270,7 +270,7 @@ fn e11_no_data_is_no_height() {
 }
 
 #[test]
-fn e11_a_tile_that_the_file_leaves_out_is_unknown() {
+fn a_tile_that_the_file_leaves_out_is_unknown() {
     let truth: Vec<f32> = heights(40, 20).iter().map(|h| h + 50.0).collect();
     let tiff = Tiff::floats(40, 20, &truth).tiled((40, 20), &truth, 0.0);
     let size = 16 * 16 * 4;
@@ -304,7 +304,7 @@ fn e11_a_tile_that_the_file_leaves_out_is_unknown() {
 }
 
 #[test]
-fn e11_a_missing_system_of_coordinates() {
+fn a_missing_system_of_coordinates() {
     assert_eq!(no_cell(&small().without(KEYS)), NoCell::NoSystem);
     let odd = small().with(KEYS, Value::Short(vec![1, 1, 0]));
     assert_eq!(no_cell(&odd), NoCell::NoSystem);
@@ -312,7 +312,7 @@ fn e11_a_missing_system_of_coordinates() {
 }
 
 #[test]
-fn e11_degrees_and_feet_are_not_metres() {
+fn degrees_and_feet_are_not_metres() {
     let with_keys = |keys: &[u16]| {
         let mut all = vec![1, 1, 0, u16::try_from(keys.len() / 4).unwrap()];
         all.extend(keys);
@@ -330,7 +330,7 @@ fn e11_degrees_and_feet_are_not_metres() {
 }
 
 #[test]
-fn e11_scales_that_are_none() {
+fn scales_that_are_none() {
     for (x, y) in [(0.5, 0.6), (f64::NAN, 0.5), (0.5, f64::NAN)] {
         let tiff = small().with(SCALE, Value::Double(vec![x, y, 0.0]));
         assert!(matches!(
@@ -375,7 +375,7 @@ fn e11_scales_that_are_none() {
 }
 
 #[test]
-fn e11_colours_white_as_lowest_and_unknown_codes_are_refused() {
+fn colours_white_as_lowest_and_unknown_codes_are_refused() {
     let upside_down = small().with(BLACK, Value::Short(vec![0]));
     assert!(matches!(
         refused(&upside_down),

@@ -1,4 +1,4 @@
-//! E11: pictures and ASCII grids.
+//! Pictures and ASCII grids.
 
 use grouser_terra::OutOfRange;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ fn grid_refused(text: &str) -> TerrainFault {
 }
 
 #[test]
-fn e11_a_picture_of_16_bits() {
+fn a_picture_of_16_bits() {
     let map = read_with_cell("png", &small_png()).unwrap();
     // 1 cm a step; row 0 is the upper edge, y = 0.75
     for (row, column) in [(0, 0), (0, 4), (2, 1), (3, 4)] {
@@ -30,7 +30,7 @@ fn e11_a_picture_of_16_bits() {
 }
 
 #[test]
-fn e11_transparent_pixels_are_unknown() {
+fn transparent_pixels_are_unknown() {
     let grey = [100_u8, 255, 90, 0, 80, 255, 70, 255];
     let map = read_with_cell(
         "png",
@@ -56,7 +56,7 @@ fn e11_transparent_pixels_are_unknown() {
 }
 
 #[test]
-fn e11_pictures_that_are_no_heights() {
+fn pictures_that_are_no_heights() {
     for (color, depth, data) in [
         (ColorType::Rgb, BitDepth::Eight, vec![0; 12]),
         (ColorType::Rgba, BitDepth::Sixteen, vec![0; 32]),
@@ -80,7 +80,7 @@ fn e11_pictures_that_are_no_heights() {
 
 /// The header of a picture says 2³¹ − 1 by as many, with its checksum right.
 #[test]
-fn e11_a_picture_of_two_to_the_31() {
+fn a_picture_of_two_to_the_31() {
     let mut bytes = small_png();
     let side = i32::MAX.to_be_bytes();
     bytes[16..20].copy_from_slice(&side);
@@ -107,7 +107,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn e11_a_grid_and_its_unknown_cells() {
+fn a_grid_and_its_unknown_cells() {
     let map = read("asc", SMALL_GRID.as_bytes()).unwrap();
     assert!((map.height(0.0, 0.25) - 1.5).abs() < 1e-6);
     assert!((map.height(1.0, -0.25) - 6.0).abs() < 1e-6);
@@ -121,7 +121,7 @@ fn e11_a_grid_and_its_unknown_cells() {
 }
 
 #[test]
-fn e11_grids_that_lie() {
+fn grids_that_lie() {
     let changed = |from: &str, to: &str| grid_refused(&SMALL_GRID.replace(from, to));
     let side = "ncols 2147483648";
     let fault = grid_refused(
@@ -217,7 +217,7 @@ fn e11_grids_that_lie() {
 }
 
 #[test]
-fn e11_a_grid_in_degrees_is_told_from_one_in_metres() {
+fn a_grid_in_degrees_is_told_from_one_in_metres() {
     let with = |corner: [&str; 2], cell: &str| {
         let text = SMALL_GRID
             .replace("xllcorner 0", &format!("xllcorner {}", corner[0]))
@@ -260,7 +260,7 @@ fn e11_a_grid_in_degrees_is_told_from_one_in_metres() {
 
 /// 5 000 × 5 000 are read, and a small file that announces as many is refused at once.
 #[test]
-fn e11_limits_of_time() {
+fn limits_of_time() {
     let begun = std::time::Instant::now();
     let mut text = String::from("ncols 5000\nnrows 5000\ncellsize 0.1\n");
     let fault = grid_refused(&text);

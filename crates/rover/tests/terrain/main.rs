@@ -1,4 +1,4 @@
-//! FAULTS E11 and E12 for terrain files: made in the test, broken in every way, read or refused with a type.
+//! Terrain files: made in the test, broken in every way, read or refused with a type.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod damage;

@@ -1,4 +1,4 @@
-//! E12: paths that are no files. None may hang.
+//! Paths that are no files. None may hang.
 #![cfg(unix)]
 
 use std::fs;
@@ -46,7 +46,7 @@ fn said(path: &Path) -> String {
 }
 
 #[test]
-fn e12_what_is_no_regular_file() {
+fn what_is_no_regular_file() {
     let folder = Folder::new("kinds");
     let directory = folder.0.join("folder.asc");
     fs::create_dir(&directory).unwrap();
@@ -71,7 +71,7 @@ fn e12_what_is_no_regular_file() {
 }
 
 #[test]
-fn e12_names_that_are_not_utf_8() {
+fn names_that_are_not_utf_8() {
     let folder = Folder::new("names");
     let path = folder.0.join(std::ffi::OsStr::from_bytes(b"gr\xffund.asc"));
     fs::write(&path, SMALL_GRID).unwrap();
@@ -84,7 +84,7 @@ fn e12_names_that_are_not_utf_8() {
 }
 
 #[test]
-fn e12_a_file_beyond_its_limit_is_not_read_whole() {
+fn a_file_beyond_its_limit_is_not_read_whole() {
     let folder = Folder::new("large");
     let path = folder.0.join("large.asc");
     // a hole of 1 TiB: nothing is stored
@@ -99,7 +99,7 @@ fn e12_a_file_beyond_its_limit_is_not_read_whole() {
 }
 
 #[test]
-fn e12_endings_that_are_no_kind() {
+fn endings_that_are_no_kind() {
     let folder = Folder::new("endings");
     for name in ["ground", "ground.jpg", "ground.tif.gz"] {
         let path = folder.0.join(name);

@@ -109,6 +109,18 @@ impl Controller {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) outside [0.01, 0.95].
+    ///
+    /// ```
+    /// use grouser_slip::control::{ControlSettings, Controller};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let mut controller = Controller::new(&robot, ControlSettings::default())?;
+    /// controller.set_optimum(0.3)?;
+    /// assert!(controller.set_optimum(0.0).is_err());
+    /// assert_eq!(controller.settings().optimum, 0.3);
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn set_optimum(&mut self, optimum: f64) -> Result<()> {
         let settings = ControlSettings {
             optimum,

@@ -3,6 +3,10 @@
 use core::fmt;
 
 /// What the robot does.
+///
+/// ```
+/// assert_eq!(grouser_slip::control::Mode::Forward.name(), "Forward");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Mode {

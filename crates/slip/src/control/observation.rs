@@ -39,6 +39,14 @@ pub struct WheelObservation {
 
 impl WheelObservation {
     /// A wheel of which only its load (N) is known.
+    ///
+    /// ```
+    /// use grouser_slip::control::WheelObservation;
+    ///
+    /// let mut wheel = WheelObservation::unknown(60.0); // N
+    /// wheel.rim_speed = Some(0.2); // m/s
+    /// assert_eq!((wheel.load, wheel.slip), (60.0, None));
+    /// ```
     #[must_use]
     pub const fn unknown(load: f64) -> Self {
         Self {

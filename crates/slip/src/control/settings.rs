@@ -4,6 +4,16 @@ use crate::error::{Result, check_range};
 use crate::settings::{Field, check_fields};
 
 /// How the controller works.
+///
+/// ```
+/// use grouser_slip::control::ControlSettings;
+///
+/// let mut settings = ControlSettings::default();
+/// settings.check()?;
+/// settings.optimum = f64::NAN;
+/// assert!(settings.check().is_err());
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ControlSettings {

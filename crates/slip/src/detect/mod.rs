@@ -1,4 +1,4 @@
-//! What an operator must hear of: high slip, digging in, immobilised, a wheel stalled or off the ground.
+//! Events that an operator must know: high slip, digging in, immobilisation, a wheel stalled or off the ground.
 //!
 //! | event | what begins it | delay from its beginning |
 //! |---|---|---|
@@ -183,6 +183,16 @@ impl Detector {
     }
 
     /// Is an event going on?
+    ///
+    /// ```
+    /// use grouser_slip::detect::{DetectSettings, Detector, Event};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let detector = Detector::new(&robot, DetectSettings::default())?;
+    /// assert!(!detector.is_on(Event::DigIn));
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     #[must_use]
     pub fn is_on(&self, event: Event) -> bool {
         let wheel = |index: usize| self.wheels.get(index);

@@ -167,6 +167,27 @@ impl SlipFilter {
     }
 
     /// The output if it is `now_ns` and no sample has come since: silence is a fault too.
+    ///
+    /// ```
+    /// use grouser_slip::filter::{FilterSettings, SlipFilter};
+    /// use grouser_slip::{Health, Measurement, Robot, Sample, Wheel};
+    ///
+    /// let wheels = vec![
+    ///     Wheel::powered("drive").at(0.3, 0.0).ticks_per_turn(1000),
+    ///     Wheel::free("fifth").at(-0.3, 0.0).ticks_per_turn(1000),
+    /// ];
+    /// let mut filter = SlipFilter::new(&Robot::new("bicycle".into(), wheels)?, FilterSettings::default())?;
+    /// for step in 0..200_u64 {
+    ///     for wheel in [0, 1] {
+    ///         let measurement = Measurement::WheelCount { wheel, raw: 10 * step };
+    ///         filter.update(Sample { time_ns: step as i64 * 10_000_000, measurement })?;
+    ///     }
+    /// }
+    /// // Ten seconds of silence: no slip is claimed any more.
+    /// let silent = filter.estimate_at(12_000_000_000);
+    /// assert!(matches!(silent.wheels[0].health, Health::Invalid(_)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn estimate_at(&mut self, now_ns: i64) -> FilterOutput<'_> {
         self.core.update_health(now_ns, &self.input);
         self.latest()
@@ -176,6 +197,17 @@ impl SlipFilter {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a mean outside [−1, 1] or a sigma outside [1e-6, 2].
+    ///
+    /// ```
+    /// use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
+    /// filter.set_slip_prior(SlipPrior { mean: 0.25, sigma: 0.1 })?; // uphill
+    /// assert!(filter.set_slip_prior(SlipPrior { mean: f64::NAN, sigma: 0.1 }).is_err());
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn set_slip_prior(&mut self, slip: SlipPrior) -> Result<()> {
         let settings = FilterSettings {
             slip,
@@ -191,6 +223,17 @@ impl SlipFilter {
     /// # Errors
     /// [`Error::UnknownWheel`] for a wheel that the robot does not have, [`Error::OutOfRange`] for an angle outside
     /// [−7, 7] rad.
+    ///
+    /// ```
+    /// use grouser_slip::filter::{FilterSettings, SlipFilter};
+    /// use grouser_slip::{Error, Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
+    /// filter.set_steering_angle(0, 0.3)?;
+    /// assert!(matches!(filter.set_steering_angle(1, 0.3), Err(Error::UnknownWheel { .. })));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
         check_range("steering", "angle", angle, (-7.0, 7.0), "rad")?;
         let channels = &mut self.core.wheels.channels;
@@ -213,6 +256,18 @@ impl SlipFilter {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its limits; nothing changes then.
+    ///
+    /// ```
+    /// use grouser_slip::filter::{FilterSettings, SlipFilter};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let before = SlipFilter::new(&robot, FilterSettings::default())?;
+    /// let mut after = SlipFilter::new(&robot, FilterSettings::default())?;
+    /// after.restore(&before.learnt())?; // what was learnt survives a restart of the computer
+    /// assert_eq!(after.learnt(), before.learnt());
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn restore(&mut self, learnt: &Learnt) -> Result<()> {
         self.core.restore(learnt)
     }

@@ -40,6 +40,15 @@ impl SlipPrior {
 }
 
 /// Settings of the [`SlipFilter`](super::SlipFilter).
+///
+/// ```
+/// use grouser_slip::filter::FilterSettings;
+///
+/// let settings = FilterSettings { gyro_bias: 0.02, ..FilterSettings::default() }; // rad/s
+/// settings.check()?;
+/// assert!(FilterSettings { gyro_bias: f64::NAN, ..settings }.check().is_err());
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSettings {
     /// Samples that arrive within this time of one another are put in order, s.

@@ -114,6 +114,19 @@ pub enum Taken {
 ///
 /// [`SoilIdentifier::update`] allocates nothing, never panics and costs a few evaluations of the stress model with
 /// six derivatives: feed it at 10 Hz, not in the control loop.
+///
+/// ```
+/// use grouser_slip::ground::{GroundSettings, Knowledge, SoilIdentifier, SoilPrior};
+/// use grouser_terra::{RigidWheel, catalogue};
+///
+/// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let wheels = [RigidWheel::new(0.125, 0.1)?];
+/// let identifier = SoilIdentifier::new(&wheels, &sand, SoilPrior::around(&sand), GroundSettings::default())?;
+/// let (phi, knowledge) = identifier.estimate().phi;
+/// assert!((phi.value - sand.params().phi.rad()).abs() < 1e-12);
+/// assert_eq!(knowledge, Knowledge::NotObservable); // before any reading
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SoilIdentifier {
     wheels: Box<[(WheelSize<f64>, Option<Stretch>)]>,

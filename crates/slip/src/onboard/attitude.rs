@@ -18,6 +18,19 @@ const MAX_PITCH_RAD: f64 = 1.4;
 const MIN_SEEN_S: f64 = 1e-3;
 
 /// A complementary filter for the attitude.
+///
+/// ```
+/// use grouser_slip::onboard::AttitudeFilter;
+///
+/// let mut attitude = AttitudeFilter::new(0.0, 9.81);
+/// for step in 0..100 {
+///     // at rest, nose up by 0.1 rad: gravity's reaction points forwards too
+///     let force = [9.81 * 0.1_f64.sin(), 0.0, 9.81 * 0.1_f64.cos()];
+///     attitude.update(step * 10_000_000, force, [0.0; 3]);
+/// }
+/// assert!((attitude.pitch() + 0.1).abs() < 1e-6);
+/// assert!(attitude.without_gravity([9.81 * 0.1_f64.sin(), 0.0, 0.0])[0].abs() < 1e-5);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct AttitudeFilter {
     gravity: f64,

@@ -344,6 +344,17 @@ impl OnBoard {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a number outside its limits; nothing changes then.
+    ///
+    /// ```
+    /// use grouser_slip::onboard::{OnBoard, OnBoardSettings};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let before = OnBoard::new(&robot, OnBoardSettings::new(&robot))?;
+    /// let mut after = OnBoard::new(&robot, OnBoardSettings::new(&robot))?;
+    /// after.restore(&before.state())?;
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn restore(&mut self, state: &OnBoardState) -> Result<()> {
         crate::error::check_range("onboard", "heading", state.heading, (-1e6, 1e6), "rad")?;
         self.filter.restore(&state.learnt)?;

@@ -40,6 +40,18 @@ pub enum StartPolicy {
 }
 
 /// How [`OnBoard`](super::OnBoard) works.
+///
+/// ```
+/// use grouser_slip::onboard::{OnBoard, OnBoardSettings};
+/// use grouser_slip::{Robot, Wheel};
+///
+/// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+/// let mut settings = OnBoardSettings::new(&robot);
+/// settings.gravity = 1.62; // on the moon, m/s²
+/// settings.wheels[0].max_torque = Some(5.0); // N m
+/// assert!(OnBoard::new(&robot, settings).is_ok());
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct OnBoardSettings {

@@ -36,6 +36,12 @@ impl Default for SoilDoubt {
 
 impl SoilDoubt {
     /// The same share for all of them but n.
+    ///
+    /// ```
+    /// use grouser_slip::prior::SoilDoubt;
+    ///
+    /// assert_eq!(SoilDoubt::of(0.2).cohesion, 0.2);
+    /// ```
     #[must_use]
     pub const fn of(share: f64) -> Self {
         Self {

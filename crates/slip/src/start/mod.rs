@@ -1,11 +1,12 @@
-//! Is the robot what its description says? Looked at when it starts: units, signs, axes, which way is up.
+//! Compares the sensors with the robot's description at the start: units, signs, axes, the direction of gravity.
 //!
-//! A filter cannot tell a gyro in degrees a second from a robot that spins, for long; a person who has mixed them up would rather
-//! be told so by name before the robot drives on. [`check_gravity`] looks at three axes at rest; [`StartCheck`] listens beside a
-//! [`SlipFilter`](crate::filter::SlipFilter) to the first metres: what should be proportional must be, with a factor near 1.
+//! For some time a filter cannot distinguish a gyro that sends degrees per second from a robot that spins. These checks
+//! name the wrong field before the robot drives on. [`check_gravity`] compares three axes at rest. [`StartCheck`] runs beside
+//! a [`SlipFilter`](crate::filter::SlipFilter) over the first metres and compares quantities that must be proportional, with a
+//! factor near 1.
 //!
-//! What cannot be seen: the scale of a camera that is the only reference (its slips look like soft ground), a sign of the yaw
-//! rate before the first bend, an accelerometer's before the first start.
+//! Not observable: the scale of a camera that is the only reference (an error looks like soft ground), the sign of the yaw
+//! rate before the first bend, and the sign of an accelerometer before the first acceleration.
 
 mod gravity;
 mod pair;

@@ -42,6 +42,17 @@ pub struct Entry {
 }
 
 /// Values that complete or override an entry.
+///
+/// ```
+/// use grouser_terra::catalogue::{Completion, find};
+///
+/// // The source gives no K, c_1 and c_2 for this clay.
+/// let clay = find("heavy-clay-25-wes").expect("in the catalogue");
+/// assert!(clay.soil().is_err());
+/// let completion = Completion { k_shear: Some(0.02), c_1: Some(0.4), c_2: Some(0.2), ..Completion::default() };
+/// assert_eq!(clay.completed(&completion)?.params().k_shear, 0.02);
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Completion {
     /// Shear deformation modulus K, m.
@@ -55,12 +66,24 @@ pub struct Completion {
 }
 
 /// Every soil of the catalogue.
+///
+/// ```
+/// let named = grouser_terra::catalogue::entries();
+/// assert!(named.iter().any(|entry| entry.key == "lunar"));
+/// ```
 #[must_use]
 pub fn entries() -> &'static [Entry] {
     table::ENTRIES
 }
 
 /// The soil of a key.
+///
+/// ```
+/// let lunar = grouser_terra::catalogue::find("lunar").expect("in the catalogue");
+/// assert_eq!(lunar.soil()?.params().n, lunar.n);
+/// assert!(grouser_terra::catalogue::find("cheese").is_none());
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
 #[must_use]
 pub fn find(key: &str) -> Option<&'static Entry> {
     entries().iter().find(|entry| entry.key == key)
@@ -119,6 +142,11 @@ impl Entry {
     }
 
     /// The names of the numbers that the source does not give.
+    ///
+    /// ```
+    /// let lunar = grouser_terra::catalogue::find("lunar").expect("in the catalogue");
+    /// assert_eq!(lunar.missing().count(), 0);
+    /// ```
     pub fn missing(&self) -> impl Iterator<Item = &'static str> {
         [
             ("k_shear", self.k_shear.is_none()),

@@ -110,6 +110,31 @@ impl BatchKernel {
     ///
     /// # Errors
     /// As [`BatchKernel::forces`].
+    ///
+    /// ```
+    /// use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus, catalogue};
+    ///
+    /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
+    /// let points = BatchPoints {
+    ///     radius: 0.125.into(), // one number for all points
+    ///     width: 0.1.into(),
+    ///     rebound: 0.0.into(),
+    ///     slip: (&[0.1, 0.2, 0.3]).into(), // one for each
+    /// };
+    /// let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] = [[0.0; 3]; 4];
+    /// let mut status = [SolveStatus::default(); 3];
+    /// let mut columns = BatchColumns {
+    ///     sinkage: &mut sinkage,
+    ///     vertical_force: &mut vertical_force,
+    ///     drawbar_pull: &mut drawbar_pull,
+    ///     torque: &mut torque,
+    ///     status: &mut status,
+    /// };
+    /// kernel.under_load(&points, 80.0, &mut columns)?;
+    /// assert_eq!(status, [SolveStatus::Solved; 3]);
+    /// assert!(drawbar_pull[0] < drawbar_pull[2]);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     pub fn under_load<'a>(
         &self,
         points: &BatchPoints<'a>,

@@ -30,6 +30,10 @@ pub enum ShearLaw {
 
 impl ShearLaw {
     /// Its name in files.
+    ///
+    /// ```
+    /// assert_eq!(grouser_terra::ShearLaw::TowedWongReece.key(), "towed-wong-reece");
+    /// ```
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {

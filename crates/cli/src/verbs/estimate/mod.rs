@@ -164,7 +164,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
-    let errors = watched.compared.map(|compared| compared.errors());
+    let compared = watched.compared;
+    let errors = compared.as_ref().map(Compared::errors);
+    let truths = compared.as_ref().map(Compared::lines).unwrap_or_default();
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -191,7 +193,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&beside_truth(errors));
     }
     text.push_str(&topics(&log));
-    text.push_str(&outputs.finish(&request.robot, &summary)?);
+    text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
     let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {

@@ -1,6 +1,5 @@
 //! `robot --stance`: loads, margins and the adjusted posture of a robot at rest.
 
-use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::Path;
 
 use grouser_report::number::{parse_finite, rounded};
@@ -62,6 +61,19 @@ pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> 
 }
 
 fn text(model: &RobotModel, standing: &Standing) -> String {
+    let mut out = loads_text(model, standing);
+    if !standing.loads.stands {
+        out.push_str("a negative load would have to hold its wheel down: the robot does not stand like this\n");
+    }
+    out.push_str(&margins_text("on the slope", &standing.margins));
+    if let Some(stance) = &standing.stance {
+        out.push_str(&margins_text("on these heights", &stance.margins));
+    }
+    out.push_str(&posture_text(&standing.posture));
+    out
+}
+
+fn loads_text(model: &RobotModel, standing: &Standing) -> String {
     let mut table = Table::new().text("wheel").number("load, N");
     if standing.stance.is_some() {
         table = table.number("on these heights, N").number("sinkage, m");
@@ -74,37 +86,31 @@ fn text(model: &RobotModel, standing: &Standing) -> String {
         }
         table.row(row);
     }
-    let mut out = table.render();
-    if !standing.loads.stands {
-        out.push_str("a negative load would have to hold its wheel down: the robot does not stand like this\n");
-    }
-    let margins = |what: &str, margins: &StabilityMargins| {
-        format!(
-            "{what}: tips over after {}° more, {} m inside its support, {} m to lift\n",
-            rounded(margins.tip_over.to_degrees(), 3),
-            rounded(margins.horizontal, 3),
-            rounded(margins.vertical, 3),
-        )
-    };
-    out.push_str(&margins("on the slope", &standing.margins));
-    if let Some(stance) = &standing.stance {
-        out.push_str(&margins("on these heights", &stance.margins));
-    }
-    let posture = &standing.posture;
+    table.render()
+}
+
+fn margins_text(what: &str, margins: &StabilityMargins) -> String {
+    format!(
+        "{what}: tips over after {}° more, {} m inside its support, {} m to lift\n",
+        rounded(margins.tip_over.to_degrees(), 3),
+        rounded(margins.horizontal, 3),
+        rounded(margins.vertical, 3),
+    )
+}
+
+fn posture_text(posture: &Posture) -> String {
     let [forward, left, down] = posture.moved.map(|part| rounded(part, 3));
     let [lengthen, widen] = posture.factors.map(|factor| rounded(factor, 3));
-    let _ = writeln!(
-        out,
+    format!(
         "adjusted: centre of gravity {forward} m forwards, {left} m to the left, {down} m down; wheelbase × {lengthen}, \
-         stance × {widen}: tips over after {}°, loads differ by {} of their mean (before: {})",
+         stance × {widen}: tips over after {}°, loads differ by {} of their mean (before: {})\n",
         rounded(posture.tip_over[1].to_degrees(), 3),
         rounded(posture.unevenness[1], 2),
         rounded(posture.unevenness[0], 2),
-    );
-    out
+    )
 }
 
-/// The robot at rest, and how it was asked for.
+/// The robot at rest, and the arguments.
 type Rest<'a> = (&'a RobotModel, &'a Arguments, &'a Standing);
 
 pub(super) fn fields<'a>() -> Fields<'a, Rest<'a>> {

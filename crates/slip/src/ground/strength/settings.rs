@@ -25,6 +25,16 @@ pub struct SoilPrior {
 
 impl SoilPrior {
     /// Any soil of the catalogue's kind, centred on `soil`: sigma of c its value plus 500 Pa, of φ 6°, of K half of it.
+    ///
+    /// ```
+    /// use grouser_slip::ground::SoilPrior;
+    /// use grouser_terra::catalogue;
+    ///
+    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let prior = SoilPrior::around(&sand);
+    /// assert_eq!(prior.cohesion.sigma, sand.params().cohesion + 500.0); // Pa
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
     #[must_use]
     pub fn around(soil: &Soil) -> Self {
         let p = soil.params();

@@ -1,4 +1,4 @@
-//! FAULTS E13: a program is killed at a random moment of its logging. A part of the kills runs always; a
+//! A program is killed at a random moment of its logging. A part of the kills runs always; a
 //! thousand of each format by `just dense`.
 #![allow(
     clippy::unwrap_used,
@@ -126,11 +126,11 @@ fn kill_often(extension: &str) {
 }
 
 #[test]
-fn e13_of_a_killed_logger_a_second_of_its_mcap_is_lost_at_most() {
+fn of_a_killed_logger_a_second_of_its_mcap_is_lost_at_most() {
     kill_often("mcap");
 }
 
 #[test]
-fn e13_of_a_killed_logger_a_second_of_its_bag_is_lost_at_most() {
+fn of_a_killed_logger_a_second_of_its_bag_is_lost_at_most() {
     kill_often("bag");
 }

@@ -1,4 +1,4 @@
-//! FAULTS.md E7: whatever is wrong with a file, what is written of it reads without damage and is the same.
+//! Whatever is wrong with a file, what is written of it reads without damage and is the same.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod scratch;

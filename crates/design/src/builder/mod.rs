@@ -1,17 +1,19 @@
 //! A design built in a program; problem files are read onto it.
 
-use grouser_terra::OutOfRange;
+mod compile;
+
 use std::sync::Arc;
 
 use grouser_files::Place as FilePlace;
-use grouser_opt::{LinearConstraint, Measure, ParetoSettings, Settings, Variable};
+use grouser_opt::{Measure, ParetoSettings, Settings, Variable};
 use grouser_terra::{RigidWheel, Soil};
 
-use crate::design::{Constraint, Design, Objective, Program, Slot, Task, WorldInputs, told_apart};
+use crate::design::{Design, Program, Task, WorldInputs, told_apart};
 use crate::error::{Error, Result};
-use crate::formula::{Formula, FormulaError, Relation, constraint, is_free_name};
-use crate::quantity::{Fixed, Parameter, Place, Quantity};
-use crate::scope::{Scope, first_missing};
+use crate::formula::is_free_name;
+use crate::quantity::{Fixed, Parameter, Quantity};
+use crate::scope::Scope;
+use compile::{Sorted, check_needs, compile, objective, raw_constraint, sort};
 
 /// The load or the sinkage of the wheel of a design, and its motion.
 ///
@@ -35,6 +37,12 @@ impl State {
     }
 
     /// A wheel at a sinkage, m.
+    ///
+    /// ```
+    /// use grouser_design::State;
+    ///
+    /// assert_ne!(State::at_sinkage(0.01), State::at_sinkage(0.02)); // m
+    /// ```
     #[must_use]
     pub const fn at_sinkage(sinkage_m: f64) -> Self {
         Self::of(Parameter::Sinkage, sinkage_m)
@@ -258,6 +266,24 @@ impl DesignBuilder {
     }
 
     /// One more constraint: two formulas with `<=`, `>=` or `=` between them.
+    ///
+    /// ```
+    /// use grouser_design::{Answer, Design, State};
+    /// use grouser_opt::Variable;
+    /// use grouser_terra::{RigidWheel, catalogue};
+    ///
+    /// // The greatest pull at a sinkage of at most 15 mm.
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let design = Design::builder(&RigidWheel::new(0.125, 0.1)?, &soil, State::under_load(60.0))
+    ///     .variable(Variable::bounded("width_m", 0.1, 0.05, 0.3))
+    ///     .variable(Variable::bounded("slip", 0.3, 0.01, 0.8))
+    ///     .maximise("pull", "drawbar_pull_n")
+    ///     .constraint("shallow", "sinkage_m <= 0.015")
+    ///     .build()?;
+    /// let Answer::Optimum(optimum) = design.solve()? else { unreachable!("minimax gives one point") };
+    /// assert!(optimum.status.is_solved());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn constraint(mut self, name: impl Into<String>, relation: impl Into<String>) -> Self {
         let at = self.place();
@@ -266,6 +292,22 @@ impl DesignBuilder {
     }
 
     /// The design must hold on each of these soils, whose objectives are joined by `measure`.
+    ///
+    /// ```
+    /// use grouser_design::{Answer, Design, State};
+    /// use grouser_opt::{Measure, Variable};
+    /// use grouser_terra::{RigidWheel, catalogue};
+    ///
+    /// let soil = |key| catalogue::find(key).expect("in the catalogue").soil();
+    /// let (dry, lunar) = (soil("dry-sand")?, soil("lunar")?);
+    /// let design = Design::builder(&RigidWheel::new(0.125, 0.1)?, &dry, State::under_load(60.0))
+    ///     .variable(Variable::bounded("slip", 0.2, 0.01, 0.8))
+    ///     .minimise("pull", "-drawbar_pull_n")
+    ///     .worlds(Measure::WorstCase, &[("dry", dry), ("lunar", lunar)])
+    ///     .build()?;
+    /// assert_eq!(design.worlds(), ["dry", "lunar"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn worlds(mut self, measure: Measure, soils: &[(&str, Soil)]) -> Self {
         self.measure = measure;
@@ -442,208 +484,4 @@ impl DesignBuilder {
         }
         Ok(())
     }
-}
-
-fn refuse(at: &FilePlace, name: &str, source: FormulaError) -> Error {
-    Error::Formula {
-        at: at.clone(),
-        name: name.chars().take(64).collect(),
-        source,
-    }
-}
-
-fn objective(
-    params: &ObjectiveParams,
-    at: &FilePlace,
-    task: Task,
-    scope: &Scope,
-) -> Result<Objective> {
-    let name = &params.name;
-    if !(params.scale > 0.0 && params.scale.is_finite()) {
-        return Err(Error::File(grouser_files::Error::OutOfRange {
-            at: at.clone(),
-            range: OutOfRange {
-                field: "scale".to_owned(),
-                value: params.scale,
-                low: f64::MIN_POSITIVE,
-                high: f64::MAX,
-                unit: "",
-            },
-        }));
-    }
-    if params.maximise && params.absolute {
-        return Err(Error::Contradiction {
-            at: at.clone(),
-            message: format!("objective `{name}` is both maximised and `absolute`"),
-        });
-    }
-    let has_goals = matches!(task, Task::Attain | Task::Chebyshev);
-    if has_goals && params.goal.is_none() {
-        return Err(Error::Contradiction {
-            at: at.clone(),
-            message: format!(
-                "objective `{name}` has no `goal`, which method \"{}\" needs",
-                task.name()
-            ),
-        });
-    }
-    Ok(Objective {
-        name: name.clone(),
-        text: params.formula.clone(),
-        scale: params.scale,
-        goal: params.goal.filter(|_| has_goals),
-        weight: params.weight,
-        absolute: params.absolute,
-        maximise: params.maximise,
-        formula: Formula::parse(&params.formula, scope).map_err(|e| refuse(at, name, e))?,
-    })
-}
-
-/// A constraint as f ≤ 0 or f = 0.
-struct RawConstraint<'a> {
-    name: String,
-    formula: Formula,
-    relation: Relation,
-    at: &'a FilePlace,
-}
-
-fn raw_constraint<'a>(
-    name: &str,
-    text: &str,
-    at: &'a FilePlace,
-    scope: &Scope,
-) -> Result<RawConstraint<'a>> {
-    let (left, relation, right) = constraint(text, scope).map_err(|e| refuse(at, name, e))?;
-    let difference = left.minus(&right);
-    Ok(RawConstraint {
-        name: name.to_owned(),
-        formula: match relation {
-            Relation::AtLeast => difference.negated(),
-            Relation::AtMost | Relation::Equal => difference,
-        },
-        relation,
-        at,
-    })
-}
-
-/// Puts the formulas in the solver's order.
-fn compile(design: &mut Design) {
-    let mut rows: Vec<(Formula, f64)> = design
-        .solver_order()
-        .into_iter()
-        .map(|i| {
-            let objective = &design.objectives[i];
-            (objective.formula.clone(), objective.factor())
-        })
-        .collect();
-    for equal in [false, true] {
-        let own = design.constraints.iter().filter(|c| c.equal == equal);
-        rows.extend(own.map(|c| (c.formula.clone(), 1.0)));
-    }
-    let count = design.program.scope.count();
-    let plain = rows
-        .iter()
-        .all(|(formula, _)| formula.variables().iter().all(|index| *index < count));
-    design.program = Arc::new(Program {
-        rows,
-        plain,
-        ..(*design.program).clone()
-    });
-}
-
-struct Sorted {
-    linear: Vec<LinearConstraint>,
-    constraints: Vec<Constraint>,
-    slots: Vec<(String, Slot)>,
-}
-
-/// Linear constraints apart from the others: the solver never leaves them.
-fn sort(
-    raw: Vec<RawConstraint<'_>>,
-    variables: usize,
-    solver_name: impl Fn(&str) -> String,
-) -> Sorted {
-    let mut sorted = Sorted {
-        linear: Vec::new(),
-        constraints: Vec::new(),
-        slots: Vec::new(),
-    };
-    for RawConstraint {
-        name,
-        formula,
-        relation,
-        ..
-    } in raw
-    {
-        let equal = relation == Relation::Equal;
-        let same = |c: &&Constraint| c.equal == equal;
-        let slot = if let Some(affine) = formula.affine(variables) {
-            let row = if equal {
-                LinearConstraint::equal
-            } else {
-                LinearConstraint::at_most
-            };
-            sorted.linear.push(row(
-                solver_name(&name),
-                affine.coefficients,
-                -affine.constant,
-            ));
-            Slot::Linear(sorted.linear.len() - 1)
-        } else {
-            let place = sorted.constraints.iter().filter(same).count();
-            sorted.constraints.push(Constraint {
-                name: solver_name(&name),
-                formula,
-                equal,
-            });
-            if equal {
-                Slot::Equality(place)
-            } else {
-                Slot::Inequality(place)
-            }
-        };
-        sorted.slots.push((name, slot));
-    }
-    sorted
-}
-
-/// Everything that a formula's names need must be given.
-fn check_needs(
-    at: &FilePlace,
-    name: &str,
-    scope: &Scope,
-    fixed: &Fixed,
-    formula: &Formula,
-) -> Result<()> {
-    let missing = |quantity: &'static str, parameter: Parameter| Error::MissingParameter {
-        at: at.clone(),
-        name: name.to_owned(),
-        quantity,
-        parameter: parameter.name(),
-        section: match parameter.place() {
-            Place::Wheel => "wheel",
-            Place::Soil => "soil",
-            Place::State => "state",
-        },
-    };
-    let (parameters, quantities) = scope.used(formula);
-    if let Some(parameter) = first_missing(scope, fixed, &parameters) {
-        return Err(missing(parameter.name(), parameter));
-    }
-    let given = |p: Parameter| first_missing(scope, fixed, &[p]).is_none();
-    let loaded = given(Parameter::Load);
-    for quantity in quantities {
-        let mut needs = quantity.needs().to_vec();
-        if quantity.needs_sinkage_or_load() {
-            if loaded {
-                needs.extend_from_slice(Quantity::point_parameters());
-            } else {
-                needs.push(Parameter::Sinkage);
-            }
-        }
-        if let Some(parameter) = first_missing(scope, fixed, &needs) {
-            return Err(missing(quantity.name(), parameter));
-        }
-    }
-    Ok(())
 }

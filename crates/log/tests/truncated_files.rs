@@ -1,4 +1,4 @@
-//! FAULTS E1: files of 64 KiB cut at every byte. A part of the cuts runs always; all of them by `just dense`.
+//! Files of 64 KiB cut at every byte. A part of the cuts runs always; all of them by `just dense`.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -88,31 +88,31 @@ fn cut_everywhere(file: &Written, step: usize) {
 }
 
 #[test]
-fn e1_mcap_cut_at_every_byte() {
+fn mcap_cut_at_every_byte() {
     cut_everywhere(&written::mcap::write(plan(Packing::None)), 37);
 }
 
 #[test]
-fn e1_mcap_lz4_cut_at_every_byte() {
+fn mcap_lz4_cut_at_every_byte() {
     cut_everywhere(&written::mcap::write(plan(Packing::Lz4)), 151);
 }
 
 #[test]
-fn e1_mcap_zstd_cut_at_every_byte() {
+fn mcap_zstd_cut_at_every_byte() {
     cut_everywhere(&written::mcap::write(plan(Packing::Zstd)), 151);
 }
 
 #[test]
-fn e1_bag_cut_at_every_byte() {
+fn bag_cut_at_every_byte() {
     cut_everywhere(&written::bag::write(plan(Packing::None)), 37);
 }
 
 #[test]
-fn e1_bag_lz4_cut_at_every_byte() {
+fn bag_lz4_cut_at_every_byte() {
     cut_everywhere(&written::bag::write(plan(Packing::Lz4)), 151);
 }
 
 #[test]
-fn e1_bag_bz2_cut_at_every_byte() {
+fn bag_bz2_cut_at_every_byte() {
     cut_everywhere(&written::bag::write(plan(Packing::Bz2)), 151);
 }

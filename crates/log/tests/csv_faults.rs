@@ -1,4 +1,4 @@
-//! FAULTS E8: tables that are empty, ragged, foreign or broken. Each gives an error that names line and
+//! Tables that are empty, ragged, foreign or broken. Each gives an error that names line and
 //! column, and never a part of the log as if it were the whole.
 #![allow(
     clippy::unwrap_used,
@@ -49,7 +49,7 @@ fn the_good_one_is_read() {
 }
 
 #[test]
-fn e8_empty_and_header_only() {
+fn empty_and_header_only() {
     for (text, what) in [
         ("", "nothing"),
         ("t,n,g\n", "a header and no data"),
@@ -72,7 +72,7 @@ fn e8_empty_and_header_only() {
 }
 
 #[test]
-fn e8_byte_order_marks() {
+fn byte_order_marks() {
     let marked = format!("\u{feff}{GOOD}");
     assert_eq!(read("bom", "", marked.as_bytes()).unwrap().len(), 4);
     let utf_16: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -82,7 +82,7 @@ fn e8_byte_order_marks() {
 }
 
 #[test]
-fn e8_line_ends_mixed() {
+fn line_ends_mixed() {
     let mixed = "t,n,g\r\n0,1,0.5\n0.1,2,0.25\r\n0.2,3,0";
     assert_eq!(read("crlf", "", mixed.as_bytes()).unwrap().len(), 6);
     let old_mac = "t,n,g\n0,1,0.5\r0.1,2,0.25\r";
@@ -92,7 +92,7 @@ fn e8_line_ends_mixed() {
 }
 
 #[test]
-fn e8_semicolons_and_decimal_commas_only_where_declared() {
+fn semicolons_and_decimal_commas_only_where_declared() {
     let german = "t;n;g\n0;1;0,5\n0,1;2;0,25\n";
     let declared = "separator = \";\"\ndecimal = \",\"";
     let records = read("german", declared, german.as_bytes()).unwrap();
@@ -111,7 +111,7 @@ fn e8_semicolons_and_decimal_commas_only_where_declared() {
 }
 
 #[test]
-fn e8_ragged_rows() {
+fn ragged_rows() {
     for (row, found) in [("0.2,3", 2), ("0.2,3,4,5", 4), ("0.2", 1), (",,,", 4)] {
         let error = read("ragged", "", format!("{GOOD}{row}\n").as_bytes()).unwrap_err();
         match error {
@@ -126,7 +126,7 @@ fn e8_ragged_rows() {
 }
 
 #[test]
-fn e8_quotes() {
+fn quotes() {
     let quoted = "\"t\",\"n\",\"g\"\n\"0\",\"1\",\"0.5\"\n";
     assert_eq!(read("quoted", "", quoted.as_bytes()).unwrap().len(), 2);
     for (row, column) in [
@@ -145,7 +145,7 @@ fn e8_quotes() {
 }
 
 #[test]
-fn e8_nul_bytes_and_other_text() {
+fn nul_bytes_and_other_text() {
     let error = read("nul", "", b"t,n,g\n0,1,0.5\n0.1,2,0.\x005\n").unwrap_err();
     assert!(matches!(error, Error::Malformed { .. }));
     assert_eq!(at(&error).0, 3);
@@ -155,7 +155,7 @@ fn e8_nul_bytes_and_other_text() {
 }
 
 #[test]
-fn e8_a_line_of_100_mb_is_not_held() {
+fn a_line_of_100_mb_is_not_held() {
     let folder = Folder::new("long");
     let path = folder.0.join("log.csv");
     let mut file = std::fs::File::create(&path).unwrap();
@@ -186,7 +186,7 @@ fn e8_a_line_of_100_mb_is_not_held() {
 }
 
 #[test]
-fn e8_columns_twice_and_missing() {
+fn columns_twice_and_missing() {
     let error = read("twice", "", b"t,n,g,n\n0,1,0.5,2\n").unwrap_err();
     assert!(matches!(error, Error::TwoColumns { .. }));
     assert_eq!(at(&error), (1, Some(4)));
@@ -206,7 +206,7 @@ fn e8_columns_twice_and_missing() {
 }
 
 #[test]
-fn e8_numbers_that_are_none() {
+fn numbers_that_are_none() {
     for bad in [
         "1e999", "-1e999", "nan", "NaN", "inf", "abc", "1,234.5", "1 000", "0x1F", "--1", "1e",
     ] {
@@ -237,7 +237,7 @@ fn e8_numbers_that_are_none() {
 }
 
 #[test]
-fn e8_every_truncation_is_an_error_or_the_rows_that_are_whole() {
+fn every_truncation_is_an_error_or_the_rows_that_are_whole() {
     // Cut anywhere: what is read without an error is a prefix of the whole, but for a last number that
     // the cut has shortened, which no reader of text can know.
     let whole = read("whole", "", GOOD.as_bytes()).unwrap();

@@ -1,4 +1,4 @@
-//! FAULTS E3-E6, E12, E13 and E15 for MCAP files and bags: sizes that disagree, lengths that lie, numbers
+//! MCAP files and bags with wrong contents: sizes that disagree, lengths that lie, numbers
 //! used twice, ends that are missing, paths that are no files, disks that are full, formats of tomorrow.
 #![allow(
     clippy::unwrap_used,
@@ -36,7 +36,7 @@ fn all() -> Vec<(Written, usize)> {
     mcap.into_iter().chain(bag).collect()
 }
 
-/// Reads within the limits of FAULTS.
+/// Reads within limits of memory.
 fn guarded(bytes: &[u8]) -> (Vec<Row>, Vec<Damage>) {
     let (mut found, begin) = (None, Instant::now());
     let memory = allocation_counter::measure(|| found = Some(read(bytes.to_vec()).unwrap()));
@@ -61,7 +61,7 @@ fn but(file: &Written, chunk: &ChunkAt) -> Vec<Row> {
 }
 
 #[test]
-fn e3_e4_a_length_that_lies_costs_its_chunk_alone() {
+fn a_length_that_lies_costs_its_chunk_alone() {
     for (file, width) in all() {
         let chunk = &file.chunks[2];
         let others = but(&file, chunk);
@@ -86,7 +86,7 @@ fn e3_e4_a_length_that_lies_costs_its_chunk_alone() {
 }
 
 #[test]
-fn e3_a_padded_chunk_is_read() {
+fn a_padded_chunk_is_read() {
     for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
         // Bytes behind the last record of the content, which a writer left there: zeros and noise.
         for padding in [vec![0; 9], vec![0; 100], vec![7; 100]] {
@@ -107,7 +107,7 @@ fn e3_a_padded_chunk_is_read() {
 }
 
 #[test]
-fn e4_a_chunk_of_32_mib_of_zeros_is_read() {
+fn a_chunk_of_32_mib_of_zeros_is_read() {
     for packing in [Packing::Lz4, Packing::Zstd] {
         let mut file = written::mcap::MAGIC.to_vec();
         let mut content = Vec::new();
@@ -138,7 +138,7 @@ fn e4_a_chunk_of_32_mib_of_zeros_is_read() {
 }
 
 #[test]
-fn e4_bombs_in_bags_are_refused_or_read_within_the_memory() {
+fn bombs_in_bags_are_refused_or_read_within_the_memory() {
     for packing in [Packing::Lz4, Packing::Bz2] {
         let packed = packing.pack(&vec![0; 100 << 20]);
         for declared in [100_u32 << 20, 1 << 20, u32::MAX, u32::MAX / 2] {
@@ -166,7 +166,7 @@ fn e4_bombs_in_bags_are_refused_or_read_within_the_memory() {
 }
 
 #[test]
-fn e5_the_first_of_two_declarations_is_kept_and_the_other_told() {
+fn the_first_of_two_declarations_is_kept_and_the_other_told() {
     let mut file = written::mcap::MAGIC.to_vec();
     written::mcap::schema(&mut file, 1, b"a/A", b"bool a\n");
     written::mcap::schema(&mut file, 1, b"a/Other", b"bool b\n");
@@ -218,7 +218,7 @@ fn e5_the_first_of_two_declarations_is_kept_and_the_other_told() {
 }
 
 #[test]
-fn e6_declarations_come_from_the_end_when_the_first_chunk_is_lost() {
+fn declarations_come_from_the_end_when_the_first_chunk_is_lost() {
     for (file, _) in all() {
         let mut bytes = file.bytes.clone();
         let first = &file.chunks[0];
@@ -237,7 +237,7 @@ fn e6_declarations_come_from_the_end_when_the_first_chunk_is_lost() {
 }
 
 #[test]
-fn e6_another_files_end_declares_nothing_for_this_one() {
+fn another_files_end_declares_nothing_for_this_one() {
     for packing in [Packing::None, Packing::Zstd] {
         // The same numbers for other topics, in a file behind this one.
         let file = written::mcap::write(plan(packing));
@@ -270,7 +270,7 @@ fn e6_another_files_end_declares_nothing_for_this_one() {
 }
 
 #[test]
-fn e6_an_end_that_is_missing_or_wrong_costs_no_message() {
+fn an_end_that_is_missing_or_wrong_costs_no_message() {
     for (file, _) in all() {
         let end = file.chunks.last().unwrap().record.end;
         for from in end..file.bytes.len() {
@@ -292,7 +292,7 @@ fn e6_an_end_that_is_missing_or_wrong_costs_no_message() {
 }
 
 #[test]
-fn e12_paths_that_are_no_files_are_refused_at_once() {
+fn paths_that_are_no_files_are_refused_at_once() {
     let folder = Folder::new("paths");
     let refused = |path: &Path| Container::open(path).map(|_| ()).unwrap_err().to_string();
     assert!(refused(&folder.0).contains("a directory"));
@@ -328,7 +328,7 @@ fn e12_paths_that_are_no_files_are_refused_at_once() {
 }
 
 #[test]
-fn e12_a_file_that_shrinks_while_it_is_read_ends() {
+fn a_file_that_shrinks_while_it_is_read_ends() {
     let folder = Folder::new("shrinks");
     for (file, _) in all() {
         let path = folder.file("log", &file.bytes.repeat(20));
@@ -394,7 +394,7 @@ impl Seek for Failing {
 }
 
 #[test]
-fn e13_a_disk_that_fails_at_the_nth_read_is_told() {
+fn a_disk_that_fails_at_the_nth_read_is_told() {
     for (file, _) in all() {
         let mut failures = 0;
         for left in 0.. {
@@ -425,7 +425,7 @@ fn e13_a_disk_that_fails_at_the_nth_read_is_told() {
 }
 
 #[test]
-fn e13_a_disk_that_is_full_at_the_nth_write_is_an_error_and_what_it_holds_is_read() {
+fn a_disk_that_is_full_at_the_nth_write_is_an_error_and_what_it_holds_is_read() {
     let folder = Folder::new("full");
     let mcap = written::mcap::write(plan(Packing::Zstd));
     let bag = written::bag::write(plan(Packing::None));
@@ -460,7 +460,7 @@ fn e13_a_disk_that_is_full_at_the_nth_write_is_an_error_and_what_it_holds_is_rea
 }
 
 #[test]
-fn e15_formats_of_tomorrow_are_refused_by_number() {
+fn formats_of_tomorrow_are_refused_by_number() {
     for (bytes, found, known) in [
         (&b"\x89MCAP1\r\n........"[..], "1", "0"),
         (b"\x89MCAPZ\r\n........", "Z", "0"),

@@ -1,4 +1,4 @@
-//! FAULTS E4 and E5: small files that unfold, and files that declare more than they should. Memory stays
+//! Small files that unfold, and files that declare more than they should. Memory stays
 //! below 64 MiB + twice the file, and no file takes longer than its bytes are worth.
 #![allow(
     clippy::unwrap_used,
@@ -72,7 +72,7 @@ fn chunk(packing: &str, declared: u64, body: &[u8]) -> Vec<u8> {
     file
 }
 
-/// Surveys the file within the limits of FAULTS.
+/// Surveys the file within limits of memory.
 fn survey(name: &str, bytes: &[u8]) -> Survey {
     let folder = Folder::new(name);
     let path = folder.file("log", bytes);

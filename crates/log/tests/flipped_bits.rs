@@ -1,4 +1,4 @@
-//! FAULTS E2: every bit of files of 16 KiB flipped. A part of the bits runs always; all of them by
+//! Every bit of files of 16 KiB flipped. A part of the bits runs always; all of them by
 //! `just dense`.
 #![allow(
     clippy::unwrap_used,
@@ -95,31 +95,31 @@ fn flip_everywhere(file: &Written, step: usize, magic: usize, checked: bool) {
 }
 
 #[test]
-fn e2_mcap_every_bit_flipped() {
+fn mcap_every_bit_flipped() {
     flip_everywhere(&written::mcap::write(plan(Packing::None)), 29, 8, true);
 }
 
 #[test]
-fn e2_mcap_lz4_every_bit_flipped() {
+fn mcap_lz4_every_bit_flipped() {
     flip_everywhere(&written::mcap::write(plan(Packing::Lz4)), 29, 8, true);
 }
 
 #[test]
-fn e2_mcap_zstd_every_bit_flipped() {
+fn mcap_zstd_every_bit_flipped() {
     flip_everywhere(&written::mcap::write(plan(Packing::Zstd)), 29, 8, true);
 }
 
 #[test]
-fn e2_bag_every_bit_flipped() {
+fn bag_every_bit_flipped() {
     flip_everywhere(&written::bag::write(plan(Packing::None)), 29, 13, false);
 }
 
 #[test]
-fn e2_bag_lz4_every_bit_flipped() {
+fn bag_lz4_every_bit_flipped() {
     flip_everywhere(&written::bag::write(plan(Packing::Lz4)), 29, 13, true);
 }
 
 #[test]
-fn e2_bag_bz2_every_bit_flipped() {
+fn bag_bz2_every_bit_flipped() {
     flip_everywhere(&written::bag::write(plan(Packing::Bz2)), 61, 13, true);
 }

@@ -1,4 +1,4 @@
-//! FAULTS E10: TOML that is deep, large, twice, unknown, too big a number, or no number.
+//! TOML that is deep, large, twice, unknown, too big a number, or no number.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -39,7 +39,7 @@ fn line(error: &Error) -> usize {
 }
 
 #[test]
-fn e10_nesting() {
+fn nesting() {
     for depth in [65_usize, 79, 81, 1000, 100_000] {
         let arrays = format!("format = 1\nx = {}{}", "[".repeat(depth), "]".repeat(depth));
         let tables = format!("format = 1\n[{}]\n", vec!["a"; depth].join("."));
@@ -66,7 +66,7 @@ fn e10_nesting() {
 }
 
 #[test]
-fn e10_size() {
+fn size() {
     let text = format!("format = 1\n# {}", "x".repeat(1 << 20));
     assert!(matches!(
         robot(&text),
@@ -78,7 +78,7 @@ fn e10_size() {
 }
 
 #[test]
-fn e10_keys_twice_and_unknown() {
+fn keys_twice_and_unknown() {
     let twice = with("x_m = 1").unwrap_err();
     assert!(matches!(twice, Error::Syntax { .. }), "{twice}");
     assert_eq!(line(&twice), 9);
@@ -97,7 +97,7 @@ fn e10_keys_twice_and_unknown() {
 }
 
 #[test]
-fn e10_numbers_that_are_none() {
+fn numbers_that_are_none() {
     for bad in [
         "nan",
         "-nan",
@@ -148,7 +148,7 @@ fn e10_numbers_that_are_none() {
 }
 
 #[test]
-fn e15_formats() {
+fn formats() {
     for (text, ok) in [
         ("format = 1", true),
         ("format = 0x1", true),

@@ -1,4 +1,4 @@
-//! FAULTS E12: paths that are no files. None may hang, and each has its own error.
+//! Paths that are no files. None may hang, and each has its own error.
 #![cfg(unix)]
 #![allow(
     clippy::unwrap_used,
@@ -43,7 +43,7 @@ fn what(path: &Path) -> String {
 }
 
 #[test]
-fn e12_a_loop_of_links() {
+fn a_loop_of_links() {
     let folder = Folder::new("loop");
     let (a, b) = (folder.0.join("a.toml"), folder.0.join("b.toml"));
     symlink(&a, &b).unwrap();
@@ -53,13 +53,13 @@ fn e12_a_loop_of_links() {
 }
 
 #[test]
-fn e12_a_directory() {
+fn a_directory() {
     let folder = Folder::new("directory");
     assert_eq!(what(&folder.0), "a directory");
 }
 
 #[test]
-fn e12_a_pipe_that_nobody_writes() {
+fn a_pipe_that_nobody_writes() {
     let folder = Folder::new("pipe");
     let pipe = folder.0.join("pipe.toml");
     assert!(
@@ -73,13 +73,13 @@ fn e12_a_pipe_that_nobody_writes() {
 }
 
 #[test]
-fn e12_a_device_without_end() {
+fn a_device_without_end() {
     assert_eq!(what(Path::new("/dev/zero")), "a device");
     assert_eq!(what(Path::new("/dev/null")), "a device");
 }
 
 #[test]
-fn e12_no_permission() {
+fn no_permission() {
     let folder = Folder::new("permission");
     let file = folder.0.join("secret.toml");
     fs::write(&file, "format = 1").unwrap();
@@ -93,7 +93,7 @@ fn e12_no_permission() {
 }
 
 #[test]
-fn e12_names_that_are_not_utf_8_and_files_that_are_not_there() {
+fn names_that_are_not_utf_8_and_files_that_are_not_there() {
     let folder = Folder::new("names");
     let odd = folder.0.join(OsStr::from_bytes(b"r\xff.toml"));
     assert_eq!(what(&odd), format!("{:?}", ErrorKind::NotFound));
@@ -108,7 +108,7 @@ fn e12_names_that_are_not_utf_8_and_files_that_are_not_there() {
 }
 
 #[test]
-fn e12_a_file_beyond_its_limit_is_not_read_whole() {
+fn a_file_beyond_its_limit_is_not_read_whole() {
     let folder = Folder::new("large");
     let file = folder.0.join("large.toml");
     // A hole of 1 TiB: nothing is stored, and nothing of it may be held.
