@@ -87,7 +87,8 @@ impl Slots {
                 Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
                     number(part)?.map(|angle| Measurement::WheelAngle { wheel, angle })
                 }
-                Slot::Wheel(Meaning::WheelTorque, wheel, part) => {
+                // A current is a torque once the motor is known.
+                Slot::Wheel(Meaning::WheelTorque | Meaning::MotorCurrent, wheel, part) => {
                     number(part)?.map(|torque| Measurement::WheelTorque { wheel, torque })
                 }
                 Slot::Wheel(Meaning::WheelSteering, wheel, part) => {

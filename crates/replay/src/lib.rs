@@ -77,7 +77,7 @@ mod ways;
 pub use axes::AxisCheck;
 pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
-pub use choice::Inputs;
+pub use choice::{Inputs, unused_currents};
 pub use consistency::Consistency;
 pub use engine::Engine;
 pub use error::{Error, Result};

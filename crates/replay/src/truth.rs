@@ -233,7 +233,7 @@ impl Compared {
         all.filter(|(_, truth)| !truth.is_empty())
             .map(|(name, truth)| {
                 let every = truth.len().div_ceil(MAX_LINE_POINTS);
-                let points = self.from_start(truth).into_iter().step_by(every);
+                let points = self.since_start(truth).into_iter().step_by(every);
                 (
                     name.clone(),
                     points.map(|(time, slip)| [time, slip]).collect(),
@@ -243,7 +243,7 @@ impl Compared {
     }
 
     /// Truth by the time from the log's start, s.
-    fn from_start(&self, truth: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    fn since_start(&self, truth: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let start = self.start_ns.unwrap_or(0.0);
         let seconds = |&(time, slip): &(f64, f64)| ((time - start) * 1e-9, slip);
         if self.truth.is_on_clock {
@@ -263,7 +263,7 @@ impl Compared {
             .zip(&self.truth.wheels)
             .zip(&self.estimates);
         all.filter(|((_, truth), _)| !truth.is_empty())
-            .map(|((name, truth), estimates)| errors_of(name, &self.from_start(truth), estimates))
+            .map(|((name, truth), estimates)| errors_of(name, &self.since_start(truth), estimates))
             .collect()
     }
 }

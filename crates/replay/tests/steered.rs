@@ -10,7 +10,7 @@ use std::io::Cursor;
 
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Options, run};
+use grouser_replay::{Options, run, unused_currents};
 
 const WHEELS: [(&str, f64, f64); 4] = [
     ("rear_left", 0.0, 0.3),
@@ -163,4 +163,46 @@ fn rollers_at_an_angle_turn_the_direction_in_which_a_wheel_drives() {
             "{motion:?}: {rim} and {textbook}"
         );
     }
+}
+
+/// A wheel in the air draws hardly any current: the torque of its current tells, and without the motor's constant it cannot.
+#[test]
+fn a_motor_current_is_a_torque() {
+    let mut table = String::from("t,left,right,left_a,right_a,x\n");
+    for row in 0..1000 {
+        let time = f64::from(row) * 0.02;
+        writeln!(table, "{time},5.0,5.0,1.5,3.0,{}", 0.45 * time).unwrap();
+    }
+    let wheel = |name: &str| {
+        format!(
+            "{{ column = \"{name}\", meaning = \"wheel_rate\", wheel = \"{name}\", unit = \"rad/s\" }},\n\
+             {{ column = \"{name}_a\", meaning = \"motor_current\", wheel = \"{name}\", unit = \"A\" }},\n"
+        )
+    };
+    let map = format!(
+        "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n{}{}]\n",
+        wheel("left"),
+        wheel("right")
+    );
+    let map = columns::parse(&Document::from_text("map.toml", map).unwrap()).unwrap();
+    let bytes = Cursor::new(table);
+    let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default()).unwrap();
+    let file = |torque: &str| {
+        let wheel = |name: &str, y: f64| {
+            format!(
+                "[[wheel]]\nname = \"{name}\"\nx_m = 0.0\ny_m = {y:?}\nradius_m = 0.1\ndrive = \"powered\"\n{torque}"
+            )
+        };
+        let text = format!(
+            "format = 1\nname = \"cart\"\n{}{}",
+            wheel("left", 0.2),
+            wheel("right", -0.2)
+        );
+        robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
+    };
+    assert_eq!(unused_currents(&log, &file("")), ["left", "right"]);
+    let known = file("torque_per_ampere_nm = 0.8\n");
+    assert!(unused_currents(&log, &known).is_empty());
+    let again = Document::from_text("again.toml", robot::to_toml(&known)).unwrap();
+    assert_eq!(robot::parse(&again).unwrap(), known);
 }

@@ -42,6 +42,9 @@ pub enum Meaning {
     WheelSpeed,
     /// Torque on a wheel, positive when it drives forwards.
     WheelTorque,
+    /// Current of a wheel's motor, positive when it drives forwards; [`Self::WheelTorque`] by `torque_per_ampere_nm` of the
+    /// robot file.
+    MotorCurrent,
     /// Angle by which a wheel is steered, to the left.
     WheelSteering,
     /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
@@ -76,12 +79,13 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 20] = [
+    pub const ALL: [(&'static str, Self, Quantity); 21] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
         ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
+        ("motor_current", Self::MotorCurrent, Quantity::Current),
         ("wheel_steering", Self::WheelSteering, Quantity::Angle),
         ("steering_angle", Self::SteeringAngle, Quantity::Angle),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
@@ -125,6 +129,7 @@ impl Meaning {
                 | Self::WheelRate
                 | Self::WheelSpeed
                 | Self::WheelTorque
+                | Self::MotorCurrent
                 | Self::WheelSteering
         )
     }

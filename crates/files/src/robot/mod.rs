@@ -24,6 +24,10 @@
 //! ticks_per_turn = 2000       # of the encoder's shaft
 //! counter_bits = 32           # the counter's width, 8 to 64
 //! joint = "left_wheel_joint"  # its joint in messages, where its name is not enough
+//! width_m = 0.05              # for the soil model, with load_n and the lugs, if it has some:
+//! grouser_height_m = 0.005
+//! grouser_count = 24
+//! grouser_thickness_m = 0.0015  # along the rim; 0 by default
 //! ```
 //!
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
@@ -46,6 +50,7 @@ use crate::error::{Error, Result};
 use crate::fields::read_fields;
 use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
+use crate::wheel_sizes::read_grousers;
 
 pub use revision::{Revision, revised, with_radii_scaled};
 pub use write::to_toml;
@@ -104,6 +109,8 @@ pub struct RobotFile {
     pub wheel_sensor: Option<WheelSensor>,
     /// Corrections of sensors and intervals, as calibrations find them.
     pub corrections: Corrections,
+    /// Torque on each wheel per ampere of its motor, N m/A, where the file says it.
+    pub torque_per_ampere: Vec<Option<f64>>,
     /// How one angle steers several wheels, if the file says it.
     pub steering: Option<Steering>,
     /// What the topics of a bag mean.
@@ -191,9 +198,10 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let filter = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
         let steering = root.section("steering", read_names)?;
-        let mut joints = Vec::new();
+        let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
+            torque_per_ampere.push(section.optional_number("torque_per_ampere_nm", POSITIVE)?);
             Ok((read_wheel(section)?, body::read_wheel(section)?))
         })?;
         let (wheels, bodies) = wheels.into_iter().unzip();
@@ -218,6 +226,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             reference,
             wheel_sensor,
             corrections,
+            torque_per_ampere,
             steering,
             topics,
             columns,
@@ -320,6 +329,7 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0) + roller));
     wheel.width = section.optional_number("width_m", POSITIVE)?;
     wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
+    wheel.grousers = read_grousers(section)?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.
     match Robot::new(String::new(), vec![wheel]) {
         Ok(robot) => Ok(robot.wheels()[0].clone()),

@@ -1,5 +1,6 @@
 //! A robot file with some numbers changed, its comments and everything else as they stand.
 
+use std::fmt::Write as _;
 use std::ops::Range;
 
 use grouser_slip::WheelRole;
@@ -74,15 +75,18 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
             Ok::<_, Error>(())
         })?;
         if at.is_none() {
-            added = factors(revision, corrections)
-                .map(|(key, value)| format!("{key} = {value:.5}\n"))
-                .collect();
+            for (key, value) in factors(revision, corrections) {
+                // Writing to a string cannot fail.
+                let _ = writeln!(added, "{key} = {value:.5}");
+            }
         }
         root.section("steering", read_names)?;
         read_filter(root, &WindowSettings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
+            // Checked where the robot is read, below.
+            section.optional_number("torque_per_ampere_nm", (0.0, f64::MAX))?;
             let wheel = read_wheel(section)?;
             body::read_wheel(section)?;
             let mut put = |key: &str, value: f64| {
@@ -155,7 +159,10 @@ fn put_factors(
     for (key, value) in factors(revision, corrections) {
         match section.span_of(key) {
             Some(span) => edits.push((span, format!("{value:.5}"))),
-            None => added.push_str(&format!("{key} = {value:.5}\n")),
+            None => {
+                // Writing to a string cannot fail.
+                let _ = writeln!(added, "{key} = {value:.5}");
+            }
         }
     }
 }

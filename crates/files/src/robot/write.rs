@@ -3,6 +3,7 @@
 use grouser_slip::settings::{Field, FileUnit};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
+use grouser_terra::{GrouserRule, Grousers};
 
 use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
@@ -75,6 +76,9 @@ pub fn to_toml(file: &RobotFile) -> String {
     }
     for (index, wheel) in file.robot.wheels().iter().enumerate() {
         write_wheel(&mut out, wheel);
+        if let Some(torque) = file.torque_per_ampere.get(index).copied().flatten() {
+            out.number("torque_per_ampere_nm", torque);
+        }
         let joint = file.topics.joints.get(index);
         out.optional_text("joint", joint.and_then(|joint| joint.joint.as_deref()));
         if let Some(body) = file.body.as_ref().and_then(|body| body.wheels.get(index)) {
@@ -176,6 +180,15 @@ fn write_wheel(out: &mut TomlText, wheel: &Wheel) {
     out.flag("reversed", encoder.reversed);
     out.nonzero("rate_step_rad_per_s", encoder.rate_step);
     out.optional_number("width_m", wheel.width);
+    if let Some(Grousers {
+        height,
+        rule: GrouserRule::Lugs { count, thickness },
+    }) = wheel.grousers
+    {
+        out.number("grouser_height_m", height);
+        out.number("grouser_count", count);
+        out.nonzero("grouser_thickness_m", thickness);
+    }
     out.optional_number("load_n", wheel.load);
 }
 

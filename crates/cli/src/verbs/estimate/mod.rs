@@ -19,7 +19,7 @@ use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
     Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
-    check_start, run_into, soil_readings,
+    check_start, run_into, soil_readings, unused_currents,
 };
 use grouser_slip::Reference;
 
@@ -354,6 +354,13 @@ fn warnings(
         out.push(format!(
             "the robot file names `grip`, but the log measures the robot's motion: `{}` is used",
             summary.reference.name()
+        ));
+    }
+    let currents = unused_currents(log, &request.robot);
+    if !currents.is_empty() {
+        out.push(format!(
+            "the motor currents of {} are not used: `torque_per_ampere_nm` of the wheel says what torque they are",
+            currents.join(", ")
         ));
     }
     if summary.rejected.total() > 0 {

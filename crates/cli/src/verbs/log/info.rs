@@ -128,13 +128,11 @@ impl Run {
     }
 
     fn suggestion(&self) -> String {
-        match &self.survey {
-            Some(survey) => suggest_for_survey(survey),
-            None => {
-                let sheets = self.sheets.iter();
-                suggest_for_sheets(sheets.map(|(name, sheet)| (sheet, name.as_str())))
-            }
+        if let Some(survey) = &self.survey {
+            return suggest_for_survey(survey);
         }
+        let sheets = self.sheets.iter();
+        suggest_for_sheets(sheets.map(|(name, sheet)| (sheet, name.as_str())))
     }
 }
 

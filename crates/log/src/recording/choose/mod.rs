@@ -148,7 +148,10 @@ impl<'a> Choosing<'a> {
         let mut all = self.choice.topics.iter().flat_map(|c| &c.measures);
         let turns = |meaning: Meaning| {
             meaning.is_of_a_wheel()
-                && !matches!(meaning, Meaning::WheelTorque | Meaning::WheelSteering)
+                && !matches!(
+                    meaning,
+                    Meaning::WheelTorque | Meaning::MotorCurrent | Meaning::WheelSteering
+                )
         };
         all.any(|(meaning, _)| turns(*meaning))
     }
