@@ -57,6 +57,7 @@ mod method;
 mod moment;
 mod odometry;
 mod options;
+mod path_smoother;
 mod quantiles;
 mod reckoning;
 mod reversed;
