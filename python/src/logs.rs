@@ -182,11 +182,8 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
         "pose_covariance",
         odometry.map(|odometry| odometry.pose_covariance),
     )?;
-    let doubts: Vec<String> = summary
-        .fused
-        .iter()
-        .flat_map(|fused| fused.doubts.iter().map(ToString::to_string))
-        .collect();
+    let doubts = summary.doubts();
+    let doubts: Vec<String> = doubts.iter().map(ToString::to_string).collect();
     dict.set_item("doubts", doubts)?;
     Ok(dict)
 }

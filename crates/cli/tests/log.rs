@@ -391,7 +391,7 @@ fn what_makes_no_sense_is_refused() {
     for verb in [&["log", "info"][..], &["estimate", "--robot", ROBOT]] {
         refused(
             &[verb, &[&database]].concat(),
-            "`ros2 bag convert` makes an MCAP file of it",
+            "`rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file",
         );
     }
 }

@@ -47,6 +47,7 @@ mod fields;
 pub mod regular;
 pub mod robot;
 pub mod soil;
+pub mod steering;
 mod suggestion;
 mod toml_text;
 pub mod topics;

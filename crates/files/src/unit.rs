@@ -25,6 +25,8 @@ pub enum Quantity {
     Acceleration,
     /// N m.
     Torque,
+    /// A.
+    Current,
     /// Whole ticks of a counter.
     Ticks,
 }
@@ -53,6 +55,8 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
     ("g", Quantity::Acceleration, 9.806_65),
     ("N m", Quantity::Torque, 1.0),
     ("mN m", Quantity::Torque, 1e-3),
+    ("A", Quantity::Current, 1.0),
+    ("mA", Quantity::Current, 1e-3),
     ("tick", Quantity::Ticks, 1.0),
 ];
 

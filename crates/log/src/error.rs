@@ -286,7 +286,11 @@ impl Error {
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }
-            Self::Database { .. } => Some("`ros2 bag convert` makes an MCAP file of it".into()),
+            Self::Database { .. } => Some(
+                "`pip install rosbags`, then `rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file of \
+                 the folder that holds it"
+                    .into(),
+            ),
             Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),

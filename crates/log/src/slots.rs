@@ -11,6 +11,7 @@ pub(crate) struct Slots(Vec<Slot>);
 #[derive(Clone, Copy, Debug)]
 enum Slot {
     Wheel(Meaning, usize, Part),
+    Steering(Part),
     YawRate(Part),
     /// Forwards, and to the left where that is measured.
     Acceleration(Part, Option<Part>),
@@ -46,6 +47,7 @@ impl Slots {
                 wheels.iter().position(|wheel| wheel == name)
             };
             let slot = match column.meaning {
+                Meaning::SteeringAngle => Some(Slot::Steering(own)),
                 Meaning::YawRate => Some(Slot::YawRate(own)),
                 Meaning::AccelerationForward => {
                     Some(Slot::Acceleration(own, part(Meaning::AccelerationLeft)))
@@ -85,12 +87,17 @@ impl Slots {
                 Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
                     number(part)?.map(|angle| Measurement::WheelAngle { wheel, angle })
                 }
-                Slot::Wheel(Meaning::WheelTorque, wheel, part) => {
+                // A current is a torque once the motor is known.
+                Slot::Wheel(Meaning::WheelTorque | Meaning::MotorCurrent, wheel, part) => {
                     number(part)?.map(|torque| Measurement::WheelTorque { wheel, torque })
+                }
+                Slot::Wheel(Meaning::WheelSteering, wheel, part) => {
+                    number(part)?.map(|angle| Measurement::SteeringAngle { wheel, angle })
                 }
                 Slot::Wheel(_, wheel, part) => {
                     number(part)?.map(|rate| Measurement::WheelRate { wheel, rate })
                 }
+                Slot::Steering(part) => number(part)?.map(|angle| Measurement::Steering { angle }),
                 Slot::YawRate(part) => number(part)?.map(|rate| Measurement::YawRate { rate }),
                 Slot::Acceleration(forward, left) => {
                     // Where it is not measured at all, the run puts that of the robot's turn in its place.

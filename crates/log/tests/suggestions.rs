@@ -21,8 +21,9 @@ fn folder() -> Folder {
 }
 
 /// The file as it is proposed is refused; with numbers in place of the placeholders it is read.
-fn read(text: String) -> Result<robot::RobotFile, TestCaseError> {
-    let proposed = Document::from_text("robot.toml", text.clone()).and_then(|d| robot::parse(&d));
+fn read(text: &str) -> Result<robot::RobotFile, TestCaseError> {
+    let proposed =
+        Document::from_text("robot.toml", text.to_owned()).and_then(|d| robot::parse(&d));
     prop_assert!(
         matches!(&proposed, Err(Error::Placeholder { key, .. }) if key == "radius_m"),
         "{proposed:?}"
@@ -59,7 +60,7 @@ proptest! {
         let message = build::joint_state(build::header(5, ""), &given, [&angles, &[], &[]]);
         writer.send(&mut to, 5, &message).unwrap();
         writer.finish().unwrap();
-        let file = read(suggest_for_survey(&Survey::read(&path, |_| ()).unwrap()))?;
+        let file = read(&suggest_for_survey(&Survey::read(&path, |_| ()).unwrap()))?;
         // And where there are wheels, the log is read with it.
         if joints.iter().any(|joint| !joint.is_empty()) {
             let log = Log::find_any(&[path], None, &file.topics);
@@ -78,7 +79,7 @@ proptest! {
         }
         let path = folder.file("log.csv", text.as_bytes());
         if let Ok(sheet) = Sheet::read(&path, |_| ()) {
-            read(suggest_for_sheets([(&sheet, file.as_str())]))?;
+            read(&suggest_for_sheets([(&sheet, file.as_str())]))?;
         }
     }
 
@@ -88,7 +89,7 @@ proptest! {
         for start in [&b""[..], b"time,left_ticks,yaw_rate\n0,1,2\n"] {
             let path = folder.file("log.csv", &[start, &bytes].concat());
             if let Ok(sheet) = Sheet::read(&path, |_| ()) {
-                read(suggest_for_sheets([(&sheet, "log.csv")]))?;
+                read(&suggest_for_sheets([(&sheet, "log.csv")]))?;
             }
         }
     }

@@ -53,8 +53,16 @@ impl Inputs {
     }
 }
 
-/// A wheel of a log: its index in the robot's order, and the rate of its sensor's shaft for one unit that the log holds.
-pub(crate) type LogWheel = (usize, f64);
+/// A wheel of a log.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LogWheel {
+    /// Its index in the robot's order.
+    pub(crate) index: usize,
+    /// The rate of its sensor's shaft for one unit that the log holds.
+    pub(crate) rate: f64,
+    /// The torque for one unit that the log holds; `None` of a current whose motor is not known.
+    pub(crate) torque: Option<f64>,
+}
 
 /// For every wheel of the log the robot's wheel.
 pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<LogWheel>> {
@@ -72,9 +80,42 @@ pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<LogWheel>>
             })?;
             let in_metres = log.measures_wheel(Meaning::WheelSpeed, name);
             let per_metre = 1.0 / robot.wheels()[index].travel_per_radian();
-            Ok((index, if in_metres { per_metre } else { 1.0 }))
+            let is_current = log.measures_wheel(Meaning::MotorCurrent, name);
+            Ok(LogWheel {
+                index,
+                rate: if in_metres { per_metre } else { 1.0 },
+                torque: if is_current {
+                    torque_per_ampere(file, index)
+                } else {
+                    Some(1.0)
+                },
+            })
         })
         .collect()
+}
+
+/// Torque on a wheel per ampere of its motor, N m/A: the robot file's own number, else by its motor and gear.
+fn torque_per_ampere(file: &RobotFile, index: usize) -> Option<f64> {
+    let by_motor = || {
+        let body = file.body.as_ref()?;
+        let name = body.wheels.get(index)?.motor.as_ref()?;
+        let motor = body.motors.iter().find(|motor| motor.name == *name)?;
+        let gear = file.robot.wheels()[index].encoder.gear;
+        Some(motor.constant * gear * motor.gear_efficiency)
+    };
+    let own = file.torque_per_ampere.get(index).copied().flatten();
+    own.or_else(by_motor)
+}
+
+/// Wheels whose motor current is measured and not used, because nothing says what torque it is.
+#[must_use]
+pub fn unused_currents(log: &Log, file: &RobotFile) -> Vec<String> {
+    let wheels = file.robot.wheels().iter().enumerate();
+    let unused = wheels.filter(|(index, wheel)| {
+        log.measures_wheel(Meaning::MotorCurrent, &wheel.name)
+            && torque_per_ampere(file, *index).is_none()
+    });
+    unused.map(|(_, wheel)| wheel.name.clone()).collect()
 }
 
 /// The meanings of a sensor's readings.

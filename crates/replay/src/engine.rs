@@ -15,6 +15,7 @@ use crate::options::Options;
 use crate::reckoning::Reckoning;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
+use crate::steering::WheelSteering;
 use crate::summary::{Status, Summary};
 use crate::tally::Tally;
 use crate::turn_watch::TurnWatch;
@@ -70,6 +71,7 @@ pub struct Engine {
     turns: Option<TurnWatch>,
     axes: AxisWatch,
     corrections: Corrections,
+    steering: Option<WheelSteering>,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -151,6 +153,10 @@ impl Engine {
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
             axes: AxisWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
+            steering: file
+                .steering
+                .as_ref()
+                .map(|steering| WheelSteering::new(steering, &file.robot)),
             reckoning: Reckoning::new(settings.window),
             odometry: None,
             span: (
@@ -205,6 +211,11 @@ impl Engine {
         }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
             self.axes.take(&sample);
+            if let Some(steering) = &self.steering {
+                for steered in steering.angles(&sample) {
+                    self.slips.update(steered);
+                }
+            }
             self.slips.update(sample);
             if let Some(wheel) = rotating_wheel(&sample.measurement) {
                 self.read |= 1 << wheel;

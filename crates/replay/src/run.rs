@@ -107,7 +107,9 @@ fn run_once(
         }
     }
     for sample in log.samples(&shifts)? {
-        engine.push(of_robot(sample?, &wheels), sink)?;
+        if let Some(sample) = of_robot(sample?, &wheels) {
+            engine.push(sample, sink)?;
+        }
     }
     engine.finish(sink)
 }

@@ -5,23 +5,29 @@ use grouser_slip::{Measurement, Sample};
 
 use crate::choice::LogWheel;
 
-/// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`.
-pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Sample {
+/// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`; `None` of a current whose torque is not
+/// known.
+pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Option<Sample> {
     let Some(wheel) = sample.measurement.wheel() else {
-        return sample;
+        return Some(sample);
     };
-    let (wheel, scale) = wheels[wheel];
+    let of = wheels[wheel];
+    let wheel = of.index;
     let measurement = match sample.measurement {
         Measurement::WheelRate { rate, .. } => Measurement::WheelRate {
             wheel,
-            rate: rate * scale,
+            rate: rate * of.rate,
+        },
+        Measurement::WheelTorque { torque, .. } => Measurement::WheelTorque {
+            wheel,
+            torque: torque * of.torque?,
         },
         other => other.with_wheel(wheel),
     };
-    Sample {
+    Some(Sample {
         measurement,
         ..sample
-    }
+    })
 }
 
 /// Is the sample used where wheels are measured by `sensor`? One sensor of the wheels is, and everything else.

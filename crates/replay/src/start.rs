@@ -58,7 +58,9 @@ pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<Sta
     let mut progress = Progress::Looking;
     let mut start_ns = None;
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = of_robot(sample?, &wheels);
+        let Some(sample) = of_robot(sample?, &wheels) else {
+            continue;
+        };
         if !is_used(&sample.measurement, inputs.wheel_sensor) {
             continue;
         }

@@ -17,6 +17,8 @@ const MAX_LAG_S: f64 = 1.0;
 const LAG_STEP_S: f64 = 0.02;
 /// The truth must vary by this standard deviation for a lag to be found.
 const MIN_VARIATION: f64 = 0.02;
+/// Points of a line of the truth: more than a figure has columns.
+const MAX_LINE_POINTS: usize = 4096;
 /// 90 % of a normal distribution lie within so many standard deviations.
 const SIGMAS_90: f64 = 1.644_854;
 
@@ -233,6 +235,34 @@ impl Sink for Compared {
 }
 
 impl Compared {
+    /// The true slip over time of each wheel that has one, with its name: s from the log's start, and slip. At most 4096 points
+    /// a wheel, evenly chosen.
+    #[must_use]
+    pub fn lines(&self) -> Vec<(String, Vec<[f64; 2]>)> {
+        let all = self.truth.names.iter().zip(&self.truth.wheels);
+        all.filter(|(_, truth)| !truth.is_empty())
+            .map(|(name, truth)| {
+                let every = truth.len().div_ceil(MAX_LINE_POINTS);
+                let points = self.since_start(truth).into_iter().step_by(every);
+                (
+                    name.clone(),
+                    points.map(|(time, slip)| [time, slip]).collect(),
+                )
+            })
+            .collect()
+    }
+
+    /// Truth by the time from the log's start, s.
+    fn since_start(&self, truth: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let start = self.start_ns.unwrap_or(0.0);
+        let seconds = |&(time, slip): &(f64, f64)| ((time - start) * 1e-9, slip);
+        if self.truth.is_on_clock {
+            truth.iter().map(seconds).collect()
+        } else {
+            truth.to_vec()
+        }
+    }
+
     /// The errors of each wheel that has a truth.
     #[must_use]
     pub fn errors(&self) -> Vec<TruthError> {
@@ -243,16 +273,7 @@ impl Compared {
             .zip(&self.truth.wheels)
             .zip(&self.estimates);
         all.filter(|((_, truth), _)| !truth.is_empty())
-            .map(|((name, truth), estimates)| {
-                let start = self.start_ns.unwrap_or(0.0);
-                let from_start: Vec<(f64, f64)> = if self.truth.is_on_clock {
-                    let seconds = |&(time, slip): &(f64, f64)| ((time - start) * 1e-9, slip);
-                    truth.iter().map(seconds).collect()
-                } else {
-                    truth.clone()
-                };
-                errors_of(name, &from_start, estimates)
-            })
+            .map(|((name, truth), estimates)| errors_of(name, &self.since_start(truth), estimates))
             .collect()
     }
 }

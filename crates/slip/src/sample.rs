@@ -103,6 +103,19 @@ pub enum Measurement {
         /// rad, nose down positive.
         angle: f64,
     },
+    /// The angle by which a wheel is steered beside its heading in the description, to the left positive.
+    SteeringAngle {
+        /// The wheel's index.
+        wheel: usize,
+        /// rad.
+        angle: f64,
+    },
+    /// The angle of the robot's steering as a whole: of the middle of a steered axle, or of an articulated joint, to the left
+    /// positive. Who knows the robot's steering makes [`Measurement::SteeringAngle`] of it; estimators ignore it.
+    Steering {
+        /// rad.
+        angle: f64,
+    },
     /// A motor's current, for [`OnBoard`](crate::onboard::OnBoard).
     MotorCurrent {
         /// The wheel's index.
@@ -150,6 +163,7 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => Some(wheel),
             _ => None,
         }
@@ -172,6 +186,7 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => *wheel = index,
             _ => {}
         }
@@ -201,7 +216,10 @@ impl Measurement {
     pub(crate) const fn is_raw(&self) -> bool {
         matches!(
             self,
-            Self::Inertial { .. } | Self::JointAngle { .. } | Self::MotorCurrent { .. }
+            Self::Inertial { .. }
+                | Self::JointAngle { .. }
+                | Self::Steering { .. }
+                | Self::MotorCurrent { .. }
         )
     }
 }

@@ -42,6 +42,13 @@ pub enum Meaning {
     WheelSpeed,
     /// Torque on a wheel, positive when it drives forwards.
     WheelTorque,
+    /// Current of a wheel's motor, positive when it drives forwards; [`Self::WheelTorque`] by `torque_per_ampere_nm` of the
+    /// robot file.
+    MotorCurrent,
+    /// Angle by which a wheel is steered, to the left.
+    WheelSteering,
+    /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
+    SteeringAngle,
     /// The robot's yaw rate.
     YawRate,
     /// What an accelerometer feels forwards, gravity's share on a slope included.
@@ -72,12 +79,15 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 18] = [
+    pub const ALL: [(&'static str, Self, Quantity); 21] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
         ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
+        ("motor_current", Self::MotorCurrent, Quantity::Current),
+        ("wheel_steering", Self::WheelSteering, Quantity::Angle),
+        ("steering_angle", Self::SteeringAngle, Quantity::Angle),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
         (
             "acceleration_forward",
@@ -119,6 +129,8 @@ impl Meaning {
                 | Self::WheelRate
                 | Self::WheelSpeed
                 | Self::WheelTorque
+                | Self::MotorCurrent
+                | Self::WheelSteering
         )
     }
 

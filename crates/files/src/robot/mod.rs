@@ -44,6 +44,7 @@ use crate::columns::{ColumnMap, read_table};
 use crate::document::{Document, Section};
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
+use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
 
 pub use revision::{Revision, revised, with_radii_scaled};
@@ -103,6 +104,10 @@ pub struct RobotFile {
     pub wheel_sensor: Option<WheelSensor>,
     /// Corrections of sensors and intervals, as calibrations find them.
     pub corrections: Corrections,
+    /// Torque on each wheel per ampere of its motor, N m/A, where the file says it.
+    pub torque_per_ampere: Vec<Option<f64>>,
+    /// How one angle steers several wheels, if the file says it.
+    pub steering: Option<Steering>,
     /// What the topics of a bag mean.
     pub topics: Topics,
     /// What the columns of a table mean, if the file says it.
@@ -187,9 +192,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             .map_err(|source| Error::Robot { at, source })?;
         let filter = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
-        let mut joints = Vec::new();
+        let steering = root.section("steering", read_names)?;
+        let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
+            torque_per_ampere.push(section.optional_number("torque_per_ampere_nm", POSITIVE)?);
             Ok((read_wheel(section)?, body::read_wheel(section)?))
         })?;
         let (wheels, bodies) = wheels.into_iter().unzip();
@@ -197,6 +204,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
+        })?;
+        let steering = steering.map(|names| resolve(&names, &robot)).transpose();
+        let steering = steering.map_err(|message| Error::Contradiction {
+            at: root.place_of("steering"),
+            message,
         })?;
         put_wheels(&mut topics, &robot, joints).map_err(|message| Error::Contradiction {
             at: root.place_of("topics"),
@@ -209,6 +221,8 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             reference,
             wheel_sensor,
             corrections,
+            torque_per_ampere,
+            steering,
             topics,
             columns,
             body,
@@ -297,12 +311,17 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     encoder.reversed = section.flag("reversed")?;
     let rate_step = section.optional_number("rate_step_rad_per_s", (0.0, 1e6))?;
     encoder.rate_step = rate_step.unwrap_or(0.0);
+    // Rollers at an angle: the wheel drives along their axes, by the share of its rim's speed along them.
+    let roller = section
+        .optional_number("roller_deg", (-80.0, 80.0))?
+        .unwrap_or(0.0);
     let mut wheel = match role {
         WheelRole::Powered => Wheel::powered(name),
         WheelRole::Free => Wheel::free(name),
     };
-    wheel = wheel.at(x, y).radius(radius).encoder(encoder);
-    wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0)));
+    let share = Angle::from_deg(roller).cos();
+    wheel = wheel.at(x, y).radius(radius * share).encoder(encoder);
+    wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0) + roller));
     wheel.width = section.optional_number("width_m", POSITIVE)?;
     wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.

@@ -1,5 +1,6 @@
 //! A robot file with some numbers changed, its comments and everything else as they stand.
 
+use std::fmt::Write as _;
 use std::ops::Range;
 
 use grouser_slip::WheelRole;
@@ -11,6 +12,7 @@ use super::{
 use crate::body;
 use crate::document::{Document, Section};
 use crate::error::{Error, Place, Result};
+use crate::steering::read_names;
 
 /// What a calibration changes in a robot file; `None` leaves it as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,14 +75,18 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
             Ok::<_, Error>(())
         })?;
         if at.is_none() {
-            added = factors(revision, corrections)
-                .map(|(key, value)| format!("{key} = {value:.5}\n"))
-                .collect();
+            for (key, value) in factors(revision, corrections) {
+                // Writing to a string cannot fail.
+                let _ = writeln!(added, "{key} = {value:.5}");
+            }
         }
+        root.section("steering", read_names)?;
         read_filter(root, &WindowSettings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
+            // Checked where the robot is read, below.
+            section.optional_number("torque_per_ampere_nm", (0.0, f64::MAX))?;
             let wheel = read_wheel(section)?;
             body::read_wheel(section)?;
             let mut put = |key: &str, value: f64| {
@@ -89,7 +95,9 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
                 }
             };
             if let (Some(factor), WheelRole::Powered) = (revision.radius, wheel.role) {
-                put("radius_m", wheel.radius * factor);
+                let roller = section.optional_number("roller_deg", (-80.0, 80.0))?;
+                let share = roller.unwrap_or(0.0).to_radians().cos();
+                put("radius_m", wheel.radius / share * factor);
             }
             if let Some(factor) = revision.track {
                 put("y_m", wheel.y * factor);
@@ -151,7 +159,10 @@ fn put_factors(
     for (key, value) in factors(revision, corrections) {
         match section.span_of(key) {
             Some(span) => edits.push((span, format!("{value:.5}"))),
-            None => added.push_str(&format!("{key} = {value:.5}\n")),
+            None => {
+                // Writing to a string cannot fail.
+                let _ = writeln!(added, "{key} = {value:.5}");
+            }
         }
     }
 }

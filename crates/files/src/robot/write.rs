@@ -55,6 +55,17 @@ pub fn to_toml(file: &RobotFile) -> String {
         &usual,
         grouser_slip::filter::FilterSettings::FIELDS,
     );
+    if let Some(steering) = &file.steering {
+        out.header("[steering]");
+        let wheels = file.robot.wheels();
+        let names: Vec<String> = steering
+            .wheels
+            .iter()
+            .map(|index| wheels[*index].name.clone())
+            .collect();
+        out.text("kind", "ackermann");
+        out.texts("wheels", &names);
+    }
     write_topics(&mut out, &file.topics);
     for table in file.columns.iter().flat_map(|map| &map.tables) {
         write_table(&mut out, table);
@@ -64,6 +75,9 @@ pub fn to_toml(file: &RobotFile) -> String {
     }
     for (index, wheel) in file.robot.wheels().iter().enumerate() {
         write_wheel(&mut out, wheel);
+        if let Some(torque) = file.torque_per_ampere.get(index).copied().flatten() {
+            out.number("torque_per_ampere_nm", torque);
+        }
         let joint = file.topics.joints.get(index);
         out.optional_text("joint", joint.and_then(|joint| joint.joint.as_deref()));
         if let Some(body) = file.body.as_ref().and_then(|body| body.wheels.get(index)) {

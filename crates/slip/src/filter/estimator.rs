@@ -188,7 +188,13 @@ impl Core {
             Measurement::Command { .. }
             | Measurement::Inertial { .. }
             | Measurement::JointAngle { .. }
+            | Measurement::Steering { .. }
             | Measurement::MotorCurrent { .. } => Ok(()),
+            Measurement::SteeringAngle { wheel, angle } => {
+                Fault::check_range("steering angle", angle, -7.0, 7.0, "rad")?;
+                self.wheels.get_mut(wheel)?.steer(angle);
+                Ok(())
+            }
         }
     }
 

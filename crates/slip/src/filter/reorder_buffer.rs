@@ -108,7 +108,9 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         Measurement::Command { .. }
         | Measurement::Inertial { .. }
         | Measurement::JointAngle { .. }
+        | Measurement::Steering { .. }
         | Measurement::MotorCurrent { .. } => (0, 0),
+        Measurement::SteeringAngle { wheel, .. } => (0, wheel),
         Measurement::Acceleration { .. } => (1, 0),
         Measurement::YawRate { .. } => (2, 0),
         Measurement::WheelTorque { wheel, .. } => (3, wheel),

@@ -79,6 +79,8 @@ impl SensorClocks {
             Measurement::Command { .. }
             | Measurement::Inertial { .. }
             | Measurement::JointAngle { .. }
+            | Measurement::Steering { .. }
+            | Measurement::SteeringAngle { .. }
             | Measurement::MotorCurrent { .. } => (0, false),
             Measurement::Acceleration { .. } => (1, true),
             Measurement::YawRate { .. } => (2, true),

@@ -1,7 +1,8 @@
 //! The figure of `estimate`: slip against time, one panel a wheel, with its sigma as a band.
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::Summary;
+use grouser_replay::{Row, Summary};
+use grouser_slip::{Degraded, Health, Invalid};
 
 use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style, plain};
 
@@ -32,16 +33,24 @@ struct Stretch {
     /// Least and greatest, the earlier one first; `None` without slip.
     slips: Option<[f64; 2]>,
     sigma: f64,
+    /// Did nothing measure the robot's speed at some time in it?
+    is_unreferenced: bool,
 }
 
 impl Trace {
     /// One value more, later than all before.
-    pub(super) fn add(&mut self, time: f64, slip: Option<f64>, sigma: Option<f64>) {
+    pub(super) fn add(&mut self, row: &Row<'_>) {
+        let (time, slip, sigma) = (row.time_s, row.slip, row.slip_sigma);
         let new = Stretch {
             index: (time / self.seconds).floor(),
             time,
             slips: slip.map(|slip| [slip, slip]),
             sigma: sigma.unwrap_or(0.0),
+            is_unreferenced: matches!(
+                row.health,
+                Health::Degraded(Degraded::ReferenceLost | Degraded::Relative)
+                    | Health::Invalid(Invalid::NoReference)
+            ),
         };
         match self.stretches.last_mut() {
             Some(last) if last.index == new.index => last.join(new),
@@ -75,6 +84,17 @@ impl Trace {
             }
         }
         line
+    }
+
+    /// Spans in which nothing measured the robot's speed, s.
+    fn unreferenced(&self) -> impl Iterator<Item = (f64, f64)> {
+        let groups = self
+            .stretches
+            .chunk_by(|a, b| a.is_unreferenced == b.is_unreferenced);
+        groups
+            .filter(|group| group[0].is_unreferenced)
+            .filter_map(|group| Some((group.first()?.time, group.last()?.time)))
+            .filter(|(from, to)| to > from)
     }
 
     /// Bands of one sigma around stretches without a break.
@@ -117,15 +137,28 @@ impl Stretch {
             (one, other) => one.or(other),
         };
         self.sigma = self.sigma.max(later.sigma);
+        self.is_unreferenced |= later.is_unreferenced;
     }
 }
 
 /// Draws every wheel that has a slip, all to one scale.
-pub(super) fn draw(robot: &RobotFile, summary: &Summary, traces: &[Trace]) -> Figure {
+///
+/// Spans in which nothing measured the robot's speed have a grey ground; `truths` are the true slips by wheel, drawn dashed.
+pub(super) fn draw(
+    robot: &RobotFile,
+    summary: &Summary,
+    traces: &[Trace],
+    truths: &[(String, Vec<[f64; 2]>)],
+) -> Figure {
     let description = format!("Slip against time of {}", robot.robot.name());
+    let of_truth = |(_, line): &(String, Vec<[f64; 2]>)| {
+        let slips = line.iter().map(|point| [point[1], point[1]]);
+        slips.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
+    };
     let [low, high] = traces
         .iter()
         .filter_map(Trace::range)
+        .chain(truths.iter().filter_map(of_truth))
         .reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
         .unwrap_or([0.0, 1.0]);
     let low = (low.min(0.0) * 10.0 - 0.2).floor() / 10.0;
@@ -156,10 +189,21 @@ pub(super) fn draw(robot: &RobotFile, summary: &Summary, traces: &[Trace]) -> Fi
             Axis::new(format!("Slip *s*, {}", plain(&wheel.name)))
                 .range(low.max(-1.0), high.min(1.0)),
         );
+        for (from, to) in trace.unreferenced() {
+            chart = chart.area(Area::columns(from, to).colour(Colour::INK, 0.1));
+        }
         for band in trace.bands() {
             chart = chart.area(band.colour(style.colour, 0.18));
         }
         chart = chart.curve(Curve::new(trace.line()).style(solid));
+        if let Some((_, truth)) = truths.iter().find(|(name, _)| *name == wheel.name) {
+            let inside = truth
+                .iter()
+                .copied()
+                .filter(|point| point[0] >= start && point[0] <= end);
+            let dashed = Style::thin(Colour::INK, Dash::Dotted);
+            chart = chart.curve(Curve::new(inside).style(dashed).label("truth"));
+        }
         // At zero it would lie on the axis' own line.
         if let Some(median) = wheel.slip.median.filter(|m| m.abs() > 0.02 * (high - low)) {
             let dashed = Style::thin(Colour::INK, Dash::Dashed);

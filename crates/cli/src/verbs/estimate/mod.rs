@@ -19,7 +19,7 @@ use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_replay::{
     Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
-    check_start, run_into, soil_readings,
+    check_start, run_into, soil_readings, unused_currents,
 };
 use grouser_slip::Reference;
 
@@ -164,7 +164,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
-    let errors = watched.compared.map(|compared| compared.errors());
+    let compared = watched.compared;
+    let errors = compared.as_ref().map(Compared::errors);
+    let truths = compared.as_ref().map(Compared::lines).unwrap_or_default();
     drop(progress);
     let summary = summary.map_err(|error| outputs.error(error))?;
     for file in log.files() {
@@ -191,7 +193,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&beside_truth(errors));
     }
     text.push_str(&topics(&log));
-    text.push_str(&outputs.finish(&request.robot, &summary)?);
+    text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
     let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
@@ -352,6 +354,13 @@ fn warnings(
         out.push(format!(
             "the robot file names `grip`, but the log measures the robot's motion: `{}` is used",
             summary.reference.name()
+        ));
+    }
+    let currents = unused_currents(log, &request.robot);
+    if !currents.is_empty() {
+        out.push(format!(
+            "the motor currents of {} are not used: `torque_per_ampere_nm` of the wheel says what torque they are",
+            currents.join(", ")
         ));
     }
     if summary.rejected.total() > 0 {

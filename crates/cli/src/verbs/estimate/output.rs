@@ -70,7 +70,12 @@ impl Outputs {
     }
 
     /// Puts the complete files in their places; gives lines that say so.
-    pub(super) fn finish(self, robot: &RobotFile, summary: &Summary) -> Result<String> {
+    pub(super) fn finish(
+        self,
+        robot: &RobotFile,
+        summary: &Summary,
+        truths: &[(String, Vec<[f64; 2]>)],
+    ) -> Result<String> {
         let mut said = String::new();
         for table in self.tables {
             let path = table.path().to_owned();
@@ -81,7 +86,7 @@ impl Outputs {
             said.push_str(&recording.finish()?);
         }
         if !self.figures.is_empty() {
-            let figure = draw(robot, summary, &self.traces);
+            let figure = draw(robot, summary, &self.traces, truths);
             for target in self.figures {
                 said.push_str(&target.write(&figure)?);
             }
@@ -97,7 +102,7 @@ impl Outputs {
 impl Sink for Outputs {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         if !self.figures.is_empty() {
-            self.traces[row.wheel].add(row.time_s, row.slip, row.slip_sigma);
+            self.traces[row.wheel].add(row);
         }
         for table in &mut self.tables {
             if let Err(error) = write_row(table, row) {

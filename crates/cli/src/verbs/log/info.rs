@@ -29,8 +29,9 @@ pub(super) struct Arguments {
     suggest_robot: bool,
 }
 
-/// Endings of names of tables: in a folder, other text is not taken for one.
-const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
+/// Endings of names of tables: in a folder, other text is not taken for one. A database of rosbag2 is no table, but whoever
+/// reads it as one is told how to convert it.
+const TABLES: [&str; 4] = ["csv", "tsv", "txt", "db3"];
 
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (run, unread) = Run::read(&arguments.log)?;
@@ -127,13 +128,11 @@ impl Run {
     }
 
     fn suggestion(&self) -> String {
-        match &self.survey {
-            Some(survey) => suggest_for_survey(survey),
-            None => {
-                let sheets = self.sheets.iter();
-                suggest_for_sheets(sheets.map(|(name, sheet)| (sheet, name.as_str())))
-            }
+        if let Some(survey) = &self.survey {
+            return suggest_for_survey(survey);
         }
+        let sheets = self.sheets.iter();
+        suggest_for_sheets(sheets.map(|(name, sheet)| (sheet, name.as_str())))
     }
 }
 

@@ -146,7 +146,14 @@ impl<'a> Choosing<'a> {
 
     fn measures_wheels(&self) -> bool {
         let mut all = self.choice.topics.iter().flat_map(|c| &c.measures);
-        all.any(|(meaning, _)| meaning.is_of_a_wheel() && *meaning != Meaning::WheelTorque)
+        let turns = |meaning: Meaning| {
+            meaning.is_of_a_wheel()
+                && !matches!(
+                    meaning,
+                    Meaning::WheelTorque | Meaning::MotorCurrent | Meaning::WheelSteering
+                )
+        };
+        all.any(|(meaning, _)| turns(*meaning))
     }
 
     /// Stamps count, unless they cannot be of one clock.

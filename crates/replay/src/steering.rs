@@ -1,0 +1,57 @@
+//! From one angle of the steering to the angles of the wheels.
+
+use grouser_files::steering::Steering;
+use grouser_slip::{Measurement, Robot, Sample};
+
+/// Steers the wheels of a robot by one angle.
+#[derive(Clone, Debug)]
+pub(crate) struct WheelSteering {
+    /// Index and position of each steered wheel, m.
+    wheels: Vec<(usize, f64, f64)>,
+    /// Position of the unsteered wheels along the robot, and that of the steered ones from there, m.
+    rear: f64,
+    wheelbase: f64,
+}
+
+impl WheelSteering {
+    pub(crate) fn new(steering: &Steering, robot: &Robot) -> Self {
+        let all = robot.wheels().iter().enumerate();
+        let (wheels, others): (Vec<_>, Vec<_>) = all
+            .map(|(index, wheel)| (index, wheel.x, wheel.y))
+            .partition(|(index, _, _)| steering.wheels.contains(index));
+        let mean = |of: &[(usize, f64, f64)]| {
+            of.iter().map(|wheel| wheel.1).sum::<f64>() / of.len() as f64
+        };
+        let rear = mean(&others);
+        Self {
+            rear,
+            wheelbase: mean(&wheels) - rear,
+            wheels,
+        }
+    }
+
+    /// The angles of the wheels that a sample of the steering means; nothing for other samples.
+    pub(crate) fn angles(&self, sample: &Sample) -> impl Iterator<Item = Sample> {
+        let angle = match sample.measurement {
+            Measurement::Steering { angle } => Some(angle).filter(|angle| angle.is_finite()),
+            _ => None,
+        };
+        let time_ns = sample.time_ns;
+        angle.into_iter().flat_map(move |angle| {
+            self.wheels.iter().map(move |&(wheel, x, y)| Sample {
+                time_ns,
+                measurement: Measurement::SteeringAngle {
+                    wheel,
+                    angle: self.wheel_angle(angle, x, y),
+                },
+            })
+        })
+    }
+
+    /// All wheels turn about one point on the line of the unsteered ones, at R = L / tan δ to the left:
+    /// tan δ_i = (x_i − x_r) / (R − y_i).
+    fn wheel_angle(&self, angle: f64, x: f64, y: f64) -> f64 {
+        let tan = angle.tan();
+        (tan * (x - self.rear) / (self.wheelbase - y * tan)).atan()
+    }
+}

@@ -1,0 +1,208 @@
+//! Robots that steer: wheels that roll without slip show none, if the angle of the steering is known.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may print what it measured"
+)]
+
+use std::fmt::Write as _;
+use std::io::Cursor;
+
+use grouser_files::{Document, columns, robot, topics::Topics};
+use grouser_log::Log;
+use grouser_replay::{Options, run, unused_currents};
+
+const WHEELS: [(&str, f64, f64); 4] = [
+    ("rear_left", 0.0, 0.3),
+    ("rear_right", 0.0, -0.3),
+    ("front_left", 1.0, 0.3),
+    ("front_right", 1.0, -0.3),
+];
+const RADIUS_M: f64 = 0.1;
+
+fn robot_file(steering: &str) -> robot::RobotFile {
+    let mut text = format!("format = 1\nname = \"steered\"\n{steering}\n");
+    for (name, x, y) in WHEELS {
+        writeln!(
+            text,
+            "[[wheel]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = {y:?}\nradius_m = 0.1\ndrive = \"powered\""
+        )
+        .unwrap();
+    }
+    robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
+}
+
+/// A drive at 0.5 m/s whose steering weaves, with wheels that roll without slip.
+fn log(with_steering: bool) -> Log {
+    let mut table =
+        String::from("t,rear_left,rear_right,front_left,front_right,gyro,steer,dx,dy,dyaw\n");
+    let dt = 0.02;
+    for row in 0..2000 {
+        let time = f64::from(row) * dt;
+        let angle = 0.45 * (0.5 * time).sin();
+        let speed = 0.5;
+        // The middle of the front axle, 1 m before the rear one, moves along its wheels.
+        let rate = speed * angle.tan();
+        write!(table, "{time}").unwrap();
+        for (_, x, y) in WHEELS {
+            // A wheel that rolls points along its own motion.
+            let velocity = [speed - rate * y, rate * x];
+            write!(table, ",{}", velocity[0].hypot(velocity[1]) / RADIUS_M).unwrap();
+        }
+        writeln!(table, ",{rate},{angle},{},0,{}", speed * dt, rate * dt).unwrap();
+    }
+    let steer = "{ column = \"steer\", meaning = \"steering_angle\", unit = \"rad\" },\n";
+    let rates = WHEELS.map(|(name, _, _)| {
+        format!("{{ column = \"{name}\", meaning = \"wheel_rate\", wheel = \"{name}\", unit = \"rad/s\" }},\n")
+    });
+    let map = format!(
+        "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n{}{}\
+         {{ column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" }},\n\
+         {{ column = \"dx\", meaning = \"displacement_forward\", unit = \"m\" }},\n\
+         {{ column = \"dy\", meaning = \"displacement_left\", unit = \"m\" }},\n\
+         {{ column = \"dyaw\", meaning = \"displacement_turn\", unit = \"rad\" }},\n]\n",
+        rates.concat(),
+        if with_steering { steer } else { "" }
+    );
+    let map = columns::parse(&Document::from_text("map.toml", map).unwrap()).unwrap();
+    Log::over(
+        "log.csv".as_ref(),
+        Cursor::new(table),
+        Some(map),
+        &Topics::default(),
+    )
+    .unwrap()
+}
+
+/// The largest slip of each wheel after 5 s.
+fn slips(log: &Log, steering: &str) -> [f64; 4] {
+    let mut worst = [0.0_f64; 4];
+    run(log, &robot_file(steering), &Options::default(), |row| {
+        if let Some(slip) = row.slip.filter(|_| row.time_s > 5.0) {
+            worst[row.wheel] = worst[row.wheel].max(slip.abs());
+        }
+        Ok(())
+    })
+    .unwrap();
+    worst
+}
+
+const ACKERMANN: &str =
+    "[steering]\nkind = \"ackermann\"\nwheels = [\"front_left\", \"front_right\"]";
+#[test]
+fn wheels_that_are_steered_by_one_angle_do_not_slip() {
+    let right = slips(&log(true), ACKERMANN);
+    let ignored = slips(&log(false), ACKERMANN);
+    println!("{right:.4?}, without the angle {ignored:.4?}");
+    let max = |slips: &[f64; 4]| slips.iter().copied().fold(0.0, f64::max);
+    assert!(max(&right) < 0.01, "{right:?}");
+    assert!(max(&ignored) > 0.1, "{ignored:?}");
+}
+
+#[test]
+fn a_steering_that_does_not_fit_the_robot_is_refused() {
+    let parse = |text: &str| {
+        let whole = robot::to_toml(&robot_file(ACKERMANN));
+        assert!(whole.contains(text), "{whole}");
+        whole
+    };
+    let whole = parse("kind = \"ackermann\"");
+    for (old, new, reason) in [
+        (
+            "front_left\", \"front_right\"]",
+            "front_lef\"]",
+            "did you mean \"front_left\"",
+        ),
+        (
+            "kind = \"ackermann\"",
+            "kind = \"articulated\"",
+            "must be one of",
+        ),
+        (
+            "wheels = [\"front_left\", \"front_right\"]",
+            "wheels = []",
+            "but not all",
+        ),
+    ] {
+        let text = whole.replace(old, new);
+        assert_ne!(text, whole, "{old}\n{whole}");
+        let error = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+    let text = whole.replace("x_m = 0.0", "x_m = -0.5");
+    let error = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap_err();
+    assert!(
+        error.to_string().contains("origin must be on the line"),
+        "{error}"
+    );
+    // What is written is read again.
+    let again = Document::from_text("again.toml", whole).unwrap();
+    assert_eq!(robot::parse(&again).unwrap(), robot_file(ACKERMANN));
+}
+
+#[test]
+fn rollers_at_an_angle_turn_the_direction_in_which_a_wheel_drives() {
+    // A mecanum wheel: v = (u along the rim) projected on the rollers' axes; driving straight ahead all four run alike.
+    let wheel = |roller: &str| {
+        let text = format!(
+            "format = 1\nname = \"mecanum\"\n[[wheel]]\nname = \"w\"\nx_m = 0.2\ny_m = 0.2\nradius_m = 0.1\n\
+             drive = \"powered\"\n{roller}"
+        );
+        let file = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+        file.robot.wheels()[0].clone()
+    };
+    let (plain, mecanum) = (wheel(""), wheel("roller_deg = -45.0"));
+    for motion in [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.2, -0.1, 0.7]] {
+        let along = |row: [f64; 3]| row.iter().zip(motion).map(|(a, b)| a * b).sum::<f64>();
+        let rim =
+            along(mecanum.speed_row()) / mecanum.travel_per_radian() * plain.travel_per_radian();
+        // Textbook rows of a front left wheel with rollers at -45 degrees: u = v_x - v_y - (x + y) Ω.
+        let textbook = motion[0] - motion[1] - 0.4 * motion[2];
+        assert!(
+            (rim - textbook).abs() < 1e-12,
+            "{motion:?}: {rim} and {textbook}"
+        );
+    }
+}
+
+/// A wheel in the air draws hardly any current: the torque of its current tells, and without the motor's constant it cannot.
+#[test]
+fn a_motor_current_is_a_torque() {
+    let mut table = String::from("t,left,right,left_a,right_a,x\n");
+    for row in 0..1000 {
+        let time = f64::from(row) * 0.02;
+        writeln!(table, "{time},5.0,5.0,1.5,3.0,{}", 0.45 * time).unwrap();
+    }
+    let wheel = |name: &str| {
+        format!(
+            "{{ column = \"{name}\", meaning = \"wheel_rate\", wheel = \"{name}\", unit = \"rad/s\" }},\n\
+             {{ column = \"{name}_a\", meaning = \"motor_current\", wheel = \"{name}\", unit = \"A\" }},\n"
+        )
+    };
+    let map = format!(
+        "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n{}{}]\n",
+        wheel("left"),
+        wheel("right")
+    );
+    let map = columns::parse(&Document::from_text("map.toml", map).unwrap()).unwrap();
+    let bytes = Cursor::new(table);
+    let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default()).unwrap();
+    let file = |torque: &str| {
+        let wheel = |name: &str, y: f64| {
+            format!(
+                "[[wheel]]\nname = \"{name}\"\nx_m = 0.0\ny_m = {y:?}\nradius_m = 0.1\ndrive = \"powered\"\n{torque}"
+            )
+        };
+        let text = format!(
+            "format = 1\nname = \"cart\"\n{}{}",
+            wheel("left", 0.2),
+            wheel("right", -0.2)
+        );
+        robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
+    };
+    assert_eq!(unused_currents(&log, &file("")), ["left", "right"]);
+    let known = file("torque_per_ampere_nm = 0.8\n");
+    assert!(unused_currents(&log, &known).is_empty());
+    let again = Document::from_text("again.toml", robot::to_toml(&known)).unwrap();
+    assert_eq!(robot::parse(&again).unwrap(), known);
+}
