@@ -26,7 +26,7 @@ impl Trust {
     /// ```
     /// use grouser_log::message::Trust;
     ///
-    /// assert_eq!(Trust::of(1.8e308), Trust::DoNotUse); // as Kobuki's driver writes it
+    /// assert_eq!(Trust::of(f64::MAX), Trust::DoNotUse); // as Kobuki's driver writes it
     /// ```
     #[must_use]
     pub fn of(variance: f64) -> Self {
