@@ -259,12 +259,7 @@ impl WheelOnSoil {
         } else {
             Accuracy::Standard
         };
-        let shear_laws = [
-            ShearLaw::Coupled,
-            ShearLaw::SlipVelocity,
-            ShearLaw::Independent,
-            ShearLaw::TowedWongReece,
-        ];
+        let shear_laws = ShearLaw::ALL;
         let ploughing = [
             Bulldozing::Scaled,
             Bulldozing::Full,

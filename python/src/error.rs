@@ -231,6 +231,7 @@ layered! {
         grouser::replay::Error::Soil
     }
     grouser::log::Error { grouser::log::Error::File }
+    grouser::identify::Error { grouser::identify::Error::File, grouser::identify::Error::Log }
     grouser::rover::Error { grouser::rover::Error::File, grouser::rover::Error::Estimator }
 }
 

@@ -12,6 +12,7 @@ mod contact;
 mod drive;
 mod error;
 mod figure;
+mod identify;
 mod logs;
 mod optimize;
 mod robot;
@@ -31,6 +32,7 @@ mod _core {
         contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},
         figure::chart_svg,
+        identify::identify,
         logs::{Engine, estimate, read_samples},
         optimize::{solve, solve_file, solve_front, solve_many},
         robot::Robot,

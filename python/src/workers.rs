@@ -11,8 +11,9 @@ use pyo3::prelude::*;
 /// Fewest points for which another thread is started: 16 384 solves take about 5 ms, a thread 0.05 ms.
 const POINTS_PER_THREAD: usize = 16_384;
 
-/// Points between two looks at signals: about 0.1 s of work, so that Ctrl-C is answered at once.
-pub(crate) const POINTS_PER_BLOCK: usize = 1 << 18;
+/// Points of a thread between two looks at signals: 4 ms of work on lanes, and 3 s where all points brake,
+/// which take 160 µs each (bench/RESULTS.md).
+pub(crate) const POINTS_PER_BLOCK: usize = 1 << 14;
 
 /// The number of threads for `points`: as many as `wanted` (0: as many as the machine runs), at most one
 /// for each 16 384 points.

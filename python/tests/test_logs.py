@@ -146,4 +146,4 @@ def test_files_that_are_missing_or_damaged(tmp_path: Path) -> None:
     with pytest.raises(InputError):
         logs.estimate(broken, ROBOT, columns=COLUMNS)
     with pytest.raises(InputError, match="raduis_m"):
-        logs.Robot.from_toml('format = 1\nname = "a"\n[[wheel]]\nname = "b"\nraduis_m = 0.1\n')
+        logs.Robot.from_toml('format = 1\nname = "a"\n[[wheel]]\nname = "b"\nx_m = 0.0\ny_m = 0.0\ndrive = "powered"\nraduis_m = 0.1\n')

@@ -17,10 +17,13 @@ pub(crate) enum Names {
 }
 
 /// The laws' fields and the columns (flags) that give them.
-const COLUMNS: [(&str, &str); 16] = [
+const COLUMNS: [(&str, &str); 19] = [
     ("radius", "radius_m"),
     ("width", "width_m"),
     ("rebound", "rebound"),
+    ("grouser_height", "grouser_height_m"),
+    ("lug_count", "grouser_count"),
+    ("lug_thickness", "grouser_thickness_m"),
     ("slip", "slip"),
     ("sinkage", "sinkage_m"),
     ("load", "load_n"),

@@ -3,6 +3,7 @@
 //! To add one: its file or folder with `Arguments` (clap) and `run`, and three lines here.
 
 mod batch;
+mod climb;
 mod completions;
 mod curve;
 mod drive;
@@ -32,6 +33,7 @@ pub(crate) enum Verb {
     Wheel(wheel::Arguments),
     Curve(curve::Arguments),
     Batch(batch::Arguments),
+    Climb(climb::Arguments),
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
     Drive(drive::Arguments),
@@ -53,6 +55,7 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::Wheel(arguments) => wheel::run(&arguments, session),
         Verb::Curve(arguments) => curve::run(&arguments, session),
         Verb::Batch(arguments) => batch::run(&arguments, session),
+        Verb::Climb(arguments) => climb::run(&arguments, session),
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Drive(arguments) => drive::run(&arguments, session),
@@ -75,6 +78,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("wheel", wheel::schema()),
         ("curve", curve::schema()),
         ("batch", batch::schema()),
+        ("climb", climb::schema()),
         ("slip-model", slip_model::schema()),
         ("estimate", estimate::schema()),
         ("drive", drive::schema()),

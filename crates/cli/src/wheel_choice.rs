@@ -1,6 +1,8 @@
 //! The flags that describe a wheel on a soil.
 
-use grouser_terra::{Angle, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil};
+use grouser_terra::{
+    Angle, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, gravity_of,
+};
 
 use crate::error::Result;
 use crate::law_error::Names;
@@ -19,6 +21,8 @@ pub(crate) struct WheelArguments {
     /// Width of the wheel in m
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
     pub(crate) width_m: f64,
+    #[command(flatten)]
+    pub(crate) grousers: GrouserArguments,
     /// Rebound ratio λ: the soil behind the wheel rises by λ times the sinkage [default: the soil's, or 0]
     #[arg(long, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
     rebound: Option<f64>,
@@ -27,11 +31,58 @@ pub(crate) struct WheelArguments {
     pub(crate) slip_angle_deg: f64,
 }
 
+/// The lugs of a wheel.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct GrouserArguments {
+    /// Height of the lugs (grousers) on the rim in m; needs `--grouser-count`
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, requires = "grouser_count")]
+    pub(crate) grouser_height_m: Option<f64>,
+    /// How many lugs there are around the rim
+    #[arg(long, value_name = "N", requires = "grouser_height_m")]
+    pub(crate) grouser_count: Option<u32>,
+    /// Thickness of a lug along the rim in m [default: 0]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, requires = "grouser_count")]
+    pub(crate) grouser_thickness_m: Option<f64>,
+}
+
+impl GrouserArguments {
+    /// A wheel of this radius and width (m) with these lugs.
+    pub(crate) fn on(&self, radius: f64, width: f64) -> grouser_terra::Result<RigidWheel> {
+        let bare = RigidWheel::new(radius, width)?;
+        match (self.grouser_height_m, self.grouser_count) {
+            (Some(height), Some(count)) => bare.with_grousers(lugs(
+                height,
+                f64::from(count),
+                self.grouser_thickness_m.unwrap_or(0.0),
+            )),
+            _ => Ok(bare),
+        }
+    }
+}
+
+/// Gravity by its value or by the body it is of.
+pub(crate) fn parse_gravity(text: &str) -> std::result::Result<f64, String> {
+    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
+    if let Some(gravity) = gravity_of(text) {
+        return Ok(gravity);
+    }
+    let gravity = parse_finite(text)
+        .map_err(|reason| format!("{reason}; a number in m/s² or earth, moon or mars"))?;
+    if gravity >= LIMITS_M_PER_S2.0 && gravity <= LIMITS_M_PER_S2.1 {
+        Ok(gravity)
+    } else {
+        Err("must lie in [0.001, 1000] m/s²".to_owned())
+    }
+}
+
 impl WheelArguments {
     /// The wheel on its soil; the soil is noted in the session.
     pub(crate) fn pair(&self, session: &mut Session) -> Result<(WheelOnSoil, Chosen)> {
         let refuse = |error| Names::Flags.error(&error);
-        let wheel = RigidWheel::new(self.radius_m, self.width_m).map_err(refuse)?;
+        let wheel = self
+            .grousers
+            .on(self.radius_m, self.width_m)
+            .map_err(refuse)?;
         let mut chosen = self.soil.choose(session)?;
         if let Some(rebound) = self.rebound {
             chosen.soil = chosen.soil.with_rebound(rebound).map_err(refuse)?;
@@ -48,5 +99,13 @@ impl WheelArguments {
             return Ok(Kinematics::straight(slip));
         }
         Kinematics::with_slip_angle(slip, Angle::from_deg(self.slip_angle_deg)).map_err(refuse)
+    }
+}
+
+/// Lugs by their sizes in m.
+pub(crate) fn lugs(height: f64, count: f64, thickness: f64) -> Grousers {
+    Grousers {
+        height,
+        rule: GrouserRule::Lugs { count, thickness },
     }
 }

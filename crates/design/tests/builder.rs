@@ -104,7 +104,15 @@ fn the_running_slip_counts_every_law_of_the_soil() {
 /// Grousers by either rule: the design's forces are those of the wheel.
 #[test]
 fn grousers_count_by_their_rule() {
-    for rule in [GrouserRule::Tips, GrouserRule::AreaShare { tips: 0.3 }] {
+    let lugs = GrouserRule::Lugs {
+        count: 24.0,
+        thickness: 0.002,
+    };
+    for rule in [
+        GrouserRule::Tips,
+        GrouserRule::AreaShare { tips: 0.3 },
+        lugs,
+    ] {
         let wheel = wheel()
             .with_grousers(Grousers { height: 0.01, rule })
             .unwrap();

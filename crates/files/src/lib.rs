@@ -53,6 +53,7 @@ mod toml_text;
 pub mod topics;
 pub mod unit;
 pub mod urdf;
+pub mod wheel_sizes;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT, Section};
 pub use entries::Entry;

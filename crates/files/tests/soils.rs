@@ -70,7 +70,7 @@ fn bad_numbers_and_keys_are_refused_with_their_place() {
 
 #[test]
 fn what_is_written_reads_back_to_the_same_bits() {
-    use grouser_terra::{Bulldozing, LawChoice, ShearLaw, SlipSinkage, StressPosition};
+    use grouser_terra::{Bulldozing, LawChoice, ShearLaw, SlipNorm, SlipSinkage, StressPosition};
     let sand = parse(SAND).unwrap();
     let params = grouser_terra::SoilParams {
         n_2: 0.1 + 0.2,
@@ -81,7 +81,14 @@ fn what_is_written_reads_back_to_the_same_bits() {
         rear_driving: 2.0,
         rear_drift: 1.0,
         transport_layer: 1e-3 / 3.0,
+        fitted: Some(grouser_terra::FittedRange {
+            slip: (-0.7, 0.75),
+            slip_angle: (0.0, grouser_terra::Angle::from_deg(100.0 / 3.3).rad()),
+            width: (0.05, 0.05),
+            load: (16.1, 26.0 / 1.1),
+        }),
         laws: LawChoice {
+            slip_norm: SlipNorm::Root,
             slip_sinkage: SlipSinkage::Whole,
             stress_position: StressPosition::Whole,
             shear: Some(ShearLaw::SlipVelocity),

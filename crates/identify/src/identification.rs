@@ -77,6 +77,8 @@ pub struct WheelNumber {
     pub interval: Interval,
     /// What the data say about it.
     pub verdict: Verdict,
+    /// What plates, shear tests or the job state for it, SI, where the wheel tests overrule that.
+    pub overruled: Option<f64>,
 }
 
 /// The result of wheel tests.
@@ -203,11 +205,14 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
             standard_error: uncertainty.standard_errors[index],
             interval: intervals[index],
             verdict: uncertainty.verdicts[index],
+            overruled: Some(parameter.of(&fixed.soil))
+                .filter(|known| parameter.is_measured() && !known.is_nan()),
         })
         .collect();
     for (parameter, value) in job.parameters.iter().zip(&best.x) {
         parameter.put(soil, *value);
     }
+    soil.fitted = wheel::fitted_range(&job.wheel, &tests);
     Ok(WheelStage {
         said: predict(&fixed, &tests, &job.parameters, &best.x)?,
         tests,
@@ -326,6 +331,13 @@ impl Identification {
                     interval(number.interval, unit),
                     number.verdict.key()
                 ));
+                if let Some(known) = number.overruled {
+                    list.push(format!(
+                        "{} is that of the wheel tests; {:.4} was measured or stated",
+                        number.parameter.key(),
+                        known / unit
+                    ));
+                }
             }
         }
         list

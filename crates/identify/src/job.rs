@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_files::wheel_sizes::with_grousers;
 use grouser_files::{Document, Section, nearest, soil};
 use grouser_terra::{RigidWheel, SoilParams};
 
@@ -46,6 +47,8 @@ use crate::wheel::Scatter;
 /// table = "wheel.csv"             # slip, load_n, and any of drawbar_pull_n, torque_nm, sinkage_mm, …
 /// radius_m = 0.1
 /// width_m = 0.05
+/// grouser_height_m = 0.005        # lugs, if it has some; grouser_thickness_m too
+/// grouser_count = 24
 /// fit = ["k_shear_m", "c_1", "c_2", "sinkage_datum_m"]
 /// pull_scatter_n = 0.5            # standard deviations of one reading
 /// torque_scatter_nm = 0.05
@@ -264,6 +267,7 @@ fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
         at: section.place_of("radius_m"),
         source,
     })?;
+    let wheel = with_grousers(section, wheel)?;
     let mut parameters = Vec::new();
     for name in section.texts("fit")? {
         let Some(parameter) = Parameter::named(name) else {

@@ -146,6 +146,15 @@ impl Parameter {
         matches!(self, Self::SinkageDatum | Self::SideDatum | Self::PullDatum)
     }
 
+    /// Do plates or shear tests measure it, so that a wheel test that finds it overrules a measurement?
+    #[must_use]
+    pub const fn is_measured(self) -> bool {
+        matches!(
+            self,
+            Self::Exponent | Self::KPhi | Self::Cohesion | Self::Phi | Self::KShear
+        )
+    }
+
     /// Its bounds, SI, and where a search begins: at what `soil` has, where that lies inside.
     #[must_use]
     pub fn bounded(self, soil: &SoilParams) -> Bounded {

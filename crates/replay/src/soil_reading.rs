@@ -1,7 +1,7 @@
 //! What the soil model says of a slip that was measured.
 
 use grouser_slip::{Robot, Wheel};
-use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, Soil, SolveStatus, WheelOnSoil};
+use grouser_terra::{Kinematics, Settings, Slip, Soil, SolveStatus, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use crate::summary::{Summary, WheelSummary};
@@ -72,7 +72,7 @@ pub fn reference_skid(summary: &Summary, robot: &Robot, soil: &Soil) -> Result<O
         let (Some(width), Some(load)) = (wheel.width, wheel.load) else {
             return Ok(None);
         };
-        let rigid = RigidWheel::new(wheel.radius, width)?;
+        let rigid = wheel.rigid(width)?;
         let pair = WheelOnSoil::new(rigid, *soil, Settings::default())?;
         let Some(skid) = pair.free_slip(load, 0.0)? else {
             return Ok(None);
@@ -101,11 +101,7 @@ fn reading(
     let width = description.width.ok_or_else(|| needs("width_m"))?;
     let load = description.load.ok_or_else(|| needs("load_n"))?;
     let slip = Slip::new(median)?;
-    let pair = WheelOnSoil::new(
-        RigidWheel::new(description.radius, width)?,
-        *soil,
-        Settings::default(),
-    )?;
+    let pair = WheelOnSoil::new(description.rigid(width)?, *soil, Settings::default())?;
     let solution = pair.under_load(load, &Kinematics::straight(slip))?;
     let best = pair.slip_of_maximum_efficiency(load)?;
     let point = solution.point();

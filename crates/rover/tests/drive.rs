@@ -57,7 +57,7 @@ fn slips_called_ok_hold() {
 /// otherwise, and its sigmas must cover that.
 #[test]
 fn slips_called_ok_hold_under_foreign_laws() {
-    for law in [ShearLaw::SlipVelocity, ShearLaw::TowedWongReece] {
+    for law in [ShearLaw::SlipVelocity, ShearLaw::TowedRestart] {
         for name in ["sandbox", "dunes"] {
             let mut scenario = scenario(name);
             scenario.ground.world_laws = Some(law);

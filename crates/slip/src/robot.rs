@@ -2,7 +2,7 @@
 
 use alloc::{string::String, vec::Vec};
 
-use grouser_terra::Angle;
+use grouser_terra::{Angle, Grousers, RigidWheel};
 
 use crate::counter::CounterWidth;
 use crate::error::{Error, Result, check_range};
@@ -153,6 +153,8 @@ pub struct Wheel {
     pub width: Option<f64>,
     /// Load that it carries, N; the soil model needs it.
     pub load: Option<f64>,
+    /// Lugs across its rim, for the soil model.
+    pub grousers: Option<Grousers>,
 }
 
 impl Wheel {
@@ -179,7 +181,18 @@ impl Wheel {
             encoder: Encoder::default(),
             width: None,
             load: None,
+            grousers: None,
         }
+    }
+
+    /// The wheel as the soil model takes it, with `width` in m.
+    ///
+    /// # Errors
+    /// As [`RigidWheel::new`] and [`RigidWheel::with_grousers`].
+    pub fn rigid(&self, width: f64) -> grouser_terra::Result<RigidWheel> {
+        let bare = RigidWheel::new(self.radius, width)?;
+        self.grousers
+            .map_or(Ok(bare), |grousers| bare.with_grousers(grousers))
     }
 
     /// The same wheel with its centre at `x` (forwards) and `y` (to the left), m.

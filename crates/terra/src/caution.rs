@@ -29,10 +29,15 @@ pub enum Caution {
     SeveralSinkages,
     /// The contact gives energy back, which soil cannot.
     WorkGained,
+    /// The lugs are further apart than Skonieczny's rule allows at this slip and sinkage: the rim between them
+    /// pushes soil forwards ([`lug_spacing_skonieczny`](crate::lug_spacing_skonieczny)).
+    LugSpacing,
+    /// Slip, slip angle, width or load lie outside the tests that the soil's numbers were fitted on.
+    OutsideFit,
 }
 
 impl Caution {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 10] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -41,6 +46,8 @@ impl Caution {
         Self::NoBulldozing,
         Self::SeveralSinkages,
         Self::WorkGained,
+        Self::LugSpacing,
+        Self::OutsideFit,
     ];
 
     /// Its name in files and on the wire.
@@ -55,6 +62,8 @@ impl Caution {
             Self::NoBulldozing => "no-bulldozing",
             Self::SeveralSinkages => "several-sinkages",
             Self::WorkGained => "work-gained",
+            Self::LugSpacing => "lug-spacing",
+            Self::OutsideFit => "outside-fit",
         }
     }
 }
@@ -78,6 +87,12 @@ impl fmt::Display for Caution {
             }
             Self::SeveralSinkages => "more than one sinkage carries this load; this is the lowest",
             Self::WorkGained => "the contact gives energy back, which soil cannot",
+            Self::LugSpacing => {
+                "lugs are so far apart that the rim between them pushes soil forwards"
+            }
+            Self::OutsideFit => {
+                "slip, slip angle, width or load lie outside the tests that the soil was fitted on"
+            }
         })
     }
 }

@@ -76,10 +76,10 @@ impl<const N: usize> DualInputs<N> {
                 Some(_) => wheel_on_soil.settings().bulldozing.kappa(kinematics),
                 None => 0.0,
             },
-            side: if kinematics.q_y() == 0.0 {
+            side: if kinematics.slip_angle().rad() == 0.0 {
                 0.0
             } else {
-                -kinematics.q_y().signum()
+                -kinematics.slip_angle().rad().signum()
             },
         }
     }

@@ -45,9 +45,12 @@ mod closed_form;
 mod contact;
 mod derivative;
 mod error;
+mod fitted_range;
 mod forces;
+mod gravity;
 mod kinematics;
 mod lanes;
+mod lugs;
 mod operating_point;
 mod pressure;
 mod quadrature;
@@ -73,10 +76,15 @@ pub use contact::{
 };
 pub use derivative::{DualInputs, DualSolution};
 pub use error::{Error, Result};
+pub use fitted_range::FittedRange;
 pub use forces::Forces;
+pub use gravity::{
+    EARTH_GRAVITY_M_PER_S2, MARS_GRAVITY_M_PER_S2, MOON_GRAVITY_M_PER_S2, gravity_of,
+};
 pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
+pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
@@ -84,7 +92,7 @@ pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_r
 pub use sinkage::{LoadOutcome, LoadSolution, Sinkage, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
-pub use slip_velocity::SlipVelocity;
+pub use slip_velocity::{SlipNorm, SlipVelocity};
 pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
 pub use status::SolveStatus;
 pub use traction::{BestSlip, SlopeOutcome};

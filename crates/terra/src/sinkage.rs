@@ -223,7 +223,10 @@ impl WheelOnSoil {
     /// wheel it cannot: every angle of the contact is positive and every stress grows with θ_1.
     fn may_fall(&self, kinematics: &Kinematics) -> bool {
         let params = self.soil().params();
-        params.rebound > 0.0 || params.transport_layer > 0.0 || !kinematics.slip().is_driving()
+        params.rebound > 0.0
+            || params.transport_layer > 0.0
+            || self.size().lug_layer > 0.0
+            || !kinematics.slip().is_driving()
     }
 
     /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r.

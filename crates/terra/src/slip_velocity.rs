@@ -4,10 +4,10 @@ use grouser_real::Scalar;
 
 use crate::contact::Motion;
 
-/// The velocity of the lowest point of the rim over the ground, over the greater of rim speed and travel
-/// speed: s_x = (rω − v_x)/max(rω, V) and s_y = |v_y|/max(rω, V) with V = hypot(v_x, v_y).
+/// The velocity of the lowest point of the rim over the ground, over a speed m: s_x = (rω − v_x)/m and
+/// s_y = |v_y|/m, with m = max(rω, V) or hypot(rω, V) ([`SlipNorm`]) and V = hypot(v_x, v_y).
 ///
-/// Straight ahead s_x is the slip itself, driving and braking, and s_y is 0. A wheel that is dragged
+/// Straight ahead and with max(rω, V), s_x is the slip itself, driving and braking, and s_y is 0. A wheel that is dragged
 /// sideways without turning has s_x = 0 and s_y = 1.
 ///
 /// Source: ours; the norm is the one in which the test beds that tow a wheel at a fixed speed state slip.
@@ -19,13 +19,65 @@ pub struct SlipVelocity<R = f64> {
     pub along: R,
     /// s_y, in [0, 1].
     pub across: R,
-    /// s_t = (V − rω cos β)/max(rω, V), in [−1, 1]: the part along the way that the wheel travels, positive
+    /// s_t = (V − rω cos β)/m, in [−1, 1]: the part along the way that the wheel travels, positive
     /// where the rim ploughs, that is, is dragged along. Straight ahead it is −s.
     pub ploughing: R,
 }
 
+/// By which speed a slip velocity is divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SlipNorm {
+    /// max(rω, V). The default: straight ahead s_x is the slip itself. A drifting wheel has an edge at rω = V.
+    #[default]
+    Greater,
+    /// hypot(V, rω): smooth wherever the wheel moves. Straight ahead s_x = s/√(1 + (1 − |s|)²).
+    ///
+    /// Source: ours; the trials show no edge at rω = V.
+    Root,
+}
+
+impl SlipNorm {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Greater => "greater",
+            Self::Root => "root",
+        }
+    }
+}
+
+/// The speeds of a wheel over the greater of rim and forward speed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Speeds<R> {
+    /// rω.
+    pub(crate) rim: R,
+    /// v_x.
+    pub(crate) forward: R,
+    /// |v_y|.
+    pub(crate) sideways: R,
+    /// V = hypot(v_x, v_y).
+    pub(crate) travel: R,
+}
+
 impl<R: Scalar> Motion<R> {
-    /// The slip velocity of this motion.
+    /// Rim, forward, sideways and travel speed, scaled so that a locked wheel needs no case of its own.
+    pub(crate) fn speeds(&self) -> Speeds<R> {
+        let driving = R::ZERO.le(self.slip);
+        let rim = R::select(driving, R::ONE, R::ONE + self.slip);
+        let forward = R::select(driving, R::ONE - self.slip, R::ONE);
+        let locked = self.slip.le(-R::ONE);
+        let sideways = self.q_y.abs() * R::select(locked, R::ONE, rim);
+        Speeds {
+            rim,
+            forward,
+            sideways,
+            travel: forward.hypot(sideways),
+        }
+    }
+
+    /// The slip velocity of this motion over the greater of rim and travel speed.
     ///
     /// ```
     /// use grouser_terra::{Angle, Kinematics, Slip};
@@ -37,14 +89,22 @@ impl<R: Scalar> Motion<R> {
     /// ```
     #[must_use]
     pub fn slip_velocity(&self) -> SlipVelocity<R> {
-        // Rim and forward speed over the greater of the two, so that a locked wheel needs no case of its own.
-        let driving = R::ZERO.le(self.slip);
-        let rim = R::select(driving, R::ONE, R::ONE + self.slip);
-        let forward = R::select(driving, R::ONE - self.slip, R::ONE);
-        let locked = self.slip.le(-R::ONE);
-        let sideways = self.q_y.abs() * R::select(locked, R::ONE, rim);
-        let travel = forward.hypot(sideways);
-        let scale = rim.max(travel);
+        self.slip_velocity_by(SlipNorm::Greater)
+    }
+
+    /// The slip velocity of this motion in a norm.
+    #[must_use]
+    pub fn slip_velocity_by(&self, norm: SlipNorm) -> SlipVelocity<R> {
+        let Speeds {
+            rim,
+            forward,
+            sideways,
+            travel,
+        } = self.speeds();
+        let scale = match norm {
+            SlipNorm::Greater => rim.max(travel),
+            SlipNorm::Root => rim.hypot(travel),
+        };
         let moves = R::ZERO.lt(travel);
         let cosine = R::select(moves, forward / R::select(moves, travel, R::ONE), R::ONE);
         SlipVelocity {
@@ -64,6 +124,11 @@ impl<R: Scalar> SlipVelocity<R> {
     /// |s_x| where the wheel brakes, else 0.
     pub fn braking(&self) -> R {
         (-self.along).max(R::ZERO)
+    }
+
+    /// hypot(s_x, s_y): all of it, in [0, 1].
+    pub fn sliding(&self) -> R {
+        self.along.abs().hypot(self.across)
     }
 
     /// hypot(s_x⁺, s_t⁺), driving and ploughing together: straight ahead |s|.

@@ -5,13 +5,15 @@ use grouser_real::{Real, Scalar};
 use crate::angle::Angle;
 use crate::bulldozing::Bulldozing;
 use crate::contact::{
-    ExponentTables, Motion, StressPosition, rear_share, sinkage_from_entry_angle,
+    ExponentTables, Motion, StressPosition, WheelSize, rear_share, sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
+use crate::fitted_range::FittedRange;
 use crate::pressure::{
     Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, share_left, transport_depth_reece,
 };
 use crate::shear::{MohrCoulomb, ShearLaw};
+use crate::slip_velocity::{SlipNorm, SlipVelocity};
 
 /// The sinkage exponents that the laws are used with.
 pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
@@ -71,12 +73,16 @@ pub struct SoilParams {
     pub transport_layer: f64,
     /// The laws that these numbers were identified with.
     pub laws: LawChoice,
+    /// The tests that these numbers were fitted on; `None` where that is not known.
+    pub fitted: Option<FittedRange>,
 }
 
 /// The laws that go with a soil's numbers, where they are not the usual ones: a number identified with one
 /// law means nothing to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LawChoice {
+    /// By which speed a slip velocity is divided in n(s), θ_m and the rear contact.
+    pub slip_norm: SlipNorm,
     /// Which slip the sinkage exponent grows with.
     pub slip_sinkage: SlipSinkage,
     /// Which slip moves the greatest stress.
@@ -131,6 +137,7 @@ impl SoilParams {
             rear_drift: 0.0,
             transport_layer: 0.0,
             laws: LawChoice::default(),
+            fitted: None,
         }
     }
 }
@@ -206,6 +213,9 @@ impl Soil {
         Error::check_range("rear_driving", p.rear_driving, 0.0, 100.0, "1")?;
         Error::check_range("rear_drift", p.rear_drift, 0.0, 100.0, "1")?;
         Error::check_range("transport_layer", p.transport_layer, 0.0, 1.0, "m")?;
+        if let Some(fitted) = &p.fitted {
+            fitted.check()?;
+        }
         let constant = p.n_1 == 0.0 && p.n_2 == 0.0;
         Ok(Self {
             params,
@@ -315,17 +325,27 @@ pub struct SoilLaws<R = f64> {
 }
 
 impl<R: Scalar> SoilLaws<R> {
+    /// The slip velocity in the norm that these numbers were identified with.
+    fn slip_velocity(&self, motion: &Motion<R>) -> SlipVelocity<R> {
+        motion.slip_velocity_by(self.choice.slip_norm)
+    }
+
     /// The sinkage exponent in this motion.
     pub fn exponent_at(&self, motion: &Motion<R>) -> R {
         match self.choice.slip_sinkage {
             SlipSinkage::InPlane => self.exponent.at(motion.slip),
-            SlipSinkage::Whole => self.exponent.at_whole(&motion.slip_velocity()),
+            SlipSinkage::Whole => self.exponent.at_whole(&self.slip_velocity(motion)),
+            SlipSinkage::Saturating => self.exponent.at_saturating(&self.slip_velocity(motion)),
         }
     }
 
     /// θ_m/θ_1 in this motion, before it is held in [0, 1].
     pub fn position_at(&self, motion: &Motion<R>) -> R {
-        self.c_1 + self.c_2 * self.choice.stress_position.slip_of(motion)
+        let slip = self
+            .choice
+            .stress_position
+            .slip_of(motion, self.choice.slip_norm);
+        self.c_1 + self.c_2 * slip
     }
 
     /// The rebound ratio in this motion: λ times the square of the share of the rear that is left.
@@ -333,17 +353,28 @@ impl<R: Scalar> SoilLaws<R> {
         if self.rebound.value() == 0.0 {
             return self.rebound;
         }
-        let share = rear_share(&motion.slip_velocity(), self.rear_driving, self.rear_drift);
+        let share = rear_share(
+            &self.slip_velocity(motion),
+            self.rear_driving,
+            self.rear_drift,
+        );
         self.rebound * share * share
     }
 
     /// What soil carried away leaves of the pressure at the entry angle `theta_1`.
-    pub(crate) fn share_left(&self, motion: &Motion<R>, theta_1: R, radius: R, n: R) -> R {
-        if self.transport_layer.value() == 0.0 {
+    pub(crate) fn share_left(
+        &self,
+        motion: &Motion<R>,
+        theta_1: R,
+        size: &WheelSize<R>,
+        n: R,
+    ) -> R {
+        let layer = self.transport_layer + size.lug_layer;
+        if layer.value() == 0.0 {
             return R::ONE;
         }
-        let dug = transport_depth_reece(self.transport_layer, motion.slip_velocity().driving());
-        share_left(dug, sinkage_from_entry_angle(theta_1, radius), n)
+        let dug = transport_depth_reece(layer, motion);
+        share_left(dug, sinkage_from_entry_angle(theta_1, size.radius), n)
     }
 }
 

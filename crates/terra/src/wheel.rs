@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 /// The least and greatest radius and width in m: from a toy's castor to a mining truck.
 const SIZE: (f64, f64) = (1e-3, 100.0);
 
+/// More lugs than any wheel has.
+const MAX_LUGS: f64 = 1e4;
+
 /// A rigid wheel: radius, width and, if it has them, grousers.
 ///
 /// ```
@@ -20,7 +23,7 @@ pub struct RigidWheel {
     grousers: Option<Grousers>,
 }
 
-/// Bars across the rim.
+/// Bars (lugs) across the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grousers {
     /// Height above the rim, h_g in m.
@@ -41,6 +44,15 @@ pub enum GrouserRule {
     AreaShare {
         /// The share μ of the surface that is grouser tip, in [0, 1].
         tips: f64,
+    },
+    /// r everywhere; lugs carry soil backwards ([`lug_transport_layer`](crate::lug_transport_layer)) and add
+    /// thrust where the rim drives ([`lug_thrust_gain`](crate::lug_thrust_gain)). The rule that was held
+    /// against measured wheels.
+    Lugs {
+        /// How many around the rim, N ≥ 1; an optimiser may pass between whole numbers.
+        count: f64,
+        /// Thickness t along the rim, m; N t is at most the circumference.
+        thickness: f64,
     },
 }
 
@@ -78,6 +90,11 @@ impl RigidWheel {
         if let GrouserRule::AreaShare { tips } = grousers.rule {
             Error::check_range("tips", tips, 0.0, 1.0, "1")?;
         }
+        if let GrouserRule::Lugs { count, thickness } = grousers.rule {
+            Error::check_range("lug_count", count, 1.0, MAX_LUGS, "1")?;
+            let room = core::f64::consts::TAU * self.radius / count;
+            Error::check_range("lug_thickness", thickness, 0.0, room, "m")?;
+        }
         Ok(Self {
             grousers: Some(grousers),
             ..self
@@ -102,10 +119,18 @@ impl RigidWheel {
         self.grousers
     }
 
-    /// The radius that slip, forces, torque and the contact angles refer to, m: r, or r_s = r + h_g.
+    /// The radius that slip, forces, torque and the contact angles refer to, m: r, or r_s = r + h_g
+    /// ([`GrouserRule`]).
     #[must_use]
     pub fn running_radius(&self) -> f64 {
-        self.radius + self.grousers.map_or(0.0, |g| g.height)
+        match self.grousers {
+            Some(Grousers {
+                rule: GrouserRule::Lugs { .. },
+                ..
+            })
+            | None => self.radius,
+            Some(grousers) => self.radius + grousers.height,
+        }
     }
 
     /// The radius that the shear displacement refers to, m.

@@ -213,8 +213,9 @@ impl WheelOnSoil {
         kinematics: &Kinematics,
         cautions: &mut Cautions,
     ) -> f64 {
-        let q_y = kinematics.q_y();
-        if q_y == 0.0 {
+        // the side follows the slip angle, which a wheel that spins on the spot (v → 0) keeps
+        let beta = kinematics.slip_angle().rad();
+        if beta == 0.0 {
             return 0.0;
         }
         let kappa = self.settings.bulldozing.kappa(kinematics);
@@ -228,7 +229,7 @@ impl WheelOnSoil {
                 &contact.angles(),
             )
         });
-        -q_y.signum() * (forces.side_shear + kappa * ploughed)
+        -beta.signum() * (forces.side_shear + kappa * ploughed)
     }
 
     fn add_cautions(
@@ -248,6 +249,14 @@ impl WheelOnSoil {
         cautions.insert_if(contact.shear.reverses(arc), Caution::ShearReversal);
         let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;
         cautions.insert_if(apart, Caution::ShearAboveStrength);
+        let outside = self.soil.params().fitted.is_some_and(|fitted| {
+            !fitted.holds(kinematics, self.wheel.width(), forces.vertical_force)
+        });
+        cautions.insert_if(outside, Caution::OutsideFit);
+        cautions.insert_if(
+            self.lugs_are_sparse(sinkage, kinematics.slip().value()),
+            Caution::LugSpacing,
+        );
         let scale = forces
             .torque
             .abs()

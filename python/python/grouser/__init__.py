@@ -1,11 +1,12 @@
 """Wheel slip of robots on soft ground.
 
 Modules by subject: `soils`, `wheel` (forces and sinkage, at one point or at millions), `optimize`, `slip`
-(filter and on-board computer), `logs`, `drive` (simulation), `figures`. Bad input raises `InputError` (a
+(filter and on-board computer), `logs`, `drive` (simulation),
+`identify` (soils from tests), `figures`. Bad input raises `InputError` (a
 ValueError) or `InputTypeError` (a TypeError) with field, value, limit and unit.
 """
 
-from . import drive, figures, logs, optimize, slip, soils, wheel
+from . import drive, figures, identify, logs, optimize, slip, soils, wheel
 from ._errors import InputError, InputTypeError
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "InputTypeError",
     "drive",
     "figures",
+    "identify",
     "logs",
     "optimize",
     "slip",

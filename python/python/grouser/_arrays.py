@@ -21,7 +21,12 @@ def as_floats(field: str, value: Any) -> FloatArray:
     if isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray):
         array = value
     elif isinstance(value, (float, int)) and not isinstance(value, bool):
-        array = np.asarray(float(value))
+        try:
+            array = np.asarray(float(value))
+        except OverflowError:
+            raise InputError(
+                f"{field} is an integer beyond 1.8e308, but must be a finite number", field, value
+            ) from None
     else:
         array = _converted(field, value)
     if array.dtype.kind not in _KINDS:

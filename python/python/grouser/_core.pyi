@@ -19,6 +19,7 @@ __all__ = [
     "catalogue_keys",
     "chart_svg",
     "estimate",
+    "identify",
     "instructions",
     "read_samples",
     "run_command",
@@ -365,3 +366,4 @@ def chart_svg(
     y_title: str,
     lines: Sequence[tuple[_Floats, _Floats, str, bool]],
 ) -> str: ...
+def identify(path: str | PathLike[str], threads: int) -> dict[str, Any]: ...

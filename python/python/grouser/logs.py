@@ -173,7 +173,7 @@ def read(paths: Paths, robot: Robot, *, columns: str | os.PathLike[str] | None =
     >>> robot = logs.Robot.read("examples/five-wheel/robot.toml")
     >>> samples = logs.read("examples/five-wheel/log.csv", robot, columns="examples/five-wheel/columns.toml")
     >>> time_ns, _, numbers = samples.of_kind("yaw-rate")
-    >>> abs(numbers[:, 0].sum() * 0.02 - 0.94) < 0.01  # 0.15 rad/s for 6 s, and the gyro's bias
+    >>> bool(abs(numbers[:, 0].sum() * 0.02 - 0.94) < 0.01)  # 0.15 rad/s for 6 s, and the gyro's bias
     True
     """
     map_path = None if columns is None else os.fspath(columns)

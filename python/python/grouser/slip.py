@@ -129,7 +129,7 @@ _MEASURED = ("forward_speed_mps", "left_speed_mps", "yaw_rate_rad_per_s", "commo
 
 def _estimate(found: dict[str, Any]) -> Estimate:
     wheels = [WheelEstimate(**wheel) for wheel in found.pop("wheels")]
-    measured = {key: Measured(*found.pop(key)) for key in _MEASURED}
+    measured: dict[str, Any] = {key: Measured(*found.pop(key)) for key in _MEASURED}
     return Estimate(wheels=wheels, **measured, **found)
 
 

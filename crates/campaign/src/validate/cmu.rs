@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use grouser_terra::{Angle, Kinematics, RigidWheel};
+use grouser_terra::{Angle, GrouserRule, Grousers, Kinematics, RigidWheel};
 
 use grouser_identify::table::{Column, Table};
 use grouser_identify::wheel::{Support, WheelTest};
@@ -14,8 +14,12 @@ pub const TRIALS: &str = "cmu-wheel/trials.csv";
 /// Radius and width of the rim, m.
 pub const SIZE: (f64, f64) = (0.058, 0.05);
 
-/// Height of the grousers, m.
-pub const GROUSER_HEIGHT: f64 = 0.005;
+/// The file of further trials of the wheel with grousers, which a folder of measured data may have.
+pub const LUG_TRIALS: &str = "cmu-lugs/trials.csv";
+
+/// The grousers: height (m), number and thickness (m). The thickness follows from the share of the circumference,
+/// a tenth, that the model published with the trials gives to their tips.
+pub const GROUSERS: (f64, f64, f64) = (0.005, 24.0, 0.0015);
 
 /// One trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,11 +54,26 @@ pub fn smooth_wheel() -> Result<RigidWheel> {
     })
 }
 
+/// The wheel with its grousers. The test bed's rim speed is that of the rim, as this rule takes it.
+///
+/// # Errors
+/// None in fact: the sizes are sound.
+pub fn grouser_wheel() -> Result<RigidWheel> {
+    let (height, count, thickness) = GROUSERS;
+    let rule = GrouserRule::Lugs { count, thickness };
+    smooth_wheel()?
+        .with_grousers(Grousers { height, rule })
+        .map_err(|source| Error::Law {
+            what: "the grousers of the test bed".to_owned(),
+            source,
+        })
+}
+
 /// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `greatest_slip`.
 ///
 /// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. Pull is
 /// −drag_force_n, load −vertical_force_n; the side force is positive to the left, so that of a wheel that drifts
-/// to its left is −side_force_n.
+/// to its left is −side_force_n. Locked wheels at a slip angle of 90° have no slip and are left out.
 ///
 /// # Errors
 /// As [`Table::read`]; [`Error::Content`] where a column is missing.
@@ -80,6 +99,10 @@ pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>
     let mut out = Vec::new();
     for i in 0..table.len() {
         if wheels[i] != wheel || slip[i].abs() > greatest_slip {
+            continue;
+        }
+        // a locked wheel dragged sideways: neither rim nor wheel plane has a speed, so that there is no slip
+        if angle[i] == 90.0 && rim[i] == 0.0 {
             continue;
         }
         let beta = Angle::from_deg(angle[i]);

@@ -16,7 +16,7 @@ impl Validation {
 
 fn csv(validation: &Validation) -> String {
     let mut out = String::from(
-        "data_set,wheel,slip_angle_deg,quantity,unit,model,fit,split,n,bias,rmse,q75,q99,max,\
+        "data_set,wheel,slip_angle_deg,slips,quantity,unit,model,fit,split,n,bias,rmse,q75,q99,max,\
          fitted_parameters,published_rmse,scatter,hub_buried\n",
     );
     let optional = |value: Option<f64>| value.map(exact).unwrap_or_default();
@@ -25,10 +25,11 @@ fn csv(validation: &Validation) -> String {
         // writing to a string cannot fail
         let _ = writeln!(
             out,
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             row.data_set,
             row.wheel,
             exact(row.slip_angle_deg),
+            row.slips.key(),
             row.quantity.key(),
             row.quantity.unit(),
             row.model.key(),

@@ -1,7 +1,10 @@
 //! The smooth wheel of Ding et al. (2011) on the lunar simulant HIT-LSS1, read off their figures.
 
-use grouser_terra::{Kinematics, Slip};
+use std::path::Path;
 
+use grouser_terra::{GrouserRule, Grousers, Kinematics, RigidWheel, Slip};
+
+use grouser_identify::table::{Column, Table};
 use grouser_identify::wheel::{Support, WheelTest};
 use grouser_identify::{Error, Result};
 
@@ -44,4 +47,57 @@ pub fn tests() -> Result<Vec<WheelTest>> {
             })
         })
         .collect()
+}
+
+/// The file of the same wheel with lugs, which a folder of measured data may have.
+pub const LUGGED: &str = "roverdevkit/ding_2011_lugged.csv";
+
+/// Thickness of its lugs, m: not stated with the data. 2 mm changes the transported layer by 6 %.
+const LUG_THICKNESS_M: f64 = 0.002;
+
+/// The wheel with lugs and its tests: the file states height, number, load and what was measured.
+///
+/// # Errors
+/// As [`Table::read`]; [`Error::Content`] where a column is missing; [`Error::Law`] for a size or slip that the laws
+/// refuse.
+pub fn lugged_tests(path: &Path) -> Result<(RigidWheel, Vec<WheelTest>)> {
+    let table = Table::read(path)?;
+    let number = |name: &'static [(&'static str, f64)]| table.numbers(Column(name));
+    let height = number(&[("grouser_height_m", 1.0)])?;
+    let count = number(&[("grouser_count", 1.0)])?;
+    let load = number(&[("vertical_load_n", 1.0)])?;
+    let slip = number(&[("slip", 1.0)])?;
+    let pull = number(&[("meas_drawbar_pull_n", 1.0)])?;
+    let sinkage = number(&[("meas_sinkage_m", 1.0)])?;
+    let torque = number(&[("meas_torque_nm", 1.0)])?;
+    let law = |source| Error::Law {
+        what: "a row of Ding's lugged wheel".to_owned(),
+        source,
+    };
+    let (Some(&height), Some(&count)) = (height.first(), count.first()) else {
+        return Err(Error::Content {
+            path: path.to_owned(),
+            message: "there is no row".to_owned(),
+        });
+    };
+    let rule = GrouserRule::Lugs {
+        count,
+        thickness: LUG_THICKNESS_M,
+    };
+    let wheel = RigidWheel::new(WHEEL.0, WHEEL.1)
+        .and_then(|wheel| wheel.with_grousers(Grousers { height, rule }))
+        .map_err(law)?;
+    let tests = (0..table.len())
+        .map(|i| {
+            Ok(WheelTest {
+                kinematics: Kinematics::straight(Slip::new(slip[i]).map_err(law)?),
+                support: Support::Load(load[i]),
+                pull: Some(pull[i]),
+                side: None,
+                torque: Some(torque[i]),
+                sinkage: Some(sinkage[i]),
+            })
+        })
+        .collect::<Result<_>>()?;
+    Ok((wheel, tests))
 }

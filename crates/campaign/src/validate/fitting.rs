@@ -7,7 +7,9 @@ use grouser_identify::Parameter;
 use grouser_identify::least_squares::{
     Bounded, Loss, Settings, StartSettings, Uncertainty, multi_start,
 };
-use grouser_identify::wheel::{Fixed, Prediction, Scatter, WheelModel, WheelTest, predict};
+use grouser_identify::wheel::{
+    Fixed, Prediction, Scatter, WheelModel, WheelTest, fitted_range, predict,
+};
 use grouser_identify::{Error, Result};
 
 /// A wheel, soil or motion of the measured data that the laws refuse.
@@ -75,6 +77,7 @@ impl Job<'_> {
         for (parameter, value) in self.parameters.iter().zip(&best.x) {
             parameter.put(&mut soil, *value);
         }
+        soil.fitted = fitted_range(&self.wheel, self.tests);
         Ok(Fitted {
             fixed,
             parameters: self.parameters.to_vec(),

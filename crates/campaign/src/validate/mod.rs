@@ -12,6 +12,8 @@ mod run;
 mod score;
 mod text;
 
-pub use rows::{FitReport, Found, MeasuredPoint, ModelName, Row, Series, Split, Validation};
+pub use rows::{
+    FitReport, Found, MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation,
+};
 pub use run::{MAX_SLIP, PLATES, plate_tests, validate};
 pub use score::Score;

@@ -4,7 +4,7 @@ use grouser_terra::{Kinematics, RigidWheel, Slip, SoilParams, catalogue};
 
 use super::ding;
 use super::fitting::{Fitted, Job, law_error};
-use super::rows::{MeasuredPoint, ModelName, Row, Series, Split, Validation};
+use super::rows::{MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation};
 use super::score::Score;
 use grouser_identify::Parameter;
 use grouser_identify::wheel::{Quantity, Scatter, WheelTest};
@@ -41,13 +41,21 @@ const CHRONO: [(Quantity, f64); 3] = [
 
 impl Validation {
     /// One fit, its rows and figures.
-    pub(super) fn add_ding(&mut self) -> Result<()> {
+    pub(super) fn add_ding(&mut self, lugged: Option<&(RigidWheel, Vec<WheelTest>)>) -> Result<()> {
         let tests = ding::tests()?;
         let fitted = models(&tests)?;
+        if let Some((wheel, lugged)) = lugged {
+            for quantity in [Quantity::Pull, Quantity::Torque, Quantity::Sinkage] {
+                for one in &fitted {
+                    let one = one.on(*wheel);
+                    self.rows.extend(row(&one, lugged, quantity, "grouser")?);
+                }
+            }
+        }
         for quantity in [Quantity::Pull, Quantity::Torque, Quantity::Sinkage] {
             let mut lines = Vec::new();
             for one in &fitted {
-                self.rows.extend(row(one, &tests, quantity)?);
+                self.rows.extend(row(one, &tests, quantity, "smooth")?);
                 lines.push((
                     one.report.model,
                     one.report.fit,
@@ -119,22 +127,29 @@ fn models(tests: &[WheelTest]) -> Result<[Fitted; 2]> {
     ])
 }
 
-fn row(one: &Fitted, tests: &[WheelTest], quantity: Quantity) -> Result<Option<Row>> {
+fn row(
+    one: &Fitted,
+    tests: &[WheelTest],
+    quantity: Quantity,
+    wheel: &'static str,
+) -> Result<Option<Row>> {
     let said = one.predict(tests)?;
     let errors: Vec<f64> = tests
         .iter()
         .zip(&said)
         .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
         .collect();
-    let published = CHRONO.iter().find(|(q, _)| *q == quantity);
+    let smooth = wheel == "smooth";
+    let published = CHRONO.iter().find(|(q, _)| smooth && *q == quantity);
     Ok(Score::of(&errors).map(|score| Row {
         data_set: DING,
-        wheel: "smooth",
+        wheel,
         slip_angle_deg: 0.0,
+        slips: SlipGroup::Steady,
         quantity,
         model: one.report.model,
         fit: one.report.fit,
-        split: if one.parameters.is_empty() {
+        split: if one.parameters.is_empty() || !smooth {
             Split::HeldOut
         } else {
             Split::Fitted

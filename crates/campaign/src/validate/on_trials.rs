@@ -1,14 +1,14 @@
 //! The trials of the test bed against the model.
 
 use grouser_terra::{
-    Angle, Bulldozing, GrouserRule, Grousers, Kinematics, LawChoice, ShearLaw, SlipSinkage,
-    SoilParams, StressPosition,
+    Angle, Bulldozing, Kinematics, LawChoice, ShearLaw, SlipNorm, SlipSinkage, SoilParams,
+    StressPosition,
 };
 use rayon::prelude::*;
 
 use super::cmu::{self, Trial};
 use super::fitting::{Fitted, Job, law_error};
-use super::rows::{MeasuredPoint, ModelName, Row, Series, Split, Validation};
+use super::rows::{MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation};
 use super::score::{Score, pooled};
 use grouser_identify::Parameter;
 use grouser_identify::Result;
@@ -28,6 +28,7 @@ const STRAIGHT: &str = "slip angle 0";
 const BRACKET: &str = "slip angles 0 and 60";
 
 const CMU: &str = "cmu-wheel";
+const CMU_LUGS: &str = "cmu-lugs";
 
 /// Wheel numbers of our laws that the smooth wheel at slip angle 0 determines, with the two offsets.
 const OURS: [Parameter; 8] = [
@@ -76,8 +77,12 @@ const PUBLISHED: [(f64, Quantity, f64); 6] = [
     (30.0, Quantity::Sinkage, 1.89),
 ];
 
-/// The sand of the trials: φ and the unit weight as measured with it, no cohesion in dry sand, n and moduli
-/// from the plates.
+/// Cohesion of the trials' sand, Pa, where the fit does not find it. Slip angle 0 does not determine it (left free
+/// it goes to 0 and spoils every drift row); between 200 and 350 Pa the fits at slip angle 0 differ by 3 % of
+/// their cost. The fit on slip angles 0 and 60 finds a value of this size: the drift rows are not wholly blind to it.
+const STATED_COHESION_PA: f64 = 225.0;
+
+/// The sand of the trials: φ and the unit weight as measured with it, n and moduli from the plates.
 fn sand(plates: &PlateFit) -> SoilParams {
     SoilParams {
         cohesion: 0.0,
@@ -93,14 +98,16 @@ fn sand(plates: &PlateFit) -> SoilParams {
 /// The same with our laws.
 fn our_sand(plates: &PlateFit) -> SoilParams {
     SoilParams {
-        n_1: 0.2,
-        n_2: 0.3,
-        rebound: 0.25,
+        cohesion: STATED_COHESION_PA,
+        n_1: 0.3,
+        n_2: 0.4,
+        rebound: 0.4,
         // a wheel that only slides sideways has no rear
         rear_drift: 1.0,
         laws: LawChoice {
-            slip_sinkage: SlipSinkage::Whole,
-            stress_position: StressPosition::Whole,
+            slip_norm: SlipNorm::Root,
+            slip_sinkage: SlipSinkage::Saturating,
+            stress_position: StressPosition::Sliding,
             shear: Some(ShearLaw::SlipVelocity),
             bulldozing: Some(Bulldozing::Chord),
         },
@@ -112,10 +119,12 @@ fn our_sand(plates: &PlateFit) -> SoilParams {
 /// wheel's plane (Ding), a rebound, θ_m by the magnitude of the slip, shear along the displacement.
 fn published_sand(plates: &PlateFit) -> SoilParams {
     SoilParams {
+        cohesion: STATED_COHESION_PA,
         n_1: 0.2,
         n_2: 0.3,
         rebound: 0.25,
         laws: LawChoice {
+            slip_norm: SlipNorm::Greater,
             slip_sinkage: SlipSinkage::InPlane,
             stress_position: StressPosition::Magnitude,
             shear: Some(ShearLaw::Coupled),
@@ -131,12 +140,19 @@ fn is_at(trial: &Trial, degrees: f64) -> bool {
 
 impl Validation {
     /// Fits, rows and figures of the smooth and the grousered wheel.
-    pub(super) fn add_trials(&mut self, trials: &[Trial], grouser: &[Trial]) -> Result<()> {
+    /// `more` are trials of the wheel with grousers from a second file.
+    pub(super) fn add_trials(
+        &mut self,
+        trials: &[Trial],
+        grouser: &[Trial],
+        more: &[Trial],
+    ) -> Result<()> {
         let out = self;
         let wheel = cmu::smooth_wheel()?;
         let of = |angles: &[f64]| -> Vec<WheelTest> {
             let chosen = trials
                 .iter()
+                .filter(|trial| SlipGroup::of(trial.stated_slip) == SlipGroup::Steady)
                 .filter(|trial| angles.iter().any(|a| is_at(trial, *a)));
             chosen.map(|trial| trial.test).collect()
         };
@@ -168,112 +184,174 @@ impl Validation {
         .par_iter()
         .map(Job::run)
         .collect::<Result<Vec<Fitted>>>()?;
-        for angle in [0.0, 15.0, 30.0, 60.0, 90.0] {
-            let here: Vec<Trial> = trials.iter().filter(|t| is_at(t, angle)).copied().collect();
-            add_group(out, &fitted, ("smooth", angle, &here))?;
-        }
-        let bars = wheel
-            .with_grousers(Grousers {
-                height: cmu::GROUSER_HEIGHT,
-                rule: GrouserRule::AreaShare { tips: 0.1 },
-            })
-            .map_err(law_error)?;
+        add_groups(out, &fitted, (CMU, "smooth", trials))?;
+        let bars = cmu::grouser_wheel()?;
         let on_bars: Vec<Fitted> = fitted.iter().map(|one| one.on(bars)).collect();
-        add_group(out, &on_bars, ("grouser", 0.0, grouser))?;
+        add_groups(out, &on_bars, (CMU, "grouser", grouser))?;
+        add_groups(out, &on_bars, (CMU_LUGS, "grouser", more))?;
         out.fits.extend(fitted.into_iter().map(|one| one.report));
         Ok(())
     }
 }
 
-/// Rows and figures of one wheel at one slip angle.
-fn add_group(
+/// Rows and figures of one wheel at every slip angle that it was tried at, each group of slips for itself.
+fn add_groups(
     out: &mut Validation,
     fitted: &[Fitted],
-    (wheel, angle, trials): (&'static str, f64, &[Trial]),
+    (data_set, wheel, trials): (&'static str, &'static str, &[Trial]),
 ) -> Result<()> {
-    let tests: Vec<WheelTest> = trials.iter().map(|trial| trial.test).collect();
-    let said = fitted
-        .iter()
-        .map(|one| one.predict(&tests))
-        .collect::<Result<Vec<_>>>()?;
-    let lines = lines(fitted, trials, angle)?;
-    for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
-        let unit = quantity.scale();
-        let repeats: Vec<(i64, f64)> = trials
-            .iter()
-            .filter_map(|trial| Some((slip_key(trial), trial.test.read(quantity)?)))
-            .collect();
-        for (one, said) in fitted.iter().zip(&said) {
-            let errors: Vec<f64> = tests
+    let mut angles: Vec<f64> = trials.iter().map(|t| t.slip_angle.to_degrees()).collect();
+    angles.sort_by(f64::total_cmp);
+    angles.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    for angle in angles {
+        for slips in SlipGroup::ALL {
+            let here: Vec<Trial> = trials
                 .iter()
-                .zip(said)
-                .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
+                .filter(|t| is_at(t, angle) && SlipGroup::of(t.stated_slip) == slips)
+                .copied()
                 .collect();
-            let seen =
-                wheel == "smooth" && (angle == 0.0 || (one.report.fit == BRACKET && angle == 60.0));
-            let published = (wheel == "smooth")
-                .then(|| {
-                    PUBLISHED
-                        .iter()
-                        .find(|(a, q, _)| *a == angle && *q == quantity)
-                })
-                .flatten();
-            if let Some(score) = Score::of(&errors) {
-                out.rows.push(Row {
-                    data_set: CMU,
-                    wheel,
-                    slip_angle_deg: angle,
-                    quantity,
-                    model: one.report.model,
-                    fit: one.report.fit,
-                    split: if seen { Split::Fitted } else { Split::HeldOut },
-                    score: score.in_unit(unit),
-                    fitted_parameters: one.parameters.len(),
-                    published_rmse: published.map(|(_, _, rmse)| *rmse),
-                    scatter: pooled(&repeats).map(|sd| sd / unit),
-                    hub_buried: said.iter().filter(|said| said.hub_buried).count(),
-                });
-            }
+            let group = Group {
+                data_set,
+                wheel,
+                // a whole number of degrees passes through radians with rounding
+                angle: (1e6 * angle).round() / 1e6,
+                slips,
+                trials: &here,
+            };
+            group.add_to(out, fitted)?;
         }
-        out.series.push(Series {
-            data_set: CMU,
-            wheel,
-            slip_angle_deg: angle,
-            quantity,
-            measured: trials
-                .iter()
-                .filter_map(|trial| {
-                    let deviation = match quantity {
-                        Quantity::Pull => trial.pull_deviation,
-                        Quantity::Side => trial.side_deviation,
-                        _ => pooled(&repeats).unwrap_or(0.0),
-                    };
-                    Some(MeasuredPoint {
-                        slip: trial.stated_slip,
-                        value: trial.test.read(quantity)? / unit,
-                        deviation: deviation / unit,
-                    })
-                })
-                .collect(),
-            lines: lines
-                .iter()
-                .map(|(model, fit, points)| {
-                    let line = points
-                        .iter()
-                        .map(|(slip, said)| [*slip, said.of(quantity) / unit])
-                        .collect();
-                    (*model, *fit, line)
-                })
-                .collect(),
-        });
     }
     Ok(())
 }
 
-/// Trials of one command: the stated slip to a hundredth.
-#[allow(clippy::cast_possible_truncation, reason = "a slip is small")]
-fn slip_key(trial: &Trial) -> i64 {
-    (100.0 * trial.stated_slip).round() as i64
+/// The trials of one wheel at one slip angle in one group of slips.
+#[derive(Clone, Copy)]
+struct Group<'a> {
+    data_set: &'static str,
+    wheel: &'static str,
+    /// Slip angle, deg.
+    angle: f64,
+    slips: SlipGroup,
+    trials: &'a [Trial],
+}
+
+impl Group<'_> {
+    fn add_to(self, out: &mut Validation, fitted: &[Fitted]) -> Result<()> {
+        let Self {
+            data_set,
+            wheel,
+            angle,
+            slips,
+            trials,
+        } = self;
+        let steady = slips == SlipGroup::Steady;
+        let tests: Vec<WheelTest> = trials.iter().map(|trial| trial.test).collect();
+        let said = fitted
+            .iter()
+            .map(|one| one.predict(&tests))
+            .collect::<Result<Vec<_>>>()?;
+        let lines = if steady {
+            lines(fitted, trials, angle)?
+        } else {
+            Vec::new()
+        };
+        for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
+            let unit = quantity.scale();
+            let repeats: Vec<(usize, f64)> = trials
+                .iter()
+                .zip(commands(trials))
+                .filter_map(|(trial, command)| Some((command, trial.test.read(quantity)?)))
+                .collect();
+            for (one, said) in fitted.iter().zip(&said) {
+                let errors: Vec<f64> = tests
+                    .iter()
+                    .zip(said)
+                    .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?))
+                    .collect();
+                let seen = steady
+                    && wheel == "smooth"
+                    && (angle == 0.0 || (one.report.fit == BRACKET && angle == 60.0));
+                let published = (steady && wheel == "smooth")
+                    .then(|| {
+                        PUBLISHED
+                            .iter()
+                            .find(|(a, q, _)| *a == angle && *q == quantity)
+                    })
+                    .flatten();
+                if let Some(score) = Score::of(&errors) {
+                    out.rows.push(Row {
+                        data_set,
+                        wheel,
+                        slip_angle_deg: angle,
+                        slips,
+                        quantity,
+                        model: one.report.model,
+                        fit: one.report.fit,
+                        split: if seen { Split::Fitted } else { Split::HeldOut },
+                        score: score.in_unit(unit),
+                        fitted_parameters: one.parameters.len(),
+                        published_rmse: published.map(|(_, _, rmse)| *rmse),
+                        scatter: pooled(&repeats).map(|sd| sd / unit),
+                        hub_buried: said.iter().filter(|said| said.hub_buried).count(),
+                    });
+                }
+            }
+            if !steady {
+                continue;
+            }
+            out.series.push(Series {
+                data_set,
+                wheel,
+                slip_angle_deg: angle,
+                quantity,
+                measured: trials
+                    .iter()
+                    .filter_map(|trial| {
+                        let deviation = match quantity {
+                            Quantity::Pull => trial.pull_deviation,
+                            Quantity::Side => trial.side_deviation,
+                            _ => pooled(&repeats).unwrap_or(0.0),
+                        };
+                        Some(MeasuredPoint {
+                            slip: trial.stated_slip,
+                            value: trial.test.read(quantity)? / unit,
+                            deviation: deviation / unit,
+                        })
+                    })
+                    .collect(),
+                lines: lines
+                    .iter()
+                    .map(|(model, fit, points)| {
+                        let line = points
+                            .iter()
+                            .map(|(slip, said)| [*slip, said.of(quantity) / unit])
+                            .collect();
+                        (*model, *fit, line)
+                    })
+                    .collect(),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Least distance in stated slip between two commands of the test bed: repeats of one command lie within 0.07,
+/// neighbouring commands at least 0.14 apart.
+const COMMAND_STEP: f64 = 0.1;
+
+/// The command that each trial repeats, as a number: trials in the order of their slip, a new command after each
+/// gap of [`COMMAND_STEP`].
+fn commands(trials: &[Trial]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..trials.len()).collect();
+    order.sort_by(|a, b| trials[*a].stated_slip.total_cmp(&trials[*b].stated_slip));
+    let mut of = vec![0; trials.len()];
+    let mut command = 0;
+    for pair in order.windows(2) {
+        let gap = trials[pair[1]].stated_slip - trials[pair[0]].stated_slip;
+        command += usize::from(gap > COMMAND_STEP);
+        of[pair[1]] = command;
+    }
+    of
 }
 
 type Line = (ModelName, &'static str, Vec<(f64, Prediction)>);

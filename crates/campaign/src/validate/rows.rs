@@ -62,6 +62,44 @@ impl Split {
     }
 }
 
+/// Which slips a row judges, as the test bed states them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlipGroup {
+    /// |s| ≤ 0.75: what the fits see.
+    Steady,
+    /// s > 0.75: nearly spinning on the spot.
+    Spinning,
+    /// s = −1: the wheel does not turn.
+    Locked,
+}
+
+impl SlipGroup {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Spinning, Self::Locked];
+
+    /// Its name in tables.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Spinning => "spinning",
+            Self::Locked => "locked",
+        }
+    }
+
+    /// The group of a stated slip.
+    #[must_use]
+    pub fn of(slip: f64) -> Self {
+        if slip > super::MAX_SLIP + 0.01 {
+            Self::Spinning
+        } else if slip < -super::MAX_SLIP - 0.01 {
+            Self::Locked
+        } else {
+            Self::Steady
+        }
+    }
+}
+
 /// One row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -71,6 +109,8 @@ pub struct Row {
     pub wheel: &'static str,
     /// Slip angle, deg.
     pub slip_angle_deg: f64,
+    /// Which slips.
+    pub slips: SlipGroup,
     /// What was measured.
     pub quantity: Quantity,
     /// Whose prediction.

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use super::cmu;
 use super::rows::Validation;
+use super::{cmu, ding};
 use grouser_identify::Result;
 use grouser_identify::plate::{
     BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,
 };
 
-/// Beyond this stated slip a trial is left out: locked and nearly spinning wheels are no steady state here.
+/// Beyond this stated slip a trial is not fitted and has rows of its own: locked and nearly spinning wheels are no
+/// steady state here.
 pub const MAX_SLIP: f64 = 0.75;
 
 /// The files of the plate tests below the folder of measured data: name, disc diameter (m) and the height of the
@@ -30,7 +31,7 @@ pub const PLATES: [(&str, f64, f64); 2] = [
 /// Every measured data set below `data` against the model, plain Wong-Reece and what was published.
 ///
 /// Plate tests first (their bags and text files), then the smooth wheel at slip angle 0, then everything else as
-/// prediction; a second set of numbers is fitted on slip angles 0 and 60 and predicts those between. At 90°
+/// prediction, nearly spinning and locked wheels as rows of their own; a second set of numbers is fitted on slip angles 0 and 60 and predicts those between. At 90°
 /// every trial sits deeper than the wheel's radius, outside the model.
 ///
 /// # Errors
@@ -38,16 +39,28 @@ pub const PLATES: [(&str, f64, f64); 2] = [
 pub fn validate(data: &Path) -> Result<Validation> {
     let tests = plate_tests(data)?;
     let plates = fit_plates(&tests, &PlateSettings::default())?;
-    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", MAX_SLIP + 0.01)?;
-    let grouser = cmu::trials(&data.join(cmu::TRIALS), "grouser", MAX_SLIP + 0.01)?;
+    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", 1.0)?;
+    let grouser = cmu::trials(&data.join(cmu::TRIALS), "grouser", 1.0)?;
+    let more = data.join(cmu::LUG_TRIALS);
+    let more = if more.is_file() {
+        cmu::trials(&more, "grouser", 1.0)?
+    } else {
+        Vec::new()
+    };
+    let lugged_ding = data.join(ding::LUGGED);
+    let lugged_ding = if lugged_ding.is_file() {
+        Some(ding::lugged_tests(&lugged_ding)?)
+    } else {
+        None
+    };
     let mut out = Validation {
         rows: Vec::new(),
         fits: Vec::new(),
         plates,
         series: Vec::new(),
     };
-    out.add_trials(&trials, &grouser)?;
-    out.add_ding()?;
+    out.add_trials(&trials, &grouser, &more)?;
+    out.add_ding(lugged_ding.as_ref())?;
     Ok(out)
 }
 

@@ -80,6 +80,7 @@ fn groups(rows: &[Row]) -> Vec<(&'static str, &'static str)> {
 fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
     let mut table = Table::new()
         .number("  β deg")
+        .text("slips")
         .text("quantity")
         .text("model")
         .text("split")
@@ -102,6 +103,7 @@ fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
         };
         table.row([
             shown(row.slip_angle_deg),
+            row.slips.key().to_owned(),
             format!("{} {}", row.quantity.key(), row.quantity.unit()),
             title(row.model.key(), row.fit),
             row.split.key().to_owned(),

@@ -2,7 +2,7 @@
 
 use grouser_files::{Section, nearest};
 use grouser_opt::{Measure, Uncertainty, sample};
-use grouser_terra::catalogue;
+use grouser_terra::{EARTH_GRAVITY_M_PER_S2, catalogue, gravity_of};
 
 use crate::builder::DesignBuilder;
 use crate::design::WorldInputs;
@@ -25,7 +25,41 @@ pub(super) fn read_fixed(root: &Section<'_>, builder: &mut DesignBuilder) -> Res
         Ok::<_, Error>(key.map(str::to_owned))
     })?;
     builder.soil = key.flatten();
-    root.section("state", |s| read_section(s, Place::State, fixed))?;
+    root.section("state", |s| {
+        read_section(s, Place::State, fixed)?;
+        read_mass(s, fixed)
+    })?;
+    Ok(())
+}
+
+/// `mass_kg` in place of `load_n`, under `gravity = "moon"` (or earth, mars) or `gravity_m_per_s2`; the Earth's where
+/// there is neither. The numbers of the soil do not change with it.
+fn read_mass(section: &Section<'_>, fixed: &mut Fixed) -> Result<()> {
+    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
+    let bodies = ["earth", "moon", "mars"].map(|body| (body, gravity_of(body)));
+    let named = section.optional_choice("gravity", &bodies)?.flatten();
+    let given = section.optional_number("gravity_m_per_s2", LIMITS_M_PER_S2)?;
+    let gravity = given.or(named);
+    let mass = section.optional_number("mass_kg", (0.0, 1e12))?;
+    let wrong = match mass {
+        Some(_) if fixed.get(Parameter::Load).is_some() => {
+            Some("both `load_n` and `mass_kg` are given; exactly one of them can be")
+        }
+        None if gravity.is_some() => Some("gravity has an effect only with `mass_kg`"),
+        _ => None,
+    };
+    if let Some(message) = wrong {
+        return Err(Error::Contradiction {
+            at: section.place(),
+            message: message.to_owned(),
+        });
+    }
+    if let Some(mass) = mass {
+        fixed.set(
+            Parameter::Load,
+            mass * gravity.unwrap_or(EARTH_GRAVITY_M_PER_S2),
+        );
+    }
     Ok(())
 }
 

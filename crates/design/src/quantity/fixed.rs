@@ -71,6 +71,12 @@ impl Fixed {
             Parameter::GrouserHeight,
             grousers.map_or(0.0, |grousers| grousers.height),
         );
+        let (count, thickness) = match grousers.map(|grousers| grousers.rule) {
+            Some(GrouserRule::Lugs { count, thickness }) => (count, thickness),
+            _ => (0.0, 0.0),
+        };
+        self.set(Parameter::GrouserCount, count);
+        self.set(Parameter::GrouserThickness, thickness);
         self.beside.tip_share = grousers.and_then(|grousers| match grousers.rule {
             GrouserRule::AreaShare { tips } => Some(tips),
             _ => None,

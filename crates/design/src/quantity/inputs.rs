@@ -42,13 +42,30 @@ impl<R: Scalar> Inputs<R> {
         self.scaled(parameter, std::f64::consts::PI / 180.0)
     }
 
-    /// r + h, m.
+    /// Does the wheel have lugs that are counted?
+    fn has_lugs(&self) -> bool {
+        self.get(Parameter::GrouserCount).value() > 0.0
+    }
+
+    /// The radius for slip and sinkage, m: r of a smooth wheel and of one with lugs that are counted, else r + h.
     pub(super) fn radius(&self) -> R {
-        self.get(Parameter::Radius) + self.get(Parameter::GrouserHeight)
+        let rim = self.get(Parameter::Radius);
+        if self.has_lugs() {
+            rim
+        } else {
+            rim + self.get(Parameter::GrouserHeight)
+        }
     }
 
     pub(super) fn size(&self) -> WheelSize<R> {
         let smooth = WheelSize::smooth(self.radius(), self.get(Parameter::Width));
+        if self.has_lugs() {
+            return smooth.with_lugs(
+                self.get(Parameter::GrouserHeight),
+                self.get(Parameter::GrouserCount),
+                self.get(Parameter::GrouserThickness),
+            );
+        }
         let Some(tips) = self.beside.tip_share else {
             return smooth;
         };
@@ -141,10 +158,18 @@ impl Inputs<f64> {
     /// The wheel, checked.
     pub(super) fn wheel(&self) -> grouser_terra::Result<RigidWheel> {
         let width = self.get(Parameter::Width);
+        let height = self.get(Parameter::GrouserHeight);
+        if self.has_lugs() {
+            let rule = GrouserRule::Lugs {
+                count: self.get(Parameter::GrouserCount),
+                thickness: self.get(Parameter::GrouserThickness),
+            };
+            return RigidWheel::new(self.radius(), width)?.with_grousers(Grousers { height, rule });
+        }
         match self.beside.tip_share {
             Some(tips) => {
                 RigidWheel::new(self.get(Parameter::Radius), width)?.with_grousers(Grousers {
-                    height: self.get(Parameter::GrouserHeight),
+                    height,
                     rule: GrouserRule::AreaShare { tips },
                 })
             }
@@ -174,6 +199,7 @@ impl Inputs<f64> {
             rear_drift: beside.rear_drift,
             transport_layer: beside.transport_layer,
             laws: beside.laws,
+            fitted: None,
         })
     }
 }

@@ -15,8 +15,12 @@ pub enum Parameter {
     Radius,
     /// Wheel width, m.
     Width,
-    /// Height of the grousers, m: they carry the soil between them along, so every law uses r + h.
+    /// Height of the grousers, m. Without their number they are a solid drum: every law uses r + h.
     GrouserHeight,
+    /// How many grousers there are: they carry soil backwards and add thrust, and r is the rim's.
+    GrouserCount,
+    /// Their thickness along the rim, m.
+    GrouserThickness,
     /// Sinkage exponent n.
     Exponent,
     /// Growth of n with driving slip.
@@ -66,12 +70,19 @@ pub enum Place {
 
 impl Parameter {
     /// Every parameter with its name in files and formulas, its section and its default.
-    pub const ALL: [(Self, &'static str, Place, Option<f64>); 20] = [
+    pub const ALL: [(Self, &'static str, Place, Option<f64>); 22] = [
         (Self::Radius, "radius_m", Place::Wheel, None),
         (Self::Width, "width_m", Place::Wheel, None),
         (
             Self::GrouserHeight,
             "grouser_height_m",
+            Place::Wheel,
+            Some(0.0),
+        ),
+        (Self::GrouserCount, "grouser_count", Place::Wheel, Some(0.0)),
+        (
+            Self::GrouserThickness,
+            "grouser_thickness_m",
             Place::Wheel,
             Some(0.0),
         ),

@@ -24,6 +24,10 @@
 //! ticks_per_turn = 2000       # of the encoder's shaft
 //! counter_bits = 32           # the counter's width, 8 to 64
 //! joint = "left_wheel_joint"  # its joint in messages, where its name is not enough
+//! width_m = 0.05              # for the soil model, with load_n and the lugs, if it has some:
+//! grouser_height_m = 0.005
+//! grouser_count = 24
+//! grouser_thickness_m = 0.0015  # along the rim; 0 by default
 //! ```
 //!
 //! `[topics]` says what the topics of a bag mean ([`crate::topics`]); `[[table]]` what the columns of a
@@ -46,6 +50,7 @@ use crate::error::{Error, Result};
 use crate::fields::read_fields;
 use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
+use crate::wheel_sizes::read_grousers;
 
 pub use revision::{Revision, revised, with_radii_scaled};
 pub use write::to_toml;
@@ -324,6 +329,7 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     wheel = wheel.heading(Angle::from_deg(heading.unwrap_or(0.0) + roller));
     wheel.width = section.optional_number("width_m", POSITIVE)?;
     wheel.load = section.optional_number("load_n", (0.0, 1e12))?;
+    wheel.grousers = read_grousers(section)?;
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.
     match Robot::new(String::new(), vec![wheel]) {
         Ok(robot) => Ok(robot.wheels()[0].clone()),

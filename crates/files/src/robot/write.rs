@@ -3,6 +3,7 @@
 use grouser_slip::settings::{Field, FileUnit};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
+use grouser_terra::{GrouserRule, Grousers};
 
 use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
@@ -179,6 +180,15 @@ fn write_wheel(out: &mut TomlText, wheel: &Wheel) {
     out.flag("reversed", encoder.reversed);
     out.nonzero("rate_step_rad_per_s", encoder.rate_step);
     out.optional_number("width_m", wheel.width);
+    if let Some(Grousers {
+        height,
+        rule: GrouserRule::Lugs { count, thickness },
+    }) = wheel.grousers
+    {
+        out.number("grouser_height_m", height);
+        out.number("grouser_count", count);
+        out.nonzero("grouser_thickness_m", thickness);
+    }
     out.optional_number("load_n", wheel.load);
 }
 

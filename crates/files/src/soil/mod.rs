@@ -15,9 +15,14 @@
 //! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
 //! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad,
 //! # rear_driving, rear_drift, transport_layer_m, and the laws that these numbers were identified with:
-//! # slip_sinkage = "in-plane" or "whole", stress_position = "in-plane" or "whole",
-//! # shear = "coupled", "slip-velocity", "independent" or "towed-wong-reece",
+//! # slip_sinkage = "in-plane", "whole" or "saturating", slip_norm = "greater" or "root",
+//! # stress_position = "in-plane", "magnitude", "whole" or "sliding",
+//! # shear = "coupled", "slip-velocity", "independent",
+//! # "slip-velocity-regular", "towed-restart" or "towed-wong-reece",
 //! # bulldozing = "scaled", "full", "chord" or "off"
+//! # [fitted]                   # the tests behind the numbers: outside them a result carries a caution
+//! # slip_min = -0.7            # slip_max, slip_angle_min_deg, slip_angle_max_deg, width_min_m, width_max_m,
+//! #                            # load_min_n, load_max_n
 //! ```
 //!
 //! [`to_toml`] writes such a file.
@@ -28,7 +33,8 @@ use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
 use grouser_terra::{
-    Angle, Bulldozing, LawChoice, ShearLaw, SlipSinkage, Soil, SoilParams, StressPosition,
+    Angle, Bulldozing, FittedRange, LawChoice, ShearLaw, SlipNorm, SlipSinkage, Soil, SoilParams,
+    StressPosition,
 };
 
 use crate::document::{Document, Section};
@@ -147,6 +153,7 @@ fn read_numbers(
         rear_drift: zero("rear_drift")?,
         transport_layer: zero("transport_layer_m")?,
         laws: read_laws(root)?,
+        fitted: root.section("fitted", read_fitted)?,
         ..SoilParams::bekker(
             1e3 * number("k_c_kn_per_m_n1")?,
             1e3 * number("k_phi_kn_per_m_n2")?,
@@ -155,13 +162,39 @@ fn read_numbers(
     })
 }
 
+fn read_fitted(section: &Section<'_>) -> Result<FittedRange> {
+    let range =
+        |low, high| Ok::<_, Error>((section.number(low, FINITE)?, section.number(high, FINITE)?));
+    let degrees = range("slip_angle_min_deg", "slip_angle_max_deg")?;
+    Ok(FittedRange {
+        slip: range("slip_min", "slip_max")?,
+        slip_angle: (
+            Angle::from_deg(degrees.0).rad(),
+            Angle::from_deg(degrees.1).rad(),
+        ),
+        width: range("width_min_m", "width_max_m")?,
+        load: range("load_min_n", "load_max_n")?,
+    })
+}
+
 fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
     let own = LawChoice::default();
     Ok(LawChoice {
+        slip_norm: root
+            .optional_choice(
+                "slip_norm",
+                &[SlipNorm::Greater, SlipNorm::Root].map(|norm| (norm.key(), norm)),
+            )?
+            .unwrap_or(own.slip_norm),
         slip_sinkage: root
             .optional_choice(
                 "slip_sinkage",
-                &[SlipSinkage::InPlane, SlipSinkage::Whole].map(|law| (law.key(), law)),
+                &[
+                    SlipSinkage::InPlane,
+                    SlipSinkage::Whole,
+                    SlipSinkage::Saturating,
+                ]
+                .map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.slip_sinkage),
         stress_position: root
@@ -171,20 +204,12 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
                     StressPosition::InPlane,
                     StressPosition::Magnitude,
                     StressPosition::Whole,
+                    StressPosition::Sliding,
                 ]
                 .map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.stress_position),
-        shear: root.optional_choice(
-            "shear",
-            &[
-                ShearLaw::Coupled,
-                ShearLaw::SlipVelocity,
-                ShearLaw::Independent,
-                ShearLaw::TowedWongReece,
-            ]
-            .map(|law| (law.key(), law)),
-        )?,
+        shear: root.optional_choice("shear", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
         bulldozing: root.optional_choice(
             "bulldozing",
             &[

@@ -64,11 +64,29 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
     out.optional_number("k_shear_side_m", params.k_shear_side);
     out.optional_number("unit_weight_n_per_m3", params.unit_weight);
     laws(&mut out, params.laws);
+    if let Some(fitted) = params.fitted {
+        out.header("[fitted]");
+        out.degrees("slip_angle_min_deg", fitted.slip_angle.0);
+        out.degrees("slip_angle_max_deg", fitted.slip_angle.1);
+        for (key, value) in [
+            ("slip_min", fitted.slip.0),
+            ("slip_max", fitted.slip.1),
+            ("width_min_m", fitted.width.0),
+            ("width_max_m", fitted.width.1),
+            ("load_min_n", fitted.load.0),
+            ("load_max_n", fitted.load.1),
+        ] {
+            out.number(key, value);
+        }
+    }
     Ok(out.finish())
 }
 
 fn laws(out: &mut TomlText, laws: LawChoice) {
     let usual = LawChoice::default();
+    if laws.slip_norm != usual.slip_norm {
+        out.text("slip_norm", laws.slip_norm.key());
+    }
     if laws.slip_sinkage != usual.slip_sinkage {
         out.text("slip_sinkage", laws.slip_sinkage.key());
     }

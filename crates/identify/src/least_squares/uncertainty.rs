@@ -9,6 +9,10 @@ use super::student::student_quantile;
 /// they change along the best one is not seen by the data.
 const BLIND_SINGULAR_RATIO: f64 = 1e-8;
 
+/// A number whose standard error exceeds this share of it is not called identified: its 95 % interval then spans a
+/// factor of five.
+const MAX_RELATIVE_ERROR: f64 = 1.0 / 3.0;
+
 /// What the data say about one parameter.
 ///
 /// ```
@@ -25,7 +29,7 @@ pub enum Verdict {
     OnBound,
     /// It can be exchanged for others without a trace in the residuals, or has no effect at all.
     NotIdentifiable,
-    /// It is seen, but its 95 % interval is as wide as its bounds or as the value itself.
+    /// It is seen, but its 95 % interval is as wide as its bounds, or its standard error exceeds a third of it.
     Loose,
 }
 
@@ -157,7 +161,10 @@ impl Uncertainty {
             } else {
                 4.0 * fit.x[k].abs()
             };
-            if width > limit {
+            // an offset, whose bounds are symmetric about 0, is not judged by its own size
+            let is_offset = bound.lower == -bound.upper;
+            let uncertain = self.standard_errors[k] > MAX_RELATIVE_ERROR * fit.x[k].abs();
+            if width > limit || (uncertain && !is_offset) {
                 self.verdicts[k] = Verdict::Loose;
             }
         }

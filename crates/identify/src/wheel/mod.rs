@@ -6,4 +6,4 @@ mod test;
 
 pub use model::{Fixed, Prediction, WheelModel, predict};
 pub use table::read_table;
-pub use test::{Quantity, Scatter, Support, WheelTest};
+pub use test::{Quantity, Scatter, Support, WheelTest, fitted_range};

@@ -1,6 +1,6 @@
 //! One wheel test.
 
-use grouser_terra::Kinematics;
+use grouser_terra::{FittedRange, Kinematics, RigidWheel};
 
 /// A steady state that was measured: what was set, and what of the rest was read.
 ///
@@ -109,6 +109,39 @@ impl WheelTest {
             Quantity::Sinkage => self.sinkage,
         }
     }
+}
+
+/// The range of slip, slip angle, width and load of `tests` of a wheel; `None` without tests. Where a test holds
+/// the wheel at a sinkage, its load is not known, and any load counts as fitted.
+#[must_use]
+pub fn fitted_range(wheel: &RigidWheel, tests: &[WheelTest]) -> Option<FittedRange> {
+    /// No bound on the load.
+    const ANY_LOAD: (f64, f64) = (0.0, 1e12);
+    if tests.is_empty() {
+        return None;
+    }
+    let span = |of: &dyn Fn(&WheelTest) -> f64| {
+        let values = tests.iter().map(of);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    let all_loaded = tests
+        .iter()
+        .all(|test| matches!(test.support, Support::Load(_)));
+    Some(FittedRange {
+        slip: span(&|test| test.kinematics.slip().value()),
+        slip_angle: span(&|test| test.kinematics.slip_angle().rad().abs()),
+        width: (wheel.width(), wheel.width()),
+        load: if all_loaded {
+            span(&|test| match test.support {
+                Support::Load(load) => load,
+                Support::Sinkage(_) => f64::NAN,
+            })
+        } else {
+            ANY_LOAD
+        },
+    })
 }
 
 /// Standard deviation of one reading from trial to trial, SI: what residuals are divided by.

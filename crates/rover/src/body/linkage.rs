@@ -15,8 +15,8 @@ pub const MAX_SPEEDS: usize = 6 + MAX_FREEDOMS;
 /// A chain from a link to the chassis holds at most this many links.
 pub(crate) const MAX_CHAIN: usize = MAX_CARRIER_LINKS;
 
-/// Standard gravity, m/s².
-pub const GRAVITY: f64 = 9.806_65;
+/// Standard gravity, m/s²: that of a body unless [`Linkage::under_gravity`] changes it.
+pub const GRAVITY: f64 = grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Generalised speeds or forces.
 pub type Speeds = [f64; MAX_SPEEDS];
@@ -75,6 +75,7 @@ pub struct Linkage {
     bodies: Vec<Body>,
     links: Vec<Link>,
     holds: Vec<Hold>,
+    gravity: f64,
 }
 
 /// Where the body is and how it moves.
@@ -164,7 +165,21 @@ impl Linkage {
             bodies,
             links,
             holds,
+            gravity: GRAVITY,
         }
+    }
+
+    /// The same body under another gravity than the Earth's, m/s².
+    #[must_use]
+    pub fn under_gravity(mut self, gravity: f64) -> Self {
+        self.gravity = gravity;
+        self
+    }
+
+    /// The gravity that it is under, m/s².
+    #[must_use]
+    pub const fn gravity(&self) -> f64 {
+        self.gravity
     }
 
     /// Number of freedoms beside the chassis' six.
@@ -407,7 +422,7 @@ impl Linkage {
         let size = 6 + self.freedoms();
         let mut right = *forces;
         let mut matrix = [[0.0; MAX_SPEEDS]; MAX_SPEEDS];
-        let down = state.attitude.to_robot(Vector::AXES[2] * -GRAVITY);
+        let down = state.attitude.to_robot(Vector::AXES[2] * -self.gravity);
         let (turning, velocity) = (state.turning(), state.velocity());
         for body in &self.bodies {
             let at = self.point(pose, body.link, body.centre);
@@ -454,7 +469,7 @@ impl Linkage {
             let spin = state.turning() + Vector::AXES[1] * self.rate(pose, body.link);
             kinetic += 0.5 * (body.mass * velocity.dot(velocity) + spin.dot(inertia.times(spin)));
             let world = state.position + state.attitude.to_world(at);
-            potential += body.mass * GRAVITY * world.z;
+            potential += body.mass * self.gravity * world.z;
         }
         for (hold, angle) in self.holds.iter().zip(state.joints) {
             potential += hold.energy(angle);

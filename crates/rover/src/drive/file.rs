@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue};
+use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue, gravity_of};
 
 use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
 use crate::error::{Error, Result};
@@ -16,13 +16,6 @@ use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 const PLACE_LIMITS_M: (f64, f64) = (-1e6, 1e6);
 const LENGTH_LIMITS_M: (f64, f64) = (1e-6, 1e6);
 const ANY_NUMBER: (f64, f64) = (-1e18, 1e18);
-/// The laws of shear that a simulated ground may obey.
-const SHEAR_LAWS: [ShearLaw; 4] = [
-    ShearLaw::Coupled,
-    ShearLaw::SlipVelocity,
-    ShearLaw::Independent,
-    ShearLaw::TowedWongReece,
-];
 /// A slip to run at.
 const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 
@@ -70,6 +63,10 @@ fn read(
     name: String,
     (robot_file, robot): (PathBuf, RobotModel),
 ) -> Result<Scenario> {
+    let robot = match read_gravity(root)? {
+        Some(gravity) => robot.under_gravity(gravity),
+        None => robot,
+    };
     let start = root
         .section("start", |s| {
             let or_zero =
@@ -117,6 +114,16 @@ fn read(
     };
     scenario.check()?;
     Ok(scenario)
+}
+
+/// `gravity = "moon"` (or earth, mars) or `gravity_m_per_s2 = 1.62`; the Earth's where the file has neither. The
+/// numbers of its soils do not change with it.
+fn read_gravity(root: &Section<'_>) -> Result<Option<f64>> {
+    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
+    let bodies = ["earth", "moon", "mars"].map(|body| (body, gravity_of(body)));
+    let named = root.optional_choice("gravity", &bodies)?.flatten();
+    let given = root.optional_number("gravity_m_per_s2", LIMITS_M_PER_S2)?;
+    Ok(given.or(named))
 }
 
 fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {
@@ -272,7 +279,8 @@ fn read_ground(
         regions,
         packing,
         rocks: (density > 0.0).then_some(Rocks { density, size }),
-        world_laws: root.optional_choice("world_laws", &SHEAR_LAWS.map(|law| (law.key(), law)))?,
+        world_laws: root
+            .optional_choice("world_laws", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
     })
 }
 

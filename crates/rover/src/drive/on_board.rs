@@ -6,7 +6,7 @@ use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, WheelSetup};
 use grouser_slip::prior::SoilDoubt;
 use grouser_terra::Soil;
 
-use crate::body::{GRAVITY, Motor};
+use crate::body::Motor;
 use crate::error::Result;
 use crate::robot::RobotModel;
 use crate::sensors::SensorSettings;
@@ -33,7 +33,7 @@ pub(super) fn on_board(
     settings.wheels = setups.collect();
     settings.filter = filter_settings(model, sensors);
     settings.control = *control;
-    settings.gravity = GRAVITY;
+    settings.gravity = model.linkage.gravity();
     settings.heading = heading;
     settings.uses_poses = sensors.camera_rate <= 0.0;
     let doubt = SoilDoubt::default();

@@ -6,7 +6,7 @@
 use grouser_terra::{Settings, WheelOnSoil};
 
 use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
-use crate::body::{BodyState, GRAVITY, MAX_SPEEDS, MotorNow, Pose};
+use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::robot::RobotModel;
@@ -159,6 +159,7 @@ impl Vehicle {
             .fold(f64::NEG_INFINITY, f64::max);
         let state = BodyState::at(Vector::new(x, y, lowest), attitude);
         let pose = model.linkage.pose(&state);
+        let gravity = model.linkage.gravity();
         let count = model.wheels.len();
         let pressed_at = model
             .wheels
@@ -177,7 +178,7 @@ impl Vehicle {
             pressed_at,
             wheels: vec![WheelNow::default(); count],
             inputs: vec![WheelInput::default(); count],
-            specific_force: Vector::AXES[2] * GRAVITY,
+            specific_force: Vector::AXES[2] * gravity,
             ledger: Ledger::default(),
             time: 0.0,
             step,
@@ -285,7 +286,10 @@ impl Vehicle {
             .model
             .linkage
             .accelerate(&self.state, &self.pose, &forces);
-        let gravity = self.state.attitude.to_robot(Vector::AXES[2] * GRAVITY);
+        let gravity = self
+            .state
+            .attitude
+            .to_robot(Vector::AXES[2] * self.model.linkage.gravity());
         let velocity = self.state.velocity();
         self.specific_force = Vector::new(rates[3], rates[4], rates[5])
             + self.state.turning().cross(velocity)

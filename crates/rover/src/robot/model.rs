@@ -141,6 +141,13 @@ impl RobotModel {
             .map(|(index, _)| index)
     }
 
+    /// The same robot under another gravity than the Earth's, m/s².
+    #[must_use]
+    pub fn under_gravity(mut self, gravity: f64) -> Self {
+        self.linkage = self.linkage.under_gravity(gravity);
+        self
+    }
+
     /// Weight of the whole, N.
     ///
     /// ```
@@ -152,7 +159,7 @@ impl RobotModel {
     /// ```
     #[must_use]
     pub fn weight(&self) -> f64 {
-        self.linkage.mass() * crate::body::GRAVITY
+        self.linkage.mass() * self.linkage.gravity()
     }
 }
 
@@ -269,7 +276,8 @@ fn wheels(file: &RobotFile, body: &BodyFile) -> Result<Vec<WheelMount>> {
             link,
             centre: Vector::new(wheel.x, wheel.y, extra.z.unwrap_or(wheel.radius)),
             heading: wheel.heading.rad(),
-            wheel: RigidWheel::new(wheel.radius, width)
+            wheel: wheel
+                .rigid(width)
                 .map_err(|source| of_law(&wheel.name, source))?,
             mass: extra.mass,
             spin_inertia: extra.spin_inertia.unwrap_or(ring) + rotor,

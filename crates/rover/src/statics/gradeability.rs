@@ -96,7 +96,7 @@ pub fn gradeability(model: &RobotModel, soil: &Soil) -> Result<Gradeability> {
     Ok(Gradeability { wheels, whole })
 }
 
-fn of(name: &str, source: grouser_terra::Error) -> Error {
+pub(super) fn of(name: &str, source: grouser_terra::Error) -> Error {
     Error::Law {
         of: format!("wheel \"{name}\""),
         source,

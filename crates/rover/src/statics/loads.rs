@@ -1,6 +1,6 @@
 //! What each wheel carries.
 
-use crate::body::{BodyState, GRAVITY, MAX_SPEEDS};
+use crate::body::{BodyState, MAX_SPEEDS};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 
@@ -53,7 +53,7 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
     let rows = 3 + linkage.freedoms();
     let mut asked = [0.0; MAX_SPEEDS];
     for body in linkage.bodies() {
-        let force = down * (body.mass * GRAVITY);
+        let force = down * (body.mass * linkage.gravity());
         linkage.push(
             &pose,
             &mut asked,

@@ -2,6 +2,7 @@
 //!
 //! The primary type is [`Standing`]; `grouser robot ROBOT.toml --stance` prints it.
 
+mod climb;
 mod gradeability;
 mod loads;
 mod margins;
@@ -9,6 +10,7 @@ mod posture;
 mod stance;
 mod standing;
 
+pub use climb::{ClimbStep, climb};
 pub use gradeability::{Gradeability, gradeability};
 pub use loads::{WheelLoads, wheel_loads};
 pub use margins::{Edge, StabilityMargins, stability_margins};

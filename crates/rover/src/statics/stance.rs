@@ -1,7 +1,7 @@
 //! A robot at rest on uneven ground: how rockers, arms and chassis lie, and what each wheel carries.
 
 use super::margins::{StabilityMargins, margins_about};
-use crate::body::{BodyState, GRAVITY, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds, solve};
+use crate::body::{BodyState, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds, solve};
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
@@ -146,7 +146,7 @@ impl Balance {
         let mut heave = 0.0;
         for body in linkage.bodies() {
             let at = linkage.point(pose, body.link, body.centre);
-            let weight = body.mass * GRAVITY;
+            let weight = body.mass * linkage.gravity();
             linkage.push(
                 pose,
                 &mut forces,

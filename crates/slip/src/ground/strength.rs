@@ -160,7 +160,7 @@ impl SoilIdentifier {
         Ok(Self {
             wheels: wheels.into_boxed_slice(),
             soil: *soil,
-            law: ShearLaw::default(),
+            law: soil.params().laws.shear.unwrap_or_default(),
             belief: prior.belief(),
             prior,
             settings,

@@ -56,7 +56,7 @@ impl SoilTables {
         let mut wheels = Vec::new();
         for (wheel, setup) in robot.wheels().iter().zip(setups) {
             let width = wheel.width.unwrap_or(wheel.radius);
-            let rigid = RigidWheel::new(wheel.radius, width).map_err(of(&wheel.name))?;
+            let rigid = wheel.rigid(width).map_err(of(&wheel.name))?;
             wheels.push((wheel, rigid, setup));
         }
         let mut out = Self::default();

@@ -14,7 +14,7 @@ const POINTS: u32 = 9;
 const LAWS: [ShearLaw; 3] = [
     ShearLaw::Coupled,
     ShearLaw::SlipVelocity,
-    ShearLaw::TowedWongReece,
+    ShearLaw::TowedRestart,
 ];
 
 /// The slip s_f < 0 at which the soil turns a free wheel against its bearing: torque + bearing torque = 0.

@@ -3,7 +3,7 @@
 use grouser_real::{Real, Scalar};
 
 use super::Contact;
-use crate::shear::{ShearLaw, ShearState};
+use crate::shear::{Restart, ShearLaw, ShearState};
 
 /// How closely the growth of the shear is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,10 +106,10 @@ impl Breakpoints {
     }
 }
 
-/// Up to four stretches of the arc on each of which j only grows or only falls.
+/// Up to five stretches of the arc on each of which j only grows or only falls.
 #[derive(Clone, Copy)]
 pub(crate) struct Stretches {
-    ranges: [(f64, f64); 5],
+    ranges: [(f64, f64); 6],
     len: usize,
 }
 
@@ -135,7 +135,11 @@ impl<R: Scalar> ShearState<R> {
             q_y: self.q_y.value(),
             locked: self.locked,
             sideways: self.sideways,
-            restart: self.restart.map(|(w, j)| (w.value(), j.value())),
+            restart: self.restart.map(|restart| Restart {
+                arc: restart.arc.value(),
+                displacement: restart.displacement.value(),
+                front: restart.front.map(Scalar::value),
+            }),
         }
     }
 
@@ -169,6 +173,9 @@ impl<R: Scalar> ShearState<R> {
     /// of 1 − q cos θ and not against all of it, the direction swings within a part of the arc that no
     /// level of displacement shows.
     pub(crate) fn swings(&self, arc: R) -> bool {
+        if self.law == ShearLaw::SlipVelocityRegular {
+            return true;
+        }
         if !self.sideways || self.locked || self.law == ShearLaw::Independent {
             return false;
         }
@@ -209,18 +216,23 @@ impl ShearState<f64> {
     /// The arc cut where d j/dθ = 0, at θ = ±acos(1/q), and where j starts anew.
     pub(crate) fn monotone_stretches(&self, arc: f64) -> Stretches {
         let theta_1 = self.displacement.theta_1;
-        let mut cuts = [arc; 4];
+        let mut cuts = [arc; 5];
         if self.displacement.q > 1.0 {
             let turn = Real::acos(1.0 / self.displacement.q);
             cuts[0] = theta_1 - turn;
             cuts[1] = theta_1 + turn;
         }
-        if let Some((start, _)) = self.restart {
-            cuts[2] = start;
+        if let Some(restart) = self.restart {
+            cuts[2] = restart.arc;
+            if let Some(front) = restart.front {
+                // dj/dw = 1 + K_v q − q cos θ = 0
+                let cosine = (1.0 + front) / self.displacement.q;
+                cuts[3] = theta_1 - Real::acos(cosine.clamp(-1.0, 1.0));
+            }
         }
         cuts.sort_unstable_by(f64::total_cmp);
         let mut stretches = Stretches {
-            ranges: [(0.0, 0.0); 5],
+            ranges: [(0.0, 0.0); 6],
             len: 0,
         };
         let mut from = 0.0;

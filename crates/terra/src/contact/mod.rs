@@ -21,9 +21,10 @@ pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
 use crate::kinematics::Kinematics;
-use crate::shear::{Displacement, ShearLaw, ShearState, transition_angle_wong_reece};
+use crate::lugs::{lug_thrust_gain, lug_transport_layer};
+use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
 use crate::soil::SoilLaws;
-use crate::wheel::RigidWheel;
+use crate::wheel::{GrouserRule, Grousers, RigidWheel};
 
 /// A wheel's sizes as the laws take them, in numbers of any kind, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,10 @@ pub struct WheelSize<R = f64> {
     pub tip_share: R,
     /// Width.
     pub width: R,
+    /// Layer of soil that lugs carry backwards ([`lug_transport_layer`]); 0 without lugs.
+    pub lug_layer: R,
+    /// Share of thrust that lugs add where the rim drives ([`lug_thrust_gain`]), a pure number; 0 without lugs.
+    pub lug_gain: R,
 }
 
 impl<R: Real> WheelSize<R> {
@@ -49,6 +54,18 @@ impl<R: Real> WheelSize<R> {
             rim_radius: radius,
             tip_share: R::ONE,
             width,
+            lug_layer: R::ZERO,
+            lug_gain: R::ZERO,
+        }
+    }
+
+    /// A wheel of this rim with lugs by [`GrouserRule::Lugs`](crate::GrouserRule): `height` and `thickness` in
+    /// m, `count` around the rim.
+    pub fn with_lugs(self, height: R, count: R, thickness: R) -> Self {
+        Self {
+            lug_layer: lug_transport_layer(height, count, thickness, self.radius),
+            lug_gain: lug_thrust_gain(height, count, self.radius),
+            ..self
         }
     }
 }
@@ -57,12 +74,20 @@ impl RigidWheel {
     /// The sizes as numbers of any kind.
     #[must_use]
     pub fn size<R: Real>(&self) -> WheelSize<R> {
-        WheelSize {
-            radius: R::from_f64(self.running_radius()),
-            shear_radius: R::from_f64(self.shear_radius()),
-            rim_radius: R::from_f64(self.radius()),
-            tip_share: R::from_f64(self.tip_share()),
-            width: R::from_f64(self.width()),
+        let r = R::from_f64;
+        let size = WheelSize {
+            radius: r(self.running_radius()),
+            shear_radius: r(self.shear_radius()),
+            rim_radius: r(self.radius()),
+            tip_share: r(self.tip_share()),
+            ..WheelSize::smooth(r(self.running_radius()), r(self.width()))
+        };
+        match self.grousers() {
+            Some(Grousers {
+                height,
+                rule: GrouserRule::Lugs { count, thickness },
+            }) => size.with_lugs(r(height), r(count), r(thickness)),
+            _ => size,
         }
     }
 }
@@ -136,7 +161,6 @@ impl<R: Scalar> Contact<R> {
         } else {
             (R::ONE / skid, slip / skid, skid, R::ONE)
         };
-        let angles = ContactAngles::new(theta_1, soil.rebound_at(motion), soil.position_at(motion));
         let n = soil.exponent_at(motion);
         let tips = size.radius.powf(n);
         let tips = if size.tip_share.value() < 1.0 {
@@ -150,17 +174,31 @@ impl<R: Scalar> Contact<R> {
             one_minus_q,
         };
         let sideways = motion.q_y.value() != 0.0;
-        let restart = (law == ShearLaw::TowedWongReece && !sideways && !locked)
+        let transition = (law.restarts() && !sideways && !locked)
             .then(|| transition_angle_wong_reece(soil.strength.phi, q))
-            .flatten()
+            .flatten();
+        let restart = transition
             .map(|theta_0| theta_1 - theta_0)
-            .filter(|start| start.value() > 0.0)
-            .map(|start| (start, displacement.at(start)));
+            .filter(|arc| arc.value() > 0.0)
+            .map(|arc| {
+                let there = displacement.at(arc);
+                Restart {
+                    arc,
+                    displacement: there,
+                    // j = 0 at θ_0: arc·K_v q + j(arc) = 0
+                    front: (law == ShearLaw::TowedWongReece).then(|| -there / arc),
+                }
+            });
+        let position = match transition {
+            Some(theta_0) if law == ShearLaw::TowedWongReece => theta_0 / theta_1,
+            _ => soil.position_at(motion),
+        };
+        let angles = ContactAngles::new(theta_1, soil.rebound_at(motion), position);
         Self {
             angles,
             amplitude: soil.modulus(size.width, n)
                 * tips
-                * soil.share_left(motion, theta_1, size.radius, n),
+                * soil.share_left(motion, theta_1, size, n),
             n,
             cohesion: soil.strength.cohesion,
             tan_phi: soil.strength.phi.tan(),
@@ -217,7 +255,7 @@ impl<R: Scalar> Contact<R> {
         }
         let strength = self.strength_at(theta);
         let (along, across) = self.shear.mobilised(theta_1 - theta);
-        (strength * along, strength * across)
+        (self.with_lugs(strength * along), strength * across)
     }
 
     /// Shear strength c + σ tan φ at `theta` (rad), Pa: T(θ) of (P7).
@@ -227,6 +265,11 @@ impl<R: Scalar> Contact<R> {
 }
 
 impl<R: Real> Contact<R> {
+    /// τ along the wheel with what lugs add where it drives.
+    pub(crate) fn with_lugs(&self, tau: R) -> R {
+        tau + self.size.lug_gain * R::select(R::ZERO.lt(tau), tau, R::ZERO)
+    }
+
     /// cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2), without cancellation.
     pub(crate) fn drop(&self, u: R) -> R {
         let half = R::from_f64(0.5) * u;

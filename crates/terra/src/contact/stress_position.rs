@@ -3,6 +3,7 @@
 use grouser_real::Scalar;
 
 use super::Motion;
+use crate::slip_velocity::SlipNorm;
 
 /// Which slip enters θ_m = (c_1 + c_2 s) θ_1 \[WR67\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +23,12 @@ pub enum StressPosition {
     /// the Carnegie Mellon data gives θ_m a constant of its own while braking. Both say that the signed
     /// slip does not carry over; the size of the slip does so without a further number.
     Whole,
+    /// hypot(s_x, s_y), the whole sliding of the rim over the ground whatever its direction
+    /// ([`SlipVelocity`](crate::SlipVelocity)). Straight ahead |s| in the norm of the greater speed.
+    ///
+    /// Source: ours. With [`SlipNorm::Root`](crate::SlipNorm) it is smooth in the rim's speed wherever the wheel
+    /// drifts; [`StressPosition::Whole`] has an edge where rω = V and another where rω cos β = V.
+    Sliding,
 }
 
 impl StressPosition {
@@ -32,15 +39,17 @@ impl StressPosition {
             Self::InPlane => "in-plane",
             Self::Magnitude => "magnitude",
             Self::Whole => "whole",
+            Self::Sliding => "sliding",
         }
     }
 
     /// The slip that enters.
-    pub(crate) fn slip_of<R: Scalar>(self, motion: &Motion<R>) -> R {
+    pub(crate) fn slip_of<R: Scalar>(self, motion: &Motion<R>, norm: SlipNorm) -> R {
         match self {
             Self::InPlane => motion.slip,
             Self::Magnitude => motion.slip.abs(),
-            Self::Whole => motion.slip_velocity().working(),
+            Self::Whole => motion.slip_velocity_by(norm).working(),
+            Self::Sliding => motion.slip_velocity_by(norm).sliding(),
         }
     }
 }

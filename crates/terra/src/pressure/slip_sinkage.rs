@@ -13,6 +13,8 @@ pub enum SlipSinkage {
     InPlane,
     /// The whole slip velocity, drift included ([`SinkageExponent::at_whole`]).
     Whole,
+    /// As `Whole`, levelling off towards full slip ([`SinkageExponent::at_saturating`]).
+    Saturating,
 }
 
 impl SlipSinkage {
@@ -22,6 +24,7 @@ impl SlipSinkage {
         match self {
             Self::InPlane => "in-plane",
             Self::Whole => "whole",
+            Self::Saturating => "saturating",
         }
     }
 }
@@ -77,6 +80,26 @@ impl<R: Scalar> SinkageExponent<R> {
     pub fn at_whole(&self, slip: &SlipVelocity<R>) -> R {
         let dug = self.n_1 * slip.driving();
         let pushed = self.n_2 * slip.braking().hypot(slip.across);
+        self.n_0 + dug.hypot(pushed)
+    }
+
+    /// The exponent at a slip velocity, levelling off: n = n_0 + hypot(n_1 f(s_x⁺), n_2 f(hypot(s_x⁻, s_y))) with
+    /// f(x) = x (1 − x/2), whose slope is 1 at no slip and 0 at full slip.
+    ///
+    /// Source: ours, on measured wheels that stand as deep at s = 0.9 as at 0.75 and that are not buried when they
+    /// are locked; no further number. Assumes and valid range: as [`SinkageExponent::at_whole`].
+    ///
+    /// ```
+    /// use grouser_terra::{SinkageExponent, SlipVelocity};
+    /// let n = SinkageExponent { n_0: 1.4, n_1: 0.2, n_2: 0.3 };
+    /// let locked = SlipVelocity { along: -0.8, across: 0.6, ploughing: 1.0 };
+    /// let exponent: f64 = n.at_saturating(&locked);
+    /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-15);
+    /// ```
+    pub fn at_saturating(&self, slip: &SlipVelocity<R>) -> R {
+        let level = |x: R| x * (R::ONE - R::from_f64(0.5) * x);
+        let dug = self.n_1 * level(slip.driving());
+        let pushed = self.n_2 * level(slip.braking().hypot(slip.across));
         self.n_0 + dug.hypot(pushed)
     }
 }

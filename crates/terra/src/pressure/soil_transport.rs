@@ -2,25 +2,34 @@
 
 use grouser_real::Scalar;
 
-/// How much deeper a driving wheel sits because it carries soil backwards: z_t = δ s/(1 − s), m.
+use crate::contact::Motion;
+
+/// Least travel over rim speed: a wheel that spins on the spot digs 10⁹ layers, not infinitely many.
+const MIN_TRAVEL: f64 = 1e-9;
+
+/// How much deeper a driving wheel sits because it carries soil backwards: z_t = δ (rω − v_x)⁺/V, m.
 ///
-/// A layer of thickness `layer` δ (m) moves with the rim, so that over each metre of travel s/(1 − s) metres
-/// of it pass under the wheel and are laid down behind. `slip` is the driving part of the slip; there is no
-/// transport below 0. Without bound as s → 1: a wheel that spins on the spot digs for ever.
+/// A layer of thickness `layer` δ (m) moves with the rim, so that over each metre of travel (rω − v_x)/V metres
+/// of it pass under the wheel and are laid down behind; straight ahead that is s/(1 − s). There is no transport
+/// below s = 0. Without bound as s → 1: a wheel that spins on the spot digs for ever.
 ///
 /// Source: Reece's slip-sinkage of a lugged wheel, h s/(1 − s) with the height h of the lug (as restated in
-/// later texts; the original was not seen). Valid range: steady driving. Assumes: nothing flows back into
-/// the rut. Sign: positive downwards. `layer` 0 switches it off.
+/// later texts; the original was not seen). That drift counts as travel is ours. Valid range: steady driving.
+/// Assumes: nothing flows back into the rut. Sign: positive downwards. `layer` 0 switches it off.
 ///
 /// ```
-/// use grouser_terra::transport_depth_reece;
-/// assert!((transport_depth_reece(0.005, 0.5_f64) - 0.005).abs() < 1e-15);
-/// assert_eq!(transport_depth_reece(0.005, -0.5), 0.0);
+/// use grouser_terra::{Kinematics, Slip, transport_depth_reece};
+/// let depth = |s| -> grouser_terra::Result<f64> {
+///     Ok(transport_depth_reece(0.005, &Kinematics::straight(Slip::new(s)?).motion()))
+/// };
+/// assert!((depth(0.5)? - 0.005).abs() < 1e-15);
+/// assert_eq!(depth(-0.5)?, 0.0);
+/// # Ok::<(), grouser_terra::Error>(())
 /// ```
-pub fn transport_depth_reece<R: Scalar>(layer: R, slip: R) -> R {
-    let driving = slip.max(R::ZERO);
-    let rest = (R::ONE - driving).max(R::from_f64(1e-9));
-    layer * driving / rest
+pub fn transport_depth_reece<R: Scalar>(layer: R, motion: &Motion<R>) -> R {
+    let speeds = motion.speeds();
+    let driving = (speeds.rim - speeds.forward).max(R::ZERO);
+    layer * driving / speeds.travel.max(R::from_f64(MIN_TRAVEL))
 }
 
 /// What is left of the pressure where the ground has been lowered by `dug` under a wheel sunk by `sinkage`

@@ -9,6 +9,6 @@ mod towed;
 pub(crate) use displacement::Displacement;
 pub use janosi::mobilised_janosi;
 pub use law::ShearLaw;
-pub(crate) use law::ShearState;
+pub(crate) use law::{Restart, ShearState};
 pub use strength::MohrCoulomb;
 pub use towed::transition_angle_wong_reece;

@@ -19,7 +19,7 @@ const ADDED: [&str; 5] = [
 const SIDE_FORCE: &str = "side_force_n";
 
 /// The columns that are read.
-const READ: [&str; 8] = [
+const READ: [&str; 11] = [
     "soil",
     "radius_m",
     "width_m",
@@ -28,11 +28,14 @@ const READ: [&str; 8] = [
     "rebound",
     "sinkage_m",
     "load_n",
+    "grouser_height_m",
+    "grouser_count",
+    "grouser_thickness_m",
 ];
 
 /// Quantities without their units: a column of one of them with another unit is refused, since to ignore it
 /// would give a result for another wheel.
-const QUANTITIES: [&str; 13] = [
+const QUANTITIES: [&str; 15] = [
     "radius",
     "diameter",
     "width",
@@ -46,6 +49,8 @@ const QUANTITIES: [&str; 13] = [
     "weight",
     "gravity",
     "grouser_height",
+    "grouser_count",
+    "grouser_thickness",
 ];
 const UNITS: [&str; 15] = [
     "m", "mm", "cm", "n", "kn", "kg", "g", "deg", "rad", "percent", "pct", "1", "m_per_s2", "in",
@@ -86,8 +91,8 @@ fn refusal(name: &str) -> Option<&'static str> {
         })
     });
     known.then_some(
-        "read are `radius_m`, `width_m`, `slip`, `slip_angle_deg`, `rebound`, `sinkage_m` and `load_n`; rename a \
-         column that is only a remark",
+        "read are `radius_m`, `width_m`, `grouser_height_m`, `grouser_count`, `grouser_thickness_m`, `slip`, \
+         `slip_angle_deg`, `rebound`, `sinkage_m` and `load_n`; rename a column that is only a remark",
     )
 }
 
@@ -104,6 +109,9 @@ pub(super) struct Columns {
     rebound: Option<usize>,
     sinkage: Option<usize>,
     load: Option<usize>,
+    grouser_height: Option<usize>,
+    grouser_count: Option<usize>,
+    grouser_thickness: Option<usize>,
 }
 
 /// What a row asks for.
@@ -112,6 +120,8 @@ pub(super) struct Point {
     pub(super) soil: String,
     pub(super) radius_m: f64,
     pub(super) width_m: f64,
+    /// Height (m), number and thickness (m) of the lugs; `None` for a smooth wheel.
+    pub(super) grousers: Option<[f64; 3]>,
     /// `None`: as the soil has it.
     pub(super) rebound: Option<f64>,
     pub(super) slip: f64,
@@ -181,10 +191,17 @@ impl Columns {
             rebound: find("rebound")?,
             sinkage: find("sinkage_m")?,
             load: find("load_n")?,
+            grouser_height: find("grouser_height_m")?,
+            grouser_count: find("grouser_count")?,
+            grouser_thickness: find("grouser_thickness_m")?,
             header: fields.iter().map(|field| (*field).to_owned()).collect(),
         };
         if columns.sinkage.is_none() && columns.load.is_none() {
             let message = "line 1: there is neither a column `sinkage_m` nor a column `load_n`";
+            return Err(refuse(message.to_owned(), None));
+        }
+        if columns.grouser_height.is_some() != columns.grouser_count.is_some() {
+            let message = "line 1: lugs need both columns `grouser_height_m` and `grouser_count`";
             return Err(refuse(message.to_owned(), None));
         }
         Ok(columns)
@@ -295,7 +312,22 @@ impl Columns {
             .slip_angle
             .filter(filled)
             .map(|index| number(index, "slip_angle_deg"));
+        let optional = |index: Option<usize>, name: &str| {
+            let filled = index.filter(filled);
+            filled.map_or(Ok(0.0), |index| number(index, name))
+        };
+        let height = optional(self.grouser_height, "grouser_height_m")?;
+        let grousers = if height == 0.0 {
+            None
+        } else {
+            Some([
+                height,
+                optional(self.grouser_count, "grouser_count")?,
+                optional(self.grouser_thickness, "grouser_thickness_m")?,
+            ])
+        };
         Ok(Point {
+            grousers,
             soil: content(fields[self.soil]).into_owned(),
             radius_m: number(self.radius, "radius_m")?,
             width_m: number(self.width, "width_m")?,

@@ -96,7 +96,7 @@ pub(super) fn solve(
     let mut kernels: BTreeMap<&str, Option<BatchKernel>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
         let Ok(point) = &row.point else { continue };
-        if point.slip_angle_deg != 0.0 {
+        if point.slip_angle_deg != 0.0 || point.grousers.is_some() {
             continue;
         }
         let kernel = kernels

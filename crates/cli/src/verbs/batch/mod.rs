@@ -26,6 +26,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use crate::verb_report::Report;
+use crate::wheel_choice::lugs;
 use grouser_report::number::exact;
 use grouser_report::{Fields, fields};
 
@@ -198,7 +199,7 @@ enum Ending {
 #[derive(Default)]
 struct Cache(Option<(CacheKey, WheelOnSoil)>);
 
-type CacheKey = (String, [u64; 2], Option<u64>);
+type CacheKey = (String, [u64; 2], Option<[u64; 3]>, Option<u64>);
 
 /// A row that the lanes have solved, as a line.
 fn solved_line(columns: &Columns, row: &Row, solved: &lanes::Solved) -> String {
@@ -253,6 +254,7 @@ fn solve(
     let key = (
         point.soil.clone(),
         [wheel.0.to_bits(), wheel.1.to_bits()],
+        point.grousers.map(|sizes| sizes.map(f64::to_bits)),
         point.rebound.map(f64::to_bits),
     );
     let pair = match &cache.0 {
@@ -268,7 +270,12 @@ fn solve(
                 Some(rebound) => soil.with_rebound(rebound).map_err(refuse)?,
                 None => soil,
             };
-            let wheel = RigidWheel::new(wheel.0, wheel.1).map_err(refuse)?;
+            let mut wheel = RigidWheel::new(wheel.0, wheel.1).map_err(refuse)?;
+            if let Some([height, count, thickness]) = point.grousers {
+                wheel = wheel
+                    .with_grousers(lugs(height, count, thickness))
+                    .map_err(refuse)?;
+            }
             let pair = WheelOnSoil::new(wheel, soil, Settings::default()).map_err(refuse)?;
             cache.0 = Some((key, pair.clone()));
             pair

@@ -152,7 +152,7 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
 }
 
 /// From this slip on a wheel spins nearly on the spot.
-const SPINNING_SLIP: f64 = 0.99;
+pub(super) const SPINNING_SLIP: f64 = 0.99;
 
 /// The caution where the laws give the most pull to a wheel that spins on the spot.
 fn most_at_spin(family: &Family) -> Option<String> {

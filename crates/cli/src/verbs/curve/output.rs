@@ -85,9 +85,15 @@ impl<'a> Frame<'a> {
             join(wheel()) = point.frame;
             join(points()) = point;
         };
-        let keys = "soil,radius_m,width_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status";
+        let lugged = self.pair.wheel().grousers().is_some();
+        let keys = "soil,radius_m,width_m,grouser_height_m,grouser_count,grouser_thickness_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status";
         columns
-            .pick(&keys.split(',').collect::<Vec<_>>())
+            .pick(
+                &keys
+                    .split(',')
+                    .filter(|key| lugged || !key.starts_with("grouser"))
+                    .collect::<Vec<_>>(),
+            )
             .csv(self.points())
     }
 
@@ -131,6 +137,9 @@ fn wheel<'a>() -> Fields<'a, Frame<'a>> {
         "soil" "soil" = frame.soil;
         "radius_m" "radius of the wheel" .given() = frame.wheel.radius_m;
         "width_m" "width of the wheel" .given() = frame.wheel.width_m;
+        "grouser_height_m" "height of the lugs" .given() = frame.wheel.grousers.grouser_height_m;
+        "grouser_count" "number of the lugs" .given() = frame.wheel.grousers.grouser_count.map(f64::from);
+        "grouser_thickness_m" "thickness of the lugs" .given() = frame.wheel.grousers.grouser_thickness_m;
         "rebound" "rebound ratio" .given() = frame.pair.soil().params().rebound;
     }
 }

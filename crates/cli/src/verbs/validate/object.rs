@@ -19,6 +19,7 @@ fn row<'a>() -> Fields<'a, &'a Row> {
         "data_set" "data set" = row.data_set;
         "wheel" "wheel" = row.wheel;
         "slip_angle_deg" "slip angle" = row.slip_angle_deg;
+        "slips" "which slips: steady (at most 0.75), spinning or locked" = row.slips.key();
         "quantity" "quantity" = row.quantity.key();
         "unit" "its unit" = row.quantity.unit();
         "model" "model" = row.model.key();

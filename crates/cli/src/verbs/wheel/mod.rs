@@ -5,7 +5,7 @@ mod figure;
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
 
-use grouser_terra::{Angle, SlopeOutcome, WheelOnSoil};
+use grouser_terra::{Angle, LugPassage, SlopeOutcome, WheelOnSoil};
 use serde_json::Value;
 
 use crate::error::Result;
@@ -15,7 +15,7 @@ use crate::law_error::Names;
 use crate::operation::{self, Answer, Asked};
 use crate::session::Session;
 use crate::verb_report::Report;
-use crate::wheel_choice::WheelArguments;
+use crate::wheel_choice::{WheelArguments, parse_gravity};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, Table, fields};
 
@@ -27,26 +27,32 @@ use grouser_report::{Fields, Table, fields};
 pub(crate) struct Arguments {
     #[command(flatten)]
     wheel: WheelArguments,
-    /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot)
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
-    slip: f64,
+    /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot); with `--slope-deg` the default is the slip that holds the slope
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "slope_deg")]
+    slip: Option<f64>,
     #[command(flatten)]
     asked: LoadOrSinkage,
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, requires = "load_n")]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
+    /// Gravity in m/s², or earth, moon or mars: what `--mass-kg` weighs. The soil's numbers stay as they are
+    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
+    gravity_m_per_s2: f64,
     /// Draw the wheel and the stress under it (.svg or .png)
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
 }
 
-/// Exactly one of the two.
+/// Exactly one of the three.
 #[derive(clap::Args, Clone, Copy, Debug)]
 #[group(required = true, multiple = false)]
 struct LoadOrSinkage {
     /// Load that the wheel carries in N
     #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
     load_n: Option<f64>,
+    /// Mass on the wheel in kg, instead of its load
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true)]
+    mass_kg: Option<f64>,
     /// Sinkage in m
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
     sinkage_m: Option<f64>,
@@ -68,12 +74,20 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .map(figure_file::Target::of)
         .transpose()?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
-    let kinematics = arguments.wheel.kinematics(arguments.slip)?;
-    let slope = match (arguments.slope_deg, arguments.asked.load_n) {
+    let weight = arguments.asked.load_n.or(arguments
+        .asked
+        .mass_kg
+        .map(|mass| mass * arguments.gravity_m_per_s2));
+    let slope = match (arguments.slope_deg, weight) {
         (Some(degrees), Some(weight)) => Some(on_slope(&pair, degrees, weight).map_err(refuse)?),
         _ => None,
     };
-    let asked = match (arguments.asked.load_n, arguments.asked.sinkage_m, &slope) {
+    let demand = slope.as_ref().and_then(OnSlope::demand);
+    let Some(slip) = arguments.slip.or(demand) else {
+        return Ok(immobilised(arguments, &pair, &chosen.name, slope.as_ref()));
+    };
+    let kinematics = arguments.wheel.kinematics(slip)?;
+    let asked = match (weight, arguments.asked.sinkage_m, &slope) {
         (Some(weight), _, Some(slope)) => {
             Asked::Load(weight * Angle::from_deg(slope.degrees).cos())
         }
@@ -82,11 +96,18 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let answer = operation::solve(&pair, asked, &kinematics).map_err(refuse)?;
 
+    let lugs = answer
+        .point
+        .as_ref()
+        .and_then(|point| pair.lug_passage(point));
     let solved = Solved {
+        lugs: lugs.as_ref(),
+        slip: Some(slip),
+        weight,
         arguments,
         soil: &chosen.name,
         pair: &pair,
-        answer: &answer,
+        answer: Some(&answer),
         slope: slope.as_ref(),
     };
     let mut text = text(solved);
@@ -108,6 +129,33 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure,
         warnings: Vec::new(),
     })
+}
+
+/// The report of a wheel that no slip holds on its slope.
+fn immobilised(
+    arguments: &Arguments,
+    pair: &WheelOnSoil,
+    soil: &str,
+    slope: Option<&OnSlope>,
+) -> Report {
+    let solved = Solved {
+        arguments,
+        soil,
+        pair,
+        slip: None,
+        weight: None,
+        answer: None,
+        slope,
+        lugs: None,
+    };
+    Report {
+        outcome: Outcome::NoResult,
+        object: fields().object(solved),
+        text: text(solved),
+        is_aside: false,
+        failure: Some("no slip holds the slope".to_owned()),
+        warnings: Vec::new(),
+    }
 }
 
 fn on_slope(pair: &WheelOnSoil, degrees: f64, weight: f64) -> grouser_terra::Result<OnSlope> {
@@ -144,8 +192,24 @@ struct Solved<'a> {
     arguments: &'a Arguments,
     soil: &'a str,
     pair: &'a WheelOnSoil,
-    answer: &'a Answer,
+    /// The slip that was given or that holds the slope.
+    slip: Option<f64>,
+    /// The weight on the wheel, N, where it is given.
+    weight: Option<f64>,
+    answer: Option<&'a Answer>,
     slope: Option<&'a OnSlope>,
+    lugs: Option<&'a LugPassage>,
+}
+
+/// The fluctuation of the forces as lugs pass.
+fn passage<'a>() -> Fields<'a, &'a LugPassage> {
+    fields! { |lugs: &'a LugPassage|
+        "grouser_spacing_deg" "angle between two lugs" .shown("deg") = lugs.spacing.to_degrees();
+        "grousers_in_soil" "lugs in the soil on average" .shown("") = lugs.in_soil;
+        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") = lugs.pull;
+        "torque_fluctuation_nm" "fluctuation of the torque as lugs pass, greatest less least" .shown("N m") =
+            lugs.torque;
+    }
 }
 
 fn fields<'a>() -> Fields<'a, Solved<'a>> {
@@ -154,12 +218,14 @@ fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "radius_m" "radius of the wheel" = of.arguments.wheel.radius_m;
         "width_m" "width of the wheel" = of.arguments.wheel.width_m;
         "rebound" "rebound ratio" = of.pair.soil().params().rebound;
-        "slip" "slip" = of.arguments.slip;
+        "slip" "slip" = of.slip;
         "slip_angle_deg" "slip angle" = of.arguments.wheel.slip_angle_deg;
         "slope_deg" "slope" = of.arguments.slope_deg;
-        "load_n" "load" = of.arguments.asked.load_n;
-        join(operation::fields()) = of.answer;
+        "load_n" "load" = of.weight;
+        also(operation::fields()) = of.answer;
         also(OnSlope::fields()) = of.slope;
+        "grouser_height_m" "height of the lugs" = of.pair.wheel().grousers().map(|lugs| lugs.height);
+        also(passage()) = of.lugs;
     }
 }
 
@@ -185,29 +251,35 @@ const LINES: [&str; 10] = [
 fn text(solved: Solved<'_>) -> String {
     let wheel = &solved.arguments.wheel;
     let mut text = format!(
-        "{}: wheel of radius {} m, width {} m, rebound {}, at slip {}\n",
+        "{}: wheel of radius {} m, width {} m, rebound {}, {}\n",
         solved.soil,
         shown(wheel.radius_m),
         shown(wheel.width_m),
         shown(solved.pair.soil().params().rebound),
-        shown(solved.arguments.slip),
+        solved.slip.map_or_else(
+            || "at no slip".to_owned(),
+            |slip| format!("at slip {}", shown(slip)),
+        ),
     );
     if let Some(slope) = solved.slope {
         let _ = writeln!(text, "on a slope of {} deg", shown(slope.degrees));
     }
     let mut table = Table::new().text("").number("").text("");
-    if solved.answer.point.is_some() {
+    if let Some(answer) = solved.answer.filter(|answer| answer.point.is_some()) {
         operation::fields()
             .pick(&LINES)
-            .add_lines(&mut table, solved.answer);
+            .add_lines(&mut table, answer);
     }
     if let Some(slope) = solved.slope {
         OnSlope::fields().add_lines(&mut table, slope);
     }
+    if let Some(lugs) = solved.lugs {
+        passage().add_lines(&mut table, lugs);
+    }
     text.push_str(&table.render_body());
     for caution in solved
         .answer
-        .point
+        .and_then(|answer| answer.point)
         .iter()
         .flat_map(|point| point.cautions.iter())
     {

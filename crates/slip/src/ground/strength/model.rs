@@ -106,5 +106,7 @@ fn constant_size(size: &WheelSize<f64>) -> WheelSize<Number> {
         rim_radius: c(size.rim_radius),
         tip_share: c(size.tip_share),
         width: c(size.width),
+        lug_layer: c(size.lug_layer),
+        lug_gain: c(size.lug_gain),
     }
 }

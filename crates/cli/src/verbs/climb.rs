@@ -1,0 +1,350 @@
+//! `climb`: what slopes cost a wheel or a robot, up to the steepest that it holds.
+
+use std::path::PathBuf;
+
+use grouser_figure::{Axis, Chart, Curve, Figure, Style};
+use grouser_report::number::{exact, parse_finite, shown};
+use grouser_report::{Fields, fields};
+use grouser_rover::robot::RobotModel;
+use grouser_rover::statics::{ClimbStep, climb};
+use grouser_terra::{Angle, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil};
+
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
+use crate::law_error::Names;
+use crate::output_choice::Output;
+use crate::session::Session;
+use crate::soil_choice::SoilArguments;
+use crate::verb_report::Report;
+use crate::wheel_choice::{GrouserArguments, parse_gravity};
+
+/// Slopes of the table between the level and the steepest one.
+const ROWS: u32 = 12;
+
+/// Steps in which the steepest slope of a robot is halved: to 1e-6 of 70°.
+const BISECTIONS: u32 = 22;
+
+/// A robot this close to tipping over on its steepest slope is limited by that and not by the soil, rad.
+const NEAR_TIPPING_RAD: f64 = 1e-4;
+
+/// No slope of the table is steeper, rad: loads and sinkage are those of a wheel that is pressed into the ground.
+const MAX_SLOPE_RAD: f64 = 1.2;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "The steepest slope that a wheel or a robot climbs, and what slopes cost",
+    long_about = "The steepest slope that a wheel or a robot climbs straight on, and slip, energy per metre and margins up \
+        to it.\n\nEnergy is that of the torque at the wheels. Gravity turns masses into loads; the soil's numbers stay those \
+        of its file.",
+    after_help = "Examples:\n  grouser climb --soil lunar --radius-m 0.125 --width-m 0.15 --mass-kg 20 --gravity-m-per-s2 moon\n  \
+        grouser climb --soil dry-sand --robot examples/robots/rocker-bogie.toml -o climb.csv -o climb.svg"
+)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    soil: SoilArguments,
+    /// A robot file with masses and widths, instead of a single wheel
+    #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["radius_m", "width_m", "load_n", "mass_kg", "grouser_height_m"])]
+    robot: Option<PathBuf>,
+    /// Radius of the wheel in m
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "robot")]
+    radius_m: Option<f64>,
+    /// Width of the wheel in m
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "robot")]
+    width_m: Option<f64>,
+    #[command(flatten)]
+    grousers: GrouserArguments,
+    /// Weight on the wheel in N
+    #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "mass_kg")]
+    load_n: Option<f64>,
+    /// Mass on the wheel in kg, instead of its weight
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true)]
+    mass_kg: Option<f64>,
+    /// Gravity in m/s², or earth, moon or mars
+    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
+    gravity_m_per_s2: f64,
+    /// Write a table (.csv) or a figure (.svg, .png); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+/// What climbs, ready to be asked.
+enum Climber {
+    Wheel { pair: WheelOnSoil, weight: f64 },
+    Robot(Box<RobotModel>),
+}
+
+/// What is known of a climb.
+struct Climbed {
+    soil: String,
+    gravity: f64,
+    /// The steepest slope, rad; `None` where the level is too much already.
+    steepest: Option<f64>,
+    steps: Vec<ClimbStep>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = Output::begin(&arguments.output)?;
+    let chosen = arguments.soil.choose(session)?;
+    let climber = climber(arguments, &chosen.soil, session)?;
+    let gravity = arguments.gravity_m_per_s2;
+    let steepest = climber.steepest(&chosen.soil)?;
+    let slopes: Vec<f64> = match steepest {
+        Some(steepest) => (0..=ROWS)
+            .map(|row| steepest * f64::from(row) / f64::from(ROWS))
+            .collect(),
+        None => vec![0.0],
+    };
+    let steps = climber.steps(&chosen.soil, &slopes)?;
+    let climbed = Climbed {
+        soil: chosen.name,
+        gravity,
+        steepest,
+        steps,
+    };
+    let mut text = climbed.text();
+    for output in outputs {
+        text.push_str(&match output {
+            Output::Table(file) => file.write_whole(climbed.csv().as_bytes())?,
+            Output::Figure(target) => target.write(&climbed.draw())?,
+        });
+    }
+    let failure = steepest
+        .is_none()
+        .then(|| "not even level ground is climbed: no slip gives enough pull".to_owned());
+    Ok(Report {
+        outcome: if failure.is_some() {
+            Outcome::NoResult
+        } else {
+            Outcome::Done
+        },
+        object: object().object(&climbed),
+        text,
+        is_aside: false,
+        failure,
+        warnings: climbed.warnings(),
+    })
+}
+
+fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<Climber> {
+    let refuse = |error| Names::Flags.error(&error);
+    if let Some(path) = &arguments.robot {
+        session.used_file(path)?;
+        let model = RobotModel::read(path)?.under_gravity(arguments.gravity_m_per_s2);
+        return Ok(Climber::Robot(Box::new(model)));
+    }
+    let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {
+        return Err(Error::usage(
+            "there is neither a robot nor a wheel",
+            "give `--robot FILE.toml`, or `--radius-m` and `--width-m`",
+        ));
+    };
+    let weight = match (arguments.load_n, arguments.mass_kg) {
+        (Some(load), _) => load,
+        (None, Some(mass)) => mass * arguments.gravity_m_per_s2,
+        (None, None) => {
+            return Err(Error::usage(
+                "the wheel has no weight",
+                "give `--load-n`, or `--mass-kg` with `--gravity-m-per-s2`",
+            ));
+        }
+    };
+    if !(weight > 0.0) {
+        return Err(Error::out_of_range(
+            "--load-n",
+            weight,
+            [0.0, f64::MAX],
+            "be greater than 0 N",
+        ));
+    }
+    let wheel = arguments.grousers.on(radius, width).map_err(refuse)?;
+    let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).map_err(refuse)?;
+    Ok(Climber::Wheel { pair, weight })
+}
+
+impl Climber {
+    fn steepest(&self, soil: &Soil) -> Result<Option<f64>> {
+        match self {
+            Self::Wheel { pair, weight } => {
+                let slope = pair.gradeability(*weight);
+                Ok(slope
+                    .map_err(|error| Names::Flags.error(&error))?
+                    .map(Angle::rad))
+            }
+            Self::Robot(model) => {
+                let holds = |slope: f64| -> Result<bool> {
+                    let steps = climb(model, soil, &[slope])?;
+                    Ok(steps[0].slip.is_some() && !steps[0].lifts && steps[0].tip_over > 0.0)
+                };
+                if !holds(0.0)? {
+                    return Ok(None);
+                }
+                let (mut low, mut high) = (0.0, MAX_SLOPE_RAD);
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (low + high);
+                    if holds(middle)? {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                Ok(Some(low))
+            }
+        }
+    }
+
+    fn steps(&self, soil: &Soil, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
+        match self {
+            Self::Robot(model) => Ok(climb(model, soil, slopes)?),
+            Self::Wheel { pair, weight } => slopes
+                .iter()
+                .map(|slope| wheel_step(pair, *weight, *slope))
+                .collect::<grouser_terra::Result<_>>()
+                .map_err(|error| Names::Flags.error(&error)),
+        }
+    }
+}
+
+/// A wheel alone: it has no other to lose the ground with, and nothing to tip over.
+fn wheel_step(pair: &WheelOnSoil, weight: f64, slope: f64) -> grouser_terra::Result<ClimbStep> {
+    let angle = Angle::from_rad(slope);
+    let load = weight * angle.cos();
+    let slip = match pair.slip_demand(weight, angle)? {
+        SlopeOutcome::Holds { slip } => Some(slip),
+        _ => None,
+    };
+    let point = match slip {
+        Some(slip) => pair.under_load(load, &Kinematics::straight(slip))?.point(),
+        None => None,
+    };
+    let most = pair.slip_of_maximum_pull(load)?;
+    Ok(ClimbStep {
+        slope,
+        slip: slip.map(grouser_terra::Slip::value),
+        energy_per_metre: point.and_then(|point| point.energy_per_metre()),
+        sinkage: point.map(|point| point.sinkage),
+        reserve: most.map_or(f64::NAN, |best| best.value) - weight * angle.sin(),
+        tip_over: f64::NAN,
+        lifts: false,
+    })
+}
+
+/// Energy per metre, where the wheels do not spin nearly on the spot: it is without bound at slip 1.
+fn energy(step: &ClimbStep) -> Option<f64> {
+    let rolls = step
+        .slip
+        .is_some_and(|slip| slip < super::curve::SPINNING_SLIP);
+    step.energy_per_metre.filter(|_| rolls)
+}
+
+fn step<'a>() -> Fields<'a, &'a ClimbStep> {
+    let known = |x: f64| x.is_finite().then_some(x);
+    fields! { |step: &'a ClimbStep|
+        "slope_deg" "slope" .shown("deg") = step.slope.to_degrees();
+        "slip" "slip that holds it" .shown("").missing("none") = step.slip;
+        "energy_j_per_m" "energy" .shown("J/m").missing("none") = energy(step);
+        "sinkage_m" "sinkage" .shown("mm").missing("none") = step.sinkage;
+        "reserve_n" "greatest pull less what the slope takes" .shown("N").missing("none") = known(step.reserve);
+        "tip_over_deg" "tilt left before it tips over" .shown("deg").missing("–") =
+            known(step.tip_over.to_degrees());
+    }
+}
+
+fn object<'a>() -> Fields<'a, &'a Climbed> {
+    fields! { |climbed: &'a Climbed|
+        "soil" "soil" = climbed.soil.as_str();
+        "gravity_m_per_s2" "gravity" = climbed.gravity;
+        "steepest_slope_deg" "the steepest slope that is climbed" = climbed.steepest.map(f64::to_degrees);
+        "steps" "slopes from the level to the steepest" rows(step()) = &climbed.steps;
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object().schema()
+}
+
+impl Climbed {
+    fn text(&self) -> String {
+        let steepest = match self.steepest {
+            Some(slope) => format!("climbs {}°", shown(slope.to_degrees())),
+            None => "does not climb at all".to_owned(),
+        };
+        format!(
+            "{} under {} m/s²: {steepest}\n{}",
+            self.soil,
+            shown(self.gravity),
+            step().table(self.steps.iter())
+        )
+    }
+
+    fn csv(&self) -> String {
+        let optional = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, exact);
+        let mut out =
+            String::from("slope_deg,slip,energy_j_per_m,sinkage_m,reserve_n,tip_over_deg\n");
+        for step in &self.steps {
+            let cells = [
+                Some(step.slope.to_degrees()),
+                step.slip,
+                energy(step),
+                step.sinkage,
+                Some(step.reserve),
+                Some(step.tip_over.to_degrees()),
+            ];
+            out.push_str(&cells.map(optional).join(","));
+            out.push('\n');
+        }
+        out
+    }
+
+    fn draw(&self) -> Figure {
+        let line = |of: &dyn Fn(&ClimbStep) -> Option<f64>| -> Vec<[f64; 2]> {
+            let points = self
+                .steps
+                .iter()
+                .map(|step| Some([step.slope.to_degrees(), of(step)?]));
+            points.flatten().filter(|at| at[1].is_finite()).collect()
+        };
+        let panel = |title: &str, points: Vec<[f64; 2]>| {
+            Chart::new(Axis::new("Slope (deg)"), Axis::new(title))
+                .curve(Curve::new(points).style(Style::numbered(0)))
+        };
+        Figure::new(format!(
+            "Slip, energy per metre and reserve of pull against slope on {}",
+            self.soil
+        ))
+        .columns(3)
+        .panel(panel("Slip *s*", line(&|step| step.slip)))
+        .panel(panel("Energy (J/m)", line(&energy)))
+        .panel(panel(
+            "Reserve of pull (N)",
+            line(&|step| Some(step.reserve)),
+        ))
+    }
+
+    /// What the numbers do not say by themselves.
+    fn warnings(&self) -> Vec<String> {
+        let mut list = Vec::new();
+        let spins = |step: &ClimbStep| {
+            step.slip
+                .is_some_and(|slip| slip >= super::curve::SPINNING_SLIP)
+        };
+        if self.steps.iter().any(spins) {
+            list.push(
+                "the steepest slope is held only by wheels that spin nearly on the spot, where the laws do not hold: \
+                 they do not count the thrust that disturbed soil loses"
+                    .to_owned(),
+            );
+        }
+        if self
+            .steepest
+            .is_some_and(|slope| slope > 0.99 * MAX_SLOPE_RAD)
+        {
+            list.push("steeper slopes were not tried".to_owned());
+        }
+        let last = self.steps.last();
+        if last.is_some_and(|step| step.tip_over.abs() < NEAR_TIPPING_RAD) {
+            list.push("steeper slopes tip the robot over; the soil would hold it".to_owned());
+        }
+        list
+    }
+}
