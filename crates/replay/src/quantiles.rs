@@ -25,6 +25,12 @@ pub struct Quantiles {
 
 impl Quantiles {
     /// An empty stream of values in [low, high].
+    ///
+    /// ```
+    /// use grouser_replay::Quantiles;
+    ///
+    /// assert_eq!(Quantiles::new(0.0, 1.0).count(), 0);
+    /// ```
     #[must_use]
     pub fn new(low: f64, high: f64) -> Self {
         Self {

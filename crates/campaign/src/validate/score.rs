@@ -28,6 +28,12 @@ pub struct Score {
 
 impl Score {
     /// Of `errors`; `None` where there are none.
+    ///
+    /// ```
+    /// use grouser_campaign::validate::Score;
+    ///
+    /// assert_eq!(Score::of(&[2.0]).map(|score| score.rmse), Some(2.0));
+    /// ```
     #[must_use]
     pub fn of(errors: &[f64]) -> Option<Self> {
         if errors.is_empty() {
