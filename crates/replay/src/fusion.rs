@@ -4,7 +4,7 @@ use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::window::{WindowBody, WindowSettings};
-use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample};
+use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, WheelRole};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
 use crate::consistency::{Consistency, Kind, Residuals};
@@ -78,12 +78,14 @@ impl Fusion {
             position_sigma: settings.position_sigma,
             ..file.filter
         };
+        let mut wheels = robot.wheels().iter();
+        let has_free_wheel = wheels.any(|wheel| wheel.role == WheelRole::Free);
         let detect = DetectSettings {
             standstill_speed: settings.standstill_speed,
             ..DetectSettings::default()
         };
         Ok(Self {
-            gather: Gather::over(0.5 * settings.window),
+            gather: Gather::over(0.5 * settings.window, has_free_wheel),
             waiting: Vec::new(),
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,

@@ -10,6 +10,8 @@ use grouser_slip::{Measurement, Sample};
 #[derive(Clone, Debug)]
 pub(crate) struct Gather {
     least_ns: i64,
+    /// Are poses left out? Without a free wheel the filter uses them as positions, whose errors are their own.
+    thins_poses: bool,
     last_ns: Option<i64>,
     /// Forwards and to the left in the frame of the first, m, and the turn since, rad.
     passed: [f64; 3],
@@ -20,7 +22,7 @@ pub(crate) struct Gather {
 const MAX_GATHER_TIME_S: f64 = 0.25;
 
 impl Gather {
-    pub(crate) fn over(seconds: f64) -> Self {
+    pub(crate) fn over(seconds: f64, thins_poses: bool) -> Self {
         #[allow(
             clippy::cast_possible_truncation,
             reason = "a quarter of a second at the most"
@@ -28,6 +30,7 @@ impl Gather {
         let least_ns = (seconds.clamp(0.0, MAX_GATHER_TIME_S) * 1e9).round() as i64;
         Self {
             least_ns,
+            thins_poses,
             last_ns: None,
             passed: [0.0; 3],
             turns: true,
@@ -72,7 +75,7 @@ impl Gather {
                     },
                 })
             }
-            Measurement::Pose { .. } => {
+            Measurement::Pose { .. } if self.thins_poses => {
                 if self.last_ns.is_some_and(|last| !is_due(last)) {
                     return None;
                 }
@@ -92,7 +95,7 @@ mod tests {
     #[test]
     fn a_circle_in_small_steps_is_one_in_large_steps() {
         // 0.01 m and 0.01 rad a step of 10 ms: a circle of radius 1 m
-        let mut gather = Gather::over(0.1);
+        let mut gather = Gather::over(0.1, true);
         let mut whole = Vec::new();
         for step in 0..=100 {
             let sample = Sample {

@@ -1,8 +1,8 @@
 //! What is known of the robot at one time of the log.
 
-use grouser_slip::filter::BodyEstimate;
+use grouser_slip::filter::{BodyEstimate, RimPath};
 use grouser_slip::window::WindowBody;
-use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
+use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
 
@@ -22,6 +22,9 @@ pub(crate) struct Moment {
     pub(crate) until_ns: Option<i64>,
     /// The filter's own odometry.
     pub(crate) odometry: Option<Odometry>,
+    /// The powered wheels' common slip and the way of their rims, by the filter.
+    pub(crate) common_slip: Option<Measured>,
+    pub(crate) rim_path: Option<RimPath>,
 }
 
 impl Moment {
@@ -40,6 +43,8 @@ impl Moment {
             reference_motion: body.motion,
             until_ns: body.until_ns,
             odometry: None,
+            common_slip: None,
+            rim_path: None,
         }
     }
 
@@ -67,6 +72,8 @@ impl Moment {
             reference_motion: body.motion,
             until_ns: Some(time_ns),
             odometry: Some(Odometry::of_filter(fused)),
+            common_slip: Some(fused.common_slip),
+            rim_path: fused.rim_path,
         }
     }
 }

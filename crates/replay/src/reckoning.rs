@@ -144,6 +144,8 @@ mod tests {
             reference_motion: None,
             until_ns: Some(until_s * 1_000_000_000),
             odometry: None,
+            common_slip: None,
+            rim_path: None,
         }
     }
 

@@ -8,6 +8,7 @@ use grouser_slip::{BodyMotion, Health, Measured, Robot, Sample, Slip, WheelEstim
 
 use crate::error::Result;
 use crate::moment::Moment;
+use crate::path_smoother::LoggedPath;
 use crate::reversed::reversed;
 
 /// The backward pass works on this many samples at a time, and begins this many later: that is more than the slip
@@ -34,6 +35,8 @@ pub(crate) struct Smoother {
     settings: FilterSettings,
     samples: Vec<Sample>,
     moments: VecDeque<Moment>,
+    /// Robots without a free wheel are smoothed by all positions at once.
+    is_by_positions: bool,
 }
 
 impl Smoother {
@@ -43,6 +46,10 @@ impl Smoother {
             settings,
             samples: Vec::new(),
             moments: VecDeque::new(),
+            is_by_positions: robot
+                .wheels()
+                .iter()
+                .all(|wheel| wheel.role == WheelRole::Powered),
         }
     }
 
@@ -85,6 +92,13 @@ impl Smoother {
             self.samples[BLOCK].time_ns
         };
         let latency = latency_ns(&self.settings);
+        let path = LoggedPath::of(&self.moments, &self.samples, latency);
+        if let Some(path) = path.filter(|_| self.is_by_positions) {
+            let waiting = self.moments.iter_mut();
+            let given_out = waiting.filter(|moment| moment.time_ns < until_ns);
+            path.smooth(given_out, &self.settings);
+            return Ok(());
+        }
         let settings = FilterSettings {
             reference_latency: 0.0,
             ..self.settings

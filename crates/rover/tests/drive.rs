@@ -180,9 +180,9 @@ distance_m = 12.0
             result.slip.nees,
             result.slip.longest_wrong
         );
-        // The target is 0.03 with the starts included. Measured: 0.035 (camera) and 0.033 (GNSS), and 0.023 without the first second
+        // The target is 0.03 with the starts included. Measured: 0.031 (camera) and 0.023 (GNSS), and 0.022 without the first second
         // of each start, in which the reference has not yet told the slip apart from its prior.
-        assert!(result.slip.rmse.unwrap() < 0.04, "{sensor}");
+        assert!(result.slip.rmse.unwrap() < 0.034, "{sensor}");
         assert!(result.slip.settled.unwrap() < 0.03, "{sensor}");
         assert!(result.slip.longest_wrong < 1.0, "{sensor}");
     }

@@ -136,6 +136,7 @@ fn table(profiles: &[SlipProfile], seeds: u64) -> Vec<(KnownTruth, Score)> {
                         let one = score(&drive);
                         worst = worst.max(one.rmse / one.naive);
                         sum.rmse += one.rmse / seeds as f64;
+                        sum.common += one.common / seeds as f64;
                         sum.naive += one.naive / seeds as f64;
                         sum.nees += one.nees / seeds as f64;
                         sum.ok_share += one.ok_share / seeds as f64;
@@ -143,9 +144,10 @@ fn table(profiles: &[SlipProfile], seeds: u64) -> Vec<(KnownTruth, Score)> {
                         all.push((drive, one));
                     }
                     println!(
-                        "{profile:?} {} {disturbance:?} {rim_speed} m/s: rmse {:.4} naive {:.4} ratio {:.2} worst {worst:.2} nees {:.2} wrong {:.2} s ok {:.2}",
+                        "{profile:?} {} {disturbance:?} {rim_speed} m/s: rmse {:.4} common {:.4} naive {:.4} ratio {:.2} worst {worst:.2} nees {:.2} wrong {:.2} s ok {:.2}",
                         if accelerations { "with" } else { "without" },
                         sum.rmse,
+                        sum.common,
                         sum.naive,
                         sum.rmse / sum.naive,
                         sum.nees,

@@ -180,6 +180,7 @@ impl Core {
                 if let Some(ground) = &mut self.ground {
                     ground.observe_accelerometer(time_ns, [forward, left]);
                 }
+                self.predict_ground_motion(time_ns);
                 Ok(())
             }
             Measurement::Displacement { .. }

@@ -27,7 +27,9 @@ impl Core {
                 .last
                 .filter(|last| seconds_between(last.time_ns, time_ns) <= dropout),
         };
-        ground.step(time_ns, &self.wheels, inertial, &self.settings);
+        if inertial.force.is_none() || !ground.awaits_accelerometer(time_ns) {
+            ground.step(time_ns, &self.wheels, inertial, &self.settings);
+        }
         let motion = ground.motion(time_ns);
         self.is_led = motion.is_some();
         let Some((motion, direction, rim)) = motion else {

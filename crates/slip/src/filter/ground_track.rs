@@ -7,6 +7,7 @@ use super::MAX_FILTER_WHEELS;
 use super::accelerometer::SpecificForce;
 use super::multiple_model::reference_noise::ReferenceNoise;
 use super::multiple_model::{ModelMotion, MultipleModel, WheelStep};
+use super::output::RimPath;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
 use super::wheel_channel::WheelChannel;
@@ -43,6 +44,9 @@ const MAX_HEADING_RESTARTS: u32 = 2;
 const TURNING_SPEED_M_PER_S: f64 = 0.01;
 /// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
 const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
+/// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
+const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
+const AWAITED_PERIODS: f64 = 1.5;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
 /// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
@@ -80,15 +84,20 @@ struct Rims {
 #[derive(Clone, Debug)]
 pub(super) struct GroundTrack {
     models: MultipleModel,
-    history: History<3>,
+    history: History<4>,
     stepped_ns: Option<i64>,
     /// Travel of each rim at the last step, m.
     travels: [f64; MAX_FILTER_WHEELS],
     direction: f64,
     rim_speed: f64,
+    /// Has the rims' motion been measured? Models that start without it would start at rest.
+    has_rims: bool,
     accel_noise: ReferenceNoise,
     accel_ns: Option<i64>,
     accel_period_s: f64,
+    /// Sum and number of the accelerometer's readings since the last step.
+    accel_sum: [f64; 2],
+    accel_count: f64,
     /// Sum of displacements: place and heading.
     summed: [f64; 3],
     position: [f64; 2],
@@ -116,9 +125,12 @@ impl GroundTrack {
             travels: [0.0; MAX_FILTER_WHEELS],
             direction: 0.0,
             rim_speed: 0.0,
+            has_rims: false,
             accel_noise: ReferenceNoise::new(),
             accel_ns: None,
             accel_period_s: 0.0,
+            accel_sum: [0.0; 2],
+            accel_count: 0.0,
             summed: [0.0; 3],
             position: [0.0; 2],
             accepted_position: [0.0; 2],
@@ -140,6 +152,7 @@ impl GroundTrack {
         self.models.restart();
         self.history.clear();
         self.stepped_ns = None;
+        self.has_rims = false;
         self.accel_ns = None;
         self.used_ns = None;
         self.received_ns = None;
@@ -156,6 +169,14 @@ impl GroundTrack {
             .then(|| self.models.motion())
             .flatten()
             .map(|motion| (motion, self.direction, self.rim_speed))
+    }
+
+    /// The rims' way, once the models have started.
+    pub(super) fn rim_path(&self) -> Option<RimPath> {
+        let [x, y, turned, way] = self.models.totals();
+        self.models
+            .has_started()
+            .then_some(RimPath { x, y, turned, way })
     }
 
     /// The time without a reading after which the reference is silent, s.
@@ -180,6 +201,33 @@ impl GroundTrack {
             }
         }
         self.accel_noise.push(force);
+        self.accel_sum[0] += force[0];
+        self.accel_sum[1] += force[1];
+        self.accel_count += 1.0;
+    }
+
+    /// Is the reading of the accelerometer that covers the time up to `now_ns` still to come? The models are then stepped
+    /// by it when it arrives: a force that is one reading old would delay each change of slip.
+    pub(super) fn awaits_accelerometer(&self, now_ns: i64) -> bool {
+        let period = self.accel_period_s;
+        let fast = period > 0.0 && period <= MAX_AWAITED_PERIOD_S;
+        fast && self.accel_ns.is_some_and(|last| {
+            last < now_ns && seconds_between(last, now_ns) < AWAITED_PERIODS * period
+        })
+    }
+
+    /// The rims' mean speed over a window along their direction, less the present slip, forwards and to the left, m/s: the
+    /// robot's motion if the slip did not change within it.
+    pub(super) fn mean_motion(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
+        let to_ns = to_ns.min(self.stepped_ns?);
+        let way = self.history.between(from_ns, to_ns)?[3];
+        let window = seconds_between(from_ns, to_ns);
+        let motion = self.models.motion().filter(|_| window > 0.0)?;
+        let rim = way / window;
+        let speed = rim * motion.rim_share;
+        let (sin, cos) = Real::sin_cos(self.direction);
+        let across = motion.drift * speed;
+        Some([cos * speed - sin * across, sin * speed + cos * across])
     }
 
     fn accel_density(&self, settings: &FilterSettings) -> f64 {
@@ -221,6 +269,7 @@ impl GroundTrack {
         };
         self.direction = rims.direction;
         self.rim_speed = rims.speed;
+        self.has_rims = true;
         let density = self.accel_density(settings);
         let (sin, cos) = Real::sin_cos(rims.direction);
         self.models.advance(&WheelStep {
@@ -228,13 +277,20 @@ impl GroundTrack {
             rim_way: rims.way,
             direction: rims.direction,
             turn: inertial.yaw_rate * dt,
-            acceleration: inertial
-                .force
-                .map(|last| (cos * last.force[0] + sin * last.force[1], density)),
+            acceleration: inertial.force.map(|last| {
+                let force = if self.accel_count > 0.0 {
+                    self.accel_sum.map(|sum| sum / self.accel_count)
+                } else {
+                    last.force
+                };
+                (cos * force[0] + sin * force[1], density)
+            }),
             rim_speed: rims.speed,
             // windows overlap from step to step: their errors are the same
             rim_variance: rims.variance * (settings.wheel_window / dt).max(1.0),
         });
+        self.accel_sum = [0.0; 2];
+        self.accel_count = 0.0;
         self.history.push(now_ns, self.models.totals());
     }
 
@@ -344,7 +400,10 @@ impl GroundTrack {
             .history
             .at(taken_ns.min(self.stepped_ns.unwrap_or(taken_ns)));
         let now = self.models.totals();
-        let since = then.map_or([0.0; 3], |then| core::array::from_fn(|i| now[i] - then[i]));
+        let since = then.map_or([0.0; 4], |then| core::array::from_fn(|i| now[i] - then[i]));
+        if !self.has_rims {
+            return Outcome::Unused;
+        }
         let (place, yaw, heading_sigma) = match *measurement {
             Measurement::Pose { x, y, yaw } => (
                 [x, y],

@@ -62,11 +62,17 @@ impl InertialPath {
             mean[0] -= self.accel_integral[0] - then[0];
             mean[1] -= self.accel_integral[1] - then[1];
         }
-        if let Some([_, _, turned]) = self.history.between(from_ns, to_ns)
-            && window > 0.0
-        {
-            mean[2] += turned / window - self.yaw_rate;
-        }
+        mean[2] = self.mean_yaw_rate(state, from_ns, to_ns);
         crate::body::dot(row, mean)
+    }
+
+    /// The mean yaw rate from `from_ns` to `to_ns` by the present state, rad/s.
+    pub(super) fn mean_yaw_rate(&self, state: &Kalman, from_ns: i64, to_ns: i64) -> f64 {
+        let window = seconds_between(from_ns, to_ns);
+        let rate = state.mean(YAW);
+        match self.history.between(from_ns, to_ns) {
+            Some([_, _, turned]) if window > 0.0 => rate + turned / window - self.yaw_rate,
+            _ => rate,
+        }
     }
 }

@@ -70,7 +70,7 @@ use crate::sample::Sample;
 use estimator::Core;
 use input::Input;
 pub use learnt::{Learnt, LearntWheel};
-pub use output::{BodyEstimate, FilterOutput, Odometry, WheelCheck};
+pub use output::{BodyEstimate, FilterOutput, Odometry, RimPath, WheelCheck};
 use sensor_clocks::ClockOutcome;
 pub use settings::{FilterSettings, SlipPrior};
 

@@ -24,6 +24,20 @@ pub struct Odometry {
     pub covariance: [[f64; 3]; 3],
 }
 
+/// The way of the powered rims since the start, in the frame of the absolute reference: where the robot would be without
+/// slip.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RimPath {
+    /// Along the axes of the reference's frame, m.
+    pub x: f64,
+    /// Its second axis, m.
+    pub y: f64,
+    /// Turn of the robot, rad, positive to the left.
+    pub turned: f64,
+    /// Along the rims' own direction, m.
+    pub way: f64,
+}
+
 /// The estimate of the robot as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -36,6 +50,8 @@ pub struct BodyEstimate {
     pub yaw_rate: Measured,
     /// The powered wheels' common slip, 1.
     pub common_slip: Measured,
+    /// The way of the powered rims since the start; `None` with a free wheel, and before the first absolute position.
+    pub rim_path: Option<RimPath>,
     /// Its place.
     pub odometry: Odometry,
     /// Travel since the start along the robot's own forward direction, m.
@@ -147,6 +163,7 @@ impl Core {
                 left: known(LEFT),
                 yaw_rate: known(YAW),
                 common_slip: known(COMMON_SLIP),
+                rim_path: self.ground.as_ref().and_then(|ground| ground.rim_path()),
                 odometry: Odometry {
                     x: self.state.mean(PLACE[0]),
                     y: self.state.mean(PLACE[1]),

@@ -74,15 +74,28 @@ impl Core {
         Ok(())
     }
 
+    /// The robot's mean speed along `row` over a window, m/s. Where the motion over the ground leads, it is the rims' own
+    /// less the present slip: a change of the common slip within the window is no wheel's own.
+    fn level_speed(&self, row: [f64; 3], from_ns: i64, to_ns: i64) -> f64 {
+        let ground = self.ground.as_ref().filter(|_| self.is_led);
+        match ground.and_then(|ground| ground.mean_motion(from_ns, to_ns)) {
+            Some([forward, left]) => {
+                let turn = self.path.mean_yaw_rate(&self.state, from_ns, to_ns);
+                crate::body::dot(row, [forward, left, turn])
+            }
+            None => self.path.mean_along(&self.state, row, from_ns, to_ns),
+        }
+    }
+
     fn update_rim(&mut self, index: usize, span: Span) {
         let Span {
             rim,
             from_ns,
             to_ns,
         } = span;
+        let level = self.level_speed(self.wheels.channels[index].row, from_ns, to_ns);
         let wheel = &mut self.wheels.channels[index];
         let (row, free, tick) = (wheel.row, wheel.free, wheel.tick);
-        let level = self.path.mean_along(&self.state, row, from_ns, to_ns);
         let (forward, longer) = wheel.carrier.over_ground(level, row[0], to_ns);
         let u = rim.value * (1.0 + self.state.mean(radius(index)));
         let slip_row = wheel.slip_row(index);

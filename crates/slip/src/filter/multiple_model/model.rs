@@ -21,6 +21,8 @@ const BIAS: usize = 6;
 
 /// Prior share of outliers among the readings of a reference; the cells of `known_truth` draw half of it.
 const OUTLIER_SHARE: f64 = 0.02;
+/// Above this probability of being no outlier the other case is left out.
+const NO_OUTLIER: f64 = 0.9999;
 /// Standard deviation of an outlier over that of a good reading.
 const OUTLIER_FACTOR: f64 = 30.0;
 /// Process noise of the sideways motion beside the modelled drift, as a share of the speed, √s: a rover's wander on level sand.
@@ -209,13 +211,35 @@ impl Model {
         }
     }
 
-    /// Updates by a position of the past; `since` is the rims' way since then, in the reference's frame, m.
+    /// Updates by a position of the past; `since` is the rims' way since then, in the reference's frame, m. An outlier is
+    /// one on both axes: a change of slip moves the robot along its course alone.
     pub(super) fn update_position(
         &mut self,
         place: [f64; 2],
         since: [f64; 2],
         variance: f64,
     ) -> f64 {
+        let (mut good, mut bad) = (*self, *self);
+        let as_good = (1.0 - OUTLIER_SHARE) * good.update_axes(place, since, variance);
+        let wide = variance * OUTLIER_FACTOR * OUTLIER_FACTOR;
+        let as_bad = OUTLIER_SHARE * bad.update_axes(place, since, wide);
+        let likelihood = as_good + as_bad;
+        let share = if likelihood > 0.0 {
+            as_good / likelihood
+        } else {
+            0.0
+        };
+        if share > NO_OUTLIER {
+            *self = good;
+        } else {
+            self.blend(&[good, bad], &[share, 1.0 - share], 2);
+        }
+        self.clamp_slip();
+        likelihood
+    }
+
+    /// Updates by both axes of a position; returns the likelihood.
+    fn update_axes(&mut self, place: [f64; 2], since: [f64; 2], variance: f64) -> f64 {
         let mut likelihood = 1.0;
         for axis in [X, Y] {
             let (share, slope) = rim_share(self.mean[SLIP]);
@@ -224,10 +248,9 @@ impl Model {
                 &[(axis, 1.0), (SLIP, -since[axis] * slope)],
                 place[axis] - predicted,
                 variance,
-                true,
+                false,
             );
         }
-        self.clamp_slip();
         likelihood
     }
 

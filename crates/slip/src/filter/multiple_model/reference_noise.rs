@@ -6,13 +6,19 @@ use grouser_real::Real;
 const KEPT: usize = 32;
 /// The noise is learnt from at least this many.
 const ENOUGH: usize = 8;
+/// Step of the logarithm of the lasting median per second difference: its own deviation is then 5 %, its memory some 200.
+const LASTING_STEP: f64 = 0.005;
+/// The lasting median follows that of the kept differences where they differ by more than this factor: the noise itself has
+/// changed. The kept ones' median deviates by some 25 % of itself.
+const MAX_FACTOR: f64 = 2.0;
 /// The median of |N(0, 1)|.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
 /// Variance of the second difference of white noise over that of the noise.
 const SECOND_DIFFERENCE: f64 = 6.0;
 
 /// Standard deviation of the positions about the way of the wheels, by the median of second differences: a constant slip
-/// drops out, and outliers and changes of slip are few.
+/// drops out, and outliers and changes of slip are few. The median is followed in small steps: that of few differences would
+/// make the noise itself noisy.
 #[derive(Clone, Debug)]
 pub(crate) struct ReferenceNoise {
     last: [[f64; 2]; 2],
@@ -20,7 +26,8 @@ pub(crate) struct ReferenceNoise {
     sizes: [f64; KEPT],
     next: usize,
     count: usize,
-    sigma: Option<f64>,
+    /// The median over a long time.
+    lasting: Option<f64>,
 }
 
 impl ReferenceNoise {
@@ -31,7 +38,7 @@ impl ReferenceNoise {
             sizes: [0.0; KEPT],
             next: 0,
             count: 0,
-            sigma: None,
+            lasting: None,
         }
     }
 
@@ -44,16 +51,26 @@ impl ReferenceNoise {
             return;
         }
         for axis in 0..2 {
-            self.sizes[self.next] = (reading[axis] - 2.0 * last[axis] + before[axis]).abs();
+            let size = (reading[axis] - 2.0 * last[axis] + before[axis]).abs();
+            self.sizes[self.next] = size;
             self.next = (self.next + 1) % KEPT;
             self.count = (self.count + 1).min(KEPT);
+            if let Some(lasting) = &mut self.lasting {
+                let up = f64::from(u8::from(size > *lasting)) - 0.5;
+                *lasting *= 1.0 + 2.0 * LASTING_STEP * up;
+            }
         }
         if self.count >= ENOUGH {
             let mut sorted = self.sizes;
             let sorted = &mut sorted[..self.count];
             sorted.sort_unstable_by(f64::total_cmp);
-            self.sigma =
-                Some(sorted[self.count / 2] / (MEDIAN_OF_NORMAL * Real::sqrt(SECOND_DIFFERENCE)));
+            let median = sorted[self.count / 2];
+            let follows = self.lasting.is_none_or(|lasting| {
+                self.count < KEPT || median > MAX_FACTOR * lasting || lasting > MAX_FACTOR * median
+            });
+            if follows {
+                self.lasting = Some(median);
+            }
         }
     }
 
@@ -63,12 +80,13 @@ impl ReferenceNoise {
     }
 
     /// The learnt standard deviation, m.
-    pub(crate) const fn learnt(&self) -> Option<f64> {
-        self.sigma
+    pub(crate) fn learnt(&self) -> Option<f64> {
+        self.lasting
+            .map(|median| median / (MEDIAN_OF_NORMAL * Real::sqrt(SECOND_DIFFERENCE)))
     }
 
     /// Standard deviation of one reading on one axis.
     pub(crate) fn sigma(&self, prior: f64) -> f64 {
-        self.sigma.unwrap_or(prior)
+        self.learnt().unwrap_or(prior)
     }
 }

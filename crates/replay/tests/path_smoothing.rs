@@ -1,0 +1,164 @@
+//! The smoother of robots without a free wheel against the centred means, on drives whose slip is known.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking and may print what it measured"
+)]
+
+use grouser_replay::smoothed;
+use grouser_slip::Sample;
+use grouser_slip::filter::FilterSettings;
+use grouser_synthetic::{Disturbance, KnownTruth, SlipProfile, TruthStep};
+
+/// Errors count from here on and up to here, s.
+const FROM_S: f64 = 3.0;
+const UNTIL_S: f64 = 117.0;
+
+/// RMSE of the smoother and of the filter, the smaller RMSE of the centred means over 1 s and 2 s, squared error over
+/// variance, and the median time between the true slip and the smoothed one at a jump, s.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    smoother: f64,
+    filter: f64,
+    centred: f64,
+    nees: f64,
+    lag_s: f64,
+}
+
+/// RMSE of the mean over `window_s`, half before and half after.
+fn centred_rmse(steps: &[TruthStep], window_s: f64) -> f64 {
+    let readings: Vec<_> = steps
+        .iter()
+        .filter_map(|step| Some((step.time_s, step.rim_way, step.position?)))
+        .collect();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for step in steps {
+        let time = step.time_s;
+        let half = 0.5 * window_s + 1e-9;
+        let before = readings
+            .iter()
+            .rev()
+            .find(|reading| reading.0 <= time - half + 2e-9);
+        let after = readings
+            .iter()
+            .find(|reading| reading.0 >= time + half - 2e-9);
+        if let (Some(a), Some(b)) = (before, after)
+            && (FROM_S..UNTIL_S).contains(&time)
+        {
+            let moved = (b.2[0] - a.2[0]).hypot(b.2[1] - a.2[1]);
+            sum += (1.0 - moved / (b.1 - a.1) - step.slip).powi(2);
+            count += 1.0;
+        }
+    }
+    f64::sqrt(sum / count)
+}
+
+fn score(drive: &KnownTruth) -> Score {
+    let steps = drive.steps();
+    let samples: Vec<Sample> = steps.iter().flat_map(|step| step.samples.clone()).collect();
+    let settings = FilterSettings {
+        position_sigma: 0.02,
+        ..FilterSettings::any_ground()
+    };
+    let known = smoothed(&KnownTruth::robot().unwrap(), settings, &samples).unwrap();
+    assert_eq!(known.len(), steps.len());
+    let mut score = Score::default();
+    let mut count = 0.0;
+    let mut crossed = None;
+    for (at, step) in known.iter().zip(&steps) {
+        let truths = step.wheel_slips.iter();
+        let mean = at
+            .wheels
+            .iter()
+            .filter_map(|wheel| Some(wheel.slip?.value()))
+            .sum::<f64>()
+            / 4.0;
+        if crossed.is_none() && step.time_s > 38.0 && mean > 0.1 {
+            crossed = Some(step.time_s);
+        }
+        if !(FROM_S..UNTIL_S).contains(&step.time_s) {
+            continue;
+        }
+        for ((wheel, forward), truth) in at.wheels.iter().zip(&at.forward).zip(truths) {
+            let error = wheel.slip.unwrap().value() - truth;
+            score.smoother += error * error;
+            score.nees += (error / wheel.sigma.unwrap()).powi(2);
+            score.filter += (forward.slip.unwrap().value() - truth).powi(2);
+            count += 1.0;
+        }
+    }
+    // the true slip crosses 0.1 at 40.075 s
+    score.lag_s = crossed.unwrap_or(f64::INFINITY) - 40.075;
+    score.smoother = (score.smoother / count).sqrt();
+    score.filter = (score.filter / count).sqrt();
+    score.nees /= count;
+    score.centred = centred_rmse(&steps, 1.0).min(centred_rmse(&steps, 2.0));
+    score
+}
+
+fn drive(rim_speed: f64, accelerations: bool, disturbance: Disturbance, seed: u64) -> KnownTruth {
+    KnownTruth {
+        rim_speed,
+        accelerations,
+        disturbance,
+        profile: SlipProfile::Steps,
+        position_sigma: 0.02,
+        duration_s: 120,
+        seed: 1000 * seed + 17,
+    }
+}
+
+#[test]
+#[ignore = "minutes: all cells; run with --release -- --ignored --nocapture"]
+fn every_cell() {
+    let seeds = std::env::var("SEEDS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(3);
+    for accelerations in [false, true] {
+        for disturbance in [Disturbance::Clean, Disturbance::Outliers, Disturbance::Late] {
+            for rim_speed in [0.1, 0.25, 0.5, 1.0, 2.0, 3.0] {
+                for seed in 0..seeds {
+                    let one = score(&drive(rim_speed, accelerations, disturbance, seed));
+                    println!(
+                        "{accelerations} {disturbance:?} {rim_speed} m/s seed {seed}: ratio {:.2} {one:.4?}",
+                        one.smoother / one.centred
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn all_positions_at_once_halve_the_error_of_the_centred_mean() {
+    for (rim_speed, accelerations, limit) in
+        [(0.1, false, 0.35), (1.0, false, 0.75), (1.0, true, 0.4)]
+    {
+        let one = score(&drive(rim_speed, accelerations, Disturbance::Clean, 1));
+        println!("{rim_speed} m/s {accelerations}: {one:?}");
+        assert!(
+            one.smoother <= limit * one.centred,
+            "{rim_speed} m/s: {one:?}"
+        );
+        assert!(one.smoother <= 1.3 * one.filter, "{rim_speed} m/s: {one:?}");
+        assert!(one.nees < 2.0, "{rim_speed} m/s: {one:?}");
+    }
+}
+
+#[test]
+fn a_jump_is_found_within_the_time_between_two_positions() {
+    let mut lags: Vec<f64> = (0..5)
+        .map(|seed| score(&drive(1.0, false, Disturbance::Clean, seed)).lag_s)
+        .collect();
+    lags.sort_by(f64::total_cmp);
+    println!("lags {lags:?} s");
+    assert!(lags[2].abs() <= 0.2, "{lags:?}");
+}
+
+#[test]
+fn outliers_lose_their_weight() {
+    let one = score(&drive(1.0, false, Disturbance::Outliers, 2));
+    println!("{one:?}");
+    assert!(one.smoother <= 0.6 * one.centred, "{one:?}");
+}
