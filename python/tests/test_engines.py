@@ -73,7 +73,7 @@ def test_ray_with_a_worker_killed_half_way(source: Path, expected: float, tmp_pa
     paths = os.pathsep.join([str(ENGINES), os.environ.get("PYTHONPATH", "")])
     ray.init(num_cpus=2, include_dashboard=False, runtime_env={"env_vars": {"PYTHONPATH": paths}})
     try:
-        pid = ray.get(ray.remote(os.getpid).remote())
+        pid = ray.get(ray.remote(lambda: os.getpid()).remote())
 
         def kill() -> None:
             while not list(tmp_path.glob("*.parquet")):

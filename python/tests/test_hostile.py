@@ -138,7 +138,7 @@ def test_a_batch_is_interrupted() -> None:
     main = threading.main_thread().ident
     assert main is not None
     slip = np.full(3_000_000, 0.2)
-    slip[::2] = -0.2  # braking points pass one by one: half a minute of work
+    slip[::4] = -0.2  # braking points pass one by one: a minute of work
     timer = threading.Timer(0.3, lambda: signal.pthread_kill(main, signal.SIGINT))
     timer.start()
     began = time.monotonic()

@@ -4,6 +4,11 @@
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What a campaign refuses.
+///
+/// ```
+/// let error = grouser_campaign::paper::Paper::compute("no scenario", "no robot").err().unwrap();
+/// assert!(matches!(error, grouser_campaign::Error::File(_) | grouser_campaign::Error::Rover(_)));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

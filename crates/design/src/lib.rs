@@ -42,7 +42,7 @@ mod solve;
 pub use builder::{DesignBuilder, ObjectiveParams, State};
 pub use design::{Design, Objective, Task};
 pub use error::{Error, Result};
-pub use file::{parse, read};
+pub use file::{parse, read, to_toml};
 pub use formula::{DEPTH_LIMIT, Formula, FormulaError, Names, Relation, VariableNames};
 pub use quantity::{Parameter, Place, Quantity};
 pub use running_slip::running_slip;

@@ -125,6 +125,18 @@ impl TomlText {
         }
     }
 
+    /// A TOML basic string, for keys and lines that a caller composes.
+    ///
+    /// ```
+    /// use grouser_files::TomlText;
+    ///
+    /// assert_eq!(TomlText::quoted("a \"b\""), r#""a \"b\"""#);
+    /// ```
+    #[must_use]
+    pub fn quoted(text: &str) -> String {
+        quoted(text)
+    }
+
     /// The text.
     #[must_use]
     pub fn finish(self) -> String {

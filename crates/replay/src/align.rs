@@ -80,9 +80,7 @@ fn turns(log: &Log, robot: &Robot, wheels: &[LogWheel], sensor: WheelSensor) -> 
     let mut last: Option<(f64, f64)> = None;
     let mut yaw = 0.0;
     for sample in log.samples(&[])? {
-        let Some(sample) = of_robot(sample?, wheels) else {
-            continue;
-        };
+        let sample = of_robot(sample?, wheels);
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
         if !is_used(&sample.measurement, sensor) {

@@ -19,6 +19,22 @@ pub struct Calibration {
 
 impl Calibration {
     /// Half the spread between the runs; `None` of one run.
+    ///
+    /// ```
+    /// use grouser_files::{columns, robot};
+    /// use grouser_log::Log;
+    /// use grouser_replay::{Options, calibrate_radius};
+    ///
+    /// let example = std::path::Path::new("../../examples/five-wheel");
+    /// let robot = robot::read(&example.join("robot.toml"))?;
+    /// let open = || -> Result<Log, Box<dyn std::error::Error>> {
+    ///     Ok(Log::find(&[example.join("log.csv")], columns::read(&example.join("columns.toml"))?)?)
+    /// };
+    /// // One run twice: both give the same factor.
+    /// let found = calibrate_radius(&[open()?, open()?], &robot, &Options::default())?;
+    /// assert_eq!(found.half_spread(), Some(0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn half_spread(&self) -> Option<f64> {
         let least = self.factors.iter().copied().fold(f64::INFINITY, f64::min);

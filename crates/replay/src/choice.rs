@@ -28,6 +28,19 @@ impl Inputs {
     /// # Errors
     /// [`Error::NoWheels`], [`Error::WheelNotMeasured`], [`Error::NoTicks`] and [`Error::NoReference`] where the log does
     /// not hold what was chosen.
+    ///
+    /// ```
+    /// use grouser_files::{columns, robot};
+    /// use grouser_log::Log;
+    /// use grouser_replay::{Inputs, Options};
+    /// use grouser_slip::Reference;
+    ///
+    /// let example = std::path::Path::new("../../examples/five-wheel");
+    /// let robot = robot::read(&example.join("robot.toml"))?;
+    /// let log = Log::find(&[example.join("log.csv")], columns::read(&example.join("columns.toml"))?)?;
+    /// assert_eq!(Inputs::of(&log, &robot, &Options::default())?.reference, Reference::FreeWheel);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
         let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
         Ok(Self {

@@ -8,6 +8,7 @@ use crate::axes::AxisWatch;
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::fusion::Fusion;
+use crate::ground_watch::GroundWatch;
 use crate::method::Method;
 use crate::moment::{Moment, side_slip_angle};
 use crate::odometry::Odometry;
@@ -70,6 +71,7 @@ pub struct Engine {
     ways: Ways,
     turns: Option<TurnWatch>,
     axes: AxisWatch,
+    ground: GroundWatch,
     corrections: Corrections,
     steering: Option<WheelSteering>,
     reckoning: Reckoning,
@@ -152,6 +154,7 @@ impl Engine {
             slips,
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
             axes: AxisWatch::new(&robot, settings.low_speed),
+            ground: GroundWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
             steering: file
                 .steering
@@ -211,6 +214,7 @@ impl Engine {
         }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
             self.axes.take(&sample);
+            self.ground.take(&sample);
             if let Some(steering) = &self.steering {
                 for steered in steering.angles(&sample) {
                     self.slips.update(steered);
@@ -267,6 +271,8 @@ impl Engine {
                 (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
             if count > 0.0 {
                 self.axes.step(now, sum / count);
+                let size: f64 = rims.clone().map(f64::abs).sum();
+                self.ground.step(now, time_s, size / count);
             }
             self.ways.count(&body, rims);
         } else if time_s < self.span.0 {
@@ -381,6 +387,7 @@ impl Engine {
             yaw: self.ways.yaw(),
             turns: self.turns.as_ref().map(TurnWatch::summary),
             axes: self.axes.summary(),
+            ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
             odometry: self.odometry,
             fused,

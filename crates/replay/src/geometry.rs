@@ -161,9 +161,7 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
     let (mut ways, mut stepped_s, mut begun_s): ((f64, f64), f64, Option<f64>) =
         ((0.0, 0.0), 0.0, None);
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let Some(sample) = of_robot(sample?, &wheels) else {
-            continue;
-        };
+        let sample = of_robot(sample?, &wheels);
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
         if !is_used(&sample.measurement, inputs.wheel_sensor) {

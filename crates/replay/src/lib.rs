@@ -51,6 +51,7 @@ mod fusion;
 mod gather;
 mod geometry;
 mod ground_change;
+mod ground_watch;
 mod intervals;
 mod method;
 mod moment;

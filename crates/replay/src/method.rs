@@ -36,6 +36,16 @@ impl Method {
 
     /// The filter where the robot's speed is measured, up to the filter's number of wheels. Without a measured speed its
     /// slip would be its prior, while means over windows at least compare the wheels.
+    ///
+    /// ```
+    /// use grouser_replay::Method;
+    /// use grouser_slip::{Reference, Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left")])?;
+    /// assert_eq!(Method::of(&robot, Reference::Pose), Method::Filter);
+    /// assert_eq!(Method::of(&robot, Reference::Grip), Method::Window);
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     #[must_use]
     pub fn of(robot: &Robot, reference: Reference) -> Self {
         if reference != Reference::Grip && robot.wheels().len() <= MAX_FILTER_WHEELS {

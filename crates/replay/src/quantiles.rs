@@ -25,6 +25,12 @@ pub struct Quantiles {
 
 impl Quantiles {
     /// An empty stream of values in [low, high].
+    ///
+    /// ```
+    /// use grouser_replay::Quantiles;
+    ///
+    /// assert_eq!(Quantiles::new(0.0, 1.0).count(), 0);
+    /// ```
     #[must_use]
     pub fn new(low: f64, high: f64) -> Self {
         Self {
@@ -58,6 +64,16 @@ impl Quantiles {
     }
 
     /// The value below which the share `share` of them lies, `None` of none.
+    ///
+    /// ```
+    /// use grouser_replay::Quantiles;
+    ///
+    /// let mut quantiles = Quantiles::new(-1.0, 1.0);
+    /// assert_eq!(quantiles.at(0.5), None);
+    /// quantiles.add(0.25);
+    /// quantiles.add(f64::NAN); // left out
+    /// assert!((quantiles.at(0.5).unwrap() - 0.25).abs() < 1e-4 && quantiles.count() == 1);
+    /// ```
     #[must_use]
     pub fn at(&self, share: f64) -> Option<f64> {
         if self.count == 0 {

@@ -107,9 +107,7 @@ fn run_once(
         }
     }
     for sample in log.samples(&shifts)? {
-        if let Some(sample) = of_robot(sample?, &wheels) {
-            engine.push(sample, sink)?;
-        }
+        engine.push(of_robot(sample?, &wheels), sink)?;
     }
     engine.finish(sink)
 }

@@ -5,11 +5,11 @@ use grouser_slip::{Measurement, Sample};
 
 use crate::choice::LogWheel;
 
-/// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`; `None` of a current whose torque is not
-/// known.
-pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Option<Sample> {
+/// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`. A current whose torque is not known stays
+/// one, A, of which only changes count.
+pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Sample {
     let Some(wheel) = sample.measurement.wheel() else {
-        return Some(sample);
+        return sample;
     };
     let of = wheels[wheel];
     let wheel = of.index;
@@ -18,16 +18,22 @@ pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Option<Sample> {
             wheel,
             rate: rate * of.rate,
         },
-        Measurement::WheelTorque { torque, .. } => Measurement::WheelTorque {
-            wheel,
-            torque: torque * of.torque?,
+        Measurement::WheelTorque { torque, .. } => match of.torque {
+            Some(scale) => Measurement::WheelTorque {
+                wheel,
+                torque: torque * scale,
+            },
+            None => Measurement::MotorCurrent {
+                wheel,
+                share: torque,
+            },
         },
         other => other.with_wheel(wheel),
     };
-    Some(Sample {
+    Sample {
         measurement,
         ..sample
-    })
+    }
 }
 
 /// Is the sample used where wheels are measured by `sensor`? One sensor of the wheels is, and everything else.

@@ -58,9 +58,7 @@ pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<Sta
     let mut progress = Progress::Looking;
     let mut start_ns = None;
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let Some(sample) = of_robot(sample?, &wheels) else {
-            continue;
-        };
+        let sample = of_robot(sample?, &wheels);
         if !is_used(&sample.measurement, inputs.wheel_sensor) {
             continue;
         }

@@ -136,6 +136,9 @@ pub struct Summary {
     pub turns: Option<TurnCheck>,
     /// Whether accelerometer and reference point in the direction in which the wheels drive.
     pub axes: AxisCheck,
+    /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
+    /// start; a change between grounds that draw the same current is not observable.
+    pub ground_changes_s: Vec<f64>,
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,

@@ -75,6 +75,16 @@ impl Truth {
     ///
     /// # Errors
     /// What is wrong with the table; [`Error::NoTruth`] where it has no such columns.
+    ///
+    /// ```
+    /// use grouser_replay::{Error, Truth};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left")])?;
+    /// let table = "../../examples/five-wheel/log.csv"; // it has no column of true slips
+    /// assert!(matches!(Truth::read(table.as_ref(), &robot), Err(Error::NoTruth { .. })));
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
     pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
         let mut truth = Self::new(robot, false);
         let absent = || Error::NoTruth {

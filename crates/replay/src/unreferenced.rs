@@ -125,6 +125,19 @@ pub fn roller_ripple(series: &[(f64, f64)]) -> Option<f64> {
 ///
 /// # Errors
 /// [`Error::TooFewGrounds`] for less than three known stretches or numbers that are not positive.
+///
+/// ```
+/// use grouser_replay::{KnownGround, Stretch, slip_without_reference};
+///
+/// // Three runs with known slip, and one whose current is that of the first.
+/// let known = [(1.0, 0.1), (1.4, 0.3), (1.9, 0.5)].map(|(current, slip)| {
+///     let ripple = 2.0 * (1.0 - slip); // the rollers follow the true speed
+///     KnownGround { stretch: Stretch { current, speed: 0.2, across: 0.5, ripple }, slip, scatter: 0.02 }
+/// });
+/// let range = slip_without_reference(&known[0].stretch, &known)?;
+/// assert!(range.low < 0.1 && 0.1 < range.high && range.median < 0.3);
+/// # Ok::<(), grouser_replay::Error>(())
+/// ```
 pub fn slip_without_reference(stretch: &Stretch, known: &[KnownGround]) -> Result<SlipRange> {
     let is_sound = |s: &Stretch| {
         [s.current, s.speed, s.across, s.ripple]

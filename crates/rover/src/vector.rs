@@ -186,6 +186,13 @@ impl Tensor {
     }
 
     /// The sum of two about one point; `sign` −1 takes the second away.
+    ///
+    /// ```
+    /// use grouser_rover::vector::{Tensor, Vector};
+    ///
+    /// let one = Tensor::diagonal(Vector::new(1.0, 2.0, 3.0));
+    /// assert_eq!(one.plus(one, -1.0).diagonal, Vector::ZERO);
+    /// ```
     #[must_use]
     pub fn plus(self, other: Self, sign: f64) -> Self {
         Self {
@@ -235,6 +242,13 @@ impl Attitude {
     };
 
     /// Turned by the rotation vector `turn` (rad).
+    ///
+    /// ```
+    /// use grouser_rover::vector::{Attitude, Vector};
+    ///
+    /// let (roll, pitch, _) = Attitude::from_rotation(Vector::new(0.3, 0.0, 0.0)).angles();
+    /// assert!((roll - 0.3).abs() < 1e-12 && pitch.abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn from_rotation(turn: Vector) -> Self {
         let angle = turn.length();
@@ -261,6 +275,14 @@ impl Attitude {
     }
 
     /// This one, and `next` in the turned frame.
+    ///
+    /// ```
+    /// use grouser_rover::vector::Attitude;
+    ///
+    /// let quarter = Attitude::from_angles(0.0, 0.0, std::f64::consts::FRAC_PI_2);
+    /// let (_, _, yaw) = quarter.then(quarter.then(quarter)).angles();
+    /// assert!((yaw + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    /// ```
     #[must_use]
     pub fn then(self, next: Self) -> Self {
         Self {

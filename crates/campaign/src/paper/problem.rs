@@ -99,6 +99,14 @@ impl Reading {
     ///
     /// # Errors
     /// None for the readings that ship; what [`grouser_design::parse`] refuses.
+    ///
+    /// ```
+    /// use grouser_campaign::paper::READINGS;
+    ///
+    /// let design = READINGS[1].design(1, 1)?;
+    /// assert_eq!((design.variables.len(), design.objectives.len()), (9, 3));
+    /// # Ok::<(), grouser_campaign::Error>(())
+    /// ```
     pub fn design(&self, starts: usize, seed: u64) -> Result<Design> {
         let name = format!("the paper's problem ({})", self.name);
         parse(&Document::from_text(&name, self.text(starts, seed))?)

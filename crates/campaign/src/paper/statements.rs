@@ -30,6 +30,12 @@ impl Verdict {
 }
 
 /// One equation, table or figure.
+///
+/// ```
+/// use grouser_campaign::paper::{STATEMENTS, Verdict};
+///
+/// assert!(STATEMENTS.iter().any(|statement| statement.verdict == Verdict::Reproduced));
+/// ```
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Statement {

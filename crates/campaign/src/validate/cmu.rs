@@ -41,6 +41,12 @@ pub struct Trial {
 ///
 /// # Errors
 /// None in fact: the sizes are sound.
+///
+/// ```
+/// let wheel = grouser_campaign::validate::cmu::smooth_wheel()?;
+/// assert!(wheel.grousers().is_none());
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
 pub fn smooth_wheel() -> Result<RigidWheel> {
     RigidWheel::new(SIZE.0, SIZE.1).map_err(|source| Error::Law {
         what: "the wheel of the test bed".to_owned(),

@@ -8,6 +8,12 @@ use grouser_identify::plate::PlateFit;
 use grouser_identify::wheel::Quantity;
 
 /// Whose prediction a row judges.
+///
+/// ```
+/// use grouser_campaign::validate::ModelName;
+///
+/// assert_eq!(ModelName::WongReece.key(), "wong-reece");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ModelName {
@@ -33,6 +39,10 @@ impl ModelName {
 }
 
 /// Did the numbers of the model see the tests of a row?
+///
+/// ```
+/// assert_eq!(grouser_campaign::validate::Split::HeldOut.key(), "held-out");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// They were fitted to them.

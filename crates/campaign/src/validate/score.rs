@@ -28,6 +28,12 @@ pub struct Score {
 
 impl Score {
     /// Of `errors`; `None` where there are none.
+    ///
+    /// ```
+    /// use grouser_campaign::validate::Score;
+    ///
+    /// assert_eq!(Score::of(&[2.0]).map(|score| score.rmse), Some(2.0));
+    /// ```
     #[must_use]
     pub fn of(errors: &[f64]) -> Option<Self> {
         if errors.is_empty() {
@@ -47,6 +53,13 @@ impl Score {
     }
 
     /// The same in another unit, `scale` of the present one to one of it.
+    ///
+    /// ```
+    /// use grouser_campaign::validate::Score;
+    ///
+    /// let metres = Score::of(&[0.001, -0.002]).expect("two errors");
+    /// assert!((metres.in_unit(1e-3).max - 2.0).abs() < 1e-12); // mm
+    /// ```
     #[must_use]
     pub fn in_unit(&self, scale: f64) -> Self {
         Self {

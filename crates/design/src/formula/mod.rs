@@ -54,6 +54,14 @@ pub(crate) fn is_free_name(name: &str) -> bool {
 }
 
 /// A plain list of variables.
+///
+/// ```
+/// use grouser_design::{Names, VariableNames};
+///
+/// let names = VariableNames::new(["radius", "width"]);
+/// assert_eq!(names.variable("width"), Some(1));
+/// assert_eq!(names.meant("widht").as_deref(), Some("width"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VariableNames {
     names: Vec<String>,

@@ -57,6 +57,11 @@ impl Fixed {
         self.beside.pressure.is_some() && matches!(parameter, Parameter::KC | Parameter::KPhi)
     }
 
+    /// Does it hold what no parameter describes?
+    pub(crate) fn has_more_than_parameters(&self) -> bool {
+        self.beside != Beside::default()
+    }
+
     /// The sizes of a wheel.
     pub(crate) fn set_wheel(&mut self, wheel: &RigidWheel) {
         self.set(Parameter::Radius, wheel.radius());

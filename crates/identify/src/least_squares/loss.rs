@@ -26,6 +26,12 @@ pub enum Loss {
 
 impl Loss {
     /// The loss.
+    ///
+    /// ```
+    /// use grouser_identify::least_squares::Loss;
+    ///
+    /// assert_eq!(Loss::Squares.of(2.0), 2.0);
+    /// ```
     #[must_use]
     pub fn of(self, r: f64) -> f64 {
         match self {

@@ -145,6 +145,13 @@ pub fn fitted_range(wheel: &RigidWheel, tests: &[WheelTest]) -> Option<FittedRan
 }
 
 /// Standard deviation of one reading from trial to trial, SI: what residuals are divided by.
+///
+/// ```
+/// use grouser_identify::wheel::{Quantity, Scatter};
+///
+/// let scatter = Scatter { pull: 0.5, side: 0.5, torque: 0.05, sinkage: 7e-4 };
+/// assert_eq!(scatter.of(Quantity::Sinkage), 7e-4); // m
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scatter {
     /// Pull, N.

@@ -247,6 +247,16 @@ impl Container {
     }
 
     /// The kind of file.
+    ///
+    /// ```
+    /// use grouser_log::container::{Container, Format};
+    /// use grouser_log::write::McapWriter;
+    ///
+    /// let file = McapWriter::new(Vec::new(), "")?.finish()?;
+    /// let container = Container::over("memory.mcap".as_ref(), std::io::Cursor::new(file))?;
+    /// assert_eq!(container.format(), Format::Mcap);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub const fn format(&self) -> Format {
         self.format

@@ -48,6 +48,14 @@ impl Lines {
 
 impl<R: BufRead> Lines<R> {
     /// Reads from `input`; errors call it `file`.
+    ///
+    /// ```
+    /// use grouser_log::csv::Lines;
+    ///
+    /// let mut lines = Lines::over(&b""[..], "empty.csv");
+    /// assert!(!lines.advance()?);
+    /// # Ok::<(), grouser_log::Error>(())
+    /// ```
     pub fn over(input: R, file: &str) -> Self {
         Self {
             input,

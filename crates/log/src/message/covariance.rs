@@ -22,6 +22,12 @@ pub enum Trust {
 
 impl Trust {
     /// By the number that stands in the message.
+    ///
+    /// ```
+    /// use grouser_log::message::Trust;
+    ///
+    /// assert_eq!(Trust::of(f64::MAX), Trust::DoNotUse); // as Kobuki's driver writes it
+    /// ```
     #[must_use]
     pub fn of(variance: f64) -> Self {
         if variance == -1.0 {

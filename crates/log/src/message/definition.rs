@@ -109,6 +109,12 @@ impl Definition {
     ///
     /// # Errors
     /// [`MessageError::Definition`].
+    ///
+    /// ```
+    /// use grouser_log::message::Definition;
+    ///
+    /// assert!(Definition::parse("demo/msg/Tilt", "float64[ roll\n").is_err());
+    /// ```
     pub fn parse(type_name: &str, text: &str) -> Result<Self, MessageError> {
         // An octet: without sign.
         Self::read(type_name, text, Kind::UInt(1))

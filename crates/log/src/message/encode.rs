@@ -12,6 +12,15 @@ impl Definition {
     /// # Errors
     /// [`MessageError::Unfit`] for a value that is not what its field holds; [`MessageError::Layout`] for
     /// what is not written (wide text, times of ROS 1).
+    ///
+    /// ```
+    /// use grouser_log::message::{Definition, MessageError, Value, build};
+    ///
+    /// let definition = Definition::parse("demo/msg/Tilt", "float64 roll\n")?;
+    /// let other = build::message([("pitch", Value::Float(0.1))]);
+    /// assert!(matches!(definition.encode(&other), Err(MessageError::Unfit { .. })));
+    /// # Ok::<(), MessageError>(())
+    /// ```
     pub fn encode(&self, value: &Value) -> Result<Vec<u8>, MessageError> {
         let mut body = Vec::new();
         self.put_record(0, "the message", value, &mut body)?;

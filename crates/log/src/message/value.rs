@@ -64,6 +64,13 @@ impl Value {
     }
 
     /// A number by its path, truth values as 0 and 1; also one of an array of bytes.
+    ///
+    /// ```
+    /// use grouser_log::message::Value;
+    ///
+    /// let value = Value::Struct(vec![("on".into(), Value::Bool(true))]);
+    /// assert_eq!(value.number_at("on"), Some(1.0));
+    /// ```
     #[must_use]
     pub fn number_at(&self, path: &str) -> Option<f64> {
         match self.whole_at(path) {
@@ -74,6 +81,13 @@ impl Value {
     }
 
     /// A whole number by its path, as the bits of a counter; a signed one is cast.
+    ///
+    /// ```
+    /// use grouser_log::message::Value;
+    ///
+    /// let value = Value::Struct(vec![("ticks".into(), Value::UInt(u64::MAX))]);
+    /// assert_eq!(value.count_at("ticks"), Some(u64::MAX)); // no digit is lost
+    /// ```
     #[must_use]
     pub fn count_at(&self, path: &str) -> Option<u64> {
         match self.whole_at(path)? {
@@ -137,6 +151,13 @@ impl Value {
     }
 
     /// A time in ns, from `sec` and `nanosec` or `nsec`.
+    ///
+    /// ```
+    /// use grouser_log::message::{Value, build};
+    ///
+    /// let stamp = build::message([("sec", Value::Int(2)), ("nanosec", Value::UInt(5))]);
+    /// assert_eq!(stamp.time_ns(), Some(2_000_000_005));
+    /// ```
     #[must_use]
     pub fn time_ns(&self) -> Option<i64> {
         let whole = |value: &Self| match value {

@@ -60,6 +60,21 @@ impl Motor {
     }
 
     /// The motor asked for `torque` (N m on the wheel) at the wheel's rate `rate` (rad/s against its link).
+    ///
+    /// ```
+    /// use grouser_rover::body::Motor;
+    ///
+    /// let motor = Motor {
+    ///     resistance: 0.6,
+    ///     constant: 0.03,
+    ///     gear: 100.0,
+    ///     efficiency: 0.85,
+    ///     voltage: 24.0,
+    ///     current: 6.0,
+    /// };
+    /// // at 8 rad/s all of the voltage is needed for the speed: k γ ω = 24 V
+    /// assert!(motor.drive(10.0, 8.0).torque.abs() < 1e-9);
+    /// ```
     #[must_use]
     pub fn drive(&self, torque: f64, rate: f64) -> MotorNow {
         let per_ampere = self.constant * self.gear;

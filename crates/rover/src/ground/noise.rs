@@ -32,6 +32,11 @@ impl Noise {
     }
 
     /// Uniform in [0, 1), a multiple of 2^−53.
+    ///
+    /// ```
+    /// let mut noise = grouser_rover::ground::Noise::new(3, 0);
+    /// assert!((0..1000).all(|_| (0.0..1.0).contains(&noise.uniform())));
+    /// ```
     pub fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / 9_007_199_254_740_992.0
     }

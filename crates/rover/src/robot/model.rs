@@ -149,6 +149,14 @@ impl RobotModel {
     }
 
     /// Weight of the whole, N.
+    ///
+    /// ```
+    /// use grouser_rover::robot::RobotModel;
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+    /// assert!(RobotModel::read(file.as_ref())?.weight() > 100.0); // N
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
     #[must_use]
     pub fn weight(&self) -> f64 {
         self.linkage.mass() * self.linkage.gravity()

@@ -54,6 +54,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
             Part::with(found.summary, found.summary.yaw.as_ref());
         "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
+        "ground_changes_s" "when torques or motor currents showed another ground" =
+            found.summary.ground_changes_s.clone();
         "doubts" "why the result is doubtful" =
             found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();

@@ -54,6 +54,9 @@ pub(super) fn text(
     if let Some(turns) = &summary.turns {
         text.push_str(&apart(turns, summary));
     }
+    for time_s in summary.ground_changes_s.iter().take(EVENTS) {
+        let _ = writeln!(text, "another ground from {time_s:.1} s on, by the motors");
+    }
     if let Some(odometry) = &summary.odometry {
         let [x, y, yaw] = odometry.pose;
         let _ = writeln!(
