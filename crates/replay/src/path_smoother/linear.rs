@@ -1,5 +1,9 @@
 //! Fixed-interval smoothing of a linear model with scalar measurements: the modified Bryson-Frazier form (Bierman,
 //! "Fixed interval smoothing with discrete measurements", Int. J. Control 18, 1973), which inverts no covariance.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the equations are those of matrices, by row and column"
+)]
 
 /// Number of states.
 pub(super) const GRID_STATES: usize = 5;
