@@ -33,6 +33,7 @@ pub(crate) struct WheelArguments {
 
 /// The lugs of a wheel.
 #[derive(clap::Args, Clone, Copy, Debug)]
+#[allow(clippy::struct_field_names, reason = "the flags' names")]
 pub(crate) struct GrouserArguments {
     /// Height of the lugs (grousers) on the rim in m; needs `--grouser-count`
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, requires = "grouser_count")]

@@ -69,7 +69,7 @@ pub(crate) struct Arguments {
 
 /// What climbs, ready to be asked.
 enum Climber {
-    Wheel { pair: WheelOnSoil, weight: f64 },
+    Wheel { pair: Box<WheelOnSoil>, weight: f64 },
     Robot(Box<RobotModel>),
 }
 
@@ -158,7 +158,10 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     }
     let wheel = arguments.grousers.on(radius, width).map_err(refuse)?;
     let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).map_err(refuse)?;
-    Ok(Climber::Wheel { pair, weight })
+    Ok(Climber::Wheel {
+        pair: Box::new(pair),
+        weight,
+    })
 }
 
 impl Climber {

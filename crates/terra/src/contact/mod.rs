@@ -62,6 +62,7 @@ impl<R: Real> WheelSize<R> {
 
     /// A wheel of this rim with lugs by [`GrouserRule::Lugs`](crate::GrouserRule): `height` and `thickness` in
     /// m, `count` around the rim.
+    #[must_use]
     pub fn with_lugs(self, height: R, count: R, thickness: R) -> Self {
         Self {
             lug_layer: lug_transport_layer(height, count, thickness, self.radius),
@@ -298,10 +299,7 @@ impl Contact<f64> {
                     Some(restart) => Some(Restart {
                         arc: c(restart.arc),
                         displacement: c(restart.displacement),
-                        front: match restart.front {
-                            Some(front) => Some(c(front)),
-                            None => None,
-                        },
+                        front: restart.front.map(c),
                     }),
                     None => None,
                 },

@@ -55,8 +55,9 @@ pub(super) fn solve_lines<T: Send>(
         for _ in 0..UNDER_WAY * threads {
             let _ = permit.send(()); // a reader that is gone needs none
         }
-        // both ends of this thread are dropped with it, so that the others end as well
-        let written = write_in_order(permit, answers, write);
+        let written = write_in_order(&permit, &answers, write);
+        // without the ends of this thread the others end as well
+        drop((permit, answers));
         let lines = reader.join().unwrap_or_else(|panic| resume_unwind(panic));
         written.unwrap_or_else(|panic| resume_unwind(panic))?;
         lines
@@ -109,13 +110,13 @@ fn solve_chunks<T>(
 
 /// Writes the answers by their numbers; `Err` with the panic of a thread that solves.
 fn write_in_order<T>(
-    permit: Sender<()>,
-    answers: Receiver<Answered<T>>,
+    permit: &Sender<()>,
+    answers: &Receiver<Answered<T>>,
     mut write: impl FnMut(T, u64) -> Result<()>,
 ) -> thread::Result<Result<()>> {
     let mut early = BTreeMap::new();
     let mut next = 0;
-    for answered in &answers {
+    for answered in answers {
         early.insert(answered.number, answered);
         while let Some(answered) = early.remove(&next) {
             next += 1;
