@@ -44,7 +44,7 @@ impl FreeWheelSkid {
     /// `loads.0` to `loads.1` (N).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for loads outside [1e-3, 1e6] N or a negative bearing torque; what [`WheelOnSoil`] refuses.
+    /// [`OutOfRange`] for loads outside [1e-3, 1e6] N or a negative bearing torque; what [`WheelOnSoil`] refuses.
     pub fn new(
         wheel: RigidWheel,
         soil: &Soil,

@@ -34,7 +34,7 @@ impl SlipDemand {
     /// The table for `wheel` under `weight` (N) on `soil`, from one slope to another.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a weight or slopes outside the model's limits; what [`WheelOnSoil`] refuses.
+    /// [`OutOfRange`] for a weight or slopes outside the model's limits; what [`WheelOnSoil`] refuses.
     pub fn new(
         wheel: RigidWheel,
         soil: &Soil,
@@ -82,7 +82,7 @@ impl SlipDemand {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for slopes that do not rise, slips outside [−1, 1] and sigmas that are not positive.
+    /// [`OutOfRange`] for slopes that do not rise, slips outside [−1, 1] and sigmas that are not positive.
     pub fn from_points(points: &[(f64, SlipPrior)]) -> Result<Self> {
         let mut low = -core::f64::consts::FRAC_PI_2;
         for (slope, prior) in points {
