@@ -4,6 +4,7 @@ use grouser_real::Real;
 
 use crate::angle::Angle;
 use crate::error::{Error, Result};
+use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
 use crate::slip::Slip;
@@ -15,6 +16,9 @@ const SAMPLES: u32 = 33;
 /// Relative precision of a refined slip: an optimum is flat, so that its place is known to about the root
 /// of the precision of its height.
 const SLIP_PRECISION: f64 = 1e-9;
+
+/// How closely a root is found: far below what forces at standard accuracy can tell.
+const ROOT_PRECISION: f64 = 1e-13;
 
 /// The slip at which a quantity is greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,10 +87,7 @@ impl WheelOnSoil {
         Error::check_range("weight", weight, 0.0, 1e12, "N")?;
         let load = weight * slope.cos();
         let asked = weight * slope.sin();
-        let pull = |slip: f64| -> Result<Option<f64>> {
-            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
-            Ok(solution.point().map(|point| point.forces.drawbar_pull))
-        };
+        let pull = |slip: f64| self.forces_under(load, slip, |forces| forces.drawbar_pull);
         let mut before: Option<(f64, f64)> = None;
         let mut most: Option<f64> = None;
         for i in 0..=2 * SAMPLES {
@@ -148,12 +149,7 @@ impl WheelOnSoil {
     /// ```
     pub fn free_slip(&self, load: f64, bearing_torque: f64) -> Result<Option<Slip>> {
         Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
-        let surplus = |slip: f64| -> Result<Option<f64>> {
-            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
-            Ok(solution
-                .point()
-                .map(|point| point.forces.torque + bearing_torque))
-        };
+        let surplus = |slip| self.forces_under(load, slip, |f| f.torque + bearing_torque);
         // Torque rises with slip: from the first sample at which it suffices, look back.
         let mut before: Option<(f64, f64)> = None;
         for i in 0..=SAMPLES {
@@ -168,6 +164,81 @@ impl WheelOnSoil {
             before = Some((slip, now));
         }
         Ok(None)
+    }
+
+    /// [`WheelOnSoil::slip_demand`] where a slip is known that is nearly right, of a neighbouring soil or slope: the root
+    /// next to it is found with a tenth of the work. Without one nearby the whole search answers.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::slip_demand`].
+    ///
+    /// ```
+    /// use grouser_terra::{Angle, RigidWheel, Settings, SlopeOutcome, WheelOnSoil, catalogue};
+    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let wheel = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, sand, Settings::default())?;
+    /// let at = |deg| wheel.slip_demand(80.0, Angle::from_deg(deg));
+    /// let SlopeOutcome::Holds { slip } = at(8.0)? else { panic!("8° are held") };
+    /// let SlopeOutcome::Holds { slip: whole } = at(8.5)? else { panic!("8.5° are held") };
+    /// let near = wheel.slip_demand_near(80.0, Angle::from_deg(8.5), slip)?;
+    /// let SlopeOutcome::Holds { slip: near } = near else { panic!("8.5° are held") };
+    /// assert!((near.value() - whole.value()).abs() < 1e-11);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn slip_demand_near(&self, weight: f64, slope: Angle, near: Slip) -> Result<SlopeOutcome> {
+        let (load, asked) = (weight * slope.cos(), weight * slope.sin());
+        if load >= 0.0 && asked.is_finite() {
+            let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - asked);
+            if let Some(slip) = root_near(near.value(), surplus)? {
+                return Ok(SlopeOutcome::Holds {
+                    slip: Slip::new(slip)?,
+                });
+            }
+        }
+        self.slip_demand(weight, slope)
+    }
+
+    /// [`WheelOnSoil::free_slip`] where a slip is known that is nearly right, as [`WheelOnSoil::slip_demand_near`].
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::free_slip`].
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let wheel = WheelOnSoil::new(RigidWheel::new(0.05, 0.03)?, sand, Settings::default())?;
+    /// let light = wheel.free_slip(5.0, 0.0)?.expect("5 N turn the wheel");
+    /// let whole = wheel.free_slip(5.5, 0.0)?.expect("5.5 N turn the wheel");
+    /// let near = wheel.free_slip_near(5.5, 0.0, light)?.expect("5.5 N turn the wheel");
+    /// assert!((near.value() - whole.value()).abs() < 1e-11);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn free_slip_near(
+        &self,
+        load: f64,
+        bearing_torque: f64,
+        near: Slip,
+    ) -> Result<Option<Slip>> {
+        Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
+        let surplus = |slip| self.forces_under(load, slip, |f| f.torque + bearing_torque);
+        match root_near(near.value(), surplus)? {
+            Some(slip) => Slip::new(slip).map(Some),
+            None => self.free_slip(load, bearing_torque),
+        }
+    }
+
+    /// A number of the forces straight ahead under a load; `None` where nothing carries it.
+    fn forces_under(
+        &self,
+        load: f64,
+        slip: f64,
+        of: impl Fn(&Forces) -> f64,
+    ) -> Result<Option<f64>> {
+        let motion = Kinematics::straight(Slip::new(slip)?);
+        let Some(found) = self.sinkage_under(load, &motion)?.outcome.solved() else {
+            return Ok(None);
+        };
+        let contact = self.contact(found.theta_1, &motion);
+        Ok(Some(of(&contact.forces_by(self.tables(), self.order()))))
     }
 
     /// The steepest slope that a wheel of `weight` (N) holds at any slip in [0, 1]; `None` where it cannot
@@ -261,25 +332,58 @@ impl WheelOnSoil {
     }
 }
 
-/// The root of `f` between two points of opposite sign, by bisection helped by the secant; a point where
-/// `f` has no value counts as below.
+/// The root of `f` between two points of opposite sign, to [`ROOT_PRECISION`], where it is not negative: the secant with
+/// Illinois' weight, which moves both ends, and a bisection now and then; a point where `f` has no value counts as below.
 fn root(low: (f64, f64), high: (f64, f64), f: impl Fn(f64) -> Result<Option<f64>>) -> Result<f64> {
     let ((mut a, mut f_a), (mut b, mut f_b)) = (low, high);
-    for i in 0..100 {
-        if b - a <= 2.0 * f64::EPSILON.max(b.abs() * f64::EPSILON) || f_b == 0.0 {
+    let mut moved_b = None;
+    for i in 1..200 {
+        if b - a <= ROOT_PRECISION || f_b == 0.0 {
             break;
         }
         let secant = b - f_b * (b - a) / (f_b - f_a);
-        let c = if i % 3 < 2 && secant > a && secant < b {
+        // past the root by less than the precision, so that the last step moves the other end
+        let past = if moved_b == Some(true) { -1.0 } else { 1.0 };
+        let secant = secant + past * 0.4 * ROOT_PRECISION;
+        let c = if i % 6 > 0 && secant > a && secant < b {
             secant
         } else {
             0.5 * (a + b)
         };
         match f(c)? {
-            Some(f_c) if f_c >= 0.0 => (b, f_b) = (c, f_c),
-            Some(f_c) => (a, f_a) = (c, f_c),
-            None => a = c,
+            Some(f_c) if f_c >= 0.0 => {
+                if moved_b == Some(true) {
+                    f_a *= 0.5;
+                }
+                moved_b = Some(true);
+                (b, f_b) = (c, f_c);
+            }
+            Some(f_c) => {
+                if moved_b == Some(false) {
+                    f_b *= 0.5;
+                }
+                moved_b = Some(false);
+                (a, f_a) = (c, f_c);
+            }
+            None => {
+                moved_b = None;
+                a = c;
+            }
         }
     }
     Ok(b)
+}
+
+/// The root of a growing `f` beside a slip that is nearly right; `None` where there is none within a few tenths.
+fn root_near(near: f64, f: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<f64>> {
+    for reach in [0.02, 0.06, 0.2] {
+        let (low, high) = ((near - reach).max(-1.0), (near + reach).min(1.0));
+        if let (Some(at_low), Some(at_high)) = (f(low)?, f(high)?)
+            && at_low < 0.0
+            && at_high >= 0.0
+        {
+            return root((low, at_low), (high, at_high), f).map(Some);
+        }
+    }
+    Ok(None)
 }

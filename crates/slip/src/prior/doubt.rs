@@ -34,6 +34,9 @@ impl Default for SoilDoubt {
     }
 }
 
+/// A soil with each parameter greater and smaller by its doubt.
+pub(super) type Neighbours = [[Option<Soil>; 2]; 5];
+
 impl SoilDoubt {
     /// The same share for all of them but n.
     ///
@@ -54,7 +57,7 @@ impl SoilDoubt {
     }
 
     /// `soil` with each parameter in turn greater and smaller by its doubt; what leaves the laws' ranges is left out.
-    fn neighbours(&self, soil: &Soil) -> impl Iterator<Item = [Option<Soil>; 2]> {
+    pub(super) fn neighbours(&self, soil: &Soil) -> Neighbours {
         let p = *soil.params();
         let vary = |share: f64, with: fn(SoilParams, f64) -> SoilParams| {
             [1.0 + share, 1.0 - share].map(|factor| Soil::new(with(p, factor)).ok())
@@ -88,29 +91,28 @@ impl SoilDoubt {
                 ..p
             }),
         ]
-        .into_iter()
     }
+}
 
-    /// The slip that `of` gives on `soil`, with the doubt in it; `None` where the soil itself gives none. A neighbour that
-    /// gives none adds half of what lies between the slip and `end`.
-    pub(super) fn spread(
-        &self,
-        soil: &Soil,
-        end: f64,
-        of: impl Fn(&Soil) -> Option<f64>,
-    ) -> Option<SlipPrior> {
-        let mean = of(soil)?;
-        let mut variance = 0.0;
-        for pair in self.neighbours(soil) {
-            let off = pair.map(|soil| {
-                let slip = soil.as_ref().and_then(&of);
-                slip.map_or(0.5 * (end - mean), |slip| slip - mean)
-            });
-            variance += 0.5 * (off[0] * off[0] + off[1] * off[1]);
-        }
-        Some(SlipPrior {
-            mean,
-            sigma: Real::sqrt(variance).max(1e-4),
-        })
+/// The slip that `of` gives on `soil`, with the doubt in it; `None` where the soil itself gives none. A neighbour that
+/// gives none adds half of what lies between the slip and `end`. `of` is told a slip that is nearly right, where one is
+/// known: `near`, and for the neighbours the soil's own.
+pub(super) fn spread(
+    (soil, neighbours): (&Soil, &Neighbours),
+    (end, near): (f64, Option<f64>),
+    of: impl Fn(&Soil, Option<f64>) -> Option<f64>,
+) -> Option<SlipPrior> {
+    let mean = of(soil, near)?;
+    let mut variance = 0.0;
+    for pair in neighbours {
+        let off = pair.each_ref().map(|soil| {
+            let slip = soil.as_ref().and_then(|soil| of(soil, Some(mean)));
+            slip.map_or(0.5 * (end - mean), |slip| slip - mean)
+        });
+        variance += 0.5 * (off[0] * off[0] + off[1] * off[1]);
     }
+    Some(SlipPrior {
+        mean,
+        sigma: Real::sqrt(variance).max(1e-4),
+    })
 }

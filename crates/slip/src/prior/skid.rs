@@ -1,9 +1,9 @@
 //! The skid of a free wheel on soft ground, over its load.
 
 use grouser_real::{OutOfRange, Real};
-use grouser_terra::{Result, RigidWheel, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
+use grouser_terra::{Result, RigidWheel, Settings, ShearLaw, Slip, Soil, SoilParams, WheelOnSoil};
 
-use super::doubt::SoilDoubt;
+use super::doubt::{SoilDoubt, spread};
 use super::table::Table;
 use crate::filter::SlipPrior;
 
@@ -60,15 +60,24 @@ impl FreeWheelSkid {
         }
         // what is wrong with the wheel, the soil or the bearing shows at once
         WheelOnSoil::new(wheel, *soil, Settings::default())?.free_slip(loads.0, bearing_torque)?;
-        let slip = |soil: &Soil, load: f64| {
+        let slip = |soil: &Soil, load: f64, near: Option<f64>| {
             let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
-            Some(pair.free_slip(load, bearing_torque).ok()??.value())
+            let found = match near.and_then(|near| Slip::new(near).ok()) {
+                Some(near) => pair.free_slip_near(load, bearing_torque, near),
+                None => pair.free_slip(load, bearing_torque),
+            };
+            Some(found.ok()??.value())
         };
+        let neighbours = doubt.neighbours(soil);
+        let mut near = None;
         let (from, to) = (Real::sqrt(loads.0), Real::sqrt(loads.1));
         let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
         Ok(Self {
             table: Table::new(places.map(|place| {
-                let prior = doubt.spread(soil, -1.0, |soil| slip(soil, place * place));
+                let prior = spread((soil, &neighbours), (-1.0, near), |soil, near| {
+                    slip(soil, place * place, near)
+                });
+                near = prior.map(|prior| prior.mean);
                 (place, prior)
             })),
         })

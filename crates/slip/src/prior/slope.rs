@@ -1,9 +1,9 @@
 //! The slip that holds a slope, over the slope.
 
 use grouser_real::OutOfRange;
-use grouser_terra::{Angle, Result, RigidWheel, Settings, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Result, RigidWheel, Settings, Slip, SlopeOutcome, Soil, WheelOnSoil};
 
-use super::doubt::SoilDoubt;
+use super::doubt::{SoilDoubt, spread};
 use super::table::Table;
 use crate::filter::SlipPrior;
 
@@ -52,18 +52,29 @@ impl SlipDemand {
         let pair = WheelOnSoil::new(wheel, *soil, Settings::default())?;
         pair.slip_demand(weight, slopes.0)?;
         pair.slip_demand(weight, slopes.1)?;
-        let slip = |soil: &Soil, slope: f64| {
+        let slip = |soil: &Soil, slope: f64, near: Option<f64>| {
             let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
-            match pair.slip_demand(weight, Angle::from_rad(slope)).ok()? {
+            let slope = Angle::from_rad(slope);
+            let found = match near.and_then(|near| Slip::new(near).ok()) {
+                Some(near) => pair.slip_demand_near(weight, slope, near),
+                None => pair.slip_demand(weight, slope),
+            };
+            match found.ok()? {
                 SlopeOutcome::Holds { slip } => Some(slip.value()),
                 _ => None,
             }
         };
+        let neighbours = doubt.neighbours(soil);
+        let mut near = None;
         let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
         Ok(Self {
             table: Table::new(places.map(|place| {
                 let end = if place < 0.0 { -1.0 } else { 1.0 };
-                (place, doubt.spread(soil, end, |soil| slip(soil, place)))
+                let prior = spread((soil, &neighbours), (end, near), |soil, near| {
+                    slip(soil, place, near)
+                });
+                near = prior.map(|prior| prior.mean);
+                (place, prior)
             })),
         })
     }
