@@ -168,14 +168,9 @@ fn measured_wheels_are_predicted() {
         assert!(!seen || row.slips == SlipGroup::Steady);
         assert!(!seen || straight_on || (row.fit == bracket && row.slip_angle_deg == 60.0));
     }
-    // at 90° the wheel sits deeper than its radius, and the model says that the hub is buried
-    let buried: usize = validation
-        .rows
-        .iter()
-        .filter(|row| row.slip_angle_deg == 90.0 && row.model == ModelName::Grouser)
-        .map(|row| row.hub_buried)
-        .sum();
-    assert!(buried > 30, "{buried}");
+    // at 90° the trials are deeper than the wheel's radius; the laws carry it earlier, and RESULTS.md says so
+    let deep = ours(smooth(90.0, Quantity::Sinkage), straight);
+    assert!((20.0..30.0).contains(&deep), "{deep}");
 }
 
 /// Slip-sinkage as an exponent that grows with slip, and as a layer that is carried backwards: with one number

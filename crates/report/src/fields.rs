@@ -204,6 +204,10 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// let slope = Fields::new().field("slope_deg", "slope", |slope: f64| slope);
     /// let wheel = Fields::new().also(slope, |slope: Option<f64>| slope);
     /// assert!(wheel.object(None).is_empty());
+    /// // a remark stays what people see
+    /// let remark = Fields::new().remark("state", |_: f64| "drives");
+    /// let wheel = Fields::new().also(remark, |slope: Option<f64>| slope);
+    /// assert!(wheel.object(Some(0.5)).is_empty());
     /// ```
     #[must_use]
     pub fn also<U: Clone + 'a>(
@@ -212,7 +216,11 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         of: impl Fn(T) -> Option<U> + Clone + 'a,
     ) -> Self {
         for field in part.list {
-            self.take(field, Place::Sometimes, of.clone());
+            let place = match field.place {
+                Place::Text => Place::Text,
+                _ => Place::Sometimes,
+            };
+            self.take(field, place, of.clone());
         }
         self
     }

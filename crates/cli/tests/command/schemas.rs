@@ -145,11 +145,11 @@ fn a_wrong_object_does_not_fit() {
     object["depth"] = 1.into();
     assert!(fault(&object, &schema, "wheel").unwrap().contains("depth"));
     object.as_object_mut().unwrap().remove("depth");
-    object.as_object_mut().unwrap().remove("torque_nm");
+    object.as_object_mut().unwrap().remove("radius_m");
     assert!(
         fault(&object, &schema, "wheel")
             .unwrap()
-            .contains("torque_nm")
+            .contains("radius_m")
     );
 }
 
