@@ -16,7 +16,7 @@
 //! };
 //! let wheel = Wheel { load: 80.0, sinkage: Some(0.0125) };
 //! assert_eq!(fields.lines(wheel), "load       80  N\nsinkage  12.5  mm\n");
-//! assert_eq!(fields.csv([wheel]), "load_n,sinkage_m\n80,0.012500000000000001\n");
+//! assert_eq!(fields.csv([wheel]), "load_n,sinkage_m\n80,0.0125\n");
 //! assert_eq!(fields.object(wheel)["sinkage_m"], 0.0125);
 //! assert_eq!(fields.schema()["properties"]["load_n"]["unit"], "N");
 //! ```

@@ -71,11 +71,14 @@ impl<R: Scalar> SinkageExponent<R> {
     /// Valid range: tried on dry sand at slip angles of 0-60°; at 90° the wheel digs itself in to the hub.
     ///
     /// ```
-    /// use grouser_terra::{SinkageExponent, SlipVelocity};
+    /// use grouser_terra::{Kinematics, SinkageExponent};
     /// let n = SinkageExponent { n_0: 1.4, n_1: 0.2, n_2: 0.3 };
-    /// let dragged = SlipVelocity { along: -0.4, across: 0.3, ploughing: 0.5 };
+    /// // at 1 m/s, the rim 0.4 m/s slower than the ground beneath it: s_x = −0.4, s_y = 0.3
+    /// let forward = (1.0_f64 - 0.3 * 0.3).sqrt();
+    /// let dragged = Kinematics::from_speeds(forward, 0.3, forward - 0.4)?.motion().slip_velocity();
     /// let exponent: f64 = n.at_whole(&dragged);
-    /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-15);
+    /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-12);
+    /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn at_whole(&self, slip: &SlipVelocity<R>) -> R {
         let dug = self.n_1 * slip.driving();
@@ -90,11 +93,12 @@ impl<R: Scalar> SinkageExponent<R> {
     /// are locked; no further number. Assumes and valid range: as [`SinkageExponent::at_whole`].
     ///
     /// ```
-    /// use grouser_terra::{SinkageExponent, SlipVelocity};
+    /// use grouser_terra::{Kinematics, SinkageExponent};
     /// let n = SinkageExponent { n_0: 1.4, n_1: 0.2, n_2: 0.3 };
-    /// let locked = SlipVelocity { along: -0.8, across: 0.6, ploughing: 1.0 };
+    /// let locked = Kinematics::from_speeds(0.8, 0.6, 0.0)?.motion().slip_velocity();
     /// let exponent: f64 = n.at_saturating(&locked);
-    /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-15);
+    /// assert!((exponent - (1.4 + 0.3 * 0.5)).abs() < 1e-12);
+    /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn at_saturating(&self, slip: &SlipVelocity<R>) -> R {
         let level = |x: R| x * (R::ONE - R::from_f64(0.5) * x);
