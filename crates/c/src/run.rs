@@ -1,0 +1,97 @@
+//! Samples in, and the control loop.
+
+use grouser_slip::control::Request;
+
+use crate::abi::{
+    GROUSER_ERROR_VALUE, GROUSER_ERROR_WHEEL, GROUSER_INERTIAL, GROUSER_JOINT_ANGLE,
+    GROUSER_MOTOR_CURRENT, GROUSER_SAMPLE_REFUSED, GrouserSample,
+};
+use crate::border::{read, with};
+use crate::create::GrouserOnBoard;
+use crate::sample::parse;
+
+/// Takes one sample that arrives at `now_ns` by the computer's clock.
+///
+/// # Safety
+/// `on_board` is NULL or was returned by `grouser_new`, has not been freed, and no other thread uses it. `sample` is NULL or
+/// points to a sample whose `size` is set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn grouser_push(
+    on_board: *mut GrouserOnBoard,
+    now_ns: i64,
+    sample: *const GrouserSample,
+) -> i32 {
+    let work = |object: &mut GrouserOnBoard| {
+        // SAFETY: by this function's own condition
+        let given = unsafe { read(sample) }?;
+        let parsed = parse(&given)?;
+        let is_known = (given.wheel as usize) < object.commands.len();
+        match given.kind {
+            // the filter does not see these numbers as they are, so that it cannot refuse them
+            GROUSER_INERTIAL | GROUSER_JOINT_ANGLE | GROUSER_MOTOR_CURRENT
+                if given.values.iter().any(|value| !value.is_finite()) =>
+            {
+                return Err(GROUSER_ERROR_VALUE);
+            }
+            GROUSER_MOTOR_CURRENT if !is_known => return Err(GROUSER_ERROR_WHEEL),
+            _ => {}
+        }
+        let refused = object.on_board.estimate().rejected.total();
+        object.on_board.update_at(now_ns, parsed);
+        if object.on_board.estimate().rejected.total() > refused {
+            return Err(GROUSER_SAMPLE_REFUSED);
+        }
+        Ok(())
+    };
+    // SAFETY: by this function's own condition
+    unsafe { with(on_board, work) }
+}
+
+/// Runs the control loop; [`grouser_command`](crate::grouser_command) copies the commands out.
+///
+/// # Safety
+/// `on_board` as in [`grouser_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn grouser_tick(
+    on_board: *mut GrouserOnBoard,
+    now_ns: i64,
+    speed_m_per_s: f64,
+    heading_rad: f64,
+) -> i32 {
+    let work = |object: &mut GrouserOnBoard| {
+        if !(speed_m_per_s.is_finite() && heading_rad.is_finite()) {
+            return Err(GROUSER_ERROR_VALUE);
+        }
+        let request = Request {
+            speed: speed_m_per_s,
+            heading: heading_rad,
+        };
+        let commands = object.on_board.tick(now_ns, request);
+        object.commands.copy_from_slice(commands);
+        Ok(())
+    };
+    // SAFETY: by this function's own condition
+    unsafe { with(on_board, work) }
+}
+
+/// A wheel is steered by `angle_rad` to the left from now on.
+///
+/// # Safety
+/// `on_board` as in [`grouser_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn grouser_set_steering_angle(
+    on_board: *mut GrouserOnBoard,
+    wheel: u32,
+    angle_rad: f64,
+) -> i32 {
+    let work = |object: &mut GrouserOnBoard| {
+        let wheel = wheel as usize;
+        if wheel >= object.commands.len() {
+            return Err(GROUSER_ERROR_WHEEL);
+        }
+        let outcome = object.on_board.set_steering_angle(wheel, angle_rad);
+        outcome.map_err(|_| GROUSER_ERROR_VALUE)
+    };
+    // SAFETY: by this function's own condition
+    unsafe { with(on_board, work) }
+}
