@@ -53,8 +53,8 @@ impl Write for Message {
             unsafe {
                 self.buffer
                     .add(self.used)
-                    .write(byte.cast_signed() as c_char)
-            };
+                    .write(byte.cast_signed() as c_char);
+            }
             self.used += 1;
         }
         self.end();

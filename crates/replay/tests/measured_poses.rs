@@ -173,12 +173,12 @@ fn wheel_runs(run_of: &Degraded, robot: &RobotFile) -> Vec<Squares> {
     }
     let end = run_of.truth.last().unwrap();
     let mut found = Vec::new();
-    for wheel in 0..3 {
+    for (wheel, (smoothed, filtered)) in slips[0].iter().zip(&slips[1]).enumerate() {
         if end.rim[wheel].abs() < MIN_RIM_M_PER_S * end.time_s {
             continue;
         }
         let (mut sums, mut count) = (Squares::default(), 0.0);
-        for (&(time_s, smoothed), &(_, filtered)) in slips[0][wheel].iter().zip(&slips[1][wheel]) {
+        for (&(time_s, smoothed), &(_, filtered)) in smoothed.iter().zip(filtered) {
             if time_s < FROM_S || time_s > end.time_s - 1.5 {
                 continue;
             }
