@@ -43,8 +43,8 @@
 //! steer_rate_deg_per_s = 60.0
 //! ```
 
-use crate::document::Section;
 use crate::error::{Error, Result};
+use crate::section::Section;
 
 /// The body of a robot.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use crate::document::Section;
 use crate::error::{Error, Place, Result};
+use crate::section::Section;
 
 /// One entry of such a table.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use grouser_slip::settings::Field;
 
-use crate::document::Section;
 use crate::error::Result;
+use crate::section::Section;
 
 /// Any number of a settings file; the settings themselves check their limits.
 const ANY: (f64, f64) = (-1e12, 1e12);

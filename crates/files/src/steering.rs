@@ -8,8 +8,8 @@
 
 use grouser_slip::Robot;
 
-use crate::document::Section;
 use crate::error::Result;
+use crate::section::Section;
 use crate::suggestion::nearest;
 
 /// Wheels that one angle steers: all turn about one point on the line of the other wheels, and the angle is that of a wheel in

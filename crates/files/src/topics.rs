@@ -32,8 +32,8 @@
 use grouser_slip::{Robot, WheelRole};
 
 use crate::columns::{Column, check_together, read_meaning};
-use crate::document::Section;
 use crate::error::{Error, Result};
+use crate::section::Section;
 
 /// The numbers of one topic's messages.
 #[derive(Clone, Debug, PartialEq)]

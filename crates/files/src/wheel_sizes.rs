@@ -2,8 +2,8 @@
 
 use grouser_terra::{GrouserRule, Grousers, RigidWheel};
 
-use crate::document::Section;
 use crate::error::{Error, Result};
+use crate::section::Section;
 
 /// Any number; the wheel itself checks more closely.
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);

@@ -21,8 +21,9 @@ mod write;
 
 use std::path::Path;
 
-use crate::document::{Document, Section};
+use crate::document::Document;
 use crate::error::{Error, Place, Result};
+use crate::section::Section;
 use crate::unit::Quantity;
 
 pub use write::to_toml;

@@ -45,9 +45,10 @@ use grouser_terra::Angle;
 
 use crate::body::{self, BodyFile};
 use crate::columns::{ColumnMap, read_table};
-use crate::document::{Document, Section};
+use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
+use crate::section::Section;
 use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
 use crate::wheel_sizes::read_grousers;

@@ -10,8 +10,9 @@ use super::{
     Corrections, WheelSensor, parse, read_estimator, read_filter, read_meanings, read_wheel,
 };
 use crate::body;
-use crate::document::{Document, Section};
+use crate::document::Document;
 use crate::error::{Error, Place, Result};
+use crate::section::Section;
 use crate::steering::read_names;
 
 /// What a calibration changes in a robot file; `None` leaves it as it is.

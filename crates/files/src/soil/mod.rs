@@ -37,8 +37,9 @@ use grouser_terra::{
     StressPosition,
 };
 
-use crate::document::{Document, Section};
+use crate::document::Document;
 use crate::error::{Error, Result};
+use crate::section::Section;
 
 pub use write::to_toml;
 
