@@ -70,7 +70,7 @@ impl Scene {
         let linkage = &self.model.linkage;
         let begun = linkage.centre(&linkage.pose(&start()));
         let way = force * ((0.5 * time * time + time * (self.duration - time)) / linkage.mass());
-        let fall = 0.5 * grouser_rover::body::GRAVITY * self.duration * self.duration;
+        let fall = 0.5 * grouser_terra::EARTH_GRAVITY_M_PER_S2 * self.duration * self.duration;
         [begun.x + way.x, begun.y + way.y, begun.z + way.z - fall]
     }
 }

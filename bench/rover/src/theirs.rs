@@ -54,7 +54,7 @@ pub fn run(scene: &Scene, step: f64) -> Seen {
         ..IntegrationParameters::default()
     };
     let mut world = World::default();
-    let gravity = Vector::new(0.0, 0.0, -grouser_rover::body::GRAVITY);
+    let gravity = Vector::new(0.0, 0.0, -grouser_terra::EARTH_GRAVITY_M_PER_S2);
     let steps = (scene.duration / step).round() as u64;
     let (force, moment, time) = scene.push;
     let pushed = (time / step).round() as u64;

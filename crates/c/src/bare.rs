@@ -1,4 +1,5 @@
-//! What bare metal lacks: memory and the end of a panic come from the firmware's C library.
+//! What bare metal lacks: memory and the end of a panic come from the firmware's C library. It provides `malloc`, `free` and
+//! `abort`, and `calloc`, which the compiler makes of a `malloc` whose memory is cleared.
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::ffi::c_void;

@@ -13,10 +13,10 @@ use crate::options::Options;
 use crate::run::run_into;
 use crate::sink::{Row, Sink};
 
-/// The share that the intervals are to contain.
-const SHARE: f64 = 0.9;
-/// 90 % of a normal distribution lie within so many standard deviations.
-const SIGMAS_90: f64 = 1.644_854;
+/// The share of true slips that an interval contains.
+const COVERED_SHARE: f64 = 0.9;
+/// Half-width of the interval that contains 90 % of a normal distribution, in standard deviations: its 95 % quantile.
+pub(crate) const SIGMAS_90: f64 = 1.644_854;
 /// True slips are means of the reference over this time about an estimate, s: noise of a reading averages out.
 const TRUTH_WINDOW_S: f64 = 1.0;
 /// Fewer runs do not show how much runs differ.
@@ -111,7 +111,7 @@ fn factor_of(runs: &[Vec<SlipError>], used: &[usize]) -> f64 {
     let mut below = 0.0;
     for (score, weight) in &scores {
         below += weight;
-        if below >= SHARE {
+        if below >= COVERED_SHARE {
             return *score;
         }
     }

@@ -8,6 +8,7 @@ use grouser_log::{Clock, Messages};
 use grouser_slip::{Health, Robot};
 
 use crate::error::{Error, Result};
+use crate::intervals::SIGMAS_90;
 use crate::sink::{Row, Sink, Step};
 
 /// Truth is linear between two samples that are no further apart than this, s.
@@ -19,8 +20,6 @@ const LAG_STEP_S: f64 = 0.02;
 const MIN_VARIATION: f64 = 0.02;
 /// Points of a line of the truth: more than a figure has columns.
 const MAX_LINE_POINTS: usize = 4096;
-/// 90 % of a normal distribution lie within so many standard deviations.
-const SIGMAS_90: f64 = 1.644_854;
 
 /// True slips over time, of each wheel.
 ///

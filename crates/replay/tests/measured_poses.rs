@@ -34,7 +34,7 @@ const FROM_S: f64 = 4.0;
 /// Wheels that roll slower than this on average are across the way and have no slip to compare, m/s.
 const MIN_RIM_M_PER_S: f64 = 0.03;
 /// Motor turns per wheel turn and the wheels' radius, m, as in the robot file.
-const GEAR: f64 = 16.0;
+const GEAR_RATIO: f64 = 16.0;
 const RADIUS_M: f64 = 0.04;
 
 /// Up to one time: way of each wheel's rim, and of its centre along its heading, m.
@@ -81,7 +81,7 @@ fn degraded(folder: &Path, name: &str, seed: u64) -> Degraded {
         if let Some(last) = last_ns.filter(|&last| last != record.time_ns) {
             // a rate holds since the reading before
             for (rim, rate) in ways.rim.iter_mut().zip(rates) {
-                *rim += since * RADIUS_M * rate / GEAR;
+                *rim += since * RADIUS_M * rate / GEAR_RATIO;
             }
             let [m1, m2, m3] = rates;
             write!(text, "{last},{m1},{m2},{m3}").unwrap();

@@ -12,7 +12,7 @@ use grouser_slip::control::{Action, Ending, Reason};
 use grouser_terra::ShearLaw;
 
 /// Near what the running-slip problem gives for the robot on dry sand.
-const OPTIMUM: f64 = 0.39;
+const RUNNING_SLIP: f64 = 0.39;
 
 fn scenario(name: &str) -> Scenario {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
@@ -20,7 +20,7 @@ fn scenario(name: &str) -> Scenario {
 }
 
 fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
-    let result = Simulation::new(scenario, pilot, OPTIMUM, seed)
+    let result = Simulation::new(scenario, pilot, RUNNING_SLIP, seed)
         .unwrap()
         .run(|_| true);
     println!(
@@ -181,7 +181,7 @@ distance_m = 12.0
             result.slip.longest_wrong
         );
         // The target is 0.03 with the starts included. Measured: 0.031 (camera) and 0.023 (GNSS), and 0.022 without the first second
-        // of each start, in which the reference has not yet told the slip apart from its prior.
+        // of each start, in which the readings of the reference do not yet outweigh the prior of the slip.
         assert!(result.slip.rmse.unwrap() < 0.034, "{sensor}");
         assert!(result.slip.settled.unwrap() < 0.03, "{sensor}");
         assert!(result.slip.longest_wrong < 1.0, "{sensor}");

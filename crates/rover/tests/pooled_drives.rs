@@ -14,7 +14,7 @@ use grouser_rover::drive::{Outcome, Pilot, Simulation, read_scenario};
 use grouser_terra::ShearLaw;
 
 /// The slip that the running-slip problem gives for the robot on dry sand.
-const OPTIMUM: f64 = 0.39;
+const RUNNING_SLIP: f64 = 0.39;
 /// The longest time with an error of more than four sigma while `Ok`, s: shorter than the controller's decisions.
 const MAX_WRONG_S: f64 = 1.0;
 /// Limit of the pooled normalised squared error: sigmas at most 1.4 times too narrow.
@@ -53,7 +53,7 @@ fn pool(name: &str, law: Option<ShearLaw>, drives: u64) -> Pool {
     scenario.ground.world_laws = law;
     let mut pool = Pool::default();
     for seed in scenario.seed..scenario.seed + drives {
-        let result = Simulation::new(&scenario, Pilot::Controller, OPTIMUM, seed)
+        let result = Simulation::new(&scenario, Pilot::Controller, RUNNING_SLIP, seed)
             .unwrap()
             .run(|_| true);
         let count = result.slip.count as f64;

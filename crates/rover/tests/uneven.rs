@@ -9,10 +9,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use grouser_files::Document;
+use grouser_rover::dynamics::Vehicle;
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{Footing, stability_margins, stance, wheel_loads};
-use grouser_rover::{body::GRAVITY, dynamics::Vehicle};
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 use grouser_terra::catalogue;
 
 /// Ground that hardly yields: what remains of its spring is 1e-6 of a wheel's load.
@@ -112,7 +113,7 @@ fn a_step_across_both_rockers_turns_the_whole_robot() {
             found.pitch
         );
         let arm = (x_g * delta.cos() - z_g * delta.sin()) / (0.6 * delta.cos());
-        let weight = 10.0 * GRAVITY;
+        let weight = 10.0 * EARTH_GRAVITY_M_PER_S2;
         let expected =
             [0.5 + arm, 0.5 + arm, 0.5 - arm, 0.5 - arm].map(|share| 0.5 * share * weight);
         for (load, expected) in found.loads.iter().zip(expected) {
@@ -147,7 +148,7 @@ fn the_differential_halves_what_one_wheel_climbs() {
             found.joints
         );
         // the centre of gravity leans over by roll and pitch: the left side carries less, the front too
-        let weight = 10.0 * GRAVITY;
+        let weight = 10.0 * EARTH_GRAVITY_M_PER_S2;
         let (aside, ahead) = (-z_g * roll, x_g - z_g * 0.5 * h / 0.6);
         let [left, right] = [0.5 + aside / 0.5, 0.5 - aside / 0.5].map(|share| share * weight);
         // the differential hands half of the moment about the pivots to each rocker

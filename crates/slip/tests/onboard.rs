@@ -8,8 +8,8 @@ use grouser_slip::control::Request;
 use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, StartPolicy};
 use grouser_slip::prior::SoilDoubt;
 use grouser_slip::{Measurement, Robot, Sample, Wheel};
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
-const GRAVITY: f64 = 9.806_65;
 /// Rows and ticks come this often, ns.
 const PERIOD_NS: i64 = 10_000_000;
 
@@ -78,7 +78,12 @@ fn it_estimates_and_commands() {
     let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
     let mut rim_speed = 0.0;
     for index in 0..800 {
-        row(&mut on_board, index, [0.0, 0.0, GRAVITY], 0.0);
+        row(
+            &mut on_board,
+            index,
+            [0.0, 0.0, EARTH_GRAVITY_M_PER_S2],
+            0.0,
+        );
         rim_speed = on_board.tick(index * PERIOD_NS, request())[0].rim_speed;
     }
     let slip = on_board.observations()[0].slip.unwrap();
@@ -100,7 +105,7 @@ fn neither_samples_nor_ticks_allocate() {
     let mut on_board = OnBoard::new(&robot, with_soil).unwrap();
     let samples = [
         Measurement::Inertial {
-            force: [0.1, 0.0, GRAVITY],
+            force: [0.1, 0.0, EARTH_GRAVITY_M_PER_S2],
             rate: [0.0, 0.01, 0.02],
         },
         Measurement::JointAngle {
@@ -146,7 +151,7 @@ fn what_it_has_learnt_outlasts_a_restart() {
     let robot = robot();
     let mut before = OnBoard::new(&robot, settings(&robot)).unwrap();
     for index in 0..3000 {
-        row(&mut before, index, [0.0, 0.0, GRAVITY], 0.01);
+        row(&mut before, index, [0.0, 0.0, EARTH_GRAVITY_M_PER_S2], 0.01);
         before.tick(index * PERIOD_NS, request());
     }
     let state = before.state();
@@ -182,7 +187,12 @@ fn it_does_not_drive_where_gravity_lies_along_another_axis() {
         let mut on_board = OnBoard::new(&robot, settings).unwrap();
         let mut fastest = 0.0_f64;
         for index in 0..400 {
-            row(&mut on_board, index, [GRAVITY, 0.0, 0.1], 0.0);
+            row(
+                &mut on_board,
+                index,
+                [EARTH_GRAVITY_M_PER_S2, 0.0, 0.1],
+                0.0,
+            );
             for command in on_board.tick(index * PERIOD_NS, request()) {
                 fastest = fastest.max(command.rim_speed.abs());
             }

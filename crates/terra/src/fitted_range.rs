@@ -5,7 +5,7 @@ use crate::kinematics::Kinematics;
 
 /// Share of a range's limit by which a point may lie beyond it without a caution: rounding of files and of tests
 /// that are repeated.
-const TOLERANCE: f64 = 0.01;
+const RANGE_TOLERANCE_SHARE: f64 = 0.01;
 
 /// The least and greatest slip, slip angle, width and load of the tests that a soil's numbers were fitted on.
 ///
@@ -64,7 +64,8 @@ impl FittedRange {
     #[must_use]
     pub fn holds(&self, kinematics: &Kinematics, width: f64, load: f64) -> bool {
         let within = |x: f64, (low, high): (f64, f64)| {
-            x >= low - TOLERANCE * low.abs() && x <= high + TOLERANCE * high.abs()
+            x >= low - RANGE_TOLERANCE_SHARE * low.abs()
+                && x <= high + RANGE_TOLERANCE_SHARE * high.abs()
         };
         within(kinematics.slip().value(), self.slip)
             && within(kinematics.slip_angle().rad().abs(), self.slip_angle)

@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     output: Vec<PathBuf>,
 }
 
-/// What climbs, ready to be asked.
+/// A wheel or a robot on its soil.
 enum Climber {
     Wheel { pair: Box<WheelOnSoil>, weight: f64 },
     Robot(Box<RobotModel>),

@@ -20,7 +20,7 @@ const POSITION_FREEDOM: f64 = 4.0;
 /// Largest number of rounds of expectation-maximisation, and the change of a ratio v/u below which they end. Half as many
 /// leave jumps smeared: 0.07 more of the centred mean's RMSE at 3 m/s (`path_smoothing`).
 const MAX_ROUNDS: usize = 50;
-const SETTLED: f64 = 5e-4;
+const SETTLED_CHANGE: f64 = 5e-4;
 /// Scale of the increments at the start and the smallest that is learnt, 1/√s.
 const START_INCREMENT: f64 = 0.05;
 const MIN_INCREMENT: f64 = 0.002;
@@ -101,7 +101,7 @@ pub(crate) fn smooth_ratio(
         let pairs = next.iter().zip(&ratios);
         let change = pairs.fold(0.0, |most: f64, (a, b)| most.max((a.value - b.value).abs()));
         ratios = next;
-        if change < SETTLED {
+        if change < SETTLED_CHANGE {
             break;
         }
     }

@@ -5,6 +5,7 @@
 //! M = m Jᵥᵀ Jᵥ + J_ωᵀ I J_ω. Every axis lies across the robot, so that a chain of links only adds up angles.
 
 use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 use crate::vector::{Attitude, Tensor, Vector};
 
@@ -14,9 +15,6 @@ pub const MAX_FREEDOMS: usize = MAX_JOINTS;
 pub const MAX_SPEEDS: usize = 6 + MAX_FREEDOMS;
 /// A chain from a link to the chassis holds at most this many links.
 pub(crate) const MAX_CHAIN: usize = MAX_CARRIER_LINKS;
-
-/// Standard gravity, m/s²: that of a body unless [`Linkage::under_gravity`] changes it.
-pub const GRAVITY: f64 = grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Generalised speeds or forces.
 pub type Speeds = [f64; MAX_SPEEDS];
@@ -165,7 +163,7 @@ impl Linkage {
             bodies,
             links,
             holds,
-            gravity: GRAVITY,
+            gravity: EARTH_GRAVITY_M_PER_S2,
         }
     }
 

@@ -3,8 +3,6 @@
 mod linkage;
 mod motor;
 
-pub use linkage::{
-    Body, BodyState, GRAVITY, Hold, Link, Linkage, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds,
-};
+pub use linkage::{Body, BodyState, Hold, Link, Linkage, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds};
 pub(crate) use linkage::{MAX_CHAIN, solve};
 pub use motor::{Motor, MotorNow};

@@ -11,11 +11,11 @@ use std::collections::VecDeque;
 
 use grouser_slip::{Measurement, Sample};
 
-use crate::body::GRAVITY;
 use crate::dynamics::Vehicle;
 use crate::ground::Noise;
 use crate::vector::Vector;
 use encoder::Encoder;
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Samples under way at most: two seconds of the greatest delay at a hundred rows a second; a sensor that delays more loses
 /// the newest.
@@ -189,7 +189,7 @@ impl Sensors {
                     v.z.clamp(-most, most),
                 )
             };
-            force = clip(force, full * GRAVITY);
+            force = clip(force, full * EARTH_GRAVITY_M_PER_S2);
             turning = clip(turning, full);
         }
         match (stuck, self.last_inertial) {

@@ -51,18 +51,18 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
     let powered: Vec<bool> = model.wheels.iter().map(|w| w.motor.is_some()).collect();
     let hold = level * (-1.0 / (-down.z).max(0.1));
     let rows = 3 + linkage.freedoms();
-    let mut asked = [0.0; MAX_SPEEDS];
+    let mut required = [0.0; MAX_SPEEDS];
     for body in linkage.bodies() {
         let force = down * (body.mass * linkage.gravity());
         linkage.push(
             &pose,
-            &mut asked,
+            &mut required,
             (body.link, body.centre),
             force,
             Vector::ZERO,
         );
     }
-    linkage.hold(&state, &mut asked);
+    linkage.hold(&state, &mut required);
     let row_of = |speeds: &[f64; MAX_SPEEDS]| {
         let mut out = [0.0; MAX_EQUATIONS];
         out[0] = speeds[5];
@@ -72,7 +72,7 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
         out[3..3 + freedoms].copy_from_slice(&speeds[6..6 + freedoms]);
         out
     };
-    let asked = row_of(&asked);
+    let required = row_of(&required);
     let columns: Vec<[f64; MAX_EQUATIONS]> = model
         .wheels
         .iter()
@@ -95,7 +95,7 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
             row_of(&speeds)
         })
         .collect();
-    let loads = least(&columns, &asked, rows);
+    let loads = least_loads(&columns, &required, rows);
     WheelLoads {
         stands: loads.iter().all(|load| *load >= 0.0),
         redundant: model.wheels.len() > rows,
@@ -103,16 +103,20 @@ pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
     }
 }
 
-/// The least loads N with Σ N_i column_i = −asked: N = Aᵀ (A Aᵀ)⁻¹ (−asked), with a trace of regularisation for
+/// The loads N of least squares with Σ N_i column_i = −required: N = Aᵀ (A Aᵀ)⁻¹ (−required), with a trace of regularisation for
 /// links that carry nothing.
-fn least(columns: &[[f64; MAX_EQUATIONS]], asked: &[f64; MAX_EQUATIONS], rows: usize) -> Vec<f64> {
+fn least_loads(
+    columns: &[[f64; MAX_EQUATIONS]],
+    required: &[f64; MAX_EQUATIONS],
+    rows: usize,
+) -> Vec<f64> {
     let mut matrix = [[0.0; MAX_EQUATIONS + 1]; MAX_EQUATIONS];
     for i in 0..rows {
         for j in 0..rows {
             matrix[i][j] = columns.iter().map(|c| c[i] * c[j]).sum();
         }
         matrix[i][i] += 1e-12;
-        matrix[i][MAX_EQUATIONS] = -asked[i];
+        matrix[i][MAX_EQUATIONS] = -required[i];
     }
     // Gauss-Jordan with pivoting
     for i in 0..rows {

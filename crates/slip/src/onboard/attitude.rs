@@ -129,17 +129,17 @@ impl AttitudeFilter {
 mod tests {
     use super::*;
 
-    const GRAVITY: f64 = 9.806_65;
+    use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
     #[test]
     fn at_rest_it_finds_the_tilt() {
         let (roll, pitch) = (0.2_f64, -0.15_f64);
         let force = [
-            -GRAVITY * pitch.sin(),
-            GRAVITY * pitch.cos() * roll.sin(),
-            GRAVITY * pitch.cos() * roll.cos(),
+            -EARTH_GRAVITY_M_PER_S2 * pitch.sin(),
+            EARTH_GRAVITY_M_PER_S2 * pitch.cos() * roll.sin(),
+            EARTH_GRAVITY_M_PER_S2 * pitch.cos() * roll.cos(),
         ];
-        let mut filter = AttitudeFilter::new(1.0, GRAVITY);
+        let mut filter = AttitudeFilter::new(1.0, EARTH_GRAVITY_M_PER_S2);
         filter.update(0, force, [0.0; 3]);
         assert!((filter.roll() - roll).abs() < 1e-9);
         assert!((filter.pitch() - pitch).abs() < 1e-9);

@@ -9,7 +9,7 @@ use crate::detect::DetectSettings;
 use crate::error::{Result, check_range};
 use crate::filter::FilterSettings;
 use crate::robot::Robot;
-use crate::start::GRAVITY;
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// What is known of one wheel beside its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,7 +90,7 @@ impl OnBoardSettings {
             filter: FilterSettings::default(),
             detect: DetectSettings::default(),
             control: ControlSettings::default(),
-            gravity: GRAVITY,
+            gravity: EARTH_GRAVITY_M_PER_S2,
             heading: 0.0,
             warm_up: 0.5,
             uses_poses: true,

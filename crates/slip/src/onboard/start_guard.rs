@@ -6,7 +6,8 @@ use super::settings::StartPolicy;
 use crate::fault::Fault;
 use crate::filter::FilterOutput;
 use crate::sample::Sample;
-use crate::start::{GRAVITY, Progress, StartCheck, check_gravity};
+use crate::start::{Progress, StartCheck, check_gravity};
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Watches the start of a drive.
 #[derive(Clone, Debug)]
@@ -30,7 +31,7 @@ impl StartGuard {
             policy,
             check,
             steepest: Angle::from_rad(max_tilt),
-            gravity_scale: GRAVITY / gravity,
+            gravity_scale: EARTH_GRAVITY_M_PER_S2 / gravity,
             force: [0.0; 3],
             count: 0.0,
             is_upright: false,

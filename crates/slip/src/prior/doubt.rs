@@ -95,7 +95,7 @@ impl SoilDoubt {
 }
 
 /// The slip that `of` gives on `soil`, with the doubt in it; `None` where the soil itself gives none. A neighbour that
-/// gives none adds half of what lies between the slip and `end`. `of` is told a slip that is nearly right, where one is
+/// gives none adds half of what lies between the slip and `end`. `of` receives a slip that is nearly right, where one is
 /// known: `near`, and for the neighbours the soil's own.
 pub(super) fn spread(
     (soil, neighbours): (&Soil, &Neighbours),

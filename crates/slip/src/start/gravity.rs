@@ -1,12 +1,10 @@
 //! Which way is up, by what three axes show at rest.
 
 use grouser_real::Real;
-use grouser_terra::Angle;
+use grouser_terra::{Angle, EARTH_GRAVITY_M_PER_S2};
 
 use crate::fault::Fault;
 
-/// Standard gravity, m/s².
-pub const GRAVITY: f64 = 9.806_65;
 /// Gravity and a good sensor differ by no more than this share.
 const GRAVITY_TOLERANCE_SHARE: f64 = 0.1;
 
@@ -19,7 +17,7 @@ const GRAVITY_TOLERANCE_SHARE: f64 = 0.1;
 ///
 /// ```
 /// use grouser_slip::start::check_gravity;
-/// use grouser_terra::Angle;
+/// use grouser_terra::{Angle, EARTH_GRAVITY_M_PER_S2};
 /// let steepest = Angle::from_deg(35.0);
 /// let tilt = check_gravity([1.70, 0.0, 9.66], steepest)?; // nose up by 10°
 /// assert!((tilt.deg() - 10.0).abs() < 0.05);
@@ -47,15 +45,16 @@ pub fn check_gravity(force: [f64; 3], steepest: Angle) -> Result<Angle, Fault> {
             looks_like,
         })
     };
-    if !((size / GRAVITY - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE) {
+    if !((size / EARTH_GRAVITY_M_PER_S2 - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE) {
         let looks_like = if (size - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE {
             "g given as m/s²"
-        } else if (size / (1000.0 * GRAVITY) - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE {
+        } else if (size / (1000.0 * EARTH_GRAVITY_M_PER_S2) - 1.0).abs() <= GRAVITY_TOLERANCE_SHARE
+        {
             "mm/s² given as m/s²"
         } else {
             "another unit, or a robot that does not rest"
         };
-        return implausible("acceleration up", size / GRAVITY, looks_like);
+        return implausible("acceleration up", size / EARTH_GRAVITY_M_PER_S2, looks_like);
     }
     let level = Real::hypot(forward, left);
     let tilt = Real::atan2(level, up);
@@ -73,5 +72,5 @@ pub fn check_gravity(force: [f64; 3], steepest: Angle) -> Result<Angle, Fault> {
     } else {
         "gravity lies along this axis at rest"
     };
-    implausible(fields[index], most / GRAVITY, looks_like)
+    implausible(fields[index], most / EARTH_GRAVITY_M_PER_S2, looks_like)
 }

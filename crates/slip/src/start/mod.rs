@@ -12,6 +12,7 @@ mod gravity;
 mod pair;
 
 use alloc::{boxed::Box, vec};
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 use crate::body::Observations;
 use crate::error::Result;
@@ -21,7 +22,7 @@ use crate::history::seconds_between;
 use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
 use crate::speed::Measured;
-pub use gravity::{GRAVITY, check_gravity};
+pub use gravity::check_gravity;
 use pair::{Pair, Verdict};
 
 /// Means are taken over this long, s.
@@ -264,7 +265,7 @@ impl StartCheck {
             if let Some(force) = force.filter(|force| force.abs() > MAX_REST_FORCE_M_PER_S2) {
                 self.find(
                     field,
-                    force / GRAVITY,
+                    force / EARTH_GRAVITY_M_PER_S2,
                     "gravity lies along this axis at rest",
                 );
             }

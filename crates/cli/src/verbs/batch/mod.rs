@@ -195,7 +195,7 @@ struct Chunk {
     counts: Counts,
 }
 
-/// The soils of some rows; what cannot be had is told in its rows.
+/// The soils of some rows. A soil that cannot be read is left out: the status of its rows gives the reason.
 fn soils_of(rows: &[Row<'_>], met: &Mutex<Met<'_>>, overrides: &Overrides) -> Soils {
     let mut soils = Soils::new();
     let mut met = met.lock().unwrap_or_else(PoisonError::into_inner);

@@ -29,8 +29,8 @@ pub(super) struct Arguments {
     suggest_robot: bool,
 }
 
-/// Endings of names of tables: in a folder, other text is not taken for one. A database of rosbag2 is no table, but whoever
-/// reads it as one is told how to convert it.
+/// Endings of names of tables: in a folder, other text is not read as one. A database of rosbag2 is no table; it is
+/// listed so that its error names the command that converts it.
 const TABLES: [&str; 4] = ["csv", "tsv", "txt", "db3"];
 
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
