@@ -44,6 +44,7 @@ mod document;
 mod entries;
 mod error;
 mod fields;
+mod parse;
 pub mod regular;
 pub mod robot;
 mod section;
