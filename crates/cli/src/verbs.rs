@@ -20,6 +20,7 @@ mod robot;
 mod slip_model;
 mod soils;
 mod validate;
+mod view;
 mod wheel;
 
 use serde_json::Value;
@@ -47,6 +48,7 @@ pub(crate) enum Verb {
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Log(log::Arguments),
+    View(view::Arguments),
     Init(init::Arguments),
     Help(help::Arguments),
     Completions(completions::Arguments),
@@ -71,6 +73,7 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::Identify(arguments) => identify::run(&arguments, session),
         Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
+        Verb::View(arguments) => view::run(&arguments),
         Verb::Init(arguments) => init::run(&arguments),
         Verb::Help(arguments) => help::run(&arguments, command, &schemas()),
         Verb::Completions(arguments) => completions::run(&arguments, command),
@@ -95,6 +98,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("robot", robot::schema()),
         ("identify", identify::schema()),
         ("validate", validate::schema()),
+        ("view", view::schema()),
         ("init", init::schema()),
     ];
     list.extend(log::schemas());
