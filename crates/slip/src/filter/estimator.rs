@@ -43,6 +43,8 @@ pub(super) struct Core {
     /// Does the motion over the ground lead the state?
     pub(super) is_led: bool,
     pub(super) recovery: Recovery,
+    /// Tangent of the robot's roll, either side down; 0 where it is not known.
+    pub(super) cross_slope: f64,
     pub(super) output: Outputs,
     /// The time up to which samples have been used.
     pub(super) now_ns: Option<i64>,
@@ -76,6 +78,7 @@ impl Core {
                 .then(|| Box::new(GroundTrack::new(&settings))),
             is_led: false,
             recovery: Recovery::default(),
+            cross_slope: 0.0,
             output: Outputs::new(count),
             now_ns: None,
             pseudo_measured_ns: None,
