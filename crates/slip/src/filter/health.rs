@@ -114,7 +114,8 @@ impl Core {
     /// Standard deviation of the slip of a wheel that is steered aside, since the robot's drift is not known: the wheels do
     /// not slip alike then, as their prior says.
     fn drift_doubt(&self, wheel: &WheelChannel, rim: f64) -> f64 {
-        let Some(left) = self.wheels.lateral.filter(|_| !self.is_led) else {
+        let drifts = self.drifts_downhill() && !self.is_led;
+        let Some(left) = self.wheels.lateral.filter(|_| drifts) else {
             return 0.0;
         };
         let aside = left[0] * wheel.row[0] + left[1] * wheel.row[1];

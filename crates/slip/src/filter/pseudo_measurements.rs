@@ -24,6 +24,8 @@ const STANDSTILL_SIGMA_RAD_PER_S: f64 = 0.002;
 /// velocity, so that the drift is to the slip speed as the weight's share downhill to the pull, and wheels in sand pull with
 /// 0.3 to 0.6 of their load.
 const DRIFT_OVER_SLIP_SPEED: f64 = 2.0;
+/// Cross slopes below this are the noise of level ground, the tangent of 3°.
+const MIN_CROSS_SLOPE: f64 = 0.05;
 /// A drift by the slope lasts as long as the slope, s: some lengths of a robot.
 const SLOPE_TIME_S: f64 = 10.0;
 /// A counter that has not changed has moved by less than this share of a tick.
@@ -79,6 +81,11 @@ impl Core {
                 weight * STANDSTILL_SIGMA_RAD_PER_S,
             );
         }
+    }
+
+    /// Does the ground fall off to one side so much that the robot drifts, where its wheels all point one way at rest?
+    pub(super) fn drifts_downhill(&self) -> bool {
+        self.wheels.lateral.is_some() && self.cross_slope > MIN_CROSS_SLOPE
     }
 
     /// The speed at which the robot may drift down a cross slope, m/s.

@@ -211,8 +211,8 @@ impl Core {
             && turn() > BEND_YAW_RATE_RAD_PER_S;
         // The motion over the ground is known by the reference: the window shows the wheel's own slip.
         let led = self.is_led;
-        // Steered wheels see a sideways drift as unequal slips; these are as common, so that it is not learnt from them.
-        let drifts = !free && self.wheels.lateral.is_some();
+        // Steered wheels see a sideways drift as unequal slips, as their prior does not have them: it is not learnt from them.
+        let drifts = !free && self.drifts_downhill();
         let considered = [
             (YAW, in_bend || led),
             (GYRO_BIAS, in_bend || led),
