@@ -14,6 +14,7 @@ mod worst_case;
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
 use crate::model::Model;
+use crate::tape::{Tape, TapedFunctions};
 use crate::problem::{Problem, ProblemParams};
 
 pub use measure::Measure;
@@ -140,6 +141,21 @@ impl Worlds<'_> {
                 (values, jacobian)
             })
             .collect()
+    }
+
+    /// The functions of every world on one tape: their nodes by function, then by world.
+    fn taped(&self) -> Option<TapedFunctions> {
+        let mut tape = Tape::new();
+        let mut nodes = Vec::new();
+        for world in &self.list {
+            let own = world.model.taped(self.n, self.functions)?;
+            let at = tape.append(&own.tape);
+            nodes.push(own.functions.iter().map(|f| at[*f as usize]).collect::<Vec<_>>());
+        }
+        let functions = (0..self.functions)
+            .flat_map(|f| nodes.iter().map(move |world| world[f]))
+            .collect();
+        Some(TapedFunctions { tape, functions })
     }
 
     /// `name @ world`, for every world, for every name: the order of all joint lists.
