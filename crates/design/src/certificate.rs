@@ -15,7 +15,9 @@ impl Design {
     fn unbounded_quantity(&self) -> Option<Quantity> {
         let program = &self.program;
         let fixed = &self.worlds[0].fixed;
-        let numbers = program.scope.taped(&mut Tape::new(), fixed, &program.quantities);
+        let numbers = program
+            .scope
+            .taped(&mut Tape::new(), fixed, &program.quantities);
         let mut used = program.quantities.iter().copied();
         used.find(|q| numbers[program.scope.place(*q)].is_none())
     }
@@ -74,12 +76,14 @@ impl Design {
                 "this measure over several soils has helper variables; only \"worst_case\" has a certificate".to_owned(),
             ));
         }
-        certify_with(inner, &self.method(&problem), settings, callback, proof).map_err(|error| match error {
-            CertifyError::Problem(source) => Error::Problem {
-                file: self.file.clone(),
-                source,
-            },
-            other => refuse(other.to_string()),
+        certify_with(inner, &self.method(&problem), settings, callback, proof).map_err(|error| {
+            match error {
+                CertifyError::Problem(source) => Error::Problem {
+                    file: self.file.clone(),
+                    source,
+                },
+                other => refuse(other.to_string()),
+            }
         })
     }
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use grouser_opt::{
     Binary, DerivativeCheck, Exact, Functions, Jacobian, LinearConstraint, Measure, Model,
-    ParetoSettings, Problem, ProblemParams, Robust, Settings, Tape, TapedFunctions, Variable, World,
-    check_derivatives, robust,
+    ParetoSettings, Problem, ProblemParams, Robust, Settings, Tape, TapedFunctions, Variable,
+    World, check_derivatives, robust,
 };
 use grouser_real::Scalar;
 

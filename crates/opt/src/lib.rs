@@ -54,7 +54,8 @@ mod weighted;
 
 pub use callback::{Callback, Progress};
 pub use certify::{
-    Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink, certify, certify_with,
+    Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink, certify,
+    certify_with,
 };
 pub use derivative::{
     DerivativeCheck, Differences, Exact, Functions, Scheme, WrongEntry, check_derivatives,

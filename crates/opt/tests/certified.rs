@@ -25,8 +25,8 @@ use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    CertifyError, CertifySettings, CertifyStatus, Differences, Exact, Functions, Method, Problem, ProblemParams,
-    Variable, certify, certify_with, evaluate,
+    CertifyError, CertifySettings, CertifyStatus, Differences, Exact, Functions, Method, Problem,
+    ProblemParams, Variable, certify, certify_with, evaluate,
 };
 use grouser_real::Scalar;
 use random_starts::Stream;
@@ -54,22 +54,41 @@ fn boxed(params: fn() -> ProblemParams<'static>, sides: &[(f64, f64)]) -> Proble
 
 /// The problems that are proved within a second each.
 const QUICK: [&str; 8] = [
-    "CB2", "SPIRAL", "RosenSuzuki", "Davidon2", "MAD1", "MAD4", "MAD6", "MATLAB-doc",
+    "CB2",
+    "SPIRAL",
+    "RosenSuzuki",
+    "Davidon2",
+    "MAD1",
+    "MAD4",
+    "MAD6",
+    "MATLAB-doc",
 ];
 
 #[test]
 fn quick_problems_are_proved_with_little_effort() {
     let boxes = boxes();
     let mut table = String::new();
-    for case in suite::all().iter().filter(|case| QUICK.contains(&case.name)) {
+    for case in suite::all()
+        .iter()
+        .filter(|case| QUICK.contains(&case.name))
+    {
         let problem = boxed(case.params, &boxes[case.name]);
         let mut settings = CertifySettings::default();
         settings.max_boxes = 5000;
         let c = certify(&problem, &Method::Minimax, &settings).unwrap();
         assert_eq!(c.status, CertifyStatus::Proved, "{}", case.name);
-        assert!(c.gap() <= 1e-6 * (1.0 + c.upper.abs()) && c.lower <= c.upper, "{}", case.name);
+        assert!(
+            c.gap() <= 1e-6 * (1.0 + c.upper.abs()) && c.lower <= c.upper,
+            "{}",
+            case.name
+        );
         // the published optimum is that of the whole space; some boxes do not hold it
-        assert!(c.upper >= case.optimum - 1e-6 * (1.0 + case.optimum.abs()), "{}: {}", case.name, c.upper);
+        assert!(
+            c.upper >= case.optimum - 1e-6 * (1.0 + case.optimum.abs()),
+            "{}: {}",
+            case.name,
+            c.upper
+        );
         let _ = writeln!(table, "{:<12} boxes {:>5}", case.name, c.boxes);
     }
     insta::assert_snapshot!(table);
@@ -97,7 +116,9 @@ fn no_point_lies_below_a_proved_bound() {
                 .map(|(i, v)| {
                     let anywhere = v.lower + (v.upper - v.lower) * stream.next();
                     match &centre {
-                        Some(c) if turn % 2 == 0 => (c[i] + 1e-3 * (anywhere - c[i])).clamp(v.lower, v.upper),
+                        Some(c) if turn % 2 == 0 => {
+                            (c[i] + 1e-3 * (anywhere - c[i])).clamp(v.lower, v.upper)
+                        }
                         _ => anywhere,
                     }
                 })
@@ -105,7 +126,13 @@ fn no_point_lies_below_a_proved_bound() {
             let merit = evaluate(&problem, &Method::Minimax, &x).unwrap();
             if merit.violation <= 0.0 && !merit.utility.is_nan() {
                 tried += 1;
-                assert!(merit.utility >= c.lower, "{}: {} < {} at {x:?}", case.name, merit.utility, c.lower);
+                assert!(
+                    merit.utility >= c.lower,
+                    "{}: {} < {} at {x:?}",
+                    case.name,
+                    merit.utility,
+                    c.lower
+                );
             }
         }
     }
@@ -127,7 +154,12 @@ fn the_absence_of_feasible_points_is_proved() {
     let params = ProblemParams::new(&[0.0, 0.0], 1, Exact(Nowhere))
         .variables(["x", "y"].map(|name| Variable::bounded(name, 0.0, -3.0, 3.0)))
         .inequalities(["disc".to_owned(), "product".to_owned()]);
-    let c = certify(&Problem::new(params).unwrap(), &Method::Minimax, &CertifySettings::default()).unwrap();
+    let c = certify(
+        &Problem::new(params).unwrap(),
+        &Method::Minimax,
+        &CertifySettings::default(),
+    )
+    .unwrap();
     assert_eq!(c.status, CertifyStatus::Infeasible);
     assert!(c.x.is_none() && c.lower == f64::INFINITY);
 }
@@ -135,19 +167,31 @@ fn the_absence_of_feasible_points_is_proved() {
 #[test]
 fn functions_that_are_no_formulas_are_refused() {
     let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0]);
-    let params = ProblemParams::new(&[0.0], 1, model).variables([Variable::bounded("x", 0.0, -1.0, 1.0)]);
-    let refused = certify(&Problem::new(params).unwrap(), &Method::Minimax, &CertifySettings::default());
+    let params =
+        ProblemParams::new(&[0.0], 1, model).variables([Variable::bounded("x", 0.0, -1.0, 1.0)]);
+    let refused = certify(
+        &Problem::new(params).unwrap(),
+        &Method::Minimax,
+        &CertifySettings::default(),
+    );
     assert_eq!(refused, Err(CertifyError::NoFormula));
 }
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let boxes = boxes();
-    let case = suite::all().into_iter().find(|case| case.name == "RosenSuzuki").unwrap();
+    let case = suite::all()
+        .into_iter()
+        .find(|case| case.name == "RosenSuzuki")
+        .unwrap();
     let problem = boxed(case.params, &boxes[case.name]);
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut c = pool.install(|| certify(&problem, &Method::Minimax, &CertifySettings::default()).unwrap());
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let mut c = pool
+            .install(|| certify(&problem, &Method::Minimax, &CertifySettings::default()).unwrap());
         c.seconds = 0.0;
         c
     };
@@ -182,10 +226,25 @@ fn published_problems_are_proved_or_their_gap_is_measured() {
             ControlFlow::Continue(())
         };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
-        let c = certify_with(&problem, &Method::Minimax, &settings, go_on, Some(&mut write)).unwrap();
+        let c = certify_with(
+            &problem,
+            &Method::Minimax,
+            &settings,
+            go_on,
+            Some(&mut write),
+        )
+        .unwrap();
         println!(
             "{:<15} n {:>2}  {:<10} lower {:>18.10e} upper {:>18.10e} gap {:>9.2e} ({:.1e} of 1 + |f|) boxes {:>8} in {:>5.1} s",
-            case.name, problem.variables().len(), c.status.name(), c.lower, c.upper, c.gap(), c.gap() / (1.0 + c.upper.abs()), c.boxes, c.seconds
+            case.name,
+            problem.variables().len(),
+            c.status.name(),
+            c.lower,
+            c.upper,
+            c.gap(),
+            c.gap() / (1.0 + c.upper.abs()),
+            c.boxes,
+            c.seconds
         );
     }
 }

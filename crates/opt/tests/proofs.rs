@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use grouser_opt::{
-    CertifySettings, CertifyStatus, Exact, Functions, Method, Problem, ProblemParams, Variable, certify_with,
+    CertifySettings, CertifyStatus, Exact, Functions, Method, Problem, ProblemParams, Variable,
+    certify_with,
 };
 use grouser_real::Scalar;
 use random_starts::Stream;
@@ -36,18 +37,32 @@ struct Everything;
 impl Functions for Everything {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         let (a, b, one) = (x[0], x[1], R::ONE);
-        let smooth = a.sin() * b.cos() + (a * R::from_f64(0.3)).tan() + (b * R::from_f64(0.4)).asin();
-        let more = (b * R::from_f64(0.3)).acos() + a.atan() + b.sinh() * R::from_f64(0.1) + a.cosh();
-        let roots = (a + R::from_f64(2.5)).sqrt() + (b + R::from_f64(3.0)).ln() + a.tanh() + a.exp_m1();
-        let powers = (a + R::from_f64(3.0)).powf(b * R::from_f64(0.2)) + (a + R::from_f64(4.0)).powi(-2);
+        let smooth =
+            a.sin() * b.cos() + (a * R::from_f64(0.3)).tan() + (b * R::from_f64(0.4)).asin();
+        let more =
+            (b * R::from_f64(0.3)).acos() + a.atan() + b.sinh() * R::from_f64(0.1) + a.cosh();
+        let roots =
+            (a + R::from_f64(2.5)).sqrt() + (b + R::from_f64(3.0)).ln() + a.tanh() + a.exp_m1();
+        let powers =
+            (a + R::from_f64(3.0)).powf(b * R::from_f64(0.2)) + (a + R::from_f64(4.0)).powi(-2);
         let kinks = (a - b).abs() + a.max(b * b) - a.min(b) + (b * R::from_f64(0.1)).ln_1p();
-        f[0] = smooth + more + roots + powers + kinks + (a + R::from_f64(3.0)).atan2(b + R::from_f64(4.0));
+        f[0] = smooth
+            + more
+            + roots
+            + powers
+            + kinks
+            + (a + R::from_f64(3.0)).atan2(b + R::from_f64(4.0));
         f[1] = -(a / (b + R::from_f64(5.0))) - (-one).exp();
         f[2] = a + b * b - one;
     }
 }
 
-fn problem(functions: impl Functions + 'static, side: f64, limits: usize, objectives: usize) -> Problem<'static> {
+fn problem(
+    functions: impl Functions + 'static,
+    side: f64,
+    limits: usize,
+    objectives: usize,
+) -> Problem<'static> {
     let params = ProblemParams::new(&[0.1, 0.2], objectives, Exact(functions))
         .variables(["x", "y"].map(|name| Variable::bounded(name, 0.1, -side, side)))
         .inequalities((0..limits).map(|i| format!("limit {i}")));
@@ -75,8 +90,14 @@ fn proof(problem: &Problem<'_>, gap: f64) -> (CertifyStatus, Vec<String>) {
 
 /// Is there a Python? Under CI there must be one.
 fn python() -> bool {
-    let found = Command::new("python3").arg("--version").output().is_ok_and(|o| o.status.success());
-    assert!(found || std::env::var("CI").is_err(), "the checker needs python3");
+    let found = Command::new("python3")
+        .arg("--version")
+        .output()
+        .is_ok_and(|o| o.status.success());
+    assert!(
+        found || std::env::var("CI").is_err(),
+        "the checker needs python3"
+    );
     if !found {
         println!("skipped: no python3");
     }
@@ -96,7 +117,11 @@ fn verdicts(folder: &Path, logs: &[Vec<String>]) -> Vec<String> {
         })
         .collect();
     let checker = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../checker/check.py");
-    let output = Command::new("python3").arg(checker).args(&paths).output().unwrap();
+    let output = Command::new("python3")
+        .arg(checker)
+        .args(&paths)
+        .output()
+        .unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     let _ = fs::remove_dir_all(folder);
     text.lines().map(str::to_owned).collect()
@@ -135,7 +160,12 @@ fn with_number(line: &str, key: &str, change: impl Fn(f64) -> f64) -> Option<Str
     let start = line.find(key)? + key.len();
     let length = line[start..].find([',', ']', '}'])?;
     let number: f64 = line[start..start + length].parse().ok()?;
-    Some(format!("{}{:?}{}", &line[..start], change(number), &line[start + length..]))
+    Some(format!(
+        "{}{:?}{}",
+        &line[..start],
+        change(number),
+        &line[start + length..]
+    ))
 }
 
 /// One part of a log changed so that it proves less than it claims; `None` where this line has no such part.
@@ -151,7 +181,11 @@ fn mutilated(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<Str
         // a box occurs twice
         1 => lines.insert(inner, lines[inner].clone()),
         // a bound is higher than its multipliers prove
-        2 => lines[inner] = with_number(&log[inner], "\"bound\":", |b| b + 1e-3 * size * (1.0 + b.abs()))?,
+        2 => {
+            lines[inner] = with_number(&log[inner], "\"bound\":", |b| {
+                b + 1e-3 * size * (1.0 + b.abs())
+            })?
+        }
         // a box is divided outside itself
         3 => lines[inner] = with_number(&log[inner], "\"at\":", |at| at + 100.0 * size)?,
         // a part of a divided box has the number of another
@@ -204,7 +238,13 @@ fn the_checker_refuses_mutilated_logs() {
     assert_eq!(verdicts.len(), 101);
     assert!(verdicts[0].starts_with("accepted"), "{}", verdicts[0]);
     for (verdict, kind) in verdicts[1..].iter().zip(&kinds) {
-        assert!(verdict.starts_with("refused"), "mutilation {kind}: {verdict}");
+        assert!(
+            verdict.starts_with("refused"),
+            "mutilation {kind}: {verdict}"
+        );
     }
-    println!("100 of 100 mutilated logs refused, {} lines each", log.len());
+    println!(
+        "100 of 100 mutilated logs refused, {} lines each",
+        log.len()
+    );
 }

@@ -73,7 +73,10 @@ impl Taped<'_> {
         if self.fixed.is_meaningless(Parameter::KC) {
             return None;
         }
-        let (k_c, k_phi) = (self.scaled(Parameter::KC, 1e3)?, self.scaled(Parameter::KPhi, 1e3)?);
+        let (k_c, k_phi) = (
+            self.scaled(Parameter::KC, 1e3)?,
+            self.scaled(Parameter::KPhi, 1e3)?,
+        );
         let width = self.get(Parameter::Width)?;
         let per_width = self.two(Binary::Div, k_c, width);
         let modulus = self.two(Binary::Add, per_width, k_phi);

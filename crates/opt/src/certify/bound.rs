@@ -41,7 +41,11 @@ fn level(rows: &Rows, weights: &[(usize, f64)], low: f64) -> f64 {
         .fold(Interval::ZERO, |sum, (_, w)| sum + Interval::point(*w));
     if share.high() > 0.0 {
         let level = (Interval::point(low) / share).low();
-        if level.is_nan() { f64::NEG_INFINITY } else { level }
+        if level.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            level
+        }
     } else if low > 0.0 {
         f64::INFINITY
     } else {
@@ -77,7 +81,10 @@ impl Bounder {
             self.over.forward(&rows.tape, x, &row.needed, true);
             let weight = Interval::point(weight);
             natural += weight * self.over.values[row.node as usize];
-            regular = regular && self.over.gradient(&rows.tape, &row.needed, &mut self.gradient);
+            regular = regular
+                && self
+                    .over
+                    .gradient(&rows.tape, &row.needed, &mut self.gradient);
             if regular {
                 for (total, g) in total.iter_mut().zip(&self.gradient) {
                     *total += weight * *g;
@@ -111,7 +118,11 @@ impl Bounder {
         }
         let mut low = sum.natural.low();
         if let Some(gradient) = sum.gradient {
-            let c: Vec<f64> = x.iter().zip(&gradient).map(|(x, g)| centre(*x, *g)).collect();
+            let c: Vec<f64> = x
+                .iter()
+                .zip(&gradient)
+                .map(|(x, g)| centre(*x, *g))
+                .collect();
             let form = x.iter().zip(&gradient).zip(&c).fold(
                 self.at(rows, weights, &c),
                 |sum, ((x, g), c)| {

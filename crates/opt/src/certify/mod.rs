@@ -181,7 +181,13 @@ pub fn certify(
     method: &Method,
     settings: &CertifySettings,
 ) -> Result<Certificate, CertifyError> {
-    certify_with(problem, method, settings, &mut |_| ControlFlow::Continue(()), None)
+    certify_with(
+        problem,
+        method,
+        settings,
+        &mut |_| ControlFlow::Continue(()),
+        None,
+    )
 }
 
 /// As [`certify`], calling `callback` after every batch of boxes, and writing the proof where a sink is given.

@@ -87,7 +87,13 @@ struct Form {
 
 impl Examiner {
     /// Examines a box for points with γ < `target` that violate no row by more than `tolerance`.
-    pub(super) fn examine(&mut self, rows: &Rows, x: &[Interval], target: f64, tolerance: f64) -> Examined {
+    pub(super) fn examine(
+        &mut self,
+        rows: &Rows,
+        x: &[Interval],
+        target: f64,
+        tolerance: f64,
+    ) -> Examined {
         let mut examined = Examined {
             trims: Vec::new(),
             rest: x.to_vec(),
@@ -204,7 +210,13 @@ impl Examiner {
     }
 
     /// Bounds by multipliers of the linear problem at the middle; returns how much each row counts.
-    fn relax(&mut self, rows: &Rows, expansion: &Expansion, examined: &mut Examined, target: f64) -> Vec<f64> {
+    fn relax(
+        &mut self,
+        rows: &Rows,
+        expansion: &Expansion,
+        examined: &mut Examined,
+        target: f64,
+    ) -> Vec<f64> {
         let n = examined.rest.len();
         let radii: Vec<f64> = examined.rest.iter().map(|x| 0.5 * x.width()).collect();
         let slopes: Vec<f64> = expansion
@@ -219,7 +231,13 @@ impl Examiner {
         let Some(multipliers) = linear_multipliers(n, &expansion.kinds, &slopes, &offsets) else {
             return scales;
         };
-        let sign = |kind: LinearKind, m: f64| if kind == LinearKind::Equal { m } else { m.max(0.0) };
+        let sign = |kind: LinearKind, m: f64| {
+            if kind == LinearKind::Equal {
+                m
+            } else {
+                m.max(0.0)
+            }
+        };
         let mut weights: Weights = Vec::new();
         let mut limits: Weights = Vec::new();
         for (at, &multiplier) in multipliers.iter().enumerate() {
@@ -247,7 +265,13 @@ impl Examiner {
     }
 
     /// Cuts pieces off the box that hold no better point; returns the share of the volume that went.
-    fn trim(&mut self, rows: &Rows, expansion: &Expansion, examined: &mut Examined, target: f64) -> f64 {
+    fn trim(
+        &mut self,
+        rows: &Rows,
+        expansion: &Expansion,
+        examined: &mut Examined,
+        target: f64,
+    ) -> f64 {
         let before = examined.rest.clone();
         let forms = forms(expansion, examined, target);
         for variable in 0..before.len() {
@@ -259,7 +283,8 @@ impl Examiner {
                     let Some(at) = cut(form, &before, variable, above) else {
                         continue;
                     };
-                    let deeper = deepest.is_none_or(|(old, _)| if above { at < old } else { at > old });
+                    let deeper =
+                        deepest.is_none_or(|(old, _)| if above { at < old } else { at > old });
                     if deeper {
                         deepest = Some((at, form));
                     }
@@ -269,7 +294,10 @@ impl Examiner {
                 };
                 let end = if above { side.high() } else { side.low() };
                 let at = (at + TRIM_MARGIN * (end - at)).clamp(side.low(), side.high());
-                if !((end - at).abs() >= MIN_TRIM * side.width()) || at <= side.low() || at >= side.high() {
+                if !((end - at).abs() >= MIN_TRIM * side.width())
+                    || at <= side.low()
+                    || at >= side.high()
+                {
                     continue;
                 }
                 let mut piece = examined.rest.clone();
@@ -296,9 +324,18 @@ impl Examiner {
             }
         }
         let share = |(x, old): (&Interval, &Interval)| {
-            if old.width() > 0.0 { x.width() / old.width() } else { 1.0 }
+            if old.width() > 0.0 {
+                x.width() / old.width()
+            } else {
+                1.0
+            }
         };
-        1.0 - examined.rest.iter().zip(&before).map(share).product::<f64>()
+        1.0 - examined
+            .rest
+            .iter()
+            .zip(&before)
+            .map(share)
+            .product::<f64>()
     }
 }
 
@@ -311,7 +348,10 @@ fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
         let own = slopes(at);
         let mut push = |sign: f64, limit: f64| {
             let (offset, slopes) = if sign < 0.0 {
-                (-expansion.offsets[at].high(), own.iter().map(|g| -*g).collect())
+                (
+                    -expansion.offsets[at].high(),
+                    own.iter().map(|g| -*g).collect(),
+                )
             } else {
                 (expansion.offsets[at].low(), own.to_vec())
             };
@@ -374,8 +414,17 @@ fn cut(form: &Form, x: &[Interval], variable: usize, above: bool) -> Option<f64>
     let others: f64 = (0..x.len()).filter(|d| *d != variable).map(least).sum();
     let room = form.limit - form.offset - others;
     let middle = x[variable].middle();
-    let reach = room / if room > 0.0 { steepness } else { slope.magnitude() };
-    let at = if above { middle + reach } else { middle - reach };
+    let reach = room
+        / if room > 0.0 {
+            steepness
+        } else {
+            slope.magnitude()
+        };
+    let at = if above {
+        middle + reach
+    } else {
+        middle - reach
+    };
     at.is_finite().then_some(at)
 }
 
@@ -384,7 +433,11 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
     let n = examined.rest.len();
     let relative = |d: usize| {
         let range = rows.upper[d] - rows.lower[d];
-        if range > 0.0 { examined.rest[d].width() / range } else { 0.0 }
+        if range > 0.0 {
+            examined.rest[d].width() / range
+        } else {
+            0.0
+        }
     };
     let variation = |d: usize| -> f64 {
         let width = examined.rest[d].width();
@@ -402,7 +455,11 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
     };
     let score = |d: usize| {
         let v = variation(d);
-        if expansion.rows.is_empty() || !v.is_finite() { relative(d) } else { v }
+        if expansion.rows.is_empty() || !v.is_finite() {
+            relative(d)
+        } else {
+            v
+        }
     };
     let mut best: Option<(f64, usize, f64)> = None;
     for d in 0..n {
@@ -412,5 +469,8 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
             best = Some((own, d, at));
         }
     }
-    best.map_or(End::Stuck, |(_, variable, at)| End::Divided { variable, at })
+    best.map_or(End::Stuck, |(_, variable, at)| End::Divided {
+        variable,
+        at,
+    })
 }

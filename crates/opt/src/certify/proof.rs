@@ -142,7 +142,13 @@ impl Proof<'_, '_> {
         if self.sink.is_none() {
             return;
         }
-        let or_null = |x: f64| if x.is_finite() { number(x) } else { "null".to_owned() };
+        let or_null = |x: f64| {
+            if x.is_finite() {
+                number(x)
+            } else {
+                "null".to_owned()
+            }
+        };
         self.line(&format!(
             "{{\"end\":{},\"lower\":{},\"upper\":{},\"x\":{},\"violation\":{}}}",
             text(status),

@@ -93,11 +93,13 @@ impl Search<'_, '_> {
                 LinearKind::Equal => violation = violation.max(value.magnitude()),
             }
         }
-        (violation <= self.settings.solve.constraint_tolerance && level < f64::INFINITY).then(|| Best {
-            x: x.to_vec(),
-            level,
-            violation,
-        })
+        (violation <= self.settings.solve.constraint_tolerance && level < f64::INFINITY).then(
+            || Best {
+                x: x.to_vec(),
+                level,
+                violation,
+            },
+        )
     }
 
     fn consider(&self, best: &mut Option<Best>, x: &[f64]) {
@@ -123,7 +125,9 @@ impl Search<'_, '_> {
 
     /// What a box must reach to be closed.
     fn target(&self, best: Option<&Best>) -> f64 {
-        best.map_or(f64::INFINITY, |b| b.level - GAP_SHARE * self.gap_at(b.level))
+        best.map_or(f64::INFINITY, |b| {
+            b.level - GAP_SHARE * self.gap_at(b.level)
+        })
     }
 
     pub(super) fn run(
@@ -187,7 +191,11 @@ impl Search<'_, '_> {
             if callback(&progress).is_break() || self.proof.broken {
                 break CertifyStatus::Stopped;
             }
-            if self.settings.time_limit_s.is_some_and(|limit| progress.seconds >= limit) {
+            if self
+                .settings
+                .time_limit_s
+                .is_some_and(|limit| progress.seconds >= limit)
+            {
                 break CertifyStatus::TimeLimit;
             }
             if boxes >= self.settings.max_boxes {
@@ -235,7 +243,14 @@ impl Search<'_, '_> {
         self.certificate(status, closed, best, boxes, began.elapsed().as_secs_f64())
     }
 
-    fn certificate(mut self, status: CertifyStatus, lower: f64, best: Option<Best>, boxes: u64, seconds: f64) -> Certificate {
+    fn certificate(
+        mut self,
+        status: CertifyStatus,
+        lower: f64,
+        best: Option<Best>,
+        boxes: u64,
+        seconds: f64,
+    ) -> Certificate {
         let (x, upper, violation) = best.map_or((None, f64::INFINITY, 0.0), |b| {
             (Some(b.x), b.level, b.violation)
         });
@@ -278,8 +293,13 @@ impl Search<'_, '_> {
         };
         for trim in &result.trims {
             let (below, above) = pair();
-            self.proof.divided(id, trim.variable, trim.at, (below, above));
-            let (leaf, rest) = if trim.above { (above, below) } else { (below, above) };
+            self.proof
+                .divided(id, trim.variable, trim.at, (below, above));
+            let (leaf, rest) = if trim.above {
+                (above, below)
+            } else {
+                (below, above)
+            };
             let bound = claim(trim.bound);
             self.proof.leaf(leaf, bound, &trim.weights);
             lowest = lowest.min(bound);

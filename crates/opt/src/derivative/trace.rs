@@ -162,10 +162,7 @@ impl Real for Trace {
         self.compare(other) == Some(Ordering::Less)
     }
     fn le(self, other: Self) -> bool {
-        matches!(
-            self.compare(other),
-            Some(Ordering::Less | Ordering::Equal)
-        )
+        matches!(self.compare(other), Some(Ordering::Less | Ordering::Equal))
     }
     fn select(mask: bool, a: Self, b: Self) -> Self {
         if mask { a } else { b }
@@ -268,7 +265,11 @@ mod tests {
     struct Branch;
     impl Functions for Branch {
         fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
-            f[0] = if x[0].value() > 0.0 { x[0] } else { x[0].square() };
+            f[0] = if x[0].value() > 0.0 {
+                x[0]
+            } else {
+                x[0].square()
+            };
         }
     }
 

@@ -14,8 +14,8 @@ mod worst_case;
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
 use crate::model::Model;
-use crate::tape::{Tape, TapedFunctions};
 use crate::problem::{Problem, ProblemParams};
+use crate::tape::{Tape, TapedFunctions};
 
 pub use measure::Measure;
 pub use samples::{Uncertainty, sample};
@@ -150,7 +150,12 @@ impl Worlds<'_> {
         for world in &self.list {
             let own = world.model.taped(self.n, self.functions)?;
             let at = tape.append(&own.tape);
-            nodes.push(own.functions.iter().map(|f| at[*f as usize]).collect::<Vec<_>>());
+            nodes.push(
+                own.functions
+                    .iter()
+                    .map(|f| at[*f as usize])
+                    .collect::<Vec<_>>(),
+            );
         }
         let functions = (0..self.functions)
             .flat_map(|f| nodes.iter().map(move |world| world[f]))

@@ -57,7 +57,11 @@ pub(crate) fn linear_multipliers(
             .enumerate()
             .map(|(at, g)| g / sizes[at / n])
             .collect(),
-        offsets: offsets.iter().zip(&sizes).map(|(b, size)| b / size).collect(),
+        offsets: offsets
+            .iter()
+            .zip(&sizes)
+            .map(|(b, size)| b / size)
+            .collect(),
     };
     let mut curvature = vec![0.0; n * n];
     for d in 0..n {

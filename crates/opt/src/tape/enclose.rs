@@ -83,7 +83,12 @@ impl Enclosures {
 
     /// The enclosure of the gradient of the last of `nodes`, after a forward pass over them; `false` where that
     /// function is not regular over the box.
-    pub(crate) fn gradient(&mut self, tape: &Tape, nodes: &[Node], gradient: &mut [Interval]) -> bool {
+    pub(crate) fn gradient(
+        &mut self,
+        tape: &Tape,
+        nodes: &[Node],
+        gradient: &mut [Interval],
+    ) -> bool {
         gradient.fill(Interval::ZERO);
         let Some(&last) = nodes.last() else {
             return false;
@@ -221,7 +226,12 @@ fn binary(function: Binary, a: Interval, b: Interval) -> (Interval, bool) {
     }
 }
 
-fn binary_slopes(function: Binary, a: Interval, b: Interval, value: Interval) -> (Interval, Interval) {
+fn binary_slopes(
+    function: Binary,
+    a: Interval,
+    b: Interval,
+    value: Interval,
+) -> (Interval, Interval) {
     let one = Interval::ONE;
     let either = Interval::new(0.0, 1.0);
     match function {

@@ -11,7 +11,10 @@ pub(crate) use enclose::Enclosures;
 
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the functions are those of `grouser_real::Real`")]
+#[allow(
+    missing_docs,
+    reason = "the functions are those of `grouser_real::Real`"
+)]
 pub enum Unary {
     Neg,
     Abs,
@@ -62,7 +65,10 @@ impl Unary {
 
 /// A function of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the functions are those of `grouser_real::Real`")]
+#[allow(
+    missing_docs,
+    reason = "the functions are those of `grouser_real::Real`"
+)]
 pub enum Binary {
     Add,
     Sub,

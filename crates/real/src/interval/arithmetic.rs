@@ -15,7 +15,11 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// The sum rounded down: itself where it is exact or was rounded down already.
 fn sum_down(a: f64, b: f64) -> f64 {
     let (sum, left_out) = two_sum(a, b);
-    if left_out >= 0.0 { sum } else { sum.next_down() }
+    if left_out >= 0.0 {
+        sum
+    } else {
+        sum.next_down()
+    }
 }
 
 /// The sum rounded up.
@@ -50,7 +54,10 @@ impl Sub for Interval {
         if self.is_empty() || other.is_empty() {
             return Self::EMPTY;
         }
-        between(sum_down(self.low, -other.high), sum_up(self.high, -other.low))
+        between(
+            sum_down(self.low, -other.high),
+            sum_up(self.high, -other.low),
+        )
     }
 }
 

@@ -150,7 +150,8 @@ impl Interval {
     /// May the tangent have a pole here?
     #[must_use]
     pub fn has_tangent_pole(self) -> bool {
-        self.half_turns(1.0).is_none_or(|(first, last)| first <= last)
+        self.half_turns(1.0)
+            .is_none_or(|(first, last)| first <= last)
     }
 
     /// Tangents; every number where there may be a pole.
@@ -209,11 +210,7 @@ impl Interval {
             Real::atan2(self.high, x.low),
             Real::atan2(self.high, x.high),
         );
-        Self::widened(
-            a.min(b).min(c.min(d)),
-            a.max(b).max(c.max(d)),
-            Self::ENTIRE,
-        )
+        Self::widened(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)), Self::ENTIRE)
     }
 
     /// Hyperbolic sines.

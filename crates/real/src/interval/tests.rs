@@ -36,12 +36,24 @@ const FUNCTIONS: [Pair; 22] = [
     ("sinh", Interval::sinh, Real::sinh),
     ("cosh", Interval::cosh, Real::cosh),
     ("tanh", Interval::tanh, Real::tanh),
-    ("sinc", Interval::sinc, |x| if x == 0.0 { 1.0 } else { x.sin() / x }),
-    ("sinc'", Interval::sinc_slope, |x| if x.abs() < 0.3 { f64::NAN } else { (x.cos() - x.sin() / x) / x }),
+    ("sinc", Interval::sinc, |x| {
+        if x == 0.0 { 1.0 } else { x.sin() / x }
+    }),
+    ("sinc'", Interval::sinc_slope, |x| {
+        if x.abs() < 0.3 {
+            f64::NAN
+        } else {
+            (x.cos() - x.sin() / x) / x
+        }
+    }),
     ("square", Interval::square, Real::square),
     ("cube", |x| x.powi(3), |x| x * x * x),
     ("powi -2", |x| x.powi(-2), |x| 1.0 / (x * x)),
-    ("powf", |x| x.powf(Interval::point(1.3)), |x| Real::powf(x, 1.3)),
+    (
+        "powf",
+        |x| x.powf(Interval::point(1.3)),
+        |x| Real::powf(x, 1.3),
+    ),
 ];
 
 #[test]
@@ -58,7 +70,10 @@ fn functions_enclose_their_values_over_intervals_of_all_sizes() {
                 let value = at(x);
                 // outside its domain a function has no value to enclose
                 if !value.is_nan() {
-                    assert!(enclosure.contains(value), "{name}({x:e}) = {value:e} not in {enclosure:?} over {box_:?}");
+                    assert!(
+                        enclosure.contains(value),
+                        "{name}({x:e}) = {value:e} not in {enclosure:?} over {box_:?}"
+                    );
                 }
             }
         }
@@ -74,7 +89,10 @@ fn enclosures_of_single_numbers_are_tight() {
                 continue;
             }
             let (enclosure, value) = (over(Interval::point(x)), at(x));
-            assert!(enclosure.width() <= 4e-15 * (1.0 + value.abs()), "{name}({x}): {enclosure:?}");
+            assert!(
+                enclosure.width() <= 4e-15 * (1.0 + value.abs()),
+                "{name}({x}): {enclosure:?}"
+            );
         }
     }
 }
@@ -94,7 +112,11 @@ fn enclosures_hold_values_of_thirty_digits() {
         ("tanh", 1.0, "0.761594155955764888119458282605"),
     ];
     for (name, x, digits) in table {
-        let over = FUNCTIONS.iter().find(|(n, ..)| *n == name).expect("in the table").1;
+        let over = FUNCTIONS
+            .iter()
+            .find(|(n, ..)| *n == name)
+            .expect("in the table")
+            .1;
         let nearest: f64 = digits.parse().expect("a number");
         let enclosure = over(Interval::point(x));
         // the exact value is within half a unit of the nearest number
@@ -128,10 +150,16 @@ fn two_numbers_at_a_time() {
             };
             let (a, b) = (interval(), interval());
             let enclosure = over(a, b);
-            let (x, y) = (stream.within(a.low(), a.high()), stream.within(b.low(), b.high()));
+            let (x, y) = (
+                stream.within(a.low(), a.high()),
+                stream.within(b.low(), b.high()),
+            );
             let value = at(x, y);
             if !value.is_nan() {
-                assert!(enclosure.contains(value), "function {index}: {x:e}, {y:e}: {value:e} not in {enclosure:?}");
+                assert!(
+                    enclosure.contains(value),
+                    "function {index}: {x:e}, {y:e}: {value:e} not in {enclosure:?}"
+                );
             }
         }
     }

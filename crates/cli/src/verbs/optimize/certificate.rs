@@ -22,7 +22,12 @@ pub(super) struct Certification {
     #[arg(long, value_name = "GAP", num_args = 0..=1, default_missing_value = "1e-6")]
     certify: Option<f64>,
     /// Time for the proof, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "certify")]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 60.0,
+        requires = "certify"
+    )]
     certify_time: f64,
     /// Write the proof as JSON lines, which checker/check.py replays
     #[arg(long, value_name = "FILE.jsonl", requires = "certify")]
@@ -46,7 +51,13 @@ impl Certification {
         };
         for (flag, value, low, high, limits) in [
             ("--certify", gap, 1e-12, 1.0, "lie between 1e-12 and 1"),
-            ("--certify-time", self.certify_time, 0.0, 1e9, "lie between 0 and 1e9 s"),
+            (
+                "--certify-time",
+                self.certify_time,
+                0.0,
+                1e9,
+                "lie between 0 and 1e9 s",
+            ),
         ] {
             if !(low..=high).contains(&value) {
                 return Err(Error::out_of_range(flag, value, [low, high], limits));
@@ -58,7 +69,11 @@ impl Certification {
         settings.solve = design.settings.clone();
         settings.starts = settings.starts.max(design.starts);
         settings.seed = design.seed;
-        let mut log = self.proof.as_ref().map(|path| OutputFile::create(path)).transpose()?;
+        let mut log = self
+            .proof
+            .as_ref()
+            .map(|path| OutputFile::create(path))
+            .transpose()?;
         let mut refused = None;
         let mut next = FIRST_PROGRESS_S;
         let mut tell = |progress: &CertifyProgress| {
@@ -87,8 +102,11 @@ impl Certification {
                 },
                 None => ControlFlow::Continue(()),
             };
-            let sink: Option<&mut grouser_opt::ProofSink<'_>> =
-                if self.proof.is_some() { Some(&mut write) } else { None };
+            let sink: Option<&mut grouser_opt::ProofSink<'_>> = if self.proof.is_some() {
+                Some(&mut write)
+            } else {
+                None
+            };
             design.certify(&settings, &mut tell, sink)?
         };
         let mut written = None;
@@ -109,7 +127,12 @@ impl Certification {
 }
 
 /// The answer from the certificate's best point, where the starts led to a worse one.
-fn better(design: &Design, answer: &Answer, certificate: &Certificate, gap: f64) -> Result<Option<Answer>> {
+fn better(
+    design: &Design,
+    answer: &Answer,
+    certificate: &Certificate,
+    gap: f64,
+) -> Result<Option<Answer>> {
     let (Answer::Optimum(optimum), Some(x)) = (answer, &certificate.x) else {
         return Ok(None);
     };
@@ -132,7 +155,11 @@ impl Certified {
         let mut text = String::from("\n");
         let _ = match c.status {
             CertifyStatus::Infeasible => {
-                writeln!(text, "proved: no point of the box meets all constraints ({} boxes)", c.boxes)
+                writeln!(
+                    text,
+                    "proved: no point of the box meets all constraints ({} boxes)",
+                    c.boxes
+                )
             }
             CertifyStatus::Proved => writeln!(
                 text,
@@ -174,7 +201,11 @@ impl Certified {
             _ => "the search was stopped",
         };
         Some(if c.x.is_some() {
-            format!("the gap is {}, not {}: {reason}", shown(c.gap()), shown(self.gap * (1.0 + c.upper.abs())))
+            format!(
+                "the gap is {}, not {}: {reason}",
+                shown(c.gap()),
+                shown(self.gap * (1.0 + c.upper.abs()))
+            )
         } else {
             format!("neither a feasible point nor its absence is proved: {reason}")
         })
