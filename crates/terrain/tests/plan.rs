@@ -96,7 +96,7 @@ fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -
                     if enough(h, run) {
                         for turned in [(h + 1) % count, (h + count - 1) % count] {
                             if may(cell, turned) {
-                                relax(state(cell, turned, 0), here);
+                                relax(state(cell, turned, 0), here + settings.turn_energy);
                             }
                         }
                     }
@@ -162,7 +162,10 @@ fn the_way_is_the_cheapest_that_brute_force_finds() {
     for seed in 0..40 {
         for (headings, radius) in [(4, 0.0), (8, 0.0), (8, 2.5), (16, 0.0), (16, 6.0)] {
             let map = random_map(seed, headings, radius);
-            let settings = PlanSettings::default();
+            let settings = PlanSettings {
+                turn_energy: if seed % 2 == 0 { 0.0 } else { 12.0 },
+                ..PlanSettings::default()
+            };
             let (from, to) = (0, map.cells() - 1);
             let expected = brute_force(&map, from, to, &settings);
             match (plan(&map, (from, to), &settings, 0), expected) {

@@ -15,6 +15,8 @@ pub struct PlanSettings {
     pub min_tip_over_deg: f64,
     /// Speed of the wheels' rims, m/s: the robot is slower by the slip.
     pub rim_speed: f64,
+    /// Energy of a turn by one heading, J: the map knows what straight driving takes, not what turning takes.
+    pub turn_energy: f64,
     /// The robot's heading at the start (its index); `None`: whichever serves best.
     pub start_heading: Option<usize>,
     /// The robot's heading at the goal.
@@ -27,6 +29,7 @@ impl Default for PlanSettings {
             max_risk: 0.05,
             min_tip_over_deg: 10.0,
             rim_speed: 0.25,
+            turn_energy: 0.0,
             start_heading: None,
             goal_heading: None,
         }
@@ -45,6 +48,7 @@ impl PlanSettings {
             "deg",
         )?;
         Error::check(of, "speed", self.rim_speed, (1e-4, 100.0), "m/s")?;
+        Error::check(of, "turn_energy", self.turn_energy, (0.0, 1e9), "J")?;
         let last = (map.layout.headings.count() - 1) as f64;
         for heading in [self.start_heading, self.goal_heading]
             .into_iter()

@@ -149,7 +149,7 @@ pub fn plan(
             least_risk: least_risk(&lattice, settings, task)?,
         });
     };
-    let route = measured(&lattice, &way);
+    let route = measured(&lattice, settings, &way);
     let mut others: Vec<Route> = Vec::new();
     lattice.penalty = vec![1.0; map.cells()];
     for _ in 0..alternatives {
@@ -158,7 +158,7 @@ pub fn plan(
         let Some(way) = search(&lattice, settings, &task)? else {
             break;
         };
-        let other = measured(&lattice, &way);
+        let other = measured(&lattice, settings, &way);
         let is_new = std::iter::once(&route)
             .chain(&others)
             .all(|earlier| shared(&other, earlier) <= MAX_SHARED);
@@ -189,7 +189,7 @@ fn check_place(of: &'static str, lattice: &Lattice<'_>, cell: usize) -> Result<(
     if (0..count).all(|heading| map.pitch[cell * count + heading].is_nan()) {
         return refuse("lies on ground whose height is not known");
     }
-    if !(0..count).any(|heading| lattice.allows(cell, heading, 1.0)) {
+    if !(0..count).any(|heading| map.energy[cell * count + heading] >= 0.0) {
         return refuse("lies where no heading can be driven");
     }
     Ok(())
@@ -228,7 +228,7 @@ fn least_risk(
 }
 
 /// The costs of a way.
-fn measured(lattice: &Lattice<'_>, way: &[(usize, usize)]) -> Route {
+fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize)]) -> Route {
     let map = lattice.map();
     let mut route = Route {
         waypoints: Vec::with_capacity(way.len()),
@@ -242,7 +242,10 @@ fn measured(lattice: &Lattice<'_>, way: &[(usize, usize)]) -> Route {
     let mut before: Option<usize> = None;
     for (cell, heading) in way.iter().copied() {
         match before {
-            Some(last) if last == cell => route.turns += 1,
+            Some(last) if last == cell => {
+                route.turns += 1;
+                route.energy += settings.turn_energy;
+            }
             Some(last) => {
                 route.energy += lattice.energy((last, cell), heading);
                 route.time += lattice.time((last, cell), heading);

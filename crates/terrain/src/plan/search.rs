@@ -144,7 +144,12 @@ pub(super) fn search(
                 ((heading + count - 1) % count, Arrival::TurnFromLeft),
             ] {
                 if lattice.allows(cell, to, task.max_risk) {
-                    reach(state_of(cell, to, 0), cell, here, how);
+                    reach(
+                        state_of(cell, to, 0),
+                        cell,
+                        here + settings.turn_energy,
+                        how,
+                    );
                 }
             }
         }

@@ -24,7 +24,7 @@ use crate::verb_report::Report;
     long_about = "The way of least energy between two places of a map that `grouser map` made, within a bound on the probability \
         of immobilisation anywhere on the way and on the tip-over margin. The robot goes in the map's headings and turns no \
         sharper than its turning radius. The same map and flags give the same way on every machine.\n\nThe bound counts one soil \
-        of uncertain strength for the whole map; patches of other soil are not in it. Turning costs nothing here.",
+        of uncertain strength for the whole map; patches of other soil are not in it. Turning costs --turn-energy-j, nothing unless given.",
     after_help = "Examples:\n  grouser plan map.tif --from 12,8 --to 40,30\n  \
         grouser plan map.tif --from 12,8 --to 40,30 --max-risk 0.01 -o way.csv -o way.svg\n  \
         grouser plan map.tif --from 12,8 --to 40,30 --scenario way.toml --dem dem.tif --robot rover.toml --soil dry-sand"
@@ -48,6 +48,9 @@ pub(crate) struct Arguments {
     /// Speed of the wheels' rims in m/s, for the time
     #[arg(long, value_name = "V", value_parser = parse_finite, default_value = "0.25")]
     speed_m_per_s: f64,
+    /// Energy of a turn by one heading in J, which the map does not know
+    #[arg(long, value_name = "J", value_parser = parse_finite, default_value = "0")]
+    turn_energy_j: f64,
     /// Heading at the start in degrees from x towards y; whichever serves best unless given
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true)]
     start_heading_deg: Option<f64>,
@@ -123,6 +126,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         max_risk: arguments.max_risk,
         min_tip_over_deg: arguments.min_tip_over_deg,
         rim_speed: arguments.speed_m_per_s,
+        turn_energy: arguments.turn_energy_j,
         start_heading: heading(arguments.start_heading_deg),
         goal_heading: heading(arguments.goal_heading_deg),
     };
@@ -184,7 +188,10 @@ fn no_way(object: grouser_report::Object, least: Option<f64>, arguments: &Argume
             "no way keeps the risk within {bound}; the smallest bound that some way keeps is {}\n",
             shown(least)
         ),
-        None => format!("no way leads to the goal, within a risk of {bound} or at any risk\n"),
+        None => format!(
+            "no way leads to the goal, whatever risk is allowed (tip-over margin at least {} deg)\n",
+            shown(arguments.min_tip_over_deg)
+        ),
     };
     Report {
         outcome: Outcome::NoResult,
