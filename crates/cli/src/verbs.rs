@@ -12,12 +12,15 @@ mod help;
 mod identify;
 mod init;
 mod log;
+mod map;
 mod optimize;
 mod paper;
+mod plan;
 mod robot;
 mod slip_model;
 mod soils;
 mod validate;
+mod view;
 mod wheel;
 
 use serde_json::Value;
@@ -37,12 +40,15 @@ pub(crate) enum Verb {
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
     Drive(drive::Arguments),
+    Map(map::Arguments),
+    Plan(plan::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
     Robot(robot::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Log(log::Arguments),
+    View(view::Arguments),
     Init(init::Arguments),
     Help(help::Arguments),
     Completions(completions::Arguments),
@@ -59,12 +65,15 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Drive(arguments) => drive::run(&arguments, session),
+        Verb::Map(arguments) => map::run(&arguments, session),
+        Verb::Plan(arguments) => plan::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
         Verb::Robot(arguments) => robot::run(&arguments, session),
         Verb::Identify(arguments) => identify::run(&arguments, session),
         Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
+        Verb::View(arguments) => view::run(&arguments),
         Verb::Init(arguments) => init::run(&arguments),
         Verb::Help(arguments) => help::run(&arguments, command, &schemas()),
         Verb::Completions(arguments) => completions::run(&arguments, command),
@@ -82,11 +91,14 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("slip-model", slip_model::schema()),
         ("estimate", estimate::schema()),
         ("drive", drive::schema()),
+        ("map", map::schema()),
+        ("plan", plan::schema()),
         ("optimize", optimize::schema()),
         ("paper", paper::schema()),
         ("robot", robot::schema()),
         ("identify", identify::schema()),
         ("validate", validate::schema()),
+        ("view", view::schema()),
         ("init", init::schema()),
     ];
     list.extend(log::schemas());

@@ -1,0 +1,109 @@
+//! `view`: the page, which a program beside this one shows.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+
+use crate::error::{Error, Result};
+use crate::exit::Outcome;
+use crate::verb_report::Report;
+use grouser_report::{Fields, fields};
+
+/// The program that shows the page. It is not part of this one: a web server and WebAssembly are more than
+/// the command needs.
+const PROGRAM: &str = "grouser-view";
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Open the page: a wheel on soil to explore, a run to look at",
+    long_about = "Open the page: a wheel on soil to explore, a run to look at. The page is a local server's \
+        (127.0.0.1, with a random token), or one HTML file that opens without a server. It is shown by the \
+        program `grouser-view`, which `page/build` builds and which is found beside `grouser` or on the path.",
+    after_help = "Examples:\n  grouser view\n  grouser view drive.csv\n  grouser view --export page.html"
+)]
+pub(crate) struct Arguments {
+    /// A run to open: the CSV of `drive -o` or `estimate -o`
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Write the page, with the run in it, as one HTML file instead of serving it
+    #[arg(long, value_name = "F.html")]
+    export: Option<PathBuf>,
+    /// Port to listen on [default: a free one]
+    #[arg(long, value_name = "PORT", conflicts_with = "export")]
+    port: Option<u16>,
+}
+
+/// What was run.
+#[derive(Clone, Copy)]
+struct Ran<'a> {
+    program: &'a Path,
+    arguments: &'a Arguments,
+    status: ExitStatus,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
+    let program = find().ok_or_else(|| {
+        Error::usage(
+            format!("the program `{PROGRAM}`, which shows the page, is not beside `grouser` and not on the path"),
+            format!("build it with `page/build` of the source and put it beside `grouser`; `{PROGRAM} --help` then works"),
+        )
+    })?;
+    let mut command = Command::new(&program);
+    if let Some(path) = &arguments.export {
+        command.arg("--export").arg(path);
+    }
+    if let Some(port) = arguments.port {
+        command.arg("--port").arg(port.to_string());
+    }
+    if let Some(file) = &arguments.file {
+        command.arg("--").arg(file);
+    }
+    // standard output is this program's: its object under --json
+    let status = command
+        .stdout(Stdio::from(std::io::stderr()))
+        .status()
+        .map_err(|reason| Error::file("run", &program, &reason))?;
+    let ran = Ran {
+        program: &program,
+        arguments,
+        status,
+    };
+    let text = match &arguments.export {
+        Some(path) if status.success() => format!("wrote {}\n", path.display()),
+        _ => String::new(),
+    };
+    Ok(Report {
+        outcome: if status.success() {
+            Outcome::Done
+        } else {
+            Outcome::NoResult
+        },
+        failure: (!status.success()).then(|| format!("`{PROGRAM}` ended with {status}")),
+        ..Report::done(fields().object(ran), text)
+    })
+}
+
+/// The program beside this one, or the first of its name on the path.
+fn find() -> Option<PathBuf> {
+    let name = format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX);
+    let own = std::env::current_exe().ok();
+    let beside = own.as_deref().and_then(Path::parent).map(Path::to_path_buf);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    beside
+        .into_iter()
+        .chain(std::env::split_paths(&path))
+        .map(|folder| folder.join(&name))
+        .find(|program| program.is_file())
+}
+
+fn fields<'a>() -> Fields<'a, Ran<'a>> {
+    fields! { |ran: Ran<'a>|
+        "program" "the program that was run" = ran.program.display().to_string();
+        "export" "the file that was written" = ran.arguments.export.as_ref().map(|path| path.display().to_string());
+        "exit_code" "the program's exit code" = ran.status.code().map(i64::from);
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    fields().schema()
+}

@@ -1,0 +1,181 @@
+//! The page as one HTML file: one style and one script, both allowed by their hash, and the modules as data.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+use crate::assets::{self, MODULES};
+use crate::bundle::bundle;
+use crate::error::{Error, Result};
+
+/// A run that is part of the page.
+#[derive(Clone, Debug)]
+pub struct Embedded<'a> {
+    /// The name of its file, which the page shows.
+    pub name: &'a str,
+    /// The file.
+    pub bytes: &'a [u8],
+}
+
+/// The page, with a file in it that it opens.
+///
+/// # Errors
+/// [`Error::Missing`], [`Error::Script`] and [`Error::Circle`] for a page that is not complete: never for what is
+/// embedded.
+pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
+    let script = bundle("main.js", &assets::text)?;
+    let style = assets::text("style.css")?;
+    for (name, text) in [("main.js", script.as_str()), ("style.css", style)] {
+        if text.contains("</script") || text.contains("</style") || text.contains("<!--") {
+            return Err(Error::Script {
+                file: name.to_owned(),
+                line: "a tag that would end the script".to_owned(),
+            });
+        }
+    }
+    let policy = policy(&[
+        (
+            "script-src",
+            &format!("'{}' 'wasm-unsafe-eval'", hash(&script)),
+        ),
+        ("style-src", &format!("'{}'", hash(style))),
+        ("connect-src", "'none'"),
+    ]);
+    let mut data = String::new();
+    for module in MODULES {
+        let name = format!("{module}.wasm.gz");
+        let bytes = assets::find(&name).ok_or(Error::Missing { name })?;
+        data.push_str(&block(&format!("wasm-{module}"), None, bytes));
+    }
+    if let Some(embedded) = embedded {
+        data.push_str(&block("embedded", Some(embedded.name), embedded.bytes));
+    }
+    let html = assets::text("index.html")?;
+    let html = between(
+        html,
+        "<meta http-equiv=\"Content-Security-Policy\"",
+        ">",
+        &format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">"),
+    )?;
+    let html = between(
+        &html,
+        "<link rel=\"stylesheet\"",
+        ">",
+        &format!("<style>{style}</style>"),
+    )?;
+    let html = between(&html, "<script type=\"module\"", "</script>\n", "")?;
+    // after the body: the script finds the page and the data
+    between(
+        &html,
+        "</body>",
+        "</body>",
+        &format!("{data}<script>{script}</script>\n</body>"),
+    )
+}
+
+/// A content security policy that allows these sources beside the page's own data, and nothing else.
+fn policy(allowed: &[(&str, &str)]) -> String {
+    let mut policy = String::from(
+        "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'; object-src 'none'",
+    );
+    for (kind, sources) in allowed {
+        policy.push_str("; ");
+        policy.push_str(kind);
+        policy.push(' ');
+        policy.push_str(sources);
+    }
+    policy
+}
+
+/// The policy of a page from a server, which allows the page's own files.
+#[must_use]
+pub fn server_policy() -> String {
+    let mut policy = policy(&[
+        ("script-src", "'self' 'wasm-unsafe-eval'"),
+        ("style-src", "'self'"),
+        ("connect-src", "'self'"),
+    ]);
+    policy.push_str("; frame-ancestors 'none'");
+    policy
+}
+
+fn hash(text: &str) -> String {
+    format!(
+        "sha256-{}",
+        STANDARD.encode(Sha256::digest(text.as_bytes()))
+    )
+}
+
+/// Bytes as a block that no browser runs.
+fn block(id: &str, name: Option<&str>, bytes: &[u8]) -> String {
+    let name = name.map_or_else(String::new, |name| {
+        format!(" data-name=\"{}\"", escaped(name))
+    });
+    format!(
+        "<script type=\"application/octet-stream\" id=\"{id}\"{name}>{}</script>\n",
+        STANDARD.encode(bytes)
+    )
+}
+
+/// A text as the value of an attribute.
+fn escaped(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_control())
+        .map(|c| match c {
+            '&' => "&amp;".to_owned(),
+            '<' => "&lt;".to_owned(),
+            '>' => "&gt;".to_owned(),
+            '"' => "&quot;".to_owned(),
+            c => c.to_string(),
+        })
+        .collect()
+}
+
+/// `html` with the part from `from` to the next `to` replaced.
+fn between(html: &str, from: &str, to: &str, by: &str) -> Result<String> {
+    let missing = || Error::Missing {
+        name: format!("{from} in index.html"),
+    };
+    let start = html.find(from).ok_or_else(missing)?;
+    let length = html[start..].find(to).ok_or_else(missing)? + to.len();
+    Ok([&html[..start], by, &html[start + length..]].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_needs_nothing_from_elsewhere() {
+        let html = page(None).expect("complete");
+        for needs in [" src=", "rel=\"stylesheet", "\nimport ", "import(", "@import", "url("] {
+            assert!(!html.contains(needs), "{needs}");
+        }
+        assert_eq!(html.matches("<script>").count(), 1);
+        assert!(
+            html.contains("id=\"wasm-explore\">H4sI"),
+            "a gzip file in base64"
+        );
+    }
+
+    #[test]
+    fn the_policy_has_the_hash_of_the_script_that_is_there() {
+        let html = page(None).expect("complete");
+        let script = html.split("<script>").nth(1).expect("a script");
+        let script = script.split("</script>").next().expect("its end");
+        assert!(html.contains(&hash(script)));
+        assert!(!html.contains("unsafe-inline") && !html.contains("'unsafe-eval'"));
+    }
+
+    #[test]
+    fn a_hostile_file_name_stays_a_value() {
+        let name = "\"><img src=x onerror=alert(1)>\0.csv";
+        let html = page(Some(&Embedded {
+            name,
+            bytes: b"<script>",
+        }))
+        .expect("complete");
+        assert!(!html.contains("<img"));
+        assert!(html.contains("data-name=\"&quot;&gt;&lt;img src=x onerror=alert(1)&gt;.csv\""));
+    }
+}

@@ -1,0 +1,52 @@
+//! From a request to its answer.
+
+use serde_json::{Value, json};
+
+use crate::request::{Problem, Request};
+
+/// Answers a request. A request that cannot be answered gives `{"error": {"field", "message"}}`.
+#[must_use]
+pub fn answer(request: &str) -> String {
+    let answered = Request::parse(request).and_then(|request| dispatch(&request));
+    answered
+        .unwrap_or_else(
+            |problem| json!({ "error": { "field": problem.field, "message": problem.message } }),
+        )
+        .to_string()
+}
+
+fn dispatch(request: &Request<'_>) -> Result<Value, Problem> {
+    match request.text("call")? {
+        #[cfg(feature = "explore")]
+        "catalogue" => Ok(crate::catalogue::soils()),
+        #[cfg(feature = "explore")]
+        "wheel" => crate::wheel::solve(request),
+        #[cfg(feature = "explore")]
+        "curve" => crate::curve::solve(request),
+        other => Err(Problem::new(
+            "call",
+            format!("`{other}` is not a call of this module"),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_answered_is_an_error_and_no_panic() {
+        for request in [
+            "",
+            "{}",
+            "[1]",
+            r#"{"call": 3}"#,
+            r#"{"call": "fly"}"#,
+            "nul\0",
+        ] {
+            assert!(answer(request).starts_with(r#"{"error":{"#), "{request}");
+        }
+        let deep = "[".repeat(100_000);
+        assert!(answer(&deep).starts_with(r#"{"error":{"#));
+    }
+}

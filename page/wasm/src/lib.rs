@@ -1,0 +1,24 @@
+//! What the page computes, as one function of text: a request in JSON gives an answer in JSON, with the keys,
+//! units and numbers of the command's `--json`. The browser calls it through four exported functions
+//! ([`abi`]), the server directly.
+//!
+//! ```
+//! let answer = grouser_page_wasm::answer(r#"{"call": "catalogue"}"#);
+//! assert!(answer.starts_with(r#"{"soils":[{"key":"dry-sand","#));
+//! ```
+//!
+//! It does not draw and it keeps no state between two requests.
+
+pub mod abi;
+mod answer;
+#[cfg(feature = "explore")]
+mod catalogue;
+#[cfg(feature = "explore")]
+mod contact;
+#[cfg(feature = "explore")]
+mod curve;
+mod request;
+#[cfg(feature = "explore")]
+mod wheel;
+
+pub use answer::answer;

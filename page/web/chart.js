@@ -1,0 +1,235 @@
+// A line chart in SVG: real text, axes with units, one cursor, values at the cursor.
+
+import { h, svg } from './dom.js';
+import { rangeOf, tickLabels, ticks } from './ticks.js';
+
+const MARGIN = { left: 52, right: 14, top: 10, bottom: 40 };
+
+/**
+ * A chart of its own element. `options`: title, y (name and unit), x (name and unit), height,
+ * `pick(x)` when a place on the axis is clicked or dragged to, `hover(x or null)`.
+ */
+export class Chart {
+  #options;
+  #plot;
+  #data = { series: [], range: [0, 1], marks: [], levels: [], cursor: null };
+  #hover = null;
+  #width = 0;
+  #frame = null;
+  #axes = null;
+  #lines = null;
+
+  constructor(options) {
+    this.#options = { height: 230, ...options };
+    this.values = h('div', { class: 'chart-values' });
+    this.#plot = svg('svg', { class: 'plot', role: 'img' });
+    this.element = h(
+      'section',
+      { class: 'card chart', 'aria-label': options.title },
+      h('header', {}, h('h3', {}, options.title), this.values),
+      this.#plot,
+    );
+    new ResizeObserver(([entry]) => {
+      const width = Math.round(entry.contentRect.width);
+      if (width && width !== this.#width) {
+        this.#width = width;
+        this.#render();
+      }
+    }).observe(this.#plot.parentElement);
+    this.#listen();
+  }
+
+  /** Shows data: series [{x, y, colour, dash, width, name, ghost, band}], range of x, marks, levels, cursor. */
+  show(data) {
+    this.#data = { ...this.#data, ...data };
+    this.#render();
+  }
+
+  /** Shows where another chart is pointed at. */
+  point(x) {
+    this.#hover = x;
+    this.#renderCursor();
+  }
+
+  #listen() {
+    const place = (event) => {
+      const box = this.#plot.getBoundingClientRect();
+      const share = (event.clientX - box.left - MARGIN.left) / (box.width - MARGIN.left - MARGIN.right);
+      const [low, high] = this.#data.range;
+      return low + Math.min(1, Math.max(0, share)) * (high - low);
+    };
+    const { pick, hover } = this.#options;
+    this.#plot.addEventListener('pointermove', (event) => {
+      if (event.buttons & 1 && pick) pick(place(event));
+      hover?.(place(event));
+    });
+    this.#plot.addEventListener('pointerleave', () => hover?.(null));
+    this.#plot.addEventListener('pointerdown', (event) => {
+      if (!pick || event.button !== 0) return;
+      this.#plot.setPointerCapture(event.pointerId);
+      pick(place(event));
+    });
+  }
+
+  #render() {
+    if (!this.#width) return;
+    const { height, zero } = this.#options;
+    const { series, range, levels } = this.#data;
+    const width = this.#width;
+    const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
+    const values = series.flatMap((one) => (one.band ? [...one.y, ...one.band.low, ...one.band.high] : one.y));
+    const [low, high] = this.#options.y.range ?? rangeOf([...values, ...levels.map((level) => level.y)], zero);
+    const px = (value) => MARGIN.left + (inner.width * (value - range[0])) / (range[1] - range[0]);
+    const py = (value) => MARGIN.top + inner.height * (1 - (value - low) / (high - low));
+    this.#frame = { px, py, inner, height };
+
+    const key = [width, ...range, low, high, ...(series.map((one) => one.name))].join(' ');
+    if (key !== this.#axes) {
+      this.#axes = key;
+      this.#renderAxes({ width, height, inner, px, py, low, high });
+    }
+    this.#renderLines({ width, px, py });
+    this.#renderCursor();
+  }
+
+  #renderAxes({ width, height, inner, px, py, low, high }) {
+    const { x, y, title } = this.#options;
+    const { range, series } = this.#data;
+    const across = ticks(range[0], range[1], width < 420 ? 4 : 6);
+    const up = ticks(low, high, 4);
+    const grid = svg('g', { class: 'grid' });
+    const text = svg('g', { class: 'axis-text' });
+    tickLabels(up).forEach((label, i) => {
+      const at = py(up[i]);
+      grid.append(svg('line', { x1: MARGIN.left, x2: width - MARGIN.right, y1: at, y2: at, class: up[i] === 0 ? 'zero' : null }));
+      text.append(svg('text', { x: MARGIN.left - 8, y: at + 4, 'text-anchor': 'end' }, label));
+    });
+    tickLabels(across).forEach((label, i) => {
+      const at = px(across[i]);
+      grid.append(svg('line', { x1: at, x2: at, y1: MARGIN.top, y2: MARGIN.top + inner.height }));
+      text.append(svg('text', { x: at, y: height - 22, 'text-anchor': 'middle' }, label));
+    });
+    text.append(
+      svg('text', { x: MARGIN.left + inner.width / 2, y: height - 4, 'text-anchor': 'middle', class: 'axis-name' }, named(x)),
+      svg('text', { transform: `translate(12 ${MARGIN.top + inner.height / 2}) rotate(-90)`, 'text-anchor': 'middle', class: 'axis-name' }, named(y)),
+    );
+
+    this.#plot.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    this.#plot.setAttribute('height', height);
+    this.#plot.setAttribute('aria-label', `${title} against ${x.name}. ${series.map((one) => one.name).filter(Boolean).join(', ')}`);
+    this.#lines = svg('g', { class: 'lines' });
+    this.#plot.replaceChildren(grid, this.#lines, text, svg('g', { class: 'cursor' }));
+  }
+
+  #renderLines({ width, px, py }) {
+    const { series, range, marks, levels } = this.#data;
+    const lines = document.createDocumentFragment();
+    for (const one of series) {
+      if (one.band) {
+        lines.append(svg('path', { d: bandPath(one.x, one.band, px, py), fill: one.colour, class: 'band' }));
+      }
+    }
+    for (const level of levels) {
+      lines.append(svg('line', { x1: MARGIN.left, x2: width - MARGIN.right, y1: py(level.y), y2: py(level.y), class: 'level' }));
+      lines.append(svg('text', { x: width - MARGIN.right - 4, y: py(level.y) - 5, 'text-anchor': 'end', class: 'level-text' }, level.name));
+    }
+    for (const one of series) {
+      if (one.points) {
+        for (let i = 0; i < one.x.length; i += 1) {
+          if (one.y[i] === null || one.x[i] < range[0] || one.x[i] > range[1]) continue;
+          lines.append(svg('circle', { cx: px(one.x[i]), cy: py(one.y[i]), r: 3, class: 'measured' }));
+        }
+        continue;
+      }
+      lines.append(svg('path', {
+        d: linePath(one.x, one.y, px, py), class: one.ghost ? 'line ghost' : 'line',
+        stroke: one.colour, 'stroke-dasharray': one.dash, 'stroke-width': one.width ?? 2,
+      }));
+    }
+    for (const mark of marks) {
+      if (mark.x < range[0] || mark.x > range[1]) continue;
+      lines.append(svg('circle', { cx: px(mark.x), cy: py(mark.y), r: 4, class: 'mark', stroke: mark.colour }, svg('title', {}, mark.name)));
+    }
+    this.#lines.replaceChildren(lines);
+  }
+
+  #renderCursor() {
+    const group = this.#plot.querySelector('.cursor');
+    if (!group || !this.#frame) return;
+    const { px, py, inner } = this.#frame;
+    const { series, range, cursor } = this.#data;
+    const parts = [];
+    const line = (x, name) => svg('line', { x1: px(x), x2: px(x), y1: MARGIN.top, y2: MARGIN.top + inner.height, class: name });
+    if (cursor !== null && cursor >= range[0] && cursor <= range[1]) parts.push(line(cursor, 'cursor-line'));
+    if (this.#hover !== null) parts.push(line(this.#hover, 'hover-line'));
+    const at = this.#hover ?? cursor;
+    const { unit } = this.#options.y;
+    const shownValues = [];
+    for (const one of series) {
+      if (one.points) continue;
+      const value = at === null ? null : valueAt(one.x, one.y, at);
+      if (value !== null && at >= range[0] && at <= range[1]) {
+        parts.push(svg('circle', { cx: px(at), cy: py(value), r: one.ghost ? 3 : 4, fill: one.colour, class: one.ghost ? 'dot ghost' : 'dot' }));
+      }
+      shownValues.push(this.#options.value?.(one, value, unit) ?? null);
+    }
+    group.replaceChildren(...parts);
+    const written = shownValues.filter(Boolean);
+    this.values.replaceChildren(...written, ...(written.length && unit ? [h('span', { class: 'unit' }, unit)] : []));
+  }
+}
+
+function named({ name, unit }) {
+  return unit ? `${name} (${unit})` : name;
+}
+
+/** The path of a line; a gap where a value is missing. */
+export function linePath(x, y, px, py) {
+  let d = '';
+  let pen = false;
+  for (let i = 0; i < x.length; i += 1) {
+    if (y[i] === null || !Number.isFinite(y[i])) {
+      pen = false;
+      continue;
+    }
+    d += `${pen ? 'L' : 'M'}${px(x[i]).toFixed(1)} ${py(y[i]).toFixed(1)}`;
+    pen = true;
+  }
+  return d;
+}
+
+function bandPath(x, { low, high }, px, py) {
+  let d = '';
+  let start = null;
+  const close = (end) => {
+    for (let k = end - 1; k >= start; k -= 1) d += `L${px(x[k]).toFixed(1)} ${py(low[k]).toFixed(1)}`;
+    d += 'Z';
+    start = null;
+  };
+  for (let i = 0; i < x.length; i += 1) {
+    if (low[i] === null || high[i] === null) {
+      if (start !== null) close(i);
+      continue;
+    }
+    d += `${start === null ? 'M' : 'L'}${px(x[i]).toFixed(1)} ${py(high[i]).toFixed(1)}`;
+    if (start === null) start = i;
+  }
+  if (start !== null) close(x.length);
+  return d;
+}
+
+/** The value at `at` between two points; null where a neighbour is missing. */
+export function valueAt(x, y, at) {
+  let low = 0;
+  let high = x.length - 1;
+  if (high < 0 || at < x[0] || at > x[high]) return null;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (x[middle] <= at) low = middle;
+    else high = middle;
+  }
+  if (at === x[low]) return y[low] ?? null;
+  if (at === x[high]) return y[high] ?? null;
+  if (y[low] === null || y[high] === null || y[low] === undefined || y[high] === undefined) return null;
+  return y[low] + ((y[high] - y[low]) * (at - x[low])) / (x[high] - x[low]);
+}

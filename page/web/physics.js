@@ -1,0 +1,83 @@
+// What computes: one interface with two implementations, this module in the page or the server.
+//
+// `ask(request)` takes an object with `call` and gives the answer's object; both have the keys and units of the
+// command's `--json`. An answer that is an error is thrown as a `Refusal`.
+
+/** Why a request has no answer. */
+export class Refusal extends Error {
+  constructor({ field, message }) {
+    super(message);
+    this.field = field;
+  }
+}
+
+function checked(text) {
+  const answer = JSON.parse(text);
+  if (answer.error) throw new Refusal(answer.error);
+  return answer;
+}
+
+/** The crates compiled to WebAssembly. */
+export class WasmPhysics {
+  #exports;
+  #encoder = new TextEncoder();
+  #decoder = new TextDecoder();
+
+  constructor(instance) {
+    this.#exports = instance.exports;
+  }
+
+  /** Compiles a module of the page. */
+  static async load(name) {
+    const bytes = await moduleBytes(name);
+    const { instance } = await WebAssembly.instantiate(bytes, {});
+    return new WasmPhysics(instance);
+  }
+
+  /** The answer at once. */
+  askNow(request) {
+    const { grouser_room, grouser_answer, grouser_release, memory } = this.#exports;
+    const bytes = this.#encoder.encode(typeof request === 'string' ? request : JSON.stringify(request));
+    const room = grouser_room(bytes.length);
+    new Uint8Array(memory.buffer, room, bytes.length).set(bytes);
+    const packed = grouser_answer(room, bytes.length);
+    const address = Number(packed >> 32n);
+    const length = Number(packed & 0xffffffffn);
+    const text = this.#decoder.decode(new Uint8Array(memory.buffer, address, length));
+    grouser_release(address, length);
+    return checked(text);
+  }
+
+  async ask(request) {
+    return this.askNow(request);
+  }
+}
+
+/** The same crates in the server that the page came from. */
+export class ServerPhysics {
+  async ask(request) {
+    const response = await fetch('api/answer', {
+      method: 'POST',
+      headers: { 'content-type': 'application/json' },
+      body: JSON.stringify(request),
+    });
+    if (!response.ok) throw new Refusal({ field: null, message: `the server answers ${response.status}` });
+    return checked(await response.text());
+  }
+}
+
+/** The bytes of a module: out of this file, or from beside it. */
+async function moduleBytes(name) {
+  const inside = document.getElementById(`wasm-${name}`);
+  const packed = inside
+    ? Uint8Array.from(atob(inside.textContent.trim()), (c) => c.charCodeAt(0))
+    : await fetched(`${name}.wasm.gz`);
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Response(stream).arrayBuffer();
+}
+
+async function fetched(path) {
+  const response = await fetch(path);
+  if (!response.ok) throw new Error(`${path}: ${response.status}`);
+  return response.arrayBuffer();
+}
