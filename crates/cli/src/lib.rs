@@ -13,6 +13,7 @@ pub use grouser_report as report;
 pub use grouser_rover as rover;
 pub use grouser_slip as slip;
 pub use grouser_terra as terra;
+pub use grouser_terrain as terrain;
 
 // The command: it computes nothing about wheels itself. A verb is a folder or a file in `verbs/`: its arguments (clap), and a
 // function that runs it in a session and returns a report. What verbs share is in the other modules.

@@ -93,6 +93,23 @@ impl From<grouser_rover::Error> for Error {
     }
 }
 
+impl From<grouser_terrain::Error> for Error {
+    fn from(error: grouser_terrain::Error) -> Self {
+        use grouser_terrain::Error as Terrain;
+        let hint = error.hint();
+        match error {
+            Terrain::OwnFile(error) => error.into(),
+            Terrain::Rover(error) => error.into(),
+            Terrain::File {
+                action,
+                file,
+                source,
+            } => Self::file(action, &file, &source),
+            error => Self::new(Kind::Content, error.to_string(), hint),
+        }
+    }
+}
+
 impl From<grouser_design::Error> for Error {
     fn from(error: grouser_design::Error) -> Self {
         match error {

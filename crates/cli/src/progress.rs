@@ -18,6 +18,13 @@ impl Progress {
         Self::new(total, template)
     }
 
+    /// Of a job of `total` items, such as strips.
+    pub(crate) fn of_items(total: u64, items: &str) -> Self {
+        let template =
+            format!("{{wide_bar}} {{percent:>3}} %  {{pos}}/{{len}} {items}  {{eta}} left");
+        Self::new(Some(total), &template)
+    }
+
     /// Of `jobs` simulated drives that last `seconds` together: how much of them is driven, and how fast.
     pub(crate) fn of_drives(seconds: f64, jobs: usize) -> Self {
         let drives = if jobs == 1 { "drive" } else { "drives" };

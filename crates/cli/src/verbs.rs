@@ -12,8 +12,10 @@ mod help;
 mod identify;
 mod init;
 mod log;
+mod map;
 mod optimize;
 mod paper;
+mod plan;
 mod robot;
 mod slip_model;
 mod soils;
@@ -38,6 +40,8 @@ pub(crate) enum Verb {
     SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
     Drive(drive::Arguments),
+    Map(map::Arguments),
+    Plan(plan::Arguments),
     Optimize(optimize::Arguments),
     Paper(paper::Arguments),
     Robot(robot::Arguments),
@@ -61,6 +65,8 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Drive(arguments) => drive::run(&arguments, session),
+        Verb::Map(arguments) => map::run(&arguments, session),
+        Verb::Plan(arguments) => plan::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
         Verb::Robot(arguments) => robot::run(&arguments, session),
@@ -85,6 +91,8 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("slip-model", slip_model::schema()),
         ("estimate", estimate::schema()),
         ("drive", drive::schema()),
+        ("map", map::schema()),
+        ("plan", plan::schema()),
         ("optimize", optimize::schema()),
         ("paper", paper::schema()),
         ("robot", robot::schema()),

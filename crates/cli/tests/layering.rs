@@ -38,6 +38,10 @@ const FLOORS: &[(&str, &[&str])] = &[
         &["grouser-terra", "grouser-slip", "grouser-files"],
     ),
     (
+        "grouser-terrain",
+        &["grouser-terra", "grouser-files", "grouser-rover"],
+    ),
+    (
         "grouser-identify",
         &[
             "grouser-real",
@@ -86,6 +90,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-identify",
             "grouser-campaign",
             "grouser-rover",
+            "grouser-terrain",
         ],
     ),
 ];

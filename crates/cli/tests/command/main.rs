@@ -11,3 +11,4 @@ mod interrupted;
 mod program;
 mod schemas;
 mod stance;
+mod terrain;

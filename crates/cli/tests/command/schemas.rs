@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::program::{Folder, grouser, line};
 
 /// Each verb with an example; `OUT` is a folder.
-const EXAMPLES: [(&str, &str); 16] = [
+const EXAMPLES: [(&str, &str); 19] = [
     ("soils", "soils"),
     (
         "wheel",
@@ -42,6 +42,18 @@ const EXAMPLES: [(&str, &str); 16] = [
     (
         "optimize",
         "optimize examples/problems/pull-against-torque.toml",
+    ),
+    (
+        "map",
+        "map examples/terrain/dunes.asc --robot examples/robots/skid-steer.toml --soil sandy-loam --headings 4 -o OUT/map.tif",
+    ),
+    (
+        "plan",
+        "plan OUT/map.tif --from 3,3 --to 20,9 -o OUT/way.csv -o OUT/way.svg",
+    ),
+    (
+        "plan",
+        "plan OUT/map.tif --from 3,3 --to 20,9 --min-tip-over-deg 80",
     ),
     ("robot", "robot examples/robots/five-wheel.urdf"),
     ("identify", "identify examples/bevameter/tests.toml"),

@@ -4,6 +4,7 @@
 //! height of their own.
 
 mod ascii;
+mod georeference;
 mod geotiff;
 mod picture;
 
@@ -12,6 +13,9 @@ use std::io::{Cursor, Read as _};
 use std::path::PathBuf;
 
 use grouser_files::regular;
+
+pub use georeference::Georeference;
+pub use geotiff::{GeoTiff, PiecePlace};
 
 use super::height_map::{CELL_LIMITS_M, HeightMap, MAX_CELLS};
 use crate::error::{Error, Result};
@@ -39,6 +43,10 @@ pub struct HeightFile {
 /// [`Error::Terrain`] for what the file lacks, lies about, or has too much of; [`Error::File`] for a path that is
 /// no regular file or cannot be read.
 pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
+    parse_heights(&read_bytes(file)?, file)
+}
+
+fn read_bytes(file: &HeightFile) -> Result<Vec<u8>> {
     let opened = regular::open(&file.path)?;
     let mut bytes = Vec::new();
     opened
@@ -48,7 +56,7 @@ pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
             file: file.path.clone(),
             source,
         })?;
-    parse_heights(&bytes, file)
+    Ok(bytes)
 }
 
 /// The height map in the bytes of a file.
@@ -90,11 +98,30 @@ fn raster(bytes: &[u8], file: &HeightFile) -> Result<Raster, TerrainFault> {
     }
 }
 
+/// Reads a height map as the file has it.
+///
+/// # Errors
+/// As [`read_heights`].
+pub fn read_raster(file: &HeightFile) -> Result<Raster> {
+    let bytes = read_bytes(file)?;
+    raster(&bytes, file).map_err(|fault| Error::Terrain {
+        file: file.path.clone(),
+        fault,
+    })
+}
+
 /// Heights as a file has them: rows from the upper edge down, NaN where it knows none.
-struct Raster {
-    columns: usize,
-    heights: Vec<f32>,
-    cell: f64,
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Raster {
+    /// Cells of a row.
+    pub columns: usize,
+    /// Row by row, m.
+    pub heights: Vec<f32>,
+    /// Size of a cell, m.
+    pub cell: f64,
+    /// The outer corner of the upper left cell, m; `None` where the file does not say it here.
+    pub upper_left: Option<[f64; 2]>,
 }
 
 impl Raster {

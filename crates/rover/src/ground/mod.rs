@@ -5,7 +5,9 @@ mod height_map;
 mod noise;
 mod shape;
 
-pub use file::{HeightFile, parse_heights, read_heights};
+pub use file::{
+    GeoTiff, Georeference, HeightFile, PiecePlace, Raster, parse_heights, read_heights, read_raster,
+};
 pub use height_map::HeightMap;
 pub use noise::Noise;
 pub use shape::{Rocks, Shape};

@@ -10,6 +10,8 @@ struct Header {
     rows: Option<f64>,
     cell: Option<f64>,
     corner: [f64; 2],
+    /// Is the corner the centre of the lowest left cell, not its outer corner?
+    is_centre: [bool; 2],
     /// What stands for no height.
     nothing: f64,
 }
@@ -65,7 +67,23 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFau
         columns: usize::try_from(columns).unwrap_or(usize::MAX),
         heights,
         cell,
+        upper_left: Some(header.upper_left(rows, cell)),
     })
+}
+
+impl Header {
+    /// The outer corner of the upper left cell.
+    fn upper_left(&self, rows: u64, cell: f64) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|axis: usize| {
+            self.corner[axis]
+                - if self.is_centre[axis] {
+                    0.5 * cell
+                } else {
+                    0.0
+                }
+        });
+        [x, y + rows as f64 * cell]
+    }
 }
 
 /// Takes pairs of name and number, up to the first number that has no name.
@@ -75,6 +93,7 @@ fn header<'a>(words: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<Hea
         rows: None,
         cell: None,
         corner: [0.0; 2],
+        is_centre: [false; 2],
         nothing: -9999.0,
     };
     loop {
@@ -101,6 +120,11 @@ fn header<'a>(words: &mut (impl Iterator<Item = &'a str> + Clone)) -> Result<Hea
             row: 0,
             column: 0,
         })?;
+        match key.to_ascii_lowercase().as_str() {
+            "xllcenter" => header.is_centre[0] = true,
+            "yllcenter" => header.is_centre[1] = true,
+            _ => {}
+        }
         *words = ahead;
     }
 }

@@ -1,4 +1,4 @@
-//! GeoTIFF of one band.
+//! GeoTIFF, read piece by piece.
 //!
 //! Source: the OGC GeoTIFF standard 1.1 for keys and tags; GDAL's documentation for no-data and missing tiles.
 
@@ -9,15 +9,10 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use super::georeference::Georeference;
 use super::{Raster, check_size};
-use crate::terrain_fault::{NoCell, TerrainFault};
+use crate::terrain_fault::TerrainFault;
 
-/// GeoTIFF's keys: the model type with its values, and the units of coordinates and of heights.
-const MODEL_TYPE_KEY: u32 = 1024;
-const PROJECTED: u32 = 1;
-const GEOGRAPHIC: u32 = 2;
-const LINEAR_UNITS_KEY: u32 = 3076;
-const VERTICAL_UNITS_KEY: u32 = 4099;
 /// EPSG's code of the metre.
 const METRE: u32 = 9001;
 /// Greatest number of cells of one tile or strip.
@@ -27,49 +22,228 @@ const WANTED: &str = "one band of whole numbers up to 32 bits or of floats of 32
 
 type Fault<T> = Result<T, TerrainFault>;
 
-/// One band of whole numbers or floats. The cell comes from the file's own scale where its coordinates are
+/// One band of whole numbers or floats, as a whole. The cell comes from the file's own scale where its coordinates are
 /// metres; geographic ones (degrees), or none at all, ask for `cell_m`.
 pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Fault<Raster> {
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = 1 << 28;
-    limits.ifd_value_size = 1 << 24;
-    limits.intermediate_buffer_size = 1 << 26;
-    let mut decoder = Decoder::new(Cursor::new(bytes))
-        .map_err(TerrainFault::damaged)?
-        .with_limits(limits);
-    let (columns, rows) = decoder.dimensions().map_err(TerrainFault::damaged)?;
+    let mut file = GeoTiff::open(Cursor::new(bytes), bytes.len() as u64)?;
+    let (columns, rows) = file.size();
     check_size(u64::from(columns), u64::from(rows))?;
-    check_samples(&mut decoder)?;
-    let keys = keys(&mut decoder);
-    if let Some(code) = value_of(&keys, VERTICAL_UNITS_KEY).filter(|code| *code != METRE) {
-        return Err(TerrainFault::HeightUnit { code });
+    if file.bands() != 1 {
+        return Err(TerrainFault::Samples {
+            found: format!("{} bands", file.bands()),
+            wanted: WANTED,
+        });
     }
     let cell = match cell {
         Some(cell) => cell,
-        None => own_cell(&mut decoder, &keys)?,
+        None => file.georeference().cell()?,
     };
-    let nothing = decoder
-        .get_tag_ascii_string(Tag::GdalNodata)
-        .ok()
-        .and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    let heights = heights(&mut decoder, (columns, rows), bytes.len() as u64, nothing)?;
+    let mut heights = vec![f32::NAN; columns as usize * rows as usize];
+    for index in 0..file.pieces() {
+        let place = file.place(index);
+        let mut into = (0..place.cells()).map(|i| {
+            let (row, column) = (i / place.wide as usize, i % place.wide as usize);
+            (place.top as usize + row) * columns as usize + place.left as usize + column
+        });
+        file.read_piece(index, |height| {
+            if let Some(slot) = into.next().and_then(|place| heights.get_mut(place)) {
+                *slot = height;
+            }
+        })?;
+    }
     Ok(Raster {
         columns: columns as usize,
         heights,
         cell,
+        upper_left: None,
     })
 }
 
-/// One band, black lowest.
-fn check_samples<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Fault<()> {
-    let color = decoder.colortype().map_err(TerrainFault::damaged)?;
-    if !matches!(color, ColorType::Gray(8 | 16 | 32 | 64)) {
-        let found = format!("{color:?}");
-        return Err(TerrainFault::Samples {
-            found,
-            wanted: WANTED,
-        });
+/// A GeoTIFF whose cells are read one piece (tile or strip) at a time, so that memory does not grow with the file.
+///
+/// ```
+/// use std::io::Cursor;
+/// use grouser_rover::ground::GeoTiff;
+///
+/// // no TIFF: refused before anything is allocated
+/// assert!(GeoTiff::open(Cursor::new(b"no TIFF".to_vec()), 7).is_err());
+/// ```
+pub struct GeoTiff<R: BufRead + Seek> {
+    decoder: Decoder<R>,
+    size: (u32, u32),
+    bands: u16,
+    nothing: Option<f64>,
+    georeference: Georeference,
+    cut: Cut,
+}
+
+/// Where a piece lies in the image: cells, the part within the image only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PiecePlace {
+    /// First column.
+    pub left: u32,
+    /// First row from the upper edge.
+    pub top: u32,
+    /// Columns.
+    pub wide: u32,
+    /// Rows.
+    pub high: u32,
+}
+
+impl PiecePlace {
+    /// Number of its cells.
+    #[must_use]
+    pub const fn cells(&self) -> usize {
+        self.wide as usize * self.high as usize
     }
+}
+
+impl<R: BufRead + Seek> GeoTiff<R> {
+    /// Opens a file of `length` bytes: every tag that reading depends on is checked, no cell is decoded.
+    ///
+    /// # Errors
+    /// What the file lacks or lies about. Its size alone is no error: nothing of that size is allocated.
+    pub fn open(reader: R, length: u64) -> Fault<Self> {
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = 1 << 28;
+        limits.ifd_value_size = 1 << 24;
+        limits.intermediate_buffer_size = 1 << 26;
+        let mut decoder = Decoder::new(reader)
+            .map_err(TerrainFault::damaged)?
+            .with_limits(limits);
+        let size = decoder.dimensions().map_err(TerrainFault::damaged)?;
+        let bands = check_samples(&mut decoder)?;
+        let georeference = Georeference::of(&mut decoder);
+        if let Some(code) = georeference.height_unit().filter(|code| *code != METRE) {
+            return Err(TerrainFault::HeightUnit { code });
+        }
+        let nothing = decoder
+            .get_tag_ascii_string(Tag::GdalNodata)
+            .ok()
+            .and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+        let cut = cut(&mut decoder, size)?;
+        check_places(&mut decoder, &cut, (size.1, bands), length)?;
+        Ok(Self {
+            decoder,
+            size,
+            bands,
+            nothing,
+            georeference,
+            cut,
+        })
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub const fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Numbers a cell.
+    #[must_use]
+    pub const fn bands(&self) -> u16 {
+        self.bands
+    }
+
+    /// Where the image lies on the ground.
+    #[must_use]
+    pub const fn georeference(&self) -> &Georeference {
+        &self.georeference
+    }
+
+    /// A text tag, such as GDAL's metadata (42112).
+    #[must_use]
+    pub fn text(&mut self, tag: u16) -> Option<String> {
+        self.decoder
+            .get_tag_ascii_string(Tag::from_u16_exhaustive(tag))
+            .ok()
+            .map(|text| text.trim_end_matches('\0').to_owned())
+    }
+
+    /// Number of pieces, in rows from the upper left one.
+    #[must_use]
+    pub fn pieces(&self) -> u32 {
+        u32::try_from(self.cut.offsets.len()).unwrap_or(u32::MAX)
+    }
+
+    /// Pieces side by side.
+    #[must_use]
+    pub const fn pieces_across(&self) -> u32 {
+        self.cut.across
+    }
+
+    /// Rows of a piece, but for the lowest ones.
+    #[must_use]
+    pub const fn piece_height(&self) -> u32 {
+        self.cut.height
+    }
+
+    /// Where a piece lies.
+    #[must_use]
+    pub fn place(&self, index: u32) -> PiecePlace {
+        let cut = &self.cut;
+        let left = (index % cut.across).saturating_mul(cut.width);
+        let top = (index / cut.across).saturating_mul(cut.height);
+        PiecePlace {
+            left,
+            top,
+            wide: cut.width.min(self.size.0.saturating_sub(left)),
+            high: cut.height.min(self.size.1.saturating_sub(top)),
+        }
+    }
+
+    /// Gives all numbers of a piece to `take`, row by row and for each cell band by band: NaN for no data, and for a
+    /// piece that the file leaves out.
+    ///
+    /// # Errors
+    /// A piece that is damaged or has another size than the file says.
+    pub fn read_piece(&mut self, index: u32, mut take: impl FnMut(f32)) -> Fault<()> {
+        let place = self.place(index);
+        let expected = (place.cells() * usize::from(self.bands)) as u64;
+        let bytes = self.cut.bytes.get(index as usize).copied();
+        if bytes.unwrap_or(0) == 0 {
+            (0..expected).for_each(|_| take(f32::NAN));
+            return Ok(());
+        }
+        let piece = self
+            .decoder
+            .read_chunk(index)
+            .map_err(TerrainFault::damaged)?;
+        let mut found = 0_u64;
+        each(piece, self.nothing, |height| {
+            found += 1;
+            if found <= expected {
+                take(height);
+            }
+        })?;
+        if found != expected {
+            return Err(TerrainFault::Count {
+                field: "cells in a piece",
+                found,
+                expected,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Bands of one kind, black lowest; gives their number.
+fn check_samples<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Fault<u16> {
+    let color = decoder.colortype().map_err(TerrainFault::damaged)?;
+    let bands = match color {
+        ColorType::Gray(8 | 16 | 32 | 64) => 1,
+        ColorType::Multiband {
+            bit_depth: 32,
+            num_samples,
+        } if tag(decoder, Tag::PlanarConfiguration)?.unwrap_or(1) == 1 => num_samples,
+        _ => {
+            let found = format!("{color:?}");
+            return Err(TerrainFault::Samples {
+                found,
+                wanted: WANTED,
+            });
+        }
+    };
     // white lowest: the decoder would turn the heights upside down
     if tag(decoder, Tag::PhotometricInterpretation)? == Some(0) {
         return Err(TerrainFault::Samples {
@@ -77,7 +251,7 @@ fn check_samples<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Fault<()> {
             wanted: "black to white",
         });
     }
-    Ok(())
+    Ok(bands)
 }
 
 /// How the image is cut.
@@ -155,12 +329,15 @@ fn cut<R: BufRead + Seek>(decoder: &mut Decoder<R>, (columns, rows): (u32, u32))
 fn check_places<R: BufRead + Seek>(
     decoder: &mut Decoder<R>,
     cut: &Cut,
-    rows: u32,
+    (rows, bands): (u32, u16),
     length: u64,
 ) -> Fault<()> {
     let plain = tag(decoder, Tag::Compression)?.unwrap_or(1) == 1;
-    let bits = tag(decoder, Tag::BitsPerSample)?.unwrap_or(1);
-    let row = (u64::from(cut.width) * u64::from(bits)).div_ceil(8);
+    let bits = decoder
+        .colortype()
+        .map_err(TerrainFault::damaged)?
+        .bit_depth();
+    let row = (u64::from(cut.width) * u64::from(bits) * u64::from(bands)).div_ceil(8);
     for (index, (offset, bytes)) in (0_u32..).zip(cut.offsets.iter().zip(&cut.bytes)) {
         if *bytes == 0 {
             continue;
@@ -190,50 +367,6 @@ fn check_places<R: BufRead + Seek>(
         }
     }
     Ok(())
-}
-
-/// All cells, piece by piece: besides the heights no more than one piece is held.
-fn heights<R: BufRead + Seek>(
-    decoder: &mut Decoder<R>,
-    (columns, rows): (u32, u32),
-    length: u64,
-    nothing: Option<f64>,
-) -> Fault<Vec<f32>> {
-    let cut = cut(decoder, (columns, rows))?;
-    check_places(decoder, &cut, rows, length)?;
-    let mut heights = vec![f32::NAN; columns as usize * rows as usize];
-    for (index, bytes) in (0_u32..).zip(&cut.bytes) {
-        if *bytes == 0 {
-            continue;
-        }
-        let piece = decoder.read_chunk(index).map_err(TerrainFault::damaged)?;
-        let (left, top) = (
-            index % cut.across * cut.width,
-            index / cut.across * cut.height,
-        );
-        let wide = cut.width.min(columns - left) as usize;
-        let high = cut.height.min(rows - top) as usize;
-        let mut into = (0..wide * high).map(|i| {
-            let (row, column) = (i / wide, i % wide);
-            (top as usize + row) * columns as usize + left as usize + column
-        });
-        let expected = (wide * high) as u64;
-        let mut found = 0_u64;
-        each(piece, nothing, |height| {
-            if let Some(slot) = into.next().and_then(|place| heights.get_mut(place)) {
-                *slot = height;
-            }
-            found += 1;
-        })?;
-        if found != expected {
-            return Err(TerrainFault::Count {
-                field: "cells in a piece",
-                found,
-                expected,
-            });
-        }
-    }
-    Ok(heights)
 }
 
 /// Gives every cell as a height, NaN for no data.
@@ -283,50 +416,4 @@ fn tag<R: BufRead + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Fault<Option<u3
     decoder
         .find_tag_unsigned(tag)
         .map_err(TerrainFault::damaged)
-}
-
-/// Keys and values of the coordinate system that are whole numbers.
-fn keys<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Vec<[u32; 2]> {
-    let directory = decoder
-        .get_tag_u32_vec(Tag::GeoKeyDirectoryTag)
-        .unwrap_or_default();
-    let entries = directory.chunks_exact(4).skip(1);
-    entries
-        .filter(|entry| entry[1] == 0)
-        .map(|entry| [entry[0], entry[3]])
-        .collect()
-}
-
-fn value_of(keys: &[[u32; 2]], wanted: u32) -> Option<u32> {
-    let found = keys.iter().find(|[key, _]| *key == wanted);
-    found.map(|[_, value]| *value)
-}
-
-fn own_cell<R: BufRead + Seek>(decoder: &mut Decoder<R>, keys: &[[u32; 2]]) -> Fault<f64> {
-    let none = |why| Err(TerrainFault::NoCell { why });
-    match value_of(keys, MODEL_TYPE_KEY) {
-        Some(PROJECTED) => {}
-        Some(GEOGRAPHIC) => return none(NoCell::Degrees),
-        _ => return none(NoCell::NoSystem),
-    }
-    if let Some(code) = value_of(keys, LINEAR_UNITS_KEY).filter(|code| *code != METRE) {
-        return none(NoCell::Unit { code });
-    }
-    let scale = decoder.get_tag_f64_vec(Tag::ModelPixelScaleTag);
-    let [width, height] = match scale.as_deref() {
-        Ok([width, height, ..]) => [*width, *height],
-        _ => match decoder
-            .get_tag_f64_vec(Tag::ModelTransformationTag)
-            .as_deref()
-        {
-            // rows of a 4 x 4 matrix from column and row to x and y
-            Ok([a, b, _, _, d, e, ..]) if *b == 0.0 && *d == 0.0 => [a.abs(), e.abs()],
-            Ok([_, _, _, _, _, _, ..]) => return none(NoCell::Turned),
-            _ => return none(NoCell::NoScale),
-        },
-    };
-    if !((width - height).abs() <= 1e-9 * width.abs()) {
-        return none(NoCell::NotSquare { width, height });
-    }
-    Ok(width)
 }

@@ -76,5 +76,6 @@ pub(super) fn read(
         columns: columns as usize,
         heights,
         cell,
+        upper_left: None,
     })
 }

@@ -1,0 +1,184 @@
+//! `map`: what every cell of an elevation model asks of a robot.
+
+mod costmap;
+mod object;
+mod outputs;
+pub(super) mod picture;
+mod soils;
+pub(super) mod summary;
+mod work;
+
+use std::path::PathBuf;
+
+use grouser_report::number::parse_finite;
+use grouser_rover::robot::RobotModel;
+use grouser_terrain::raster::Dem;
+use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings};
+
+use crate::error::Result;
+use crate::exit::Outcome;
+use crate::session::Session;
+use crate::soil_choice::SoilArguments;
+use crate::verb_report::Report;
+use crate::wheel_choice::parse_gravity;
+
+use outputs::Outputs;
+use work::Shard;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "Slip, energy and risk of a robot on every cell of an elevation model",
+    long_about = "Slip, sinkage, energy per metre, tip-over margin and the probability of immobilisation of a robot on every \
+        cell of an elevation model, for 8 or 16 headings, as a GeoTIFF with the model's own place and coordinate system.\n\n\
+        The exact solver fills a table over pitch and roll, whose error between the nodes is checked and reported. Without \
+        --soil-intervals the soil is taken for exactly known, and every probability is 0 or 1. An interrupted job goes on \
+        where it ended when the same command runs again.",
+    after_help = "Examples:\n  grouser map dem.tif --robot rover.toml --soil dry-sand -o map.tif -o map.svg\n  \
+        grouser map dem.tif --robot rover.toml --soil sand.toml --soil-intervals intervals.toml -o map.tif -o costmap.yaml\n  \
+        grouser map dem.tif --robot rover.toml --soil lunar --gravity-m-per-s2 moon --shard 1/4 -o map.tif"
+)]
+pub(crate) struct Arguments {
+    /// The elevation model: GeoTIFF in metres, ESRI ASCII grid (.asc) or picture (.png)
+    #[arg(value_name = "DEM")]
+    dem: PathBuf,
+    /// A robot file with masses and widths
+    #[arg(long, value_name = "FILE.toml")]
+    robot: PathBuf,
+    #[command(flatten)]
+    soil: SoilArguments,
+    /// 95 % intervals of the soil's numbers: soils are drawn from them
+    #[arg(long, value_name = "FILE.toml")]
+    soil_intervals: Option<PathBuf>,
+    /// Soils that are drawn from the intervals
+    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u16).range(1..=4096), requires = "soil_intervals")]
+    soil_draws: u16,
+    /// Seed of the soil draws
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "1",
+        requires = "soil_intervals"
+    )]
+    seed: u64,
+    /// Directions: 4, 8 or 16
+    #[arg(long, value_name = "N", default_value = "8")]
+    headings: u8,
+    /// Greatest pitch that is computed, in degrees; steeper cells are `steep`
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "30")]
+    max_pitch_deg: f64,
+    /// Greatest roll that is computed, in degrees
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "25")]
+    max_roll_deg: f64,
+    /// Size of a cell in m, where the file does not give it
+    #[arg(long, value_name = "M", value_parser = parse_finite)]
+    cell_m: Option<f64>,
+    /// Height of a grey level of a picture in m
+    #[arg(long, value_name = "M", value_parser = parse_finite, default_value = "0.001")]
+    height_step_m: f64,
+    /// Gravity in m/s², or earth, moon or mars
+    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
+    gravity_m_per_s2: f64,
+    /// Compute only part I of N of the map, into a file beside the output
+    #[arg(long, value_name = "I/N", value_parser = work::parse_shard)]
+    shard: Option<Shard>,
+    /// Join the parts of N shards
+    #[arg(long, value_name = "N", conflicts_with = "shard", value_parser = clap::value_parser!(u16).range(1..=9999))]
+    join: Option<u16>,
+    /// The map (.tif; needed), a figure (.svg, .png), a Nav2 costmap (.yaml with a .pgm beside it); may be given several times
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = Outputs::begin(&arguments.output, arguments.shard)?;
+    let headings = Headings::new(arguments.headings)?;
+    let chosen = arguments.soil.choose(session)?;
+    session.used_file(&arguments.robot)?;
+    let model = RobotModel::read(&arguments.robot)?.under_gravity(arguments.gravity_m_per_s2);
+    let mut dem = Dem::open(&arguments.dem, arguments.cell_m, arguments.height_step_m)?;
+    session.used_file(&arguments.dem)?;
+    let [max_pitch, max_roll] =
+        [arguments.max_pitch_deg, arguments.max_roll_deg].map(f64::to_radians);
+    let envelope = Envelope::within(&model, max_pitch, max_roll)?;
+    let mut warnings: Vec<String> = dem
+        .cautions()
+        .iter()
+        .map(|caution| caution.text().to_owned())
+        .collect();
+    if envelope.max_pitch < max_pitch {
+        warnings.push(format!(
+            "a wheel loses the ground within the asked pitch and roll: the map ends at {:.1}° and {:.1}°",
+            envelope.max_pitch.to_degrees(),
+            envelope.max_roll.to_degrees()
+        ));
+    }
+    let drawn = soils::draws(arguments, &chosen.soil, session)?;
+    let job = work::job(arguments, session, &chosen.soil, &drawn, &envelope);
+    let layout = MapLayout::of(&dem, &model, headings, drawn.len(), &job);
+    let (soil, draws) = soils::tables(&model, &chosen.soil, &drawn, envelope)?;
+    let maker = MapMaker::new(
+        MapSettings::new(headings, envelope),
+        soil,
+        draws,
+        layout.cell,
+    );
+    let made = work::Job {
+        maker: &maker,
+        layout: &layout,
+        outputs: &outputs,
+        shard: arguments.shard,
+        join: arguments.join,
+    }
+    .run(&mut dem)?;
+    let Some(journals) = made.journals else {
+        let text = format!(
+            "shard {} of {}: {} strips in {}\n",
+            made.shard.index,
+            made.shard.of,
+            made.computed + made.resumed,
+            crate::error::shown(&outputs.journal())
+        );
+        let part = made.part(&outputs);
+        return Ok(Report {
+            warnings,
+            ..Report::done(object::part().object(&part), text)
+        });
+    };
+    let (summary, written) = outputs.write(&layout, journals, dem.georeference())?;
+    let result = object::Mapped {
+        layout: &layout,
+        summary: &summary,
+        maker: &maker,
+        envelope,
+        soil: &chosen.name,
+        gravity: arguments.gravity_m_per_s2,
+        resumed: made.resumed,
+    };
+    if result.error().slip > grouser_terrain::SLIP_BOUND {
+        warnings.push(format!(
+            "the table differs from the exact solver by up to {:.1e} in slip, more than {:.0e}",
+            result.error().slip,
+            grouser_terrain::SLIP_BOUND
+        ));
+    }
+    let is_empty = summary.known == 0;
+    Ok(Report {
+        outcome: if is_empty {
+            Outcome::NoResult
+        } else if result.error().slip > grouser_terrain::SLIP_BOUND {
+            Outcome::Doubtful
+        } else {
+            Outcome::Done
+        },
+        object: object::fields().object(&result),
+        text: format!("{}{written}", result.text()),
+        is_aside: false,
+        failure: is_empty.then(|| "the height of no cell and its surroundings is known".to_owned()),
+        warnings,
+    })
+}
+
+/// The JSON schema: of a map, or of a shard.
+pub(crate) fn schema() -> serde_json::Value {
+    serde_json::json!({"anyOf": [object::fields().schema(), object::part().schema()]})
+}

@@ -1,0 +1,119 @@
+//! A map's result, as a list of fields.
+
+use grouser_report::number::shown;
+use grouser_report::{Fields, fields};
+use grouser_terrain::{Envelope, MapLayout, MapMaker, State, TableError};
+
+use super::summary::Summary;
+use super::work::Part;
+
+/// What is known of a map.
+pub(super) struct Mapped<'a> {
+    pub(super) layout: &'a MapLayout,
+    pub(super) summary: &'a Summary,
+    pub(super) maker: &'a MapMaker,
+    pub(super) envelope: Envelope,
+    pub(super) soil: &'a str,
+    pub(super) gravity: f64,
+    pub(super) resumed: u32,
+}
+
+impl Mapped<'_> {
+    pub(super) fn error(&self) -> TableError {
+        self.maker.table_error()
+    }
+
+    fn share(&self, state: State) -> Option<f64> {
+        let poses = self.summary.poses();
+        (poses > 0).then(|| self.summary.states[state as usize] as f64 / poses as f64)
+    }
+
+    fn mean(&self, sum: f64, count: u64) -> Option<f64> {
+        (count > 0 && sum.is_finite()).then(|| sum / count as f64)
+    }
+
+    /// What people read.
+    pub(super) fn text(&self) -> String {
+        let summary = self.summary;
+        let certainty = if self.layout.draws == 0 {
+            "the soil is taken for exactly known: probabilities are 0 or 1".to_owned()
+        } else {
+            format!("{} soils drawn from its intervals", self.layout.draws)
+        };
+        let percent = |part: u64| match self.mean(part as f64, summary.known) {
+            Some(share) => format!("{} %", shown(100.0 * share)),
+            None => "none".to_owned(),
+        };
+        format!(
+            "{} x {} cells of {} m, {} headings; {} under {} m/s², {certainty}\n\
+             every heading can be driven on {} of the known cells, none on {}\n{}",
+            self.layout.columns,
+            self.layout.rows,
+            shown(self.layout.cell),
+            self.layout.headings.count(),
+            self.soil,
+            shown(self.gravity),
+            percent(summary.open),
+            percent(summary.closed),
+            fields().lines(self)
+        )
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
+    fields! { |map: &'a Mapped<'a>|
+        "columns" "cells across" = map.layout.columns;
+        "rows" "cells down" = map.layout.rows;
+        "cell_m" "size of a cell" = map.layout.cell;
+        "headings" "headings" = map.layout.headings.count();
+        "soil" "soil" = map.soil;
+        "gravity_m_per_s2" "gravity" = map.gravity;
+        "soil_draws" "soils drawn from the intervals; 0: the soil is taken for exactly known" = map.layout.draws;
+        "turning_radius_m" "least turning radius of the robot" .shown("m") = map.layout.turning_radius;
+        "max_pitch_deg" "greatest pitch that was computed" .shown("deg") = map.envelope.max_pitch.to_degrees();
+        "max_roll_deg" "greatest roll that was computed" .shown("deg") = map.envelope.max_roll.to_degrees();
+        "known_cells" "cells whose ground is known" .shown("") = map.summary.known;
+        "open_cells" "known cells that every heading can drive" = map.summary.open;
+        "closed_cells" "known cells that no heading can drive" = map.summary.closed;
+        "drives" "share of cells and headings: read from the table" .shown("%") = map.share(State::Drives);
+        "marginal" "near a limit, solved exactly" .shown("%").digits(2) = map.share(State::Marginal);
+        "immobilised" "no slip gives the pull" .shown("%") = map.share(State::Immobilised);
+        "slides" "slides downhill" .shown("%") = map.share(State::Slides);
+        "steep" "steeper than was computed" .shown("%") = map.share(State::Steep);
+        "slip_median" "median slip where it drives" .shown("").decimals(3) = map.summary.slip_quantile(0.5);
+        "slip_95" "95 % quantile of the slip" .shown("").decimals(3) = map.summary.slip_quantile(0.95);
+        "energy_mean_j_per_m" "mean energy where it drives" .shown("J/m") =
+            map.mean(map.summary.energy_sum, map.summary.driving());
+        "energy_max_j_per_m" "greatest energy" .shown("J/m") =
+            (map.summary.driving() > 0).then_some(map.summary.energy_max);
+        "sinkage_max_m" "greatest sinkage" .shown("mm") =
+            (map.summary.driving() > 0).then_some(map.summary.sinkage_max);
+        "tip_over_min_deg" "least tip-over margin" .shown("deg") =
+            (map.summary.driving() > 0).then_some(map.summary.tip_over_min);
+        "immobilisation_mean" "mean probability of immobilisation, at most" .shown("%") =
+            map.mean(map.summary.risk_sum, map.summary.poses());
+        "steepest_deg" "slope that is climbed straight on" .shown("deg") = map.maker.steepest()[0].to_degrees();
+        "steepest_weakest_draw_deg" "on the weakest soil draw" .shown("deg") = map.maker.steepest()[1].to_degrees();
+        "steepest_strongest_draw_deg" "on the strongest soil draw" .shown("deg") =
+            map.maker.steepest()[2].to_degrees();
+        "slip_error" "table against exact solver: slip" .shown("").digits(2) = map.error().slip;
+        "limit_error_deg" "the slope at which it stops" .shown("deg").digits(2) = map.error().limit.to_degrees();
+        "energy_error" "energy" .shown("%").digits(2) = map.error().energy;
+        "sinkage_error_m" "sinkage" .shown("mm").digits(2) = map.error().sinkage;
+        "tip_over_error_deg" "tip-over margin" .shown("deg").digits(2) = map.maker.tip_over_error().to_degrees();
+        "error_checks" "places where table and solver were compared" = map.error().checks;
+        "resumed_strips" "strips that an earlier run had computed" = map.resumed;
+        "strips" "strips" = map.layout.strips();
+        "job_sha256" "SHA-256 of all that the map was computed from" = map.layout.job.as_str();
+    }
+}
+
+/// A shard's result.
+pub(super) fn part<'a>() -> Fields<'a, &'a Part> {
+    fields! { |part: &'a Part|
+        "shard" "part" = u32::from(part.shard.index);
+        "shards" "parts" = u32::from(part.shard.of);
+        "strips" "strips of this part" = part.strips;
+        "file" "the file of this part" = part.file.as_str();
+    }
+}

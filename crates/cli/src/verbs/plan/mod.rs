@@ -1,0 +1,209 @@
+//! `plan`: the way of least energy over a map, within a bound on the risk.
+
+mod figure;
+mod object;
+mod scenario;
+mod table;
+
+use std::path::PathBuf;
+
+use grouser_report::number::{parse_finite, shown};
+use grouser_terrain::Headings;
+use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
+
+use crate::error::{Error, Result, shown as shown_path};
+use crate::exit::Outcome;
+use crate::figure_file::ending;
+use crate::output::OutputFile;
+use crate::session::Session;
+use crate::verb_report::Report;
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "The way of least energy over a slip map, within a bound on the risk",
+    long_about = "The way of least energy between two places of a map that `grouser map` made, within a bound on the probability \
+        of immobilisation anywhere on the way and on the tip-over margin. The robot goes in the map's headings and turns no \
+        sharper than its turning radius. The same map and flags give the same way on every machine.\n\nThe bound counts one soil \
+        of uncertain strength for the whole map; patches of other soil are not in it. Turning costs --turn-energy-j, nothing unless given.",
+    after_help = "Examples:\n  grouser plan map.tif --from 12,8 --to 40,30\n  \
+        grouser plan map.tif --from 12,8 --to 40,30 --max-risk 0.01 -o way.csv -o way.svg\n  \
+        grouser plan map.tif --from 12,8 --to 40,30 --scenario way.toml --dem dem.tif --robot rover.toml --soil dry-sand"
+)]
+pub(crate) struct Arguments {
+    /// The map (.tif)
+    #[arg(value_name = "MAP")]
+    map: PathBuf,
+    /// Start in the map's coordinates, m
+    #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true)]
+    from: (f64, f64),
+    /// Goal in the map's coordinates, m
+    #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true)]
+    to: (f64, f64),
+    /// Bound on the probability to be immobilised anywhere on the way
+    #[arg(long, value_name = "P", value_parser = parse_finite, default_value = "0.05")]
+    max_risk: f64,
+    /// Least tip-over margin, in degrees
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "10")]
+    min_tip_over_deg: f64,
+    /// Speed of the wheels' rims in m/s, for the time
+    #[arg(long, value_name = "V", value_parser = parse_finite, default_value = "0.25")]
+    speed_m_per_s: f64,
+    /// Energy of a turn by one heading in J, which the map does not know
+    #[arg(long, value_name = "J", value_parser = parse_finite, default_value = "0")]
+    turn_energy_j: f64,
+    /// Heading at the start in degrees from x towards y; whichever serves best unless given
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true)]
+    start_heading_deg: Option<f64>,
+    /// Heading at the goal in degrees
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true)]
+    goal_heading_deg: Option<f64>,
+    /// Other ways that are looked for
+    #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u8).range(0..=20))]
+    alternatives: u8,
+    /// Write a scenario that `grouser drive` follows; with --dem, --robot and --soil
+    #[arg(long, value_name = "FILE.toml", requires_all = ["dem", "robot", "soil"])]
+    scenario: Option<PathBuf>,
+    /// The elevation model of the map, for the scenario
+    #[arg(long, value_name = "DEM", requires = "scenario")]
+    dem: Option<PathBuf>,
+    /// The robot file, for the scenario
+    #[arg(long, value_name = "FILE.toml", requires = "scenario")]
+    robot: Option<PathBuf>,
+    /// The soil's key in the catalogue, for the scenario
+    #[arg(long, value_name = "KEY", requires = "scenario")]
+    soil: Option<String>,
+    /// Write the way as a table (.csv) or a figure (.svg); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+/// `12.5,-3`
+fn parse_place(text: &str) -> std::result::Result<(f64, f64), String> {
+    let place = text
+        .split_once(',')
+        .map(|(x, y)| Ok::<_, String>((parse_finite(x.trim())?, parse_finite(y.trim())?)));
+    place.unwrap_or_else(|| Err("two numbers are needed, such as 12.5,-3".to_owned()))
+}
+
+/// The map's heading nearest to an angle.
+fn nearest(headings: Headings, angle_deg: f64) -> usize {
+    let off = |heading: usize| {
+        let difference = (headings.angle(heading).to_degrees() - angle_deg).rem_euclid(360.0);
+        difference.min(360.0 - difference)
+    };
+    (0..headings.count())
+        .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .unwrap_or(0)
+}
+
+/// Begins the output files; which of them are tables.
+fn begin(paths: &[PathBuf]) -> Result<Vec<(OutputFile, bool)>> {
+    paths
+        .iter()
+        .map(|path| match ending(path).as_deref() {
+            Some("csv") => Ok((OutputFile::create(path)?, true)),
+            Some("svg") => Ok((OutputFile::create(path)?, false)),
+            _ => Err(Error::usage(
+                format!("{} does not end in `.csv` or `.svg`", shown_path(path)),
+                "the ending of the output's name chooses its format",
+            )),
+        })
+        .collect()
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = begin(&arguments.output)?;
+    let scenario = arguments
+        .scenario
+        .as_deref()
+        .map(OutputFile::create)
+        .transpose()?;
+    let map = PlanMap::read(&arguments.map)?;
+    session.used_file(&arguments.map)?;
+    let headings = map.layout.headings;
+    let heading = |angle: Option<f64>| angle.map(|angle| nearest(headings, angle));
+    let settings = PlanSettings {
+        max_risk: arguments.max_risk,
+        min_tip_over_deg: arguments.min_tip_over_deg,
+        rim_speed: arguments.speed_m_per_s,
+        turn_energy: arguments.turn_energy_j,
+        start_heading: heading(arguments.start_heading_deg),
+        goal_heading: heading(arguments.goal_heading_deg),
+    };
+    let from = map.cell_at("the start", arguments.from)?;
+    let to = map.cell_at("the goal", arguments.to)?;
+    let found = plan(&map, (from, to), &settings, arguments.alternatives.into())?;
+    let planned = object::Planned {
+        map: &map,
+        plan: &found,
+        max_risk: arguments.max_risk,
+    };
+    let object = object::fields().object(&planned);
+    let (route, alternatives) = match &found {
+        Plan::Found {
+            route,
+            alternatives,
+        } => (route, alternatives),
+        Plan::NoWay { least_risk } => return Ok(no_way(object, *least_risk, arguments)),
+        _ => return Err(Error::usage_without_hint("a plan of another kind")),
+    };
+    let mut text = planned.text(route, alternatives);
+    for (file, is_table) in outputs {
+        let content = if is_table {
+            table::csv(&map, route)
+        } else {
+            figure::draw(&map, route, alternatives)?
+        };
+        text.push_str(&file.write_whole(content.as_bytes())?);
+    }
+    if let (Some(file), Some(dem), Some(robot), Some(soil)) =
+        (scenario, &arguments.dem, &arguments.robot, &arguments.soil)
+    {
+        let names = scenario::Names {
+            beside: file.path().parent(),
+            dem,
+            robot,
+            soil,
+        };
+        let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s);
+        text.push_str(&file.write_whole(content.as_bytes())?);
+    }
+    let mut warnings = Vec::new();
+    if map.layout.draws == 0 {
+        warnings.push(
+            "the map takes its soil for exactly known: its risks are 0 or 1, and the bound says nothing about the soil"
+                .to_owned(),
+        );
+    }
+    Ok(Report {
+        warnings,
+        ..Report::done(object, text)
+    })
+}
+
+fn no_way(object: grouser_report::Object, least: Option<f64>, arguments: &Arguments) -> Report {
+    let bound = shown(arguments.max_risk);
+    let text = match least {
+        Some(least) => format!(
+            "no way keeps the risk within {bound}; the smallest bound that some way keeps is {}\n",
+            shown(least)
+        ),
+        None => format!(
+            "no way leads to the goal, whatever risk is allowed (tip-over margin at least {} deg)\n",
+            shown(arguments.min_tip_over_deg)
+        ),
+    };
+    Report {
+        outcome: Outcome::NoResult,
+        object,
+        failure: Some(text.trim_end().to_owned()),
+        text: String::new(),
+        is_aside: false,
+        warnings: Vec::new(),
+    }
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
+}

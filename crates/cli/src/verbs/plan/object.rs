@@ -1,0 +1,154 @@
+//! A plan, as a list of fields.
+
+use grouser_report::number::shown;
+use grouser_report::{Fields, Table, fields};
+use grouser_terrain::plan::{Plan, PlanMap, Route, Waypoint};
+
+/// A plan on its map.
+pub(super) struct Planned<'a> {
+    pub(super) map: &'a PlanMap,
+    pub(super) plan: &'a Plan,
+    pub(super) max_risk: f64,
+}
+
+/// A way on its map.
+#[derive(Clone, Copy)]
+pub(super) struct Way<'a> {
+    map: &'a PlanMap,
+    route: &'a Route,
+}
+
+/// A place on its map.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    map: &'a PlanMap,
+    point: Waypoint,
+}
+
+impl<'a> Planned<'a> {
+    fn way(&self, route: &'a Route) -> Way<'a> {
+        Way {
+            map: self.map,
+            route,
+        }
+    }
+
+    fn route(&self) -> Option<&'a Route> {
+        match self.plan {
+            Plan::Found { route, .. } => Some(route),
+            _ => None,
+        }
+    }
+
+    fn others(&self) -> &'a [Route] {
+        match self.plan {
+            Plan::Found { alternatives, .. } => alternatives,
+            _ => &[],
+        }
+    }
+
+    fn least_risk(&self) -> Option<f64> {
+        match self.plan {
+            Plan::NoWay { least_risk } => *least_risk,
+            _ => None,
+        }
+    }
+
+    fn deciding(&self) -> Vec<(&'static str, Place<'a>)> {
+        let map = self.map;
+        let route = self.route();
+        let places = route.into_iter().flat_map(|route| route.deciding(map));
+        places
+            .map(|(what, point)| (what, Place { map, point }))
+            .collect()
+    }
+
+    /// What people read.
+    pub(super) fn text(&self, route: &Route, alternatives: &[Route]) -> String {
+        let mut out = format!(
+            "{} J over {} m in {} s; probability to be immobilised at most {}; {} turns\n",
+            shown(route.energy),
+            shown(route.length),
+            shown(route.time),
+            shown(route.risk),
+            route.turns
+        );
+        let mut table = Table::new()
+            .text("what decides")
+            .number("x, m")
+            .number("y, m")
+            .number("slip")
+            .number("risk");
+        for (what, Place { point, .. }) in self.deciding() {
+            table.row([
+                what.to_owned(),
+                shown(point.x),
+                shown(point.y),
+                shown(point.slip),
+                shown(point.risk),
+            ]);
+        }
+        out.push_str(&table.render());
+        for (index, other) in alternatives.iter().enumerate() {
+            out.push_str(&format!(
+                "another way {}: {} J over {} m in {} s, risk at most {}\n",
+                index + 1,
+                shown(other.energy),
+                shown(other.length),
+                shown(other.time),
+                shown(other.risk)
+            ));
+        }
+        out
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, &'a Planned<'a>> {
+    fields! { |plan: &'a Planned<'a>|
+        "status" "how planning ended" = if plan.route().is_some() { "found" } else { "no-way" };
+        "max_risk" "bound on the probability to be immobilised" = plan.max_risk;
+        "least_risk" "the smallest bound that some way keeps, where none keeps the one given" = plan.least_risk();
+        "soil_draws" "soil draws behind the probabilities; 0: the soil is taken for exactly known" =
+            plan.map.layout.draws;
+        "turning_radius_m" "least turning radius of the robot" = plan.map.layout.turning_radius;
+        "route" "the way of least energy" group(way()) = plan.route().map(|route| plan.way(route));
+        "deciding" "the places that decide" maybe_named(place()) =
+            plan.route().map(|_| plan.deciding());
+        "alternatives" "other ways, by energy" rows(costs()) =
+            plan.others().iter().map(|route| plan.way(route)).collect::<Vec<_>>();
+        "map_job_sha256" "SHA-256 of all that the map was computed from" = plan.map.layout.job.as_str();
+    }
+}
+
+fn costs<'a>() -> Fields<'a, Way<'a>> {
+    fields! { |way: Way<'a>|
+        "energy_j" "energy" = way.route.energy;
+        "time_s" "time" = way.route.time;
+        "length_m" "length along the ground" = way.route.length;
+        "risk" "probability to be immobilised anywhere on it, at most" = way.route.risk;
+        "tip_over_deg" "least tip-over margin" = way.route.tip_over_deg;
+        "turns" "turns by one heading" = way.route.turns;
+    }
+}
+
+fn way<'a>() -> Fields<'a, Way<'a>> {
+    fields! { |way: Way<'a>|
+        join(costs()) = way;
+        "waypoints" "its cells" rows(place()) = way.route.waypoints.iter().map(
+            |point| Place { map: way.map, point: *point }
+        ).collect::<Vec<_>>();
+    }
+}
+
+fn place<'a>() -> Fields<'a, Place<'a>> {
+    fields! { |place: Place<'a>|
+        "x_m" "x" = place.point.x;
+        "y_m" "y" = place.point.y;
+        "heading_deg" "heading" = place.map.layout.headings.angle(place.point.heading).to_degrees();
+        "slip" "slip" = place.point.slip;
+        "risk" "probability of immobilisation, at most" = place.point.risk;
+        "energy_j" "energy since the start" = place.point.energy;
+        "time_s" "time since the start" = place.point.time;
+        "length_m" "length since the start" = place.point.length;
+    }
+}

@@ -1,0 +1,232 @@
+//! `map` and `plan`: files, shards, jobs that are killed, and input that is refused.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::process::Stdio;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::program::{Folder, Said, grouser, start};
+
+fn example(name: &str) -> String {
+    format!("{}/../../examples/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Relief of 120 by 700 cells: several strips.
+fn relief(folder: &Folder) -> String {
+    let mut text = String::from("ncols 120\nnrows 700\nxllcorner 0\nyllcorner 0\ncellsize 1\n");
+    for row in 0..700 {
+        for column in 0..120 {
+            let (x, y) = (f64::from(column), f64::from(row));
+            let _ = write!(
+                text,
+                "{:.3} ",
+                0.5 * (x / 7.0).sin() + 0.4 * (y / 9.0).cos()
+            );
+        }
+        text.push('\n');
+    }
+    let path = folder.path("relief.asc");
+    fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+fn arguments(dem: &str, output: &str, more: &[&str]) -> Vec<String> {
+    let robot = example("robots/skid-steer.toml");
+    let fixed = [
+        "map",
+        dem,
+        "--robot",
+        &robot,
+        "--soil",
+        "sandy-loam",
+        "--headings",
+        "4",
+        "-o",
+        output,
+    ];
+    fixed
+        .iter()
+        .chain(more)
+        .map(|word| (*word).to_owned())
+        .collect()
+}
+
+fn map(dem: &str, output: &str, more: &[&str]) -> Said {
+    grouser(arguments(dem, output, more))
+}
+
+#[test]
+fn shards_and_a_killed_job_have_the_bytes_of_one_run() {
+    let folder = Folder::new();
+    let dem = relief(&folder);
+    let path = |name: &str| folder.path(name).display().to_string();
+    map(&dem, &path("whole.tif"), &[]).assert_done();
+    let whole = fs::read(folder.path("whole.tif")).unwrap();
+
+    for shard in ["1/3", "2/3", "3/3"] {
+        map(&dem, &path("joined.tif"), &["--shard", shard]).assert_done();
+    }
+    assert!(!folder.path("joined.tif").exists());
+    map(&dem, &path("joined.tif"), &["--join", "3"]).assert_done();
+    assert!(fs::read(folder.path("joined.tif")).unwrap() == whole);
+    // a shard that is missing
+    map(&dem, &path("joined.tif"), &["--join", "4"]).assert_refused("a missing shard");
+    // a shard of other settings
+    map(
+        &dem,
+        &path("other.tif"),
+        &["--shard", "1/1", "--max-roll-deg", "20"],
+    )
+    .assert_done();
+    map(&dem, &path("other.tif"), &["--join", "1"]).assert_refused("another job's shard");
+
+    let mut child = start(arguments(&dem, &path("killed.tif"), &[]), Stdio::null());
+    let begun = Instant::now();
+    let journal = folder.path("killed.tif.strips");
+    // at least one strip behind the header of 72 bytes
+    while fs::metadata(&journal).map_or(0, |found| found.len()) < 100 {
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "no strip was ever stored"
+        );
+        thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let resumed = map(&dem, &path("killed.tif"), &["--json"])
+        .assert_done()
+        .json();
+    assert!(fs::read(folder.path("killed.tif")).unwrap() == whole);
+    // where the kill came before the end, the stored strips were not computed again
+    assert!(
+        resumed["resumed_strips"].as_u64() > Some(0) || begun.elapsed() > Duration::from_secs(1)
+    );
+    assert!(!journal.exists());
+}
+
+#[test]
+fn a_planned_way_is_a_scenario_that_drives() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    let dem = example("terrain/dunes.asc");
+    let robot = example("robots/skid-steer.toml");
+    map(
+        &dem,
+        &path("map.tif"),
+        &[
+            "-o",
+            &path("cost.yaml"),
+            "-o",
+            &path("map.svg"),
+            "-o",
+            &path("map.png"),
+        ],
+    )
+    .assert_done();
+    let pgm = fs::read(folder.path("cost.pgm")).unwrap();
+    assert!(pgm.starts_with(b"P5\n48 36\n255\n") && pgm.len() == 13 + 48 * 36);
+    // the hole in the relief, and what cannot be known beside it
+    assert_eq!(pgm[13 + 5 * 48 + 40], 255);
+    let way = grouser([
+        "plan",
+        &path("map.tif"),
+        "--from",
+        "3,3",
+        "--to",
+        "9,9",
+        "--turn-energy-j",
+        "20",
+        "--json",
+        "--scenario",
+        &path("way.toml"),
+        "--dem",
+        &dem,
+        "--robot",
+        &robot,
+        "--soil",
+        "sandy-loam",
+    ])
+    .assert_done()
+    .json();
+    assert_eq!(way["status"], "found");
+    assert!(way["route"]["energy_j"].as_f64().unwrap() > 0.0);
+    let drive = grouser(["drive", &path("way.toml"), "--json"]);
+    drive.assert_sane("the planned way");
+    assert!(matches!(drive.code, Some(0 | 3)), "{drive:?}");
+}
+
+#[test]
+fn no_way_is_no_result_and_bad_places_are_refused() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    let dem = example("terrain/dunes.asc");
+    map(&dem, &path("map.tif"), &[]).assert_done();
+    let plan = |words: &str| {
+        let map = path("map.tif");
+        let fixed = ["plan", map.as_str()];
+        grouser(fixed.into_iter().chain(words.split_whitespace()))
+    };
+    let none = plan("--from 3,3 --to 44,20 --min-tip-over-deg 70 --json");
+    assert_eq!(none.code, Some(1), "{none:?}");
+    assert_eq!(none.json()["status"], "no-way");
+    for (words, what) in [
+        ("--from 3,3 --to 44,200", "a goal off the map"),
+        ("--from 40.5,30.5 --to 44,20", "a start on unknown ground"),
+        ("--from 3 --to 44,20", "a place of one number"),
+        ("--from 3,nan --to 44,20", "a place that is no number"),
+        ("--from 3,3 --to 44,20 --max-risk 2", "a risk beyond 1"),
+        ("--from 3,3 --to 44,20 -o way.docx", "an unknown ending"),
+    ] {
+        plan(words).assert_refused(what);
+    }
+    let not_a_map = grouser(["plan", dem.as_str(), "--from", "1,1", "--to", "2,2"]);
+    not_a_map.assert_refused("an elevation model in place of a map");
+}
+
+#[test]
+fn bad_terrain_and_flags_are_refused() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    let arc = path("arc.asc");
+    fs::write(
+        &arc,
+        "ncols 2\nnrows 2\nxllcorner 11.5\nyllcorner 48.1\ncellsize 0.000277777778\n1 2\n3 4\n",
+    )
+    .unwrap();
+    let said = map(&arc, &path("map.tif"), &[]);
+    said.assert_refused("degrees");
+    assert!(said.err.contains("degrees"), "{said:?}");
+    let dem = example("terrain/dunes.asc");
+    for (more, what) in [
+        (&["--headings", "7"] as &[&str], "7 headings"),
+        (&["--max-pitch-deg", "80"], "a pitch beyond the limits"),
+        (&["--shard", "3/2"], "part 3 of 2"),
+        (&["--soil-draws", "8"], "draws without intervals"),
+        (&["-o", "map.docx"], "an unknown ending"),
+        (&["-o", "second.tif"], "two maps"),
+        (&["--cell-m", "nan"], "a cell that is no number"),
+        (
+            &["--soil-intervals", "no-such.toml"],
+            "a file that does not exist",
+        ),
+    ] {
+        map(&dem, &path("map.tif"), more).assert_refused(what);
+    }
+    fs::write(
+        folder.path("wrong.toml"),
+        "format = 1\nsource = \"x\"\nphi_deg = { low = 40.0, high = 45.0 }\n",
+    )
+    .unwrap();
+    map(
+        &dem,
+        &path("map.tif"),
+        &["--soil-intervals", &path("wrong.toml")],
+    )
+    .assert_refused("an interval beside the soil's own number");
+    assert!(!folder.path("map.tif").exists());
+    // nothing known at all
+    fs::write(folder.path("empty.asc"), "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n-9999 -9999 -9999\n-9999 -9999 -9999\n-9999 -9999 -9999\n").unwrap();
+    let empty = map(&path("empty.asc"), &path("empty.tif"), &[]);
+    assert_eq!(empty.code, Some(1), "{empty:?}");
+}

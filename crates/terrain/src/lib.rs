@@ -1,0 +1,26 @@
+//! Slip maps of real terrain and routes over them: what a robot's wheels need on every cell of an elevation model, and the
+//! way of least energy within a bound on the risk to be immobilised.
+//!
+//! The primary types are [`SlipTable`] (what a robot needs on a soil, over pitch and roll), [`MapMaker`] (the same over
+//! an elevation model) and [`plan::PlanMap`] (a map on which [`plan::plan`] finds ways). The crate does not drive, estimate or learn: the soil is given, with intervals where they are
+//! known.
+#![forbid(unsafe_code)]
+
+mod demand;
+mod error;
+mod headings;
+mod map;
+pub mod plan;
+mod pose;
+pub mod raster;
+mod root;
+mod soil_draws;
+mod table;
+
+pub use demand::{Demand, DemandSolver, Driving, MAX_SLIP};
+pub use error::{Error, Result};
+pub use headings::Headings;
+pub use map::{Band, Journal, MapLayout, MapMaker, MapSettings, Quantity, State, Strip, write_map};
+pub use pose::SurfacePose;
+pub use soil_draws::SoilIntervals;
+pub use table::{Envelope, SLIP_BOUND, SlipTable, TableError};

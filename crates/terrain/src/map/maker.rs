@@ -1,0 +1,217 @@
+//! The cells of a map.
+
+use std::ops::Range;
+
+use super::bands::{Band, Quantity, State};
+use super::layout::MapSettings;
+use super::tip_over::TipOverTable;
+use crate::demand::{Demand, DemandSolver, Driving};
+use crate::error::Result;
+use crate::headings::Headings;
+use crate::pose::{Footprint, SurfacePose};
+use crate::raster::Window;
+use crate::table::{Lookup, SlipTable, TableError};
+
+/// Share of the soil draws that [`Quantity::SlipHigh`] covers.
+const HIGH_SHARE: f64 = 0.95;
+
+/// One soil: exact solver and table.
+type SoilTable = (DemandSolver, SlipTable);
+
+/// Computes the cells of a map.
+#[derive(Clone, Debug)]
+pub struct MapMaker {
+    headings: Headings,
+    settings: MapSettings,
+    soil: SoilTable,
+    /// The strongest first.
+    draws: Vec<SoilTable>,
+    footprints: Vec<Footprint>,
+    tip_over: TipOverTable,
+}
+
+impl MapMaker {
+    /// A map's maker, for cells of `cell` (m): the soil itself, and the soils drawn from its intervals, which it orders by the
+    /// slope that they let the robot climb.
+    #[must_use]
+    pub fn new(
+        settings: MapSettings,
+        soil: SoilTable,
+        mut draws: Vec<SoilTable>,
+        cell: f64,
+    ) -> Self {
+        draws.sort_by(|a, b| b.1.steepest().total_cmp(&a.1.steepest()));
+        let headings = settings.headings;
+        let model = soil.0.model();
+        Self {
+            headings,
+            settings,
+            footprints: Footprint::all(model, headings, cell),
+            tip_over: TipOverTable::new(model, settings.envelope),
+            soil,
+            draws,
+        }
+    }
+
+    /// Rows above and below a cell that its numbers depend on.
+    #[must_use]
+    pub fn reach(&self) -> u32 {
+        let reach = self.footprints.iter().map(Footprint::reach).max();
+        reach
+            .and_then(|reach| u32::try_from(reach).ok())
+            .unwrap_or(0)
+    }
+
+    /// How well the tables agree with the exact solver, the worst of all soils.
+    #[must_use]
+    pub fn table_error(&self) -> TableError {
+        let tables = std::iter::once(&self.soil).chain(&self.draws);
+        tables
+            .map(|(_, table)| *table.error())
+            .fold(TableError::default(), TableError::worst)
+    }
+
+    /// How well the tip-over margins agree with the exact ones, rad.
+    #[must_use]
+    pub fn tip_over_error(&self) -> f64 {
+        self.tip_over.error
+    }
+
+    /// The slopes that the robot climbs straight on: on the soil itself, on the weakest and on the strongest draw, rad.
+    #[must_use]
+    pub fn steepest(&self) -> [f64; 3] {
+        let own = self.soil.1.steepest();
+        let of = |draw: Option<&SoilTable>| draw.map_or(own, |(_, table)| table.steepest());
+        [own, of(self.draws.last()), of(self.draws.first())]
+    }
+
+    /// All bands of the cells of `rows`, row by row, for each cell band by band.
+    ///
+    /// # Errors
+    /// As [`DemandSolver::demand`].
+    pub fn rows(&self, window: &Window<'_>, rows: Range<u32>) -> Result<Vec<f32>> {
+        let bands = Band::count(self.headings);
+        let columns = window.columns() as usize;
+        let mut out = vec![f32::NAN; rows.len() * columns * bands];
+        let mut slips = Vec::with_capacity(self.draws.len());
+        let cells = rows.flat_map(|row| {
+            (0..window.columns()).map(move |column| (i64::from(row), i64::from(column)))
+        });
+        for ((row, column), cell) in cells.zip(out.chunks_exact_mut(bands)) {
+            for (heading, footprint) in self.footprints.iter().enumerate() {
+                let height = |down: i64, right: i64| window.height(row + down, column + right);
+                if let Some(pose) = footprint.pose(height) {
+                    self.fill(pose, heading, cell, &mut slips)?;
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    fn fill(
+        &self,
+        pose: SurfacePose,
+        heading: usize,
+        cell: &mut [f32],
+        slips: &mut Vec<f32>,
+    ) -> Result<()> {
+        let mut set = |quantity: Quantity, value: f64| {
+            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+            let value = value as f32;
+            cell[Band { quantity, heading }.index(self.headings)] = value;
+        };
+        let SurfacePose { pitch, roll } = pose;
+        set(Quantity::Pitch, pitch.to_degrees());
+        if !self.settings.envelope.holds(pitch, roll) {
+            set(Quantity::State, f64::from(State::Steep.code()));
+            set(Quantity::Immobilisation, 1.0);
+            return Ok(());
+        }
+        set(
+            Quantity::TipOver,
+            self.tip_over.margin(pitch, roll).to_degrees(),
+        );
+        let (state, driving) = self.on_soil(pitch, roll)?;
+        set(Quantity::State, f64::from(state.code()));
+        if let Some(driving) = driving {
+            set(Quantity::Slip, driving.slip);
+            set(Quantity::Sinkage, driving.sinkage);
+            set(Quantity::Energy, driving.energy_per_metre());
+        }
+        if self.draws.is_empty() {
+            set(
+                Quantity::Immobilisation,
+                if driving.is_some() { 0.0 } else { 1.0 },
+            );
+            if let Some(driving) = driving {
+                set(Quantity::SlipHigh, driving.slip);
+            }
+            return Ok(());
+        }
+        let failing = self.draw_slips(pitch, roll, slips)?;
+        let count = self.draws.len();
+        set(
+            Quantity::Immobilisation,
+            (count - failing) as f64 / count as f64,
+        );
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "between 0 and the number of draws"
+        )]
+        let rank = ((HIGH_SHARE * count as f64).ceil() as usize).clamp(1, count) - 1;
+        let (_, high, _) = slips.select_nth_unstable_by(rank, f32::total_cmp);
+        if high.is_finite() {
+            set(Quantity::SlipHigh, f64::from(*high));
+        }
+        Ok(())
+    }
+
+    /// The state on the soil itself.
+    fn on_soil(&self, pitch: f64, roll: f64) -> Result<(State, Option<Driving>)> {
+        let (solver, table) = &self.soil;
+        Ok(match table.look_up(pitch, table.across(roll)) {
+            Lookup::Drives(spot) => (State::Drives, Some(table.driving(&spot))),
+            Lookup::Immobilised => (State::Immobilised, None),
+            Lookup::Slides => (State::Slides, None),
+            Lookup::Marginal => match solver.demand(pitch, roll)? {
+                Demand::Drives(driving) => (State::Marginal, Some(driving)),
+                Demand::Slides => (State::Slides, None),
+                Demand::Immobilised | Demand::Lifts => (State::Immobilised, None),
+            },
+        })
+    }
+
+    /// The slips on all draws, infinite where one is immobilised or slides; gives the strongest such draw, or their number
+    /// where all drive.
+    fn draw_slips(&self, pitch: f64, roll: f64, slips: &mut Vec<f32>) -> Result<usize> {
+        slips.clear();
+        let mut failing = self.draws.len();
+        let mut across = None;
+        for (index, (solver, table)) in self.draws.iter().enumerate() {
+            let nodes = table.nodes()[0];
+            let stencil = match across {
+                Some((count, stencil)) if count == nodes => stencil,
+                _ => {
+                    let stencil = table.across(roll);
+                    across = Some((nodes, stencil));
+                    stencil
+                }
+            };
+            let slip = match table.look_up(pitch, stencil) {
+                Lookup::Drives(spot) => Some(spot.slip),
+                Lookup::Immobilised | Lookup::Slides => None,
+                Lookup::Marginal => match solver.demand(pitch, roll)? {
+                    Demand::Drives(driving) => Some(driving.slip),
+                    _ => None,
+                },
+            };
+            if slip.is_none() && failing > index {
+                failing = index;
+            }
+            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+            slips.push(slip.map_or(f32::INFINITY, |slip| slip as f32));
+        }
+        Ok(failing)
+    }
+}

@@ -1,0 +1,16 @@
+//! Slip maps: for every cell of an elevation model and every heading, what a robot needs there.
+
+mod assemble;
+mod bands;
+mod journal;
+mod layout;
+mod maker;
+mod strip;
+mod tip_over;
+
+pub use assemble::write_map;
+pub use bands::{Band, Quantity, State};
+pub use journal::Journal;
+pub use layout::{MapLayout, MapSettings};
+pub use maker::MapMaker;
+pub use strip::Strip;

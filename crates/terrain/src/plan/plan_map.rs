@@ -1,0 +1,200 @@
+//! A slip map as a planner holds it.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use grouser_files::regular;
+use grouser_rover::ground::GeoTiff;
+
+use crate::error::{Error, Result};
+use crate::map::{Band, MapLayout, Quantity};
+
+/// Greatest number of cells times headings: five numbers of each are held.
+const MAX_POSES: u64 = 1 << 26;
+/// GDAL's metadata.
+const METADATA_TAG: u16 = 42112;
+
+/// The quantities that a planner needs, [cell][heading].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PlanMap {
+    /// Its size and place, and the robot.
+    pub layout: MapLayout,
+    /// Energy per metre of travel, J/m; NaN where the robot does not drive.
+    pub energy: Vec<f32>,
+    /// Slip.
+    pub slip: Vec<f32>,
+    /// Probability of immobilisation, at most.
+    pub risk: Vec<f32>,
+    /// Tip-over margin, deg.
+    pub tip_over: Vec<f32>,
+    /// Pitch, deg.
+    pub pitch: Vec<f32>,
+}
+
+impl PlanMap {
+    /// A map in which nothing is known yet.
+    #[must_use]
+    pub fn unknown(layout: MapLayout) -> Self {
+        let poses = layout.columns as usize * layout.rows as usize * layout.headings.count();
+        let nothing = vec![f32::NAN; poses];
+        Self {
+            layout,
+            energy: nothing.clone(),
+            slip: nothing.clone(),
+            risk: nothing.clone(),
+            tip_over: nothing.clone(),
+            pitch: nothing,
+        }
+    }
+
+    /// Reads the file that `map` wrote.
+    ///
+    /// # Errors
+    /// [`Error::Terrain`] for a damaged file, [`Error::NotAMap`] for another GeoTIFF.
+    pub fn read(path: &Path) -> Result<Self> {
+        let of_file = |fault| Error::Terrain {
+            file: path.to_owned(),
+            fault,
+        };
+        let no_map = |reason: String| Error::NotAMap {
+            file: path.to_owned(),
+            reason,
+        };
+        let file = regular::open(path)?;
+        let length = file
+            .metadata()
+            .map_err(|source| Error::File {
+                action: "read",
+                file: path.to_owned(),
+                source,
+            })?
+            .len();
+        let mut tiff = GeoTiff::open(BufReader::new(file), length).map_err(of_file)?;
+        let metadata = tiff
+            .text(METADATA_TAG)
+            .ok_or_else(|| no_map("it has no metadata (tag 42112)".to_owned()))?;
+        let georeference = tiff.georeference().clone();
+        let layout = MapLayout::parse(&metadata, tiff.size(), georeference).map_err(no_map)?;
+        if usize::from(tiff.bands()) != layout.bands() {
+            return Err(no_map(format!(
+                "it has {} bands, but {} headings ask for {}",
+                tiff.bands(),
+                layout.headings.count(),
+                layout.bands()
+            )));
+        }
+        let headings = layout.headings.count();
+        let poses = u64::from(layout.columns) * u64::from(layout.rows) * headings as u64;
+        Error::check(
+            "map",
+            "cells times headings",
+            poses as f64,
+            (4.0, MAX_POSES as f64),
+            "1",
+        )?;
+        let bands = layout.bands();
+        let mut map = Self::unknown(layout);
+        let mut cell = vec![0.0_f32; bands];
+        for index in 0..tiff.pieces() {
+            let place = tiff.place(index);
+            let mut seen = 0_usize;
+            tiff.read_piece(index, |value| {
+                cell[seen % bands] = value;
+                seen += 1;
+                if seen % bands == 0 {
+                    let done = seen / bands - 1;
+                    let (row, column) = (done / place.wide as usize, done % place.wide as usize);
+                    let column = place.left as usize + column;
+                    let row = place.top as usize + row;
+                    map.set_cell(row * map.layout.columns as usize + column, &cell);
+                }
+            })
+            .map_err(of_file)?;
+        }
+        Ok(map)
+    }
+
+    /// The bands of a cell.
+    fn set_cell(&mut self, cell: usize, values: &[f32]) {
+        let headings = self.layout.headings;
+        for heading in 0..headings.count() {
+            let value = |quantity| values[Band { quantity, heading }.index(headings)];
+            let pose = cell * headings.count() + heading;
+            self.energy[pose] = value(Quantity::Energy);
+            self.slip[pose] = value(Quantity::Slip);
+            self.risk[pose] = value(Quantity::Immobilisation);
+            self.tip_over[pose] = value(Quantity::TipOver);
+            self.pitch[pose] = value(Quantity::Pitch);
+        }
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub const fn cells(&self) -> usize {
+        self.layout.columns as usize * self.layout.rows as usize
+    }
+
+    /// The cell at a place of the map's coordinates, m.
+    ///
+    /// # Errors
+    /// [`Error::Place`] outside the map.
+    pub fn cell_at(&self, of: &'static str, (x, y): (f64, f64)) -> Result<usize> {
+        let layout = &self.layout;
+        let far = [layout.columns - 1, layout.rows - 1];
+        let corners = [(0, 0), (far[0], far[1])].map(|(column, row)| {
+            layout.georeference.centre(column, row).unwrap_or([
+                (f64::from(column) + 0.5) * layout.cell,
+                (f64::from(layout.rows - 1 - row) + 0.5) * layout.cell,
+            ])
+        });
+        let [[left, top], [right, bottom]] = corners;
+        let place = |value: f64, from: f64, to: f64, last: u32| {
+            let share = (value - from) / (to - from) * f64::from(last);
+            let cell = share.round();
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "within the map, as just checked"
+            )]
+            let inside =
+                (share >= -0.5 && cell <= f64::from(last)).then_some(cell.max(0.0) as usize);
+            inside
+        };
+        match (place(x, left, right, far[0]), place(y, top, bottom, far[1])) {
+            (Some(column), Some(row)) => Ok(row * layout.columns as usize + column),
+            _ => {
+                let half = 0.5 * layout.cell;
+                Err(Error::Place {
+                    of,
+                    x,
+                    y,
+                    why: format!(
+                        "lies outside the map, which spans x from {} to {} m and y from {} to {} m",
+                        left - half,
+                        right + half,
+                        bottom - half,
+                        top + half
+                    ),
+                })
+            }
+        }
+    }
+
+    /// The place of a cell's centre, m.
+    #[must_use]
+    pub fn place_of(&self, cell: usize) -> (f64, f64) {
+        let columns = self.layout.columns as usize;
+        let (row, column) = (cell / columns, cell % columns);
+        let at = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
+        let [x, y] = self
+            .layout
+            .georeference
+            .centre(at(column), at(row))
+            .unwrap_or([
+                (column as f64 + 0.5) * self.layout.cell,
+                ((self.layout.rows as usize - 1 - row) as f64 + 0.5) * self.layout.cell,
+            ]);
+        (x, y)
+    }
+}

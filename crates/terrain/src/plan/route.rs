@@ -1,0 +1,316 @@
+//! The answer to a plan: a way, what it costs, where it is decided, and other ways.
+
+use super::lattice::{Lattice, PlanSettings};
+use super::plan_map::PlanMap;
+use super::search::{Task, search};
+use crate::error::{Error, Result};
+
+/// Cells beside an earlier way that an alternative avoids, as a share of the distance from start to goal.
+const CORRIDOR_SHARE: f64 = 0.05;
+const MIN_CORRIDOR_CELLS: usize = 2;
+/// Factor of the energy in an earlier way's corridor.
+const CORRIDOR_PENALTY: f32 = 1.5;
+/// An alternative shares at most this part of its cells with every earlier way.
+const MAX_SHARED: f64 = 0.7;
+
+/// A place on a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    /// Cell of the map.
+    pub cell: usize,
+    /// Index of the heading.
+    pub heading: usize,
+    /// m, in the map's coordinates.
+    pub x: f64,
+    /// m.
+    pub y: f64,
+    /// Since the start, J.
+    pub energy: f64,
+    /// Since the start, s.
+    pub time: f64,
+    /// Along the ground since the start, m.
+    pub length: f64,
+    /// Slip here.
+    pub slip: f64,
+    /// Probability to be immobilised here, at most.
+    pub risk: f64,
+}
+
+/// A way.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Route {
+    /// From the start to the goal; a turn repeats its cell.
+    pub waypoints: Vec<Waypoint>,
+    /// J.
+    pub energy: f64,
+    /// s.
+    pub time: f64,
+    /// Along the ground, m.
+    pub length: f64,
+    /// Probability to be immobilised anywhere on the way, at most: the greatest of its cells', because the soil draws are
+    /// ordered alike everywhere.
+    pub risk: f64,
+    /// The least tip-over margin, deg.
+    pub tip_over_deg: f64,
+    /// Turns by one heading.
+    pub turns: usize,
+}
+
+/// What planning found.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Plan {
+    /// The way of least energy, and others by energy.
+    Found {
+        /// The cheapest.
+        route: Route,
+        /// Others, which share at most 70 % of their cells with each one before.
+        alternatives: Vec<Route>,
+    },
+    /// No way keeps the bound.
+    NoWay {
+        /// The smallest bound that some way keeps; `None` where no way exists at any risk.
+        least_risk: Option<f64>,
+    },
+}
+
+impl Route {
+    /// The waypoints that decide: of greatest risk, of greatest slip, of greatest energy per metre, and of least tip-over
+    /// margin.
+    #[must_use]
+    pub fn deciding(&self, map: &PlanMap) -> [(&'static str, Waypoint); 4] {
+        let pose = |point: &Waypoint| point.cell * map.layout.headings.count() + point.heading;
+        let by = |value: &dyn Fn(&Waypoint) -> f64| {
+            let mut best = self.waypoints[0];
+            for point in &self.waypoints {
+                if value(point) > value(&best) {
+                    best = *point;
+                }
+            }
+            best
+        };
+        [
+            ("greatest risk", by(&|point| point.risk)),
+            ("greatest slip", by(&|point| point.slip.abs())),
+            (
+                "greatest energy per metre",
+                by(&|point| f64::from(map.energy[pose(point)])),
+            ),
+            (
+                "least tip-over margin",
+                by(&|point| -f64::from(map.tip_over[pose(point)])),
+            ),
+        ]
+    }
+}
+
+/// The way of least energy from one cell to another, and up to `alternatives` others.
+///
+/// ```
+/// use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
+/// # use grouser_terrain::{Headings, MapLayout};
+/// # let layout = MapLayout::plain(5, 3, 2.0, Headings::new(8)?);
+/// // five by three cells of 2 m, all level
+/// let mut map = PlanMap::unknown(layout);
+/// map.energy.fill(10.0); // J/m
+/// map.slip.fill(0.1);
+/// map.risk.fill(0.0);
+/// map.tip_over.fill(40.0);
+/// map.pitch.fill(0.0);
+/// let Plan::Found { route, .. } = plan(&map, (5, 9), &PlanSettings::default(), 0)? else { panic!("a way exists") };
+/// assert!((route.energy - 4.0 * 2.0 * 10.0).abs() < 1e-9); // four steps to the right
+/// # Ok::<(), grouser_terrain::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Place`] for a start or goal at which the robot cannot be within the bound, [`Error::OutOfRange`].
+pub fn plan(
+    map: &PlanMap,
+    (from, to): (usize, usize),
+    settings: &PlanSettings,
+    alternatives: usize,
+) -> Result<Plan> {
+    settings.check(map)?;
+    let last = (map.cells() - 1) as f64;
+    for cell in [from, to] {
+        Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
+    }
+    let mut lattice = Lattice::new(map, settings)?;
+    check_place("the start", &lattice, from)?;
+    check_place("the goal", &lattice, to)?;
+    let task = Task {
+        from,
+        to,
+        max_risk: settings.max_risk,
+    };
+    let Some(way) = search(&lattice, settings, &task)? else {
+        return Ok(Plan::NoWay {
+            least_risk: least_risk(&lattice, settings, task)?,
+        });
+    };
+    let route = measured(&lattice, settings, &way);
+    let mut others: Vec<Route> = Vec::new();
+    lattice.penalty = vec![1.0; map.cells()];
+    for _ in 0..alternatives {
+        let before = others.last().unwrap_or(&route);
+        penalise(map, before, (from, to), &mut lattice.penalty);
+        let Some(way) = search(&lattice, settings, &task)? else {
+            break;
+        };
+        let other = measured(&lattice, settings, &way);
+        let is_new = std::iter::once(&route)
+            .chain(&others)
+            .all(|earlier| shared(&other, earlier) <= MAX_SHARED);
+        if is_new {
+            others.push(other);
+        }
+    }
+    others.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+    Ok(Plan::Found {
+        route,
+        alternatives: others,
+    })
+}
+
+/// A start or a goal must be known ground on which some heading drives at all.
+fn check_place(of: &'static str, lattice: &Lattice<'_>, cell: usize) -> Result<()> {
+    let map = lattice.map();
+    let count = lattice.headings();
+    let (x, y) = map.place_of(cell);
+    let refuse = |why: &str| {
+        Err(Error::Place {
+            of,
+            x,
+            y,
+            why: why.to_owned(),
+        })
+    };
+    if (0..count).all(|heading| map.pitch[cell * count + heading].is_nan()) {
+        return refuse("lies on ground whose height is not known");
+    }
+    if !(0..count).any(|heading| map.energy[cell * count + heading] >= 0.0) {
+        return refuse("lies where no heading can be driven");
+    }
+    Ok(())
+}
+
+/// The smallest bound on the risk that some way keeps.
+fn least_risk(
+    lattice: &Lattice<'_>,
+    settings: &PlanSettings,
+    mut task: Task,
+) -> Result<Option<f64>> {
+    let risks = lattice.map().risk.iter().copied();
+    let mut levels: Vec<f32> = risks
+        .filter(|risk| f64::from(*risk) > settings.max_risk)
+        .collect();
+    levels.sort_by(f32::total_cmp);
+    levels.dedup();
+    let mut reaches = |level: f32| -> Result<bool> {
+        task.max_risk = f64::from(level);
+        Ok(search(lattice, settings, &task)?.is_some())
+    };
+    match levels.last() {
+        Some(greatest) if reaches(*greatest)? => {}
+        _ => return Ok(None),
+    }
+    let (mut low, mut high) = (0, levels.len() - 1);
+    while low < high {
+        let middle = usize::midpoint(low, high);
+        if reaches(levels[middle])? {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    Ok(Some(f64::from(levels[high])))
+}
+
+/// The costs of a way.
+fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize)]) -> Route {
+    let map = lattice.map();
+    let mut route = Route {
+        waypoints: Vec::with_capacity(way.len()),
+        energy: 0.0,
+        time: 0.0,
+        length: 0.0,
+        risk: 0.0,
+        tip_over_deg: f64::INFINITY,
+        turns: 0,
+    };
+    let mut before: Option<usize> = None;
+    for (cell, heading) in way.iter().copied() {
+        match before {
+            Some(last) if last == cell => {
+                route.turns += 1;
+                route.energy += settings.turn_energy;
+            }
+            Some(last) => {
+                route.energy += lattice.energy((last, cell), heading);
+                route.time += lattice.time((last, cell), heading);
+                route.length += lattice.length((last, cell), heading);
+            }
+            None => {}
+        }
+        before = Some(cell);
+        let pose = cell * lattice.headings() + heading;
+        let risk = f64::from(map.risk[pose]);
+        route.risk = route.risk.max(risk);
+        route.tip_over_deg = route.tip_over_deg.min(f64::from(map.tip_over[pose]));
+        let (x, y) = map.place_of(cell);
+        route.waypoints.push(Waypoint {
+            cell,
+            heading,
+            x,
+            y,
+            energy: route.energy,
+            time: route.time,
+            length: route.length,
+            slip: f64::from(map.slip[pose]),
+            risk,
+        });
+    }
+    route
+}
+
+/// Makes the corridor of a way dearer, but for the surroundings of start and goal.
+fn penalise(map: &PlanMap, route: &Route, (from, to): (usize, usize), penalty: &mut [f32]) {
+    let (columns, rows) = (map.layout.columns as usize, map.layout.rows as usize);
+    let off = |a: usize, b: usize| {
+        let down = (a / columns).abs_diff(b / columns) as f64;
+        down.hypot((a % columns).abs_diff(b % columns) as f64)
+    };
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a part of the map's size"
+    )]
+    let reach = ((CORRIDOR_SHARE * off(from, to)) as usize).max(MIN_CORRIDOR_CELLS);
+    let mut marked = vec![false; penalty.len()];
+    for point in &route.waypoints {
+        let (row, column) = (point.cell / columns, point.cell % columns);
+        for row in row.saturating_sub(reach)..(row + reach + 1).min(rows) {
+            for column in column.saturating_sub(reach)..(column + reach + 1).min(columns) {
+                let cell = row * columns + column;
+                let is_end = off(cell, from).min(off(cell, to)) <= 2.0 * reach as f64;
+                if !marked[cell] && !is_end {
+                    marked[cell] = true;
+                    penalty[cell] *= CORRIDOR_PENALTY;
+                }
+            }
+        }
+    }
+}
+
+/// The part of a way's cells that lie on another one.
+fn shared(route: &Route, other: &Route) -> f64 {
+    let cells: std::collections::BTreeSet<usize> =
+        other.waypoints.iter().map(|point| point.cell).collect();
+    let common = route
+        .waypoints
+        .iter()
+        .filter(|point| cells.contains(&point.cell))
+        .count();
+    common as f64 / route.waypoints.len().max(1) as f64
+}

@@ -1,0 +1,397 @@
+//! The nodes of a table, and how far it is from the exact solver between them.
+
+use std::cell::RefCell;
+
+use grouser_terra::Slip;
+
+use super::{Beyond, CHECK_FACTOR, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
+use crate::demand::{Demand, DemandSolver, Driving, MAX_SLIP, Posed};
+use crate::error::{Error, Result};
+use crate::root::{Bracket, root};
+use crate::table::cubic::Stencil;
+
+/// Nodes over roll and over t of the coarsest grid, and how often both are doubled at most.
+const COARSEST: [usize; 2] = [9, 17];
+const MAX_DOUBLINGS: u32 = 2;
+/// Slips at which the greatest holdable pitch is looked for before it is refined.
+const SAMPLES: u32 = 6;
+/// Golden-section steps on a peak, to 1e-8 of a slip: the pitch at a peak is flat, so that it is then exact.
+const PEAK_STEPS: u32 = 32;
+/// A pitch is found to this accuracy, rad.
+const PITCH_TOLERANCE_RAD: f64 = 1e-11;
+/// Share of the bound that the grid may use; the rest is left to cells that were not checked.
+const BUILD_SHARE: f64 = 0.25;
+/// The error of a limit is never taken smaller, rad.
+const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
+
+pub(super) fn refined(
+    solver: &DemandSolver,
+    envelope: Envelope,
+    with_costs: bool,
+) -> Result<SlipTable> {
+    let [mut rolls, mut steps] = COARSEST;
+    for _ in 0..MAX_DOUBLINGS {
+        let table = built(solver, envelope, [rolls, steps], with_costs)?;
+        if table.error.slip <= BUILD_SHARE * SLIP_BOUND {
+            return Ok(table);
+        }
+        (rolls, steps) = (2 * rolls - 1, 2 * steps - 1);
+    }
+    built(solver, envelope, [rolls, steps], with_costs)
+}
+
+/// The exact solver, with the skids of the free wheels at the pose before.
+struct Near<'a> {
+    solver: &'a DemandSolver,
+    skids: RefCell<Vec<Slip>>,
+}
+
+impl<'a> Near<'a> {
+    fn posed(&self, pitch: f64, roll: f64) -> Result<Posed<'a>> {
+        let posed = self
+            .solver
+            .posed_near(pitch, roll, &mut self.skids.borrow_mut())?;
+        posed.ok_or_else(|| Error::DoesNotStand {
+            name: self.solver.model().robot.name().to_owned(),
+            load: 0.0,
+        })
+    }
+}
+
+/// One roll's limit on one side.
+#[derive(Clone, Copy)]
+struct Limit {
+    pitch: f64,
+    /// The slip there; `None` where the envelope ends before the soil.
+    slip: Option<f64>,
+}
+
+fn built(
+    solver: &DemandSolver,
+    envelope: Envelope,
+    [rolls, steps]: [usize; 2],
+    with_costs: bool,
+) -> Result<SlipTable> {
+    let near = &Near {
+        solver,
+        skids: RefCell::default(),
+    };
+    let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
+    let mut rolling = Vec::with_capacity(rolls);
+    let mut limits = [Vec::with_capacity(rolls), Vec::with_capacity(rolls)];
+    for index in 0..rolls {
+        let roll = roll_of(index as f64);
+        let level = pitch_of(near, roll, 0.0, (-envelope.max_pitch, envelope.max_pitch))?
+            .ok_or_else(|| does_not_move(solver))?;
+        rolling.push(level);
+        for (limits, sense) in limits.iter_mut().zip([1.0, -1.0]) {
+            limits.push(limit(near, envelope, (roll, level), sense)?);
+        }
+    }
+    let mut sides = Vec::with_capacity(2);
+    for (limits, sense) in limits.iter().zip([1.0, -1.0]) {
+        sides.push(side(
+            near,
+            envelope,
+            &rolling,
+            (limits, sense),
+            (steps, with_costs),
+            &roll_of,
+        )?);
+    }
+    let (Some(braking), Some(climbing)) = (sides.pop(), sides.pop()) else {
+        return Err(does_not_move(solver));
+    };
+    let mut table = SlipTable {
+        envelope,
+        rolls,
+        steps,
+        rolling,
+        climbing,
+        braking,
+        error: TableError::default(),
+    };
+    check(&mut table, solver, &roll_of)?;
+    Ok(table)
+}
+
+fn does_not_move(solver: &DemandSolver) -> Error {
+    Error::DoesNotMove {
+        name: solver.model().robot.name().to_owned(),
+        draw: 0,
+    }
+}
+
+/// The pitch between two that demands this slip; `None` where neither end encloses it.
+fn pitch_of(near: &Near<'_>, roll: f64, slip: f64, (low, high): (f64, f64)) -> Result<Option<f64>> {
+    let surplus = |pitch: f64| -> Result<f64> {
+        Ok(near.posed(pitch, roll)?.surplus(slip)?.unwrap_or(f64::NAN))
+    };
+    let (from, to) = ((low, surplus(low)?), (high, surplus(high)?));
+    if !(from.1 >= 0.0 && to.1 <= 0.0) {
+        return Ok(None);
+    }
+    let bracket = Bracket {
+        from,
+        to,
+        tolerance: PITCH_TOLERANCE_RAD,
+    };
+    let pitch = root(bracket, surplus)?;
+    Ok((!pitch.is_nan()).then_some(pitch))
+}
+
+/// How far up (`sense` 1) or down (−1) the robot drives at this roll.
+fn limit(
+    near: &Near<'_>,
+    envelope: Envelope,
+    (roll, rolling): (f64, f64),
+    sense: f64,
+) -> Result<Limit> {
+    let end = sense * envelope.max_pitch;
+    let capped = Limit {
+        pitch: end,
+        slip: None,
+    };
+    let range = if sense > 0.0 {
+        (rolling, end)
+    } else {
+        (end, rolling)
+    };
+    // beyond the envelope the pitch of a slip is not known: such a slip reaches further than the envelope
+    let pitch = |slip: f64| pitch_of(near, roll, slip, range);
+    let mut best = (0.0, rolling);
+    for sample in 1..=SAMPLES {
+        let slip = sense * MAX_SLIP * f64::from(sample) / f64::from(SAMPLES);
+        let Some(found) = pitch(slip)? else {
+            // either the slip reaches beyond the envelope, or it is worse than rolling
+            if holds_at(near, (end, roll), slip, sense)? {
+                return Ok(capped);
+            }
+            continue;
+        };
+        if (found - best.1) * sense > 0.0 {
+            best = (slip, found);
+        }
+    }
+    let step = sense * MAX_SLIP / f64::from(SAMPLES);
+    let last = sense * MAX_SLIP;
+    let is_last = (best.0 - last).abs() < 1e-9;
+    if is_last {
+        // still rising at the end?
+        let before = pitch(last - 1e-3 * sense)?;
+        if before.is_none_or(|before| (before - best.1) * sense < 0.0) {
+            return Ok(Limit {
+                pitch: best.1,
+                slip: Some(last),
+            });
+        }
+    }
+    let (mut low, mut high) = (best.0 - step, if is_last { last } else { best.0 + step });
+    for _ in 0..PEAK_STEPS {
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        let (Some(at_a), Some(at_b)) = (pitch(a)?, pitch(b)?) else {
+            return Ok(capped);
+        };
+        for (slip, at) in [(a, at_a), (b, at_b)] {
+            if (at - best.1) * sense > 0.0 {
+                best = (slip, at);
+            }
+        }
+        if at_a * sense > at_b * sense {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    Ok(Limit {
+        pitch: best.1,
+        slip: Some(best.0),
+    })
+}
+
+/// Does the slip hold the robot at the end of the envelope?
+fn holds_at(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64, sense: f64) -> Result<bool> {
+    let surplus = near.posed(pitch, roll)?.surplus(slip)?;
+    Ok(surplus.is_some_and(|surplus| surplus * sense >= 0.0))
+}
+
+fn side(
+    near: &Near<'_>,
+    envelope: Envelope,
+    rolling: &[f64],
+    (limits, sense): (&[Limit], f64),
+    (steps, with_costs): (usize, bool),
+    roll_of: &impl Fn(f64) -> f64,
+) -> Result<Side> {
+    let capped = limits.iter().filter(|limit| limit.slip.is_none()).count();
+    let (limit, beyond) = if capped == 0 {
+        (
+            limits.iter().map(|limit| limit.pitch).collect(),
+            Beyond::Soil,
+        )
+    } else if capped == limits.len() {
+        (
+            vec![sense * envelope.max_pitch; limits.len()],
+            Beyond::Envelope,
+        )
+    } else {
+        // one limit for all rolls, the nearest: a kink in it would spoil the cubics
+        let nearest = limits
+            .iter()
+            .map(|limit| limit.pitch * sense)
+            .fold(f64::INFINITY, f64::min);
+        (vec![nearest * sense; limits.len()], Beyond::Unknown)
+    };
+    let count = limits.len() * steps;
+    let mut out = Side {
+        limit,
+        beyond,
+        slip: vec![0.0; count],
+        work: vec![f64::NAN; if with_costs { count } else { 0 }],
+        sinkage: vec![f64::NAN; if with_costs { count } else { 0 }],
+        limit_error: MIN_LIMIT_ERROR_RAD,
+        marginal: 0.0,
+    };
+    for (index, own) in limits.iter().enumerate() {
+        let roll = roll_of(index as f64);
+        let (rolling, limit) = (rolling[index], out.limit[index]);
+        // from rolling (t = 1) to the limit (t = 0)
+        let mut slip = 0.0;
+        for step in (0..steps).rev() {
+            let t = step as f64 / (steps - 1) as f64;
+            let pitch = limit - (limit - rolling) * t * t;
+            let here = near.posed(pitch, roll)?;
+            slip = match own.slip {
+                Some(end) if step == 0 && own.pitch == limit => end,
+                _ if step == steps - 1 => 0.0,
+                end => next_slip(&here, slip, end.unwrap_or(sense * MAX_SLIP), sense)?,
+            };
+            let at = index * steps + step;
+            out.slip[at] = slip;
+            if with_costs {
+                let Driving {
+                    work_per_metre,
+                    sinkage,
+                    ..
+                } = here.driving(slip)?;
+                out.work[at] = work_per_metre * (1.0 - slip.max(0.0));
+                out.sinkage[at] = sinkage;
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// The slip that is demanded a little further on, between the one before and the limit's.
+fn next_slip(here: &Posed<'_>, before: f64, end: f64, sense: f64) -> Result<f64> {
+    let value = |slip: f64| -> Result<f64> { Ok(here.surplus(slip)?.unwrap_or(f64::NAN)) };
+    let at_before = value(before)?;
+    // not enough yet at the slip before; rounding may say otherwise right beside it
+    if !(at_before * sense < 0.0) {
+        return Ok(before);
+    }
+    let at_end = value(end)?;
+    if !(at_end * sense >= 0.0) {
+        return Ok(end);
+    }
+    here.between((before, at_before), (end, at_end))
+}
+
+/// Compares the table with the exact solver in the middle between its nodes: every cell in roll; in t the first and the
+/// last cells and every fourth.
+fn check(
+    table: &mut SlipTable,
+    solver: &DemandSolver,
+    roll_of: &impl Fn(f64) -> f64,
+) -> Result<()> {
+    let near = Near {
+        solver,
+        skids: RefCell::default(),
+    };
+    let mut error = TableError::default();
+    let mut limit_errors = [0.0_f64; 2];
+    for index in 0..table.rolls - 1 {
+        let roll = roll_of(index as f64 + 0.5);
+        let across = table.across(roll);
+        let rolling = across.along(&table.rolling);
+        for (which, sense) in [1.0, -1.0].into_iter().enumerate() {
+            let side = if which == 0 {
+                &table.climbing
+            } else {
+                &table.braking
+            };
+            let mut limit = across.along(&side.limit);
+            if side.beyond == Beyond::Soil {
+                let exact = self::limit(&near, table.envelope, (roll, rolling), sense)?;
+                limit_errors[which] = limit_errors[which].max((exact.pitch - limit).abs());
+                error.checks += 1;
+                // what lies beyond the true limit is marginal, and has no slip to compare with
+                limit = if sense > 0.0 {
+                    limit.min(exact.pitch)
+                } else {
+                    limit.max(exact.pitch)
+                };
+            }
+            let cells = table.steps - 1;
+            for cell in (0..cells).filter(|cell| *cell < 2 || cell % 4 == 0 || *cell == cells - 1) {
+                let t = (cell as f64 + 0.5) / cells as f64;
+                let pitch = limit - (limit - rolling) * t * t;
+                let Demand::Drives(exact) = solver.demand(pitch, roll)? else {
+                    continue;
+                };
+                let along = Stencil::of(t, table.steps);
+                let spot = super::Spot {
+                    slip: super::at(&side.slip, table.steps, &across, &along),
+                    is_climbing: which == 0,
+                    across,
+                    along,
+                };
+                let read = table.driving(&spot);
+                error.checks += 1;
+                error.slip = error.slip.max((read.slip - exact.slip).abs());
+                if !side.work.is_empty() {
+                    let scale = exact
+                        .work_per_metre
+                        .abs()
+                        .max(0.01 * solver.model().weight());
+                    let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
+                    error.energy = error.energy.max(off);
+                    error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
+                }
+            }
+        }
+    }
+    error.slip *= CHECK_FACTOR;
+    error.energy *= CHECK_FACTOR;
+    error.sinkage *= CHECK_FACTOR;
+    error.limit = CHECK_FACTOR * limit_errors[0].max(limit_errors[1]);
+    for (which, limit_error) in limit_errors.into_iter().enumerate() {
+        let steps = table.steps;
+        let rolling = table.rolling.clone();
+        let side = if which == 0 {
+            &mut table.climbing
+        } else {
+            &mut table.braking
+        };
+        side.limit_error = (CHECK_FACTOR * limit_error).max(MIN_LIMIT_ERROR_RAD);
+        side.marginal = marginal(side, &rolling, steps);
+    }
+    table.error = error;
+    Ok(())
+}
+
+/// An error δ of the limit moves t by δ/(2 t Δ), Δ the range of the side in pitch; below the t at which this passes into
+/// the slip as half of the bound, the exact solver decides.
+fn marginal(side: &Side, rolling: &[f64], steps: usize) -> f64 {
+    if side.beyond != Beyond::Soil {
+        return 0.0;
+    }
+    let mut t = 0.0_f64;
+    for (index, row) in side.slip.chunks_exact(steps).enumerate() {
+        let slope = (row[0] - row[1]).abs() * (steps - 1) as f64;
+        let range = (side.limit[index] - rolling[index]).abs();
+        t = t.max(slope * side.limit_error / (SLIP_BOUND * range));
+    }
+    t
+}

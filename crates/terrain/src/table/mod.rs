@@ -1,0 +1,237 @@
+//! What a robot needs on one soil over pitch and roll, from the exact solver on a grid, with a checked error.
+//!
+//! The slip that a slope demands grows like a square root where the pull reaches its peak, and its derivative jumps
+//! where driving becomes braking. Each side is therefore tabulated by itself, over
+//! t = √((limit − pitch)/(limit − rolling)), in which the slip is smooth up to the limit; the limits are functions of
+//! the roll. Between the nodes runs the cubic through the four nearest ones, in t and in roll.
+
+mod build;
+mod cubic;
+mod envelope;
+
+pub use envelope::Envelope;
+
+use crate::demand::{Demand, DemandSolver};
+use crate::error::Result;
+use cubic::{Stencil, at};
+
+/// The error in slip that a table promises.
+pub const SLIP_BOUND: f64 = 1e-3;
+
+/// Factor between the greatest error that was found between the nodes and the one that is reported: the checks lie in the
+/// middle of the cells, where a cubic's error peaks, but not in every cell.
+const CHECK_FACTOR: f64 = 2.0;
+
+/// What a table knows of a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Lookup {
+    /// It drives, at this slip.
+    Drives(Spot),
+    /// No slip is enough.
+    Immobilised,
+    /// It slides downhill.
+    Slides,
+    /// So near to a limit that only the exact solver knows.
+    Marginal,
+}
+
+/// Where in a table a pose lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spot {
+    pub(crate) slip: f64,
+    is_climbing: bool,
+    across: Stencil,
+    along: Stencil,
+}
+
+/// One side of the rolling pitch.
+#[derive(Clone, Debug, PartialEq)]
+struct Side {
+    /// The pitch up to which it drives, for each roll, rad.
+    limit: Vec<f64>,
+    /// What lies beyond the limit.
+    beyond: Beyond,
+    /// Slip, [roll][t].
+    slip: Vec<f64>,
+    /// Work per metre times (1 − slip), J/m, [roll][t]; empty where only slips are wanted.
+    work: Vec<f64>,
+    /// Sinkage, m, [roll][t].
+    sinkage: Vec<f64>,
+    /// Error of the limit, rad.
+    limit_error: f64,
+    /// t below which the error of the limit would pass into the slip.
+    marginal: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Beyond {
+    /// The soil gives no more.
+    Soil,
+    /// The end of the envelope.
+    Envelope,
+    /// Some rolls end here, others beyond: the exact solver decides.
+    Unknown,
+}
+
+/// How well a table agrees with the exact solver between its nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TableError {
+    /// In slip: twice the greatest difference that was found.
+    pub slip: f64,
+    /// In the pitch at which the robot becomes immobile or slides, rad.
+    pub limit: f64,
+    /// In energy per metre, as a share of it.
+    pub energy: f64,
+    /// In sinkage, m.
+    pub sinkage: f64,
+    /// Places compared with the exact solver.
+    pub checks: u64,
+}
+
+impl TableError {
+    /// The worse of both in everything.
+    #[must_use]
+    pub fn worst(self, other: Self) -> Self {
+        Self {
+            slip: self.slip.max(other.slip),
+            limit: self.limit.max(other.limit),
+            energy: self.energy.max(other.energy),
+            sinkage: self.sinkage.max(other.sinkage),
+            checks: self.checks + other.checks,
+        }
+    }
+}
+
+/// What a robot needs on one soil, for every pitch and roll within its envelope.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_terra::catalogue;
+/// use grouser_terrain::{Demand, DemandSolver, Envelope, SlipTable};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let solver = DemandSolver::new(RobotModel::read(file.as_ref())?, soil)?;
+/// let envelope = Envelope::within(solver.model(), 0.3, 0.2)?;
+/// let table = SlipTable::new(&solver, envelope, true)?;
+/// let Demand::Drives(exact) = solver.demand(0.05, 0.1)? else { panic!("it drives") };
+/// let Demand::Drives(read) = table.demand(&solver, 0.05, 0.1)? else { panic!("it drives") };
+/// assert!((read.slip - exact.slip).abs() < 1e-3);
+/// # Ok::<(), grouser_terrain::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlipTable {
+    envelope: Envelope,
+    rolls: usize,
+    /// Nodes along t.
+    steps: usize,
+    /// The pitch at which the robot drives without slip, for each roll, rad.
+    rolling: Vec<f64>,
+    climbing: Side,
+    braking: Side,
+    error: TableError,
+}
+
+impl SlipTable {
+    /// A table of everything (`with_costs`) or of slips alone, refined until its checked error keeps [`SLIP_BOUND`] or
+    /// the finest grid is reached: [`SlipTable::error`] is what was reached.
+    ///
+    /// # Errors
+    /// As [`DemandSolver::demand`]; [`Error::DoesNotMove`](crate::Error::DoesNotMove) where the level is too much.
+    pub fn new(solver: &DemandSolver, envelope: Envelope, with_costs: bool) -> Result<Self> {
+        build::refined(solver, envelope, with_costs)
+    }
+
+    /// How well it agrees with the exact solver.
+    #[must_use]
+    pub const fn error(&self) -> &TableError {
+        &self.error
+    }
+
+    /// Nodes over roll and over t on each side.
+    #[must_use]
+    pub const fn nodes(&self) -> [usize; 2] {
+        [self.rolls, self.steps]
+    }
+
+    /// The pitch that the robot climbs without roll, rad.
+    #[must_use]
+    pub fn steepest(&self) -> f64 {
+        self.climbing.limit[self.rolls / 2]
+    }
+
+    /// The roll's place, the same for every table of one robot and grid.
+    pub(crate) fn across(&self, roll: f64) -> Stencil {
+        let share = (roll + self.envelope.max_roll) / (2.0 * self.envelope.max_roll);
+        Stencil::of(share, self.rolls)
+    }
+
+    /// The demand at a pose within the envelope, marginal ones by the exact solver.
+    ///
+    /// # Errors
+    /// As [`DemandSolver::demand`].
+    pub fn demand(&self, solver: &DemandSolver, pitch: f64, roll: f64) -> Result<Demand> {
+        if !self.envelope.holds(pitch, roll) {
+            return solver.demand(pitch, roll);
+        }
+        Ok(match self.look_up(pitch, self.across(roll)) {
+            Lookup::Drives(spot) => Demand::Drives(self.driving(&spot)),
+            Lookup::Immobilised => Demand::Immobilised,
+            Lookup::Slides => Demand::Slides,
+            Lookup::Marginal => return solver.demand(pitch, roll),
+        })
+    }
+
+    pub(crate) fn look_up(&self, pitch: f64, across: Stencil) -> Lookup {
+        let rolling = across.along(&self.rolling);
+        let is_climbing = pitch >= rolling;
+        let side = if is_climbing {
+            &self.climbing
+        } else {
+            &self.braking
+        };
+        let limit = across.along(&side.limit);
+        let square = (limit - pitch) / (limit - rolling);
+        if !(square > 0.0) {
+            let over = (pitch - limit).abs();
+            return match side.beyond {
+                Beyond::Soil if over <= side.limit_error => Lookup::Marginal,
+                Beyond::Soil if is_climbing => Lookup::Immobilised,
+                Beyond::Soil => Lookup::Slides,
+                Beyond::Envelope | Beyond::Unknown => Lookup::Marginal,
+            };
+        }
+        let t = square.sqrt();
+        if t < side.marginal {
+            return Lookup::Marginal;
+        }
+        let along = Stencil::of(t, self.steps);
+        Lookup::Drives(Spot {
+            slip: at(&side.slip, self.steps, &across, &along),
+            is_climbing,
+            across,
+            along,
+        })
+    }
+
+    /// The costs at a place of a table that has them.
+    pub(crate) fn driving(&self, spot: &Spot) -> crate::demand::Driving {
+        let side = if spot.is_climbing {
+            &self.climbing
+        } else {
+            &self.braking
+        };
+        let read = |values: &[f64]| {
+            if values.is_empty() {
+                f64::NAN
+            } else {
+                at(values, self.steps, &spot.across, &spot.along)
+            }
+        };
+        crate::demand::Driving {
+            slip: spot.slip,
+            work_per_metre: read(&side.work) / (1.0 - spot.slip.max(0.0)),
+            sinkage: read(&side.sinkage),
+        }
+    }
+}

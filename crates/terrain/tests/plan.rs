@@ -1,0 +1,269 @@
+//! Ways against a brute-force search that knows nothing of the planner's data: Bellman and Ford's relaxation over all
+//! states, with moves written out from geometry.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_rover::ground::Noise;
+use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
+use grouser_terrain::{Error, Headings, MapLayout};
+
+/// A map with random costs, risks and holes.
+fn random_map(seed: u64, headings: u8, turning_radius: f64) -> PlanMap {
+    let headings = Headings::new(headings).unwrap();
+    let mut layout = MapLayout::plain(9, 7, 1.5, headings);
+    layout.turning_radius = turning_radius;
+    let mut map = PlanMap::unknown(layout);
+    let mut noise = Noise::new(seed, 9);
+    for cell in 0..map.cells() {
+        let is_hole = noise.uniform() < 0.12;
+        for heading in 0..headings.count() {
+            let pose = cell * headings.count() + heading;
+            if is_hole {
+                continue;
+            }
+            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+            let mut draw = |low: f64, high: f64| (low + (high - low) * noise.uniform()) as f32;
+            map.pitch[pose] = draw(-20.0, 20.0);
+            map.tip_over[pose] = draw(8.0, 60.0);
+            map.risk[pose] = draw(0.0, 0.055);
+            map.slip[pose] = draw(-0.2, 0.6);
+            map.energy[pose] = draw(5.0, 80.0);
+        }
+    }
+    map
+}
+
+/// The least energy from a cell to another, by relaxing every move until nothing changes.
+fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -> Option<f64> {
+    let layout = &map.layout;
+    let (columns, rows, count) = (
+        i64::from(layout.columns),
+        i64::from(layout.rows),
+        layout.headings.count(),
+    );
+    let angle = |h: usize| layout.headings.angle(h % count);
+    let between = |a: usize, b: usize| {
+        let off = (angle(a) - angle(b)).abs();
+        off.min(std::f64::consts::TAU - off)
+    };
+    let step = |h: usize| layout.headings.step(h);
+    let length = |h: usize| {
+        let (x, y) = step(h);
+        layout.cell * f64::from(x * x + y * y).sqrt()
+    };
+    // metres that must be driven straight between two corners
+    let straight = |h: usize| {
+        let sharpest = between(h, h + 1).max(between(h, h + count - 1));
+        2.0 * layout.turning_radius * (sharpest / 2.0).tan()
+    };
+    let may = |cell: i64, h: usize| {
+        let pose = usize::try_from(cell).unwrap() * count + h;
+        map.energy[pose].is_finite()
+            && f64::from(map.risk[pose]) <= settings.max_risk
+            && f64::from(map.tip_over[pose]) >= settings.min_tip_over_deg
+    };
+    let at = |x: i64, y: i64| {
+        ((0..columns).contains(&x) && (0..rows).contains(&y)).then_some(y * columns + x)
+    };
+    // straight metres since the last turn, in steps; more than enough
+    let layers = 8_usize;
+    let cells = usize::try_from(columns * rows).unwrap();
+    let mut cost = vec![f64::INFINITY; cells * count * layers];
+    let state = |cell: i64, h: usize, run: usize| {
+        (usize::try_from(cell).unwrap() * count + h) * layers + run
+    };
+    for h in 0..count {
+        if may(from.try_into().unwrap(), h) {
+            cost[state(from.try_into().unwrap(), h, layers - 1)] = 0.0;
+        }
+    }
+    let enough =
+        |h: usize, run: usize| run == layers - 1 || run as f64 * length(h) >= straight(h) - 1e-9;
+    loop {
+        let mut changed = false;
+        for cell in 0..columns * rows {
+            for h in 0..count {
+                for run in 0..layers {
+                    let here = cost[state(cell, h, run)];
+                    if !here.is_finite() {
+                        continue;
+                    }
+                    let mut relax = |next: usize, value: f64| {
+                        if value < cost[next] - 1e-12 {
+                            cost[next] = value;
+                            changed = true;
+                        }
+                    };
+                    if enough(h, run) {
+                        for turned in [(h + 1) % count, (h + count - 1) % count] {
+                            if may(cell, turned) {
+                                relax(state(cell, turned, 0), here + settings.turn_energy);
+                            }
+                        }
+                    }
+                    let (right, up) = step(h);
+                    let (x, y) = (cell % columns, cell / columns);
+                    let Some(next) = at(x + i64::from(right), y - i64::from(up)) else {
+                        continue;
+                    };
+                    // cells whose square the straight line touches, besides both ends
+                    let passed: Vec<Option<i64>> = match (right.abs(), up.abs()) {
+                        (1, 1) => vec![at(x + i64::from(right), y), at(x, y - i64::from(up))],
+                        (2, 1) => vec![
+                            at(x + i64::from(right / 2), y),
+                            at(x + i64::from(right / 2), y - i64::from(up)),
+                        ],
+                        (1, 2) => vec![
+                            at(x, y - i64::from(up / 2)),
+                            at(x + i64::from(right), y - i64::from(up / 2)),
+                        ],
+                        _ => Vec::new(),
+                    };
+                    if !may(next, h) || passed.iter().any(|c| c.is_none_or(|c| !may(c, h))) {
+                        continue;
+                    }
+                    let ends = [cell, next];
+                    let mut samples: Vec<i64> = ends.to_vec();
+                    if passed.len() == 2 && (right.abs() == 2 || up.abs() == 2) {
+                        samples.extend(passed.iter().flatten());
+                    }
+                    let mean = |value: &dyn Fn(usize) -> f64| {
+                        samples
+                            .iter()
+                            .map(|c| value(usize::try_from(*c).unwrap() * count + h))
+                            .sum::<f64>()
+                            / samples.len() as f64
+                    };
+                    let energy = mean(&|pose| f64::from(map.energy[pose]))
+                        * length(h)
+                        * mean(&|pose| 1.0 / f64::from(map.pitch[pose]).to_radians().cos());
+                    let run = (run + 1).min(layers - 1);
+                    relax(state(next, h, run), here + energy);
+                }
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    let mut best = f64::INFINITY;
+    for h in 0..count {
+        for run in 0..layers {
+            if enough(h, run) {
+                best = best.min(cost[state(to.try_into().unwrap(), h, run)]);
+            }
+        }
+    }
+    best.is_finite().then_some(best)
+}
+
+#[test]
+fn the_way_is_the_cheapest_that_brute_force_finds() {
+    let (mut found, mut none) = (0, 0);
+    for seed in 0..40 {
+        for (headings, radius) in [(4, 0.0), (8, 0.0), (8, 2.5), (16, 0.0), (16, 6.0)] {
+            let map = random_map(seed, headings, radius);
+            let settings = PlanSettings {
+                turn_energy: if seed % 2 == 0 { 0.0 } else { 12.0 },
+                ..PlanSettings::default()
+            };
+            let (from, to) = (0, map.cells() - 1);
+            let expected = brute_force(&map, from, to, &settings);
+            match (plan(&map, (from, to), &settings, 0), expected) {
+                (Ok(Plan::Found { route, .. }), Some(expected)) => {
+                    let off = (route.energy / expected - 1.0).abs();
+                    assert!(
+                        off < 1e-9,
+                        "{seed} {headings} {radius}: {} {expected}",
+                        route.energy
+                    );
+                    assert!(route.risk <= settings.max_risk);
+                    assert!(route.tip_over_deg >= settings.min_tip_over_deg);
+                    found += 1;
+                }
+                (Ok(Plan::NoWay { .. }) | Err(Error::Place { .. }), None) => none += 1,
+                other => panic!("{seed} {headings} {radius}: {other:?}"),
+            }
+        }
+    }
+    assert!(found > 60 && none > 10, "{found} found, {none} not");
+}
+
+#[test]
+fn where_no_way_keeps_the_bound_the_smallest_bound_that_one_keeps_is_named() {
+    let mut named = 0;
+    for seed in 0..40 {
+        let map = random_map(seed, 8, 0.0);
+        let strict = PlanSettings {
+            max_risk: 0.01,
+            ..PlanSettings::default()
+        };
+        let Ok(Plan::NoWay { least_risk }) = plan(&map, (0, map.cells() - 1), &strict, 0) else {
+            continue;
+        };
+        let Some(least) = least_risk else { continue };
+        named += 1;
+        let at = |max_risk: f64| {
+            let settings = PlanSettings { max_risk, ..strict };
+            plan(&map, (0, map.cells() - 1), &settings, 0).unwrap()
+        };
+        assert!(matches!(at(least), Plan::Found { .. }));
+        assert!(matches!(at(least - 1e-7), Plan::NoWay { .. }));
+    }
+    assert!(named > 10, "{named}");
+}
+
+#[test]
+fn the_same_plan_is_the_same_way_and_alternatives_differ() {
+    let mut several = 0;
+    for seed in 0..20 {
+        let map = random_map(seed, 8, 0.0);
+        let run = || plan(&map, (0, map.cells() - 1), &PlanSettings::default(), 3);
+        let (Ok(one), Ok(again)) = (run(), run()) else {
+            continue;
+        };
+        assert_eq!(one, again);
+        if let Plan::Found {
+            route,
+            alternatives,
+        } = one
+        {
+            several += usize::from(!alternatives.is_empty());
+            for other in &alternatives {
+                assert!(other.energy >= route.energy);
+                assert_ne!(other.waypoints, route.waypoints);
+            }
+        }
+    }
+    assert!(several > 3, "{several}");
+}
+
+#[test]
+fn places_off_the_map_and_on_unknown_ground_are_refused() {
+    let mut map = random_map(3, 8, 0.0);
+    assert!(matches!(
+        map.cell_at("the start", (-0.1, 1.0)),
+        Err(Error::Place { .. })
+    ));
+    assert!(matches!(
+        map.cell_at("the goal", (1.0, 10.6)),
+        Err(Error::Place { .. })
+    ));
+    assert!(matches!(
+        map.cell_at("the goal", (f64::NAN, 1.0)),
+        Err(Error::Place { .. })
+    ));
+    // the lowest row's first cell
+    assert_eq!(map.cell_at("the start", (0.1, 0.1)).unwrap(), 6 * 9);
+    let (x, y) = map.place_of(6 * 9);
+    assert!((x - 0.75).abs() < 1e-12 && (y - 0.75).abs() < 1e-12);
+    for heading in 0..8 {
+        map.pitch[heading] = f32::NAN;
+        map.energy[heading] = f32::NAN;
+    }
+    let refused = plan(&map, (0, 20), &PlanSettings::default(), 0);
+    let said = refused.unwrap_err().to_string();
+    assert!(
+        said.contains("the start (0.75, 9.75) lies on ground whose height is not known"),
+        "{said}"
+    );
+}
