@@ -64,3 +64,9 @@ terrain:
 # the Python package: build the wheel, install it in a fresh environment, run its tests
 python:
     bash python/ci
+
+# proofs of the published problems' global optima over boxes of ±5 around their starts, 60 s each, with their logs checked
+certify seconds="60":
+    mkdir -p target/proofs
+    GROUSER_CERTIFY_S={{seconds}} GROUSER_CERTIFY_LOGS="$PWD/target/proofs" cargo test --release --package grouser-opt --test certified -- --nocapture published
+    python3 checker/check.py target/proofs/*.jsonl

@@ -29,7 +29,16 @@ export class WasmPhysics {
 
   /** Compiles a module of the page. */
   static async load(name) {
-    const bytes = await moduleBytes(name);
+    return WasmPhysics.of(await moduleBytes(name));
+  }
+
+  /** The bytes of a module. */
+  static bytes(name) {
+    return moduleBytes(name);
+  }
+
+  /** A module out of its bytes. */
+  static async of(bytes) {
     const { instance } = await WebAssembly.instantiate(bytes, {});
     return new WasmPhysics(instance);
   }
@@ -61,17 +70,29 @@ export class ServerPhysics {
       headers: { 'content-type': 'application/json' },
       body: JSON.stringify(request),
     });
-    if (!response.ok) throw new Refusal({ field: null, message: `the server answers ${response.status}` });
+    // 400 comes with what is wrong
+    if (!response.ok && response.status !== 400) throw new Refusal({ field: null, message: `the server answers ${response.status}` });
     return checked(await response.text());
   }
+}
+
+/** Is a module at hand? A page with a run in it has the explorer's only. */
+export function hasModule(name) {
+  return !document.getElementById('script') || Boolean(document.getElementById(`wasm-${name}`));
+}
+
+/** What a block of the page holds. */
+export function blockBytes(block) {
+  return unpacked(Uint8Array.from(atob(block.textContent.trim()), (c) => c.charCodeAt(0)));
 }
 
 /** The bytes of a module: out of this file, or from beside it. */
 async function moduleBytes(name) {
   const inside = document.getElementById(`wasm-${name}`);
-  const packed = inside
-    ? Uint8Array.from(atob(inside.textContent.trim()), (c) => c.charCodeAt(0))
-    : await fetched(`${name}.wasm.gz`);
+  return inside ? blockBytes(inside) : unpacked(await fetched(`${name}.wasm.gz`));
+}
+
+function unpacked(packed) {
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Response(stream).arrayBuffer();
 }

@@ -329,3 +329,67 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
     let taken = folder.file("taken", "");
     assert_eq!(grouser(&["paper", "-o", &taken]).status.code(), Some(2));
 }
+
+#[test]
+fn a_certificate_is_proved_refused_or_doubtful() {
+    let folder = Folder::new("certificate");
+    let proof = folder.path("proof.jsonl");
+    let proved = grouser(&[
+        "optimize",
+        "examples/problems/paper.toml",
+        "--certify",
+        "1e-6",
+        "--proof",
+        &proof,
+        "--json",
+    ]);
+    assert_eq!(proved.status.code(), Some(0));
+    let object = json(&proved);
+    let certificate = &object["certificate"];
+    assert_eq!(certificate["status"], "proved");
+    // the local solver's utility lies between the proved bounds
+    let utility = object["utility"].as_f64().unwrap();
+    let gap = certificate["gap"].as_f64().unwrap();
+    assert!((0.0..=1.06e-6).contains(&gap), "{gap}");
+    assert!(certificate["lower"].as_f64().unwrap() <= utility);
+    assert!(utility <= certificate["upper"].as_f64().unwrap() + 1e-9);
+    assert!(fs::read_to_string(proof).unwrap().lines().count() > 100);
+
+    let unreached = grouser(&[
+        "optimize",
+        "examples/problems/paper.toml",
+        "--certify",
+        "1e-6",
+        "--certify-time",
+        "0",
+        "--json",
+    ]);
+    assert_eq!(unreached.status.code(), Some(3));
+    assert_eq!(json(&unreached)["certificate"]["status"], "time_limit");
+
+    let text = "format = 1\nmethod = \"minimax\"\n[variables]\n\
+        x = { start = 1.0, lower = 0.0, upper = 2.0 }\n[objectives]\nf = \"x^2\"\n\
+        [constraints]\nfar = \"x^3 >= 9\"\n";
+    let nowhere = folder.file("nowhere.toml", text);
+    let infeasible = grouser(&["optimize", &nowhere, "--certify", "--json"]);
+    assert_eq!(infeasible.status.code(), Some(1));
+    assert_eq!(json(&infeasible)["certificate"]["status"], "infeasible");
+
+    for (arguments, reason) in [
+        (
+            ["examples/problems/running-slip.toml", "--certify"],
+            "no bounds over a box",
+        ),
+        (
+            ["examples/problems/pull-against-torque.toml", "--certify"],
+            "a front",
+        ),
+        (["examples/problems/paper.toml", "--certify=0"], "--certify"),
+    ] {
+        let refused = grouser(&["optimize", arguments[0], arguments[1], "--json"]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(is_error_alone(&refused));
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(message.contains(reason), "{message}");
+    }
+}

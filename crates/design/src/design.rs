@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use grouser_opt::{
-    DerivativeCheck, Exact, Functions, LinearConstraint, Measure, ParetoSettings, Problem,
-    ProblemParams, Robust, Settings, Variable, World, check_derivatives, robust,
+    Binary, DerivativeCheck, Exact, Functions, Jacobian, LinearConstraint, Measure, Model,
+    ParetoSettings, Problem, ProblemParams, Robust, Settings, Tape, TapedFunctions, Variable,
+    World, check_derivatives, robust,
 };
 use grouser_real::Scalar;
 
@@ -183,6 +184,35 @@ impl Functions for InWorld {
     }
 }
 
+/// The functions with exact derivatives, and as operations on a tape where all of them are formulas.
+struct WorldModel(Exact<InWorld>);
+
+impl Model for WorldModel {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        self.0.values(x, values);
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.0.derivatives(x, values, jacobian);
+    }
+
+    fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
+        let Exact(InWorld { program, fixed }) = &self.0;
+        let mut tape = Tape::new();
+        let numbers = program.scope.taped(&mut tape, fixed, &program.quantities);
+        let mut functions = Vec::with_capacity(program.rows.len());
+        for (formula, scale) in &program.rows {
+            let mut node = formula.onto(&mut tape, &numbers)?;
+            if *scale != 1.0 {
+                let factor = tape.constant(*scale);
+                node = tape.binary(Binary::Mul, node, factor);
+            }
+            functions.push(node);
+        }
+        Some(TapedFunctions { tape, functions })
+    }
+}
+
 /// What a constraint is called among everything that may be active: its name, marked where an objective has
 /// the same.
 pub(crate) fn told_apart(objectives: &[Objective], name: &str) -> String {
@@ -226,11 +256,11 @@ impl Design {
             .absolute(self.objectives.iter().filter(|o| o.absolute).count())
     }
 
-    fn in_world(&self, world: usize) -> Exact<InWorld> {
-        Exact(InWorld {
+    fn in_world(&self, world: usize) -> WorldModel {
+        WorldModel(Exact(InWorld {
             program: Arc::clone(&self.program),
             fixed: self.worlds[world].fixed,
-        })
+        }))
     }
 
     /// The problem that the solver gets.

@@ -83,6 +83,14 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// Nothing can be proved about the problem.
+    #[error("{file}: no certificate: {reason}")]
+    NoCertificate {
+        /// The file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
     /// The solver refuses the problem.
     #[error("{file}: {source}")]
     Problem {

@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod builder;
+mod certificate;
 mod design;
 mod error;
 mod file;

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use grouser_opt::{Node, Tape};
 use grouser_real::Scalar;
 
 use crate::formula::{Formula, Names};
-use crate::quantity::{Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity};
+use crate::quantity::{Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity, Taped};
 
 /// Variables first, then all parameters, then all quantities: the numbers that formulas are compiled to.
 #[derive(Clone, Debug)]
@@ -83,6 +84,38 @@ impl Scope {
             if let Ok(value) = evaluation.quantity(quantity) {
                 numbers[self.count() + Parameter::COUNT + quantity as usize] = value;
             }
+        }
+        numbers
+    }
+
+    /// The place of a quantity among the numbers.
+    pub(crate) fn place(&self, quantity: Quantity) -> usize {
+        self.count() + Parameter::COUNT + quantity as usize
+    }
+
+    /// The nodes of the same numbers on a tape; `None` for what is not given or is no formula.
+    pub(crate) fn taped(
+        &self,
+        tape: &mut Tape,
+        fixed: &Fixed,
+        quantities: &[Quantity],
+    ) -> Vec<Option<Node>> {
+        let count = self.count();
+        let mut numbers: Vec<Option<Node>> = (0..count).map(|i| Some(tape.variable(i))).collect();
+        let parameters =
+            Parameter::ALL.map(|(parameter, ..)| match self.replaced[parameter as usize] {
+                Some(index) => Some(tape.variable(index)),
+                None => fixed.get(parameter).map(|value| tape.constant(value)),
+            });
+        numbers.extend(parameters);
+        numbers.resize(count + Parameter::COUNT + Quantity::COUNT, None);
+        let mut taped = Taped {
+            tape,
+            fixed,
+            parameters,
+        };
+        for &quantity in quantities {
+            numbers[self.place(quantity)] = taped.quantity(quantity);
         }
         numbers
     }

@@ -110,7 +110,7 @@ impl Design {
     }
 
     /// The method for the solver's objectives.
-    fn method(&self, problem: &SolverProblem) -> Method {
+    pub(crate) fn method(&self, problem: &SolverProblem) -> Method {
         // Under several worlds an objective may occur once per world.
         let order = self.solver_order();
         let copies = (problem.problem().objectives().len() / order.len()).max(1);

@@ -25,11 +25,12 @@
 //! ```
 //!
 //! The primary types are [`Problem`], [`Method`], [`Settings`] and [`Solution`], in the order in which
-//! [`solve`] meets them. Solvers are local: [`multi_start`] looks from many starts. The crate knows
-//! nothing of wheels.
+//! [`solve`] meets them. Solvers are local: [`multi_start`] looks from many starts, and [`certify()`] proves
+//! how good the best point over a whole box is. The crate knows nothing of wheels.
 #![forbid(unsafe_code)]
 
 mod callback;
+mod certify;
 mod derivative;
 mod error;
 mod jacobian;
@@ -48,9 +49,14 @@ mod solution;
 mod solve;
 mod sqp;
 mod status;
+mod tape;
 mod weighted;
 
 pub use callback::{Callback, Progress};
+pub use certify::{
+    Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink, certify,
+    certify_with,
+};
 pub use derivative::{
     DerivativeCheck, Differences, Exact, Functions, Scheme, WrongEntry, check_derivatives,
 };
@@ -69,3 +75,4 @@ pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
 pub use solve::{Merit, evaluate, solve, solve_with};
 pub use status::{Limit, Status, Violation};
+pub use tape::{Binary, Law, LawEnclosure, Node, Tape, TapedFunctions, Unary};

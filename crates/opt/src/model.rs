@@ -1,6 +1,7 @@
 //! What a problem computes: the interface between the solvers and the user's functions.
 
 use crate::jacobian::Jacobian;
+use crate::tape::TapedFunctions;
 
 /// Objectives and nonlinear constraints as functions of the variables.
 ///
@@ -37,6 +38,12 @@ pub trait Model: Sync {
 
     /// Writes the value and the gradient of every function at `x`.
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian);
+
+    /// All functions as operations on a tape, for bounds over boxes ([`certify`](crate::certify())); `None` where
+    /// they are not known as such.
+    fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
+        None
+    }
 }
 
 impl<M: Model + ?Sized> Model for &M {
@@ -46,6 +53,9 @@ impl<M: Model + ?Sized> Model for &M {
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         (**self).derivatives(x, values, jacobian);
     }
+    fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
+        (**self).taped(variables, functions)
+    }
 }
 
 impl<M: Model + ?Sized> Model for Box<M> {
@@ -54,5 +64,8 @@ impl<M: Model + ?Sized> Model for Box<M> {
     }
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         (**self).derivatives(x, values, jacobian);
+    }
+    fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
+        (**self).taped(variables, functions)
     }
 }

@@ -16,15 +16,17 @@
 //! ```
 //!
 //! The primary type is the trait [`Real`]; [`Scalar`] adds what only a single number can do: give its
-//! value to an `if`. [`OutOfRange`] is the error of a number outside its limits in every crate above. The crate knows nothing of wheels or of optimisation.
+//! value to an `if`. [`Interval`] encloses all values of a formula over a box. [`OutOfRange`] is the error of a number outside its limits in every crate above. The crate knows nothing of wheels or of optimisation.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
 mod dual;
 mod float;
+mod interval;
 mod out_of_range;
 mod real;
 
 pub use dual::Dual;
+pub use interval::Interval;
 pub use out_of_range::OutOfRange;
 pub use real::{Real, Scalar};

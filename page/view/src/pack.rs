@@ -1,7 +1,11 @@
 //! The page as one HTML file: one style and one script, both allowed by their hash, and the modules as data.
 
+use std::io::Write as _;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use sha2::{Digest, Sha256};
 
 use crate::assets::{self, MODULES};
@@ -40,15 +44,26 @@ pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
         ),
         ("style-src", &format!("'{}'", hash(style))),
         ("connect-src", "'none'"),
+        // long computations beside the page; the worker's script is the page's
+        ("worker-src", "blob:"),
     ]);
     let mut data = String::new();
-    for module in MODULES {
+    // a page with a run in it is a report: it shows the run and the explorer, and stays small
+    let modules = match embedded {
+        Some(_) => &MODULES[..1],
+        None => &MODULES[..],
+    };
+    for module in modules {
         let name = format!("{module}.wasm.gz");
         let bytes = assets::find(&name).ok_or(Error::Missing { name })?;
         data.push_str(&block(&format!("wasm-{module}"), None, bytes));
     }
     if let Some(embedded) = embedded {
-        data.push_str(&block("embedded", Some(embedded.name), embedded.bytes));
+        data.push_str(&block(
+            "embedded",
+            Some(embedded.name),
+            &gzip(embedded.bytes),
+        ));
     }
     let html = assets::text("index.html")?;
     let html = between(
@@ -69,7 +84,7 @@ pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
         &html,
         "</body>",
         "</body>",
-        &format!("{data}<script>{script}</script>\n</body>"),
+        &format!("{data}<script id=\"script\">{script}</script>\n</body>"),
     )
 }
 
@@ -94,6 +109,7 @@ pub fn server_policy() -> String {
         ("script-src", "'self' 'wasm-unsafe-eval'"),
         ("style-src", "'self'"),
         ("connect-src", "'self'"),
+        ("worker-src", "'self'"),
     ]);
     policy.push_str("; frame-ancestors 'none'");
     policy
@@ -106,10 +122,18 @@ fn hash(text: &str) -> String {
     )
 }
 
+/// Bytes compressed, as browsers unpack them.
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    // writing to a vector cannot fail
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
+}
+
 /// Bytes as a block that no browser runs.
 fn block(id: &str, name: Option<&str>, bytes: &[u8]) -> String {
     let name = name.map_or_else(String::new, |name| {
-        format!(" data-name=\"{}\"", escaped(name))
+        format!(" data-name=\"{}\"", attribute(name))
     });
     format!(
         "<script type=\"application/octet-stream\" id=\"{id}\"{name}>{}</script>\n",
@@ -118,7 +142,7 @@ fn block(id: &str, name: Option<&str>, bytes: &[u8]) -> String {
 }
 
 /// A text as the value of an attribute.
-fn escaped(text: &str) -> String {
+pub(crate) fn attribute(text: &str) -> String {
     text.chars()
         .filter(|c| !c.is_control())
         .map(|c| match c {
@@ -148,10 +172,17 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_from_elsewhere() {
         let html = page(None).expect("complete");
-        for needs in [" src=", "rel=\"stylesheet", "\nimport ", "import(", "@import", "url("] {
+        for needs in [
+            " src=",
+            "rel=\"stylesheet",
+            "\nimport ",
+            "import(",
+            "@import",
+            "url(",
+        ] {
             assert!(!html.contains(needs), "{needs}");
         }
-        assert_eq!(html.matches("<script>").count(), 1);
+        assert_eq!(html.matches("<script id=").count(), 1);
         assert!(
             html.contains("id=\"wasm-explore\">H4sI"),
             "a gzip file in base64"
@@ -161,7 +192,10 @@ mod tests {
     #[test]
     fn the_policy_has_the_hash_of_the_script_that_is_there() {
         let html = page(None).expect("complete");
-        let script = html.split("<script>").nth(1).expect("a script");
+        let script = html
+            .split("<script id=\"script\">")
+            .nth(1)
+            .expect("a script");
         let script = script.split("</script>").next().expect("its end");
         assert!(html.contains(&hash(script)));
         assert!(!html.contains("unsafe-inline") && !html.contains("'unsafe-eval'"));

@@ -1,5 +1,6 @@
 //! A formula ready to be computed: a list of steps on a stack of numbers, without recursion.
 
+use grouser_opt::{Binary, Node, Tape, Unary};
 use grouser_real::Scalar;
 
 /// A function of one number, or of two.
@@ -46,6 +47,36 @@ impl Function {
         ("atan2", Self::Atan2),
         ("pow", Self::Pow),
     ];
+
+    fn unary(self) -> Option<Unary> {
+        Some(match self {
+            Self::Exp => Unary::Exp,
+            Self::Ln => Unary::Ln,
+            Self::Log10 => Unary::Log10,
+            Self::Sqrt => Unary::Sqrt,
+            Self::Abs => Unary::Abs,
+            Self::Sin => Unary::Sin,
+            Self::Cos => Unary::Cos,
+            Self::Tan => Unary::Tan,
+            Self::Asin => Unary::Asin,
+            Self::Acos => Unary::Acos,
+            Self::Atan => Unary::Atan,
+            Self::Sinh => Unary::Sinh,
+            Self::Cosh => Unary::Cosh,
+            Self::Tanh => Unary::Tanh,
+            Self::Min | Self::Max | Self::Atan2 | Self::Pow => return None,
+        })
+    }
+
+    fn binary(self) -> Option<Binary> {
+        match self {
+            Self::Min => Some(Binary::Min),
+            Self::Max => Some(Binary::Max),
+            Self::Atan2 => Some(Binary::Atan2),
+            Self::Pow => Some(Binary::Power),
+            _ => None,
+        }
+    }
 
     /// The least and greatest number of arguments, and how messages say it.
     pub(super) fn arguments(self) -> (usize, usize, &'static str) {
@@ -98,6 +129,50 @@ impl Formula {
             apply(*step, &mut stack, x);
         }
         stack.pop().unwrap_or(R::from_f64(f64::NAN))
+    }
+
+    /// The formula's operations on a tape, where `numbers` holds the nodes of the variables; `None` where one has none.
+    pub(crate) fn onto(&self, tape: &mut Tape, numbers: &[Option<Node>]) -> Option<Node> {
+        let mut stack: Vec<Node> = Vec::new();
+        for step in &self.steps {
+            let node = match *step {
+                Step::Constant(value) => tape.constant(value),
+                Step::Variable(index) => numbers.get(index).copied().flatten()?,
+                Step::Negate => {
+                    let x = stack.pop()?;
+                    tape.unary(Unary::Neg, x)
+                }
+                Step::WholePower(n) => {
+                    let x = stack.pop()?;
+                    tape.whole_power(x, n)
+                }
+                Step::Call(function, 1) => {
+                    let x = stack.pop()?;
+                    tape.unary(function.unary()?, x)
+                }
+                Step::Call(function, count) => {
+                    let mut value = stack.pop()?;
+                    for _ in 1..count {
+                        let left = stack.pop()?;
+                        value = tape.binary(function.binary()?, left, value);
+                    }
+                    value
+                }
+                Step::Add | Step::Subtract | Step::Multiply | Step::Divide | Step::Power => {
+                    let (right, left) = (stack.pop()?, stack.pop()?);
+                    let function = match step {
+                        Step::Add => Binary::Add,
+                        Step::Subtract => Binary::Sub,
+                        Step::Multiply => Binary::Mul,
+                        Step::Divide => Binary::Div,
+                        _ => Binary::Power,
+                    };
+                    tape.binary(function, left, right)
+                }
+            };
+            stack.push(node);
+        }
+        stack.pop()
     }
 
     /// The numbers of the variables that occur, each once, in rising order.

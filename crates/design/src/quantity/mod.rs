@@ -4,6 +4,7 @@ mod fixed;
 mod inputs;
 mod parameter;
 mod point;
+mod taped;
 
 use grouser_real::Scalar;
 use grouser_terra::{entry_angle, sinkage_from_entry_angle, slip_ani};
@@ -12,6 +13,7 @@ pub(crate) use fixed::Fixed;
 pub(crate) use inputs::Inputs;
 pub use parameter::{Parameter, Place};
 pub(crate) use point::NoValue;
+pub(crate) use taped::Taped;
 
 use point::{Point, efficiency};
 

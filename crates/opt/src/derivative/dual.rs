@@ -2,8 +2,10 @@
 
 use grouser_real::{Dual, Scalar};
 
+use super::trace;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
+use crate::tape::TapedFunctions;
 
 /// Functions written once over a generic number.
 ///
@@ -75,5 +77,8 @@ impl<F: Functions> Model for Exact<F> {
             3 | 4 => self.chunked::<4>(x, values, jacobian),
             _ => self.chunked::<8>(x, values, jacobian),
         }
+    }
+    fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
+        trace::trace(&self.0, variables, functions)
     }
 }

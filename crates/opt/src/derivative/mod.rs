@@ -3,6 +3,7 @@
 mod check;
 mod difference;
 mod dual;
+mod trace;
 
 pub use check::{DerivativeCheck, WrongEntry, check_derivatives};
 pub use difference::{Differences, Scheme};

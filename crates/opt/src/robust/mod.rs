@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
 use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
+use crate::tape::{Tape, TapedFunctions};
 
 pub use measure::Measure;
 pub use samples::{Uncertainty, sample};
@@ -140,6 +141,26 @@ impl Worlds<'_> {
                 (values, jacobian)
             })
             .collect()
+    }
+
+    /// The functions of every world on one tape: their nodes by function, then by world.
+    fn taped(&self) -> Option<TapedFunctions> {
+        let mut tape = Tape::new();
+        let mut nodes = Vec::new();
+        for world in &self.list {
+            let own = world.model.taped(self.n, self.functions)?;
+            let at = tape.append(&own.tape);
+            nodes.push(
+                own.functions
+                    .iter()
+                    .map(|f| at[*f as usize])
+                    .collect::<Vec<_>>(),
+            );
+        }
+        let functions = (0..self.functions)
+            .flat_map(|f| nodes.iter().map(move |world| world[f]))
+            .collect();
+        Some(TapedFunctions { tape, functions })
     }
 
     /// `name @ world`, for every world, for every name: the order of all joint lists.

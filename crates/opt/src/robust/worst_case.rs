@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
+use crate::tape::TapedFunctions;
 
 struct WorstCase<'a>(Worlds<'a>);
 
@@ -22,6 +23,10 @@ impl Model for WorstCase<'_> {
             values[row] = worlds[world].0[function];
             set_row(jacobian.row_mut(row), worlds[world].1.row(function));
         }
+    }
+
+    fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
+        self.0.taped()
     }
 }
 

@@ -17,6 +17,7 @@ mod price;
 mod probe;
 mod project;
 mod qp;
+mod relaxation;
 mod report;
 mod search;
 mod subspace;
@@ -30,6 +31,7 @@ use crate::settings::Settings;
 use crate::solution::{Counts, Solution};
 use crate::status::{Limit, Status};
 
+pub(crate) use relaxation::{LinearKind, linear_multipliers};
 pub(crate) use report::greatest;
 
 use bfgs::Curvature;

@@ -1,5 +1,6 @@
 //! `optimize`: the best compromise of a problem file, or its whole front.
 
+mod certificate;
 mod csv;
 mod figure;
 mod object;
@@ -11,6 +12,7 @@ use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
 use grouser_opt::{Limit, Status};
 
+use self::certificate::Certification;
 use self::object::Solved;
 use crate::error::Result;
 use crate::exit::Outcome;
@@ -28,6 +30,7 @@ use grouser_report::number::{in_message, shown};
         comes with what holds it there: the multipliers of objectives and constraints.",
     after_help = "Examples:\n  grouser optimize examples/problems/dry-sand-wheel.toml\n  \
         grouser optimize examples/problems/paper.toml --json\n  \
+        grouser optimize examples/problems/paper.toml --certify 1e-6 --proof proof.jsonl\n  \
         grouser optimize examples/problems/pull-against-torque.toml -o front.csv -o front.svg"
 )]
 pub(crate) struct Arguments {
@@ -37,6 +40,8 @@ pub(crate) struct Arguments {
     /// Write a table (.csv: the front, or every start) or a figure (.svg, .png); may be given again
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    certification: Certification,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
@@ -50,32 +55,42 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(key) = &design.soil {
         session.used_catalogue_soil(key);
     }
-    let answer = design.solve()?;
+    let mut answer = design.solve()?;
+    let mut certified = arguments.certification.run(&design, &answer)?;
+    if let Some(better) = certified.as_mut().and_then(|c| c.better.take()) {
+        answer = better;
+    }
     let failure = match &answer {
         Answer::Optimum(optimum) => complaint(&design, optimum),
         Answer::Trade(trade) => no_front(trade),
         _ => None,
     };
     let mut text = text::text(&design, &answer);
+    if let Some(certified) = &certified {
+        text.push_str(&certified.text());
+    }
     for output in outputs {
         text.push_str(&match output {
             Output::Table(file) => file.write_whole(csv::csv(&design, &answer).as_bytes())?,
             Output::Figure(target) => target.write(&figure::draw(&design, &answer))?,
         });
     }
-    let warnings = match &answer {
+    let mut warnings = match &answer {
         Answer::Optimum(optimum) => warnings(optimum),
         _ => Vec::new(),
     };
+    let doubt = certified.as_ref().and_then(|c| c.doubt());
+    warnings.extend(doubt.clone());
     Ok(Report {
-        outcome: if failure.is_none() {
-            Outcome::Done
-        } else {
-            Outcome::NoResult
+        outcome: match (&failure, &doubt) {
+            (Some(_), _) => Outcome::NoResult,
+            (None, Some(_)) => Outcome::Doubtful,
+            (None, None) => Outcome::Done,
         },
         object: object::fields().object(Solved {
             design: &design,
             answer: &answer,
+            certified: certified.as_ref(),
         }),
         text,
         is_aside: false,

@@ -4,6 +4,8 @@ use grouser_design::{Answer, Compromise, Design, Optimum, Start, Trade};
 use grouser_opt::{Counts, Kkt, Status};
 use grouser_report::{Fields, fields};
 
+use super::certificate::Certified;
+
 /// Values by name.
 type Named = Vec<(String, f64)>;
 
@@ -12,6 +14,7 @@ type Named = Vec<(String, f64)>;
 pub(super) struct Solved<'a> {
     pub(super) design: &'a Design,
     pub(super) answer: &'a Answer,
+    pub(super) certified: Option<&'a Certified>,
 }
 
 /// A part of the answer beside the problem, which has the names.
@@ -162,6 +165,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "optima" "the different optima, best first" rows(reached()) =
             solved.optimum().map_or(&[][..], |o| &o.optima).iter().copied();
         "front" "the points of a front" maybe_rows(compromise()) = solved.front();
+        "certificate" "what is proved about the best point, with --certify" group(certificate()) = solved.certified;
         "knee" "place of the knee in the front" = solved.trade().and_then(|trade| trade.knee);
     }
 }
@@ -180,6 +184,22 @@ fn kkt<'a>() -> Fields<'a, &'a Kkt> {
         "complementarity" "greatest multiplier times distance" = kkt.complementarity;
         "violation" "greatest violation" = kkt.violation;
     }
+}
+
+fn certificate<'a>() -> Fields<'a, &'a Certified> {
+    fields! { |certified: &'a Certified|
+        "status" "how the search for a proof ended" = certified.certificate.status.name();
+        "lower" "no feasible point has a lower utility" = finite(certified.certificate.lower);
+        "upper" "the utility of the best point, rounded up" = finite(certified.certificate.upper);
+        "gap" "upper - lower" = finite(certified.certificate.gap());
+        "violation" "by how much the best point violates a constraint at most" = certified.certificate.violation;
+        "boxes" "boxes examined" = certified.certificate.boxes;
+        "seconds" "time taken, s" = certified.certificate.seconds;
+    }
+}
+
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
 }
 
 fn start<'a>() -> Fields<'a, Part<'a, Start>> {

@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+"""Checks a proof log of `grouser optimize --certify` with interval arithmetic of its own: check.py LOG.jsonl ...
+
+The log claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. The
+checker replays every line: the boxes cover the whole box, each leaf's bound follows from its multipliers, and the
+point has the level. It shares no code with the program. It relies on IEEE 754 arithmetic and on elementary functions
+of Python's math module that are within ULPS units in the last place.
+
+Exit codes: 0 the log proves what it claims, 1 it does not, 2 it cannot be read.
+"""
+
+import json
+import math
+import sys
+INF, ULPS = math.inf, 4
+# an interval is (low, high), or None where a function has no value
+ALL, ZERO, ONE, TWO = (-INF, INF), (0.0, 0.0), (1.0, 1.0), (2.0, 2.0)
+Refused = type("Refused", (Exception,), {"__doc__": "The log does not prove what it claims."})
+def need(condition, reason):
+    if not condition:
+        raise Refused(reason)
+# interval arithmetic --------------------------------------------------------------------------------------------------
+down = lambda x: math.nextafter(x, -INF)
+up = lambda x: math.nextafter(x, INF)
+def left_out(a, b):
+    """The sum and what its rounding left out (two-sum)."""
+    total = a + b
+    return total, (a - (total - (total - a))) + (b - (total - a))
+def add(a, b):
+    (low, over_low), (high, over_high) = left_out(a[0], b[0]), left_out(a[1], b[1])
+    low, high = low if over_low >= 0 else down(low), high if over_high <= 0 else up(high)
+    return (-INF if math.isnan(low) else low, INF if math.isnan(high) else high)
+neg = lambda a: a and (-a[1], -a[0])
+sub = lambda a, b: add(a, neg(b))
+def mul(a, b):
+    p = [0.0 if x == 0 or y == 0 else x * y for x in a for y in b]
+    return ZERO if a == ZERO or b == ZERO else (down(min(p)), up(max(p)))
+def div(a, b):
+    if b == ZERO:
+        return None
+    if b[0] > 0 or b[1] < 0:
+        p = [0.0 if math.isinf(y) else x / y for x in a for y in b]
+        return ZERO if a == ZERO else (down(min(p)), up(max(p)))
+    return mul(a, ALL) if b[0] < 0 < b[1] else mul(a, (max(down(1 / b[1]), 0.0), INF) if b[0] == 0 else (-INF, min(up(1 / b[0]), 0.0)))
+size = lambda a: max(abs(a[0]), abs(a[1]))
+def absolute(a):
+    return a if a[0] >= 0 else neg(a) if a[1] <= 0 else (0.0, size(a))
+def wide(low, high, least=-INF, most=INF):
+    """Two ends from the library, widened by its error, within the range of the function."""
+    low, high = (x + s * abs(x) * ULPS * sys.float_info.epsilon if math.isfinite(x) else x for x, s in ((low, -1), (high, 1)))
+    return (max(down(low), least), min(up(high), most))
+def end(f, *x):
+    """A function that overflows to ∞ instead of raising."""
+    try:
+        return f(*x)
+    except (OverflowError, ZeroDivisionError):
+        return -INF if f is math.sinh and x[0] < 0 else INF
+def rising(f, a, least=-INF, most=INF, domain=ALL):
+    return None if a[1] < domain[0] or a[0] > domain[1] else wide(end(f, max(a[0], domain[0])), end(f, min(a[1], domain[1])), least, most)
+def logarithm(f, a, edge=0.0):
+    return None if a[1] <= edge else wide(f(a[0]) if a[0] > edge else -INF, f(a[1]))
+root = lambda a: None if a is None or a[1] < 0 else (max(down(math.sqrt(max(a[0], 0.0))), 0.0), up(math.sqrt(a[1])))
+def turns(a, shift):
+    """The whole numbers k with (k + shift/2) π in the interval; many where they cannot be counted."""
+    first, last = (x / math.pi - 0.5 * shift if size(a) < 1e9 else 2 * (x > 0) for x in a)
+    return range(2) if size(a) >= 1e9 else range(math.floor(first - 1e-6) + 1, math.floor(last + 1e-6) + 1)
+def wave(f, a, shift):
+    """A wave with maxima at the even and minima at the odd half turns from `shift` quarter turns."""
+    extremes = turns(a, shift)
+    if len(extremes) > 1:
+        return (-1.0, 1.0)
+    low, high = wide(min(map(f, a)), max(map(f, a)), -1.0, 1.0)
+    top = len(extremes) == 1 and extremes[0] % 2 == 0
+    return (-1.0 if len(extremes) == 1 and not top else low, 1.0 if top else high)
+sin = lambda x: wave(math.sin, x, 1)
+cos = lambda x: wave(math.cos, x, 0)
+sinh = lambda x: rising(math.sinh, x)
+cosh = lambda x: rising(math.cosh, absolute(x), least=1.0)
+def sinc(a):
+    """sin x/x, which falls from 1 at 0 up to x = π and beyond; its minimum is above -0.2173."""
+    low, high = absolute(a)
+    value = lambda x: math.sin(x) / x if x else 1.0
+    return (-0.2173, 1.0) if high > math.pi else wide(value(high), value(low), -1.0, 1.0)
+def sinc_slope(a):
+    """-x/3 + x^3/30 - x^5/840 + x^7/45360 - ..., an odd function that falls up to x = 2.08."""
+    if size(a) > 2:
+        return div(sub(cos(a), sinc(a)), a)
+    def series(x, seventh):
+        x, square = (x, x), powi((x, x), 2)
+        fifth = mul(square, add(div((-1.0, -1.0), (840.0, 840.0)), div(square, (45360.0, 45360.0)) if seventh else ZERO))
+        return mul(x, sub(mul(square, add(div(ONE, (30.0, 30.0)), fifth)), div(ONE, (3.0, 3.0))))
+    return (series(a[1], a[1] < 0)[0], series(a[0], a[0] >= 0)[1])
+def powi(a, n):
+    if n <= 1:
+        return a if n == 1 else div(ONE, powi(a, -n)) if n else ONE
+    a, lower = absolute(a) if n % 2 == 0 else a, lambda p: max(down(p), 0.0)
+    def toward(x, step, other):
+        result, step = abs(x), step if x >= 0 else other
+        for _ in range(n - 1):
+            result = step(result * abs(x)) if result != 0 else result
+        return result if x >= 0 else -result
+    return (toward(a[0], lower, up), toward(a[1], up, lower))
+def power(a, b):
+    p = [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]
+    return ALL if a[0] < 0 else wide(min(p), max(p), 0.0)
+def power_by_exponent(x, y, value):
+    """x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)."""
+    if x[0] > 0:
+        return mul(value, logarithm(math.log, x))
+    most = mul(value, logarithm(math.log, x))[1] if x[1] > 1 else 0.0
+    return (down(down(-1 / (2.718281828459045 * y[0]))), most) if y[0] > 0 else ALL
+def crosses(y, x):
+    """May the angle jump by a turn?"""
+    return x[0] <= 0 and y[0] <= 0 <= y[1]
+def atan2(y, x):
+    p = [math.atan2(a, b) for a in y for b in x]
+    return (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(min(p), max(p))
+arc = lambda x: div(ONE, root(sub(ONE, powi(x, 2))))
+def either(a, b, first, second):
+    """The slopes of a choice: certain, or between 0 and 1."""
+    return (ONE, ZERO) if first else (ZERO, ONE) if second else ((0.0, 1.0), (0.0, 1.0))
+LN10 = wide(math.log(10.0), math.log(10.0))
+always = lambda *_: True
+# name: value; is it defined and continuous over the whole interval?; slopes by the arguments and the value
+TABLE = {
+    "neg": (neg, always, lambda x, v: [(-1.0, -1.0)]),
+    "abs": (absolute, always, lambda x, v: [ONE if x[0] >= 0 else (-1.0, -1.0) if x[1] <= 0 else (-1.0, 1.0)]),
+    "sqrt": (root, lambda x: x[0] >= 0, lambda x, v: [div(ONE, mul(TWO, v))]),
+    "exp": (lambda x: rising(math.exp, x, 0.0), always, lambda x, v: [v]),
+    "expm1": (lambda x: rising(math.expm1, x, -1.0), always, lambda x, v: [add(v, ONE)]),
+    "ln": (lambda x: logarithm(math.log, x), lambda x: x[0] > 0, lambda x, v: [div(ONE, x)]),
+    "ln1p": (lambda x: logarithm(math.log1p, x, -1.0), lambda x: x[0] > -1, lambda x, v: [div(ONE, add(ONE, x))]),
+    "log10": (lambda x: div(logarithm(math.log, x), LN10), lambda x: x[0] > 0, lambda x, v: [div(ONE, mul(x, LN10))]),
+    "sin": (sin, always, lambda x, v: [cos(x)]),
+    "cos": (cos, always, lambda x, v: [neg(sin(x))]),
+    "tan": (lambda x: (ALL if turns(x, 1) else rising(math.tan, x)), lambda x: not turns(x, 1), lambda x, v: [add(ONE, powi(v, 2))]),
+    "asin": (lambda x: rising(math.asin, x, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: [arc(x)]),
+    "acos": (lambda x: rising(lambda y: math.acos(-y), neg(x), 0.0, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: [neg(arc(x))]),
+    "atan": (lambda x: rising(math.atan, x), always, lambda x, v: [div(ONE, add(ONE, powi(x, 2)))]),
+    "sinh": (sinh, always, lambda x, v: [cosh(x)]),
+    "cosh": (cosh, always, lambda x, v: [sinh(x)]),
+    "tanh": (lambda x: rising(math.tanh, x, -1.0, 1.0), always, lambda x, v: [sub(ONE, powi(v, 2))]),
+    "sinc": (sinc, always, lambda x, v: [sinc_slope(x)]),
+    "add": (add, always, lambda a, b, v: [ONE, ONE]),
+    "sub": (sub, always, lambda a, b, v: [ONE, (-1.0, -1.0)]),
+    "mul": (mul, always, lambda a, b, v: [b, a]),
+    "div": (div, lambda a, b: not b[0] <= 0 <= b[1], lambda a, b, v: [div(ONE, b), neg(div(v, b))]),
+    "pow": (power, lambda a, b: a[0] > 0 or a[0] == 0 < b[0], lambda a, b, v: [mul(b, power(a, sub(b, ONE))), power_by_exponent(a, b, v)]),
+    "min": (lambda a, b: (min(a[0], b[0]), min(a[1], b[1])), always, lambda a, b, v: either(a, b, a[1] < b[0], b[1] < a[0])),
+    "max": (lambda a, b: (max(a[0], b[0]), max(a[1], b[1])), always, lambda a, b, v: either(a, b, b[1] < a[0], a[1] < b[0])),
+    "atan2": (atan2, lambda a, b: not crosses(a, b), lambda a, b, v: [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))]),
+}
+ARGUMENTS = {name: 2 if name in ("add", "sub", "mul", "div", "pow", "min", "max", "atan2") else 1 for name in TABLE}
+# functions over a box -------------------------------------------------------------------------------------------------
+operands = lambda op: [] if op[0] in ("const", "var") else op[1:2] if op[0] == "powi" else op[1:]
+def needed(ops, node):
+    """The operations that a row needs, in order."""
+    wanted = {node}
+    for at in range(node, -1, -1):
+        if at in wanted:
+            wanted.update(operands(ops[at]))
+    return sorted(wanted)
+def over(ops, order, box, with_slopes):
+    """A row over a box: its value, and its slopes by variable where the mean value theorem applies, else None."""
+    value, slope = {}, {}
+    for at in order:
+        name, *given = ops[at]
+        x = [value[a] for a in operands(ops[at])]
+        if name == "const":
+            value[at], slope[at] = (given[0], given[0]), {}
+            continue
+        if name == "var":
+            value[at], slope[at] = box[given[0]], {given[0]: ONE}
+            continue
+        if name == "powi":
+            value[at] = x[0] and powi(x[0], given[1])
+            regular = x[0] is not None and (given[1] >= 0 or not x[0][0] <= 0 <= x[0][1])
+        else:
+            value[at] = None if None in x else TABLE[name][0](*x)
+            regular = None not in x and TABLE[name][1](*x)
+        inner = [slope[a] for a in operands(ops[at])]
+        slope[at] = None
+        if with_slopes and regular and None not in inner:
+            own = [mul((float(given[1]),) * 2, powi(x[0], given[1] - 1))] if name == "powi" else TABLE[name][2](*x, value[at])
+            slope[at] = {}
+            for factor, parts in zip(own, inner):
+                for variable, part in parts.items():
+                    term = mul(part, ALL if factor is None else factor)
+                    slope[at][variable] = add(slope[at].get(variable, ZERO), term)
+    return value[order[-1]], slope[order[-1]]
+def centre(x, slope):
+    """Where the mean value form is best; any point of the box would do."""
+    low, high = slope
+    if low >= 0 or high == INF or high <= 0 or low == -INF:
+        return x[0] if low >= 0 or high == INF else x[1]
+    c = (x[1] * high - x[0] * low) / (high - low)
+    return min(max(c, x[0]), x[1]) if math.isfinite(c) else x[0]
+def bound(ops, rows, weights, box):
+    """The greatest level that the multipliers prove for the box; infinite where it holds no feasible point."""
+    natural, share, slopes = ZERO, ZERO, {}
+    for row, weight in weights:
+        kind, order = rows[row]
+        value, own = over(ops, order, box, slopes is not None)
+        if value is None:
+            return INF  # the row has a value nowhere in the box
+        natural = add(natural, mul((weight, weight), value))
+        share = add(share, (weight, weight)) if kind == "objective" else share
+        slopes = None if own is None or slopes is None else {
+            d: add(slopes.get(d, ZERO), mul((weight, weight), own.get(d, ZERO))) for d in {*slopes, *own}}
+    low = natural[0]
+    if slopes is not None:
+        c = [centre(x, slopes.get(d, ZERO)) for d, x in enumerate(box)]
+        form = ZERO
+        for row, weight in weights:
+            value = over(ops, rows[row][1], [(v, v) for v in c], False)[0]
+            form = add(form, mul((weight, weight), value or ALL))
+        for d, slope in slopes.items():
+            form = add(form, mul(slope, sub(box[d], (c[d], c[d]))))
+        low = max(low, form[0])
+    if share[1] > 0:
+        return div((low, low), share)[0] if low > -INF else -INF
+    return INF if low > 0 else -INF
+# the log --------------------------------------------------------------------------------------------------------------
+is_number = lambda x: isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
+def read_problem(head):
+    need(head["format"] == "grouser-certificate" and head["version"] == 1, "not a proof log of version 1")
+    lower, upper, ops = head["lower"], head["upper"], head["ops"]
+    need(len(lower) == len(upper) == len(head["variables"]), "the box has another number of sides than variables")
+    need(all(is_number(a) and is_number(b) and a <= b for a, b in zip(lower, upper)), "a side of the box is empty")
+    for at, (name, *given) in enumerate(ops):
+        need(name != "law", "the proof holds laws that are no formulas: this checker cannot replay them")
+        whole = all(isinstance(a, int) for a in given[: 2 if name == "powi" else None])
+        good = {"const": len(given) == 1 and is_number(given[0]), "var": whole and len(given) == 1 and given[0] in range(len(lower)),
+                "powi": whole and len(given) == 2}.get(name, whole and len(given) == ARGUMENTS.get(name))
+        need(good and all(0 <= a < at for a in operands(ops[at])), f"operation {at} is not understood")
+    rows = [(kind, needed(ops, node)) for kind, node, _ in head["rows"] if kind in ("objective", "at_most", "equal")]
+    need(len(rows) == len(head["rows"]) and any(kind == "objective" for kind, _ in rows), "a row is not understood")
+    return [(float(a), float(b)) for a, b in zip(lower, upper)], ops, rows
+def check_point(box, ops, rows, last):
+    """The point has the level and the violation that are claimed."""
+    x = last["x"]
+    need(len(x) == len(box) and all(is_number(v) and s[0] <= v <= s[1] for v, s in zip(x, box)), "the point is not in the box")
+    for kind, order in rows:
+        value = over(ops, order, [(v, v) for v in x], False)[0]
+        need(value is not None, "a row has no value at the point")
+        most = size(value) if kind == "equal" else value[1]
+        limit = last["upper"] if kind == "objective" else last["violation"]
+        need(most <= limit + 1e-12 * (1 + abs(most)), f"the point exceeds what is claimed: {most} > {limit}")
+def check(lines):
+    """Replays a log; returns what it proves."""
+    head = json.loads(next(lines))
+    box, ops, rows = read_problem(head)
+    pending, seen, lowest, leaves, last = {0: box}, {0}, INF, 0, None
+    for line in lines:
+        need(last is None, "there are lines after the end")
+        entry = json.loads(line)
+        if "end" in entry:
+            last = entry
+            continue
+        need(entry["box"] in pending, f"box {entry['box']} is not open")
+        mine = pending.pop(entry["box"])
+        if "divide" in entry:
+            d, at = entry["divide"], entry["at"]
+            need(d in range(len(box)) and is_number(at) and mine[d][0] < at < mine[d][1], f"box {entry['box']} is not divided inside")
+            for number, side in zip(entry["into"], ((mine[d][0], at), (at, mine[d][1])), strict=True):
+                need(number not in seen, f"box {number} occurs twice")
+                seen.add(number)
+                pending[number] = [*mine[:d], side, *mine[d + 1 :]]
+            continue
+        for row, weight in entry["weights"]:
+            need(row in range(len(rows)) and is_number(weight) and (weight >= 0 or rows[row][0] == "equal"), "a multiplier is not allowed")
+        claimed = {None: INF, "none": -INF}.get(entry["bound"], entry["bound"])
+        proved = bound(ops, rows, entry["weights"], mine)
+        need(claimed <= proved, f"box {entry['box']}: {claimed} is claimed, {proved} is proved")
+        lowest, leaves = min(lowest, claimed), leaves + 1
+    need(last is not None, "the log has no end")
+    need(not pending, f"{len(pending)} boxes are not covered")
+    status, lower, upper = last["end"], last["lower"], last["upper"]
+    need((status == "infeasible") == (lowest == INF), "whether there are feasible points is not what is claimed")
+    need(lower is None or lower <= lowest, f"the lower bound {lower} is claimed, {lowest} is proved")
+    if upper is not None:
+        check_point(box, ops, rows, last)
+    if status == "proved":
+        need(None not in (lower, upper) and upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
+    return f"{status}: lower {lower}, upper {upper}, {leaves} leaves"
+def verdict(path):
+    """The exit code of one log, and a line about it."""
+    try:
+        with open(path, encoding="utf-8") as log:
+            return 0, "accepted: " + check(iter(log))
+    except Refused as reason:
+        return 1, f"refused: {reason}"
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
+        return 2, f"refused: not a proof log: {type(reason).__name__}: {reason}"
+
+if __name__ == "__main__":
+    verdicts = [verdict(path) for path in sys.argv[1:]]
+    print("\n".join(line for _, line in verdicts) or __doc__)
+    sys.exit(max((code for code, _ in verdicts), default=2))

@@ -1,0 +1,161 @@
+//! The proof as lines of JSON, which a checker of its own can replay.
+//!
+//! The first line holds the problem: the box, the operations of the tape, and the rows. Then comes one line per box:
+//! either it is divided, at a place along one variable, into two boxes with numbers of their own, or it is a leaf with
+//! its lower bound (`null`: no feasible point) and the multipliers that prove it. The last line holds the result.
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+use super::rows::Rows;
+use crate::sqp::LinearKind;
+use crate::tape::Op;
+
+/// A bound is claimed a little lower than it was computed, so that a checker with another library of elementary
+/// functions confirms it.
+const CLAIM_SLACK: f64 = 1e-10;
+
+/// Takes the lines of a proof, without line ends; [`ControlFlow::Break`] stops the search.
+pub type ProofSink<'s> = dyn FnMut(&str) -> ControlFlow<()> + 's;
+
+pub(super) struct Proof<'a, 's> {
+    pub(super) sink: Option<&'a mut ProofSink<'s>>,
+    pub(super) broken: bool,
+}
+
+/// A finite number as JSON reads it back without loss.
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+fn numbers(list: impl IntoIterator<Item = f64>) -> String {
+    let list: Vec<String> = list.into_iter().map(number).collect();
+    format!("[{}]", list.join(","))
+}
+
+/// A text as JSON.
+fn text(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if (c as u32) < 0x20 => {
+                let _ = write!(out, "\\u{:04x}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// What a bound may be claimed as.
+pub(super) fn claim(bound: f64) -> f64 {
+    if bound.is_finite() {
+        bound - CLAIM_SLACK * (1.0 + bound.abs())
+    } else {
+        bound
+    }
+}
+
+impl Proof<'_, '_> {
+    fn line(&mut self, line: &str) {
+        if let Some(sink) = &mut self.sink
+            && !self.broken
+        {
+            self.broken = sink(line).is_break();
+        }
+    }
+
+    pub(super) fn begin(&mut self, rows: &Rows, names: &[String], gap: f64) {
+        if self.sink.is_none() {
+            return;
+        }
+        let ops: Vec<String> = rows
+            .tape
+            .ops
+            .iter()
+            .map(|op| match op {
+                Op::Constant(value) => format!("[\"const\",{}]", number(*value)),
+                Op::Variable(index) => format!("[\"var\",{index}]"),
+                Op::Unary(function, a) => format!("[\"{}\",{a}]", function.name()),
+                Op::Binary(function, a, b) => format!("[\"{}\",{a},{b}]", function.name()),
+                Op::WholePower(a, n) => format!("[\"powi\",{a},{n}]"),
+                Op::Law { law, output } => format!("[\"law\",{law},{output}]"),
+            })
+            .collect();
+        let kinds = |kind| match kind {
+            LinearKind::Objective => "objective",
+            LinearKind::AtMost => "at_most",
+            LinearKind::Equal => "equal",
+        };
+        let list: Vec<String> = rows
+            .list
+            .iter()
+            .map(|row| format!("[\"{}\",{},{}]", kinds(row.kind), row.node, text(&row.name)))
+            .collect();
+        let names: Vec<String> = names.iter().map(|name| text(name)).collect();
+        self.line(&format!(
+            "{{\"format\":\"grouser-certificate\",\"version\":1,\"gap\":{},\"variables\":[{}],\"lower\":{},\
+             \"upper\":{},\"ops\":[{}],\"rows\":[{}]}}",
+            number(gap),
+            names.join(","),
+            numbers(rows.lower.iter().copied()),
+            numbers(rows.upper.iter().copied()),
+            ops.join(","),
+            list.join(",")
+        ));
+    }
+
+    pub(super) fn divided(&mut self, id: u64, variable: usize, at: f64, into: (u64, u64)) {
+        if self.sink.is_some() {
+            let (below, above) = into;
+            self.line(&format!(
+                "{{\"box\":{id},\"divide\":{variable},\"at\":{},\"into\":[{below},{above}]}}",
+                number(at)
+            ));
+        }
+    }
+
+    pub(super) fn leaf(&mut self, id: u64, bound: f64, weights: &[(usize, f64)]) {
+        if self.sink.is_none() {
+            return;
+        }
+        let weights: Vec<String> = weights
+            .iter()
+            .map(|(row, w)| format!("[{row},{}]", number(*w)))
+            .collect();
+        let bound = if bound.is_finite() {
+            number(bound)
+        } else if bound > 0.0 {
+            "null".to_owned()
+        } else {
+            "\"none\"".to_owned()
+        };
+        self.line(&format!(
+            "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]}}",
+            weights.join(",")
+        ));
+    }
+
+    pub(super) fn end(&mut self, status: &str, lower: f64, upper: f64, x: &[f64], violation: f64) {
+        if self.sink.is_none() {
+            return;
+        }
+        let or_null = |x: f64| {
+            if x.is_finite() {
+                number(x)
+            } else {
+                "null".to_owned()
+            }
+        };
+        self.line(&format!(
+            "{{\"end\":{},\"lower\":{},\"upper\":{},\"x\":{},\"violation\":{}}}",
+            text(status),
+            or_null(lower),
+            or_null(upper),
+            numbers(x.iter().copied()),
+            number(violation)
+        ));
+    }
+}

@@ -1,0 +1,133 @@
+//! The problem to be certified: rows on a tape that must lie below one level γ, or below or at 0.
+
+use super::CertifyError;
+use crate::method::Method;
+use crate::problem::{Problem, Relation};
+use crate::program::{Kind, Program};
+use crate::sqp::LinearKind;
+use crate::tape::{Binary, Node, Tape, TapedFunctions, Unary};
+
+/// A row: an expression, and what it must satisfy.
+pub(super) struct Row {
+    pub(super) name: String,
+    pub(super) kind: LinearKind,
+    pub(super) node: Node,
+    /// The operations that it needs, itself last.
+    pub(super) needed: Vec<Node>,
+}
+
+/// All rows over the box.
+pub(super) struct Rows {
+    pub(super) tape: Tape,
+    pub(super) list: Vec<Row>,
+    /// The operations that any row needs, in order.
+    pub(super) needed: Vec<Node>,
+    pub(super) lower: Vec<f64>,
+    pub(super) upper: Vec<f64>,
+}
+
+impl Rows {
+    pub(super) fn new(problem: &Problem<'_>, method: &Method) -> Result<Self, CertifyError> {
+        method.check(problem)?;
+        let (lower, upper) = problem.finite_box("a certificate")?;
+        let n = lower.len();
+        let TapedFunctions {
+            mut tape,
+            functions,
+        } = problem
+            .model()
+            .taped(n, problem.function_count())
+            .ok_or(CertifyError::NoFormula)?;
+        let mut list: Vec<(String, LinearKind, Node)> = Vec::new();
+        if let Method::Weighted { weights } = method {
+            let node = weighted_sum(&mut tape, &functions, weights, problem.absolute());
+            list.push(("weighted sum".to_owned(), LinearKind::Objective, node));
+        }
+        for row in Program::new(problem, method).rows {
+            let kind = match row.kind {
+                Kind::Objective(_) if matches!(method, Method::Weighted { .. }) => continue,
+                Kind::Objective(_) => LinearKind::Objective,
+                Kind::HardGoal(_) | Kind::Inequality(_) => LinearKind::AtMost,
+                Kind::Equality(_) => LinearKind::Equal,
+            };
+            let mut node = functions[row.function];
+            if row.sign < 0.0 {
+                node = tape.unary(Unary::Neg, node);
+            }
+            if row.shift != 0.0 {
+                let shift = tape.constant(row.shift);
+                node = tape.binary(Binary::Sub, node, shift);
+            }
+            node = scaled(&mut tape, node, row.scale);
+            list.push((problem.function_name(row.function).to_owned(), kind, node));
+        }
+        for row in problem.linear() {
+            let mut sum = tape.constant(-row.bound);
+            for (index, &coefficient) in row.coefficients.iter().enumerate() {
+                if coefficient != 0.0 {
+                    let variable = tape.variable(index);
+                    let term = scaled(&mut tape, variable, coefficient);
+                    sum = tape.binary(Binary::Add, sum, term);
+                }
+            }
+            let kind = match row.relation {
+                Relation::Equal => LinearKind::Equal,
+                Relation::AtMost => LinearKind::AtMost,
+            };
+            list.push((row.name.clone(), kind, sum));
+        }
+        let list: Vec<Row> = list
+            .into_iter()
+            .map(|(name, kind, node)| Row {
+                name,
+                kind,
+                node,
+                needed: tape.needed(node),
+            })
+            .collect();
+        let mut needed: Vec<Node> = list.iter().flat_map(|row| row.needed.clone()).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        Ok(Self {
+            tape,
+            list,
+            needed,
+            lower,
+            upper,
+        })
+    }
+
+    /// How many variables there are.
+    pub(super) fn dimension(&self) -> usize {
+        self.lower.len()
+    }
+}
+
+fn scaled(tape: &mut Tape, node: Node, factor: f64) -> Node {
+    if factor == 1.0 {
+        return node;
+    }
+    let factor = tape.constant(factor);
+    tape.binary(Binary::Mul, node, factor)
+}
+
+fn weighted_sum(tape: &mut Tape, functions: &[Node], weights: &[f64], absolute: usize) -> Node {
+    let mut sum = None;
+    for (index, (&weight, &function)) in weights.iter().zip(functions).enumerate() {
+        // an objective of weight 0 may have no value
+        if weight == 0.0 {
+            continue;
+        }
+        let size = if index < absolute {
+            tape.unary(Unary::Abs, function)
+        } else {
+            function
+        };
+        let term = scaled(tape, size, weight);
+        sum = Some(match sum {
+            Some(sum) => tape.binary(Binary::Add, sum, term),
+            None => term,
+        });
+    }
+    sum.unwrap_or_else(|| tape.constant(0.0))
+}

@@ -1,0 +1,250 @@
+//! The published problems over boxes of ±5 around their starts (`literature/boxes.csv`, within the problems' own
+//! bounds): proved, or the gap that was reached.
+//! `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-opt --test certified -- --nocapture` measures all of them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first surprise, and prints what it measured"
+)]
+
+#[path = "literature/luksan_vlcek_linear.rs"]
+mod luksan_vlcek_linear;
+#[path = "literature/luksan_vlcek_unconstrained.rs"]
+mod luksan_vlcek_unconstrained;
+#[path = "literature/other.rs"]
+mod other;
+#[path = "support/random_starts.rs"]
+#[allow(dead_code, reason = "shared with other tests")]
+mod random_starts;
+#[path = "literature/suite.rs"]
+mod suite;
+
+use std::collections::BTreeMap;
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+
+use grouser_opt::{
+    CertifyError, CertifySettings, CertifyStatus, Differences, Exact, Functions, Method, Problem,
+    ProblemParams, Variable, certify, certify_with, evaluate,
+};
+use grouser_real::Scalar;
+use random_starts::Stream;
+
+/// The boxes: problem, variable, lower, upper.
+const BOXES: &str = include_str!("literature/boxes.csv");
+
+fn boxes() -> BTreeMap<&'static str, Vec<(f64, f64)>> {
+    let mut map: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
+    for line in BOXES.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let list = map.entry(cells[0]).or_default();
+        list.push((cells[2].parse().unwrap(), cells[3].parse().unwrap()));
+    }
+    map
+}
+
+fn boxed(params: fn() -> ProblemParams<'static>, sides: &[(f64, f64)]) -> Problem<'static> {
+    let mut params = params();
+    for (variable, (lower, upper)) in params.variables.iter_mut().zip(sides) {
+        (variable.lower, variable.upper) = (*lower, *upper);
+    }
+    Problem::new(params).unwrap()
+}
+
+/// The problems that are proved within a second each.
+const QUICK: [&str; 8] = [
+    "CB2",
+    "SPIRAL",
+    "RosenSuzuki",
+    "Davidon2",
+    "MAD1",
+    "MAD4",
+    "MAD6",
+    "MATLAB-doc",
+];
+
+#[test]
+fn quick_problems_are_proved_with_little_effort() {
+    let boxes = boxes();
+    let mut table = String::new();
+    for case in suite::all()
+        .iter()
+        .filter(|case| QUICK.contains(&case.name))
+    {
+        let problem = boxed(case.params, &boxes[case.name]);
+        let mut settings = CertifySettings::default();
+        settings.max_boxes = 5000;
+        let c = certify(&problem, &Method::Minimax, &settings).unwrap();
+        assert_eq!(c.status, CertifyStatus::Proved, "{}", case.name);
+        assert!(
+            c.gap() <= 1e-6 * (1.0 + c.upper.abs()) && c.lower <= c.upper,
+            "{}",
+            case.name
+        );
+        // the published optimum is that of the whole space; some boxes do not hold it
+        assert!(
+            c.upper >= case.optimum - 1e-6 * (1.0 + case.optimum.abs()),
+            "{}: {}",
+            case.name,
+            c.upper
+        );
+        let _ = writeln!(table, "{:<12} boxes {:>5}", case.name, c.boxes);
+    }
+    insta::assert_snapshot!(table);
+}
+
+/// No random feasible point of any box lies below the proved bound, however early the search ends.
+#[test]
+fn no_point_lies_below_a_proved_bound() {
+    let boxes = boxes();
+    let mut stream = Stream(5);
+    let mut tried = 0;
+    for case in suite::all() {
+        let problem = boxed(case.params, &boxes[case.name]);
+        let mut settings = CertifySettings::default();
+        settings.max_boxes = 300;
+        let c = certify(&problem, &Method::Minimax, &settings).unwrap();
+        assert!(c.lower <= c.upper, "{}", case.name);
+        let centre = c.x.clone();
+        for turn in 0..1000 {
+            // over the whole box, and near the best point
+            let x: Vec<f64> = problem
+                .variables()
+                .iter()
+                .enumerate()
+                .map(|(i, v)| {
+                    let anywhere = v.lower + (v.upper - v.lower) * stream.next();
+                    match &centre {
+                        Some(c) if turn % 2 == 0 => {
+                            (c[i] + 1e-3 * (anywhere - c[i])).clamp(v.lower, v.upper)
+                        }
+                        _ => anywhere,
+                    }
+                })
+                .collect();
+            let merit = evaluate(&problem, &Method::Minimax, &x).unwrap();
+            if merit.violation <= 0.0 && !merit.utility.is_nan() {
+                tried += 1;
+                assert!(
+                    merit.utility >= c.lower,
+                    "{}: {} < {} at {x:?}",
+                    case.name,
+                    merit.utility,
+                    c.lower
+                );
+            }
+        }
+    }
+    assert!(tried > 5000, "{tried}");
+}
+
+struct Nowhere;
+impl Functions for Nowhere {
+    /// x² + y² ≤ 1 and x y ≥ 0.51 exclude each other.
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = x[0];
+        f[1] = x[0].square() + x[1].square() - R::ONE;
+        f[2] = R::from_f64(0.51) - x[0] * x[1];
+    }
+}
+
+#[test]
+fn the_absence_of_feasible_points_is_proved() {
+    let params = ProblemParams::new(&[0.0, 0.0], 1, Exact(Nowhere))
+        .variables(["x", "y"].map(|name| Variable::bounded(name, 0.0, -3.0, 3.0)))
+        .inequalities(["disc".to_owned(), "product".to_owned()]);
+    let c = certify(
+        &Problem::new(params).unwrap(),
+        &Method::Minimax,
+        &CertifySettings::default(),
+    )
+    .unwrap();
+    assert_eq!(c.status, CertifyStatus::Infeasible);
+    assert!(c.x.is_none() && c.lower == f64::INFINITY);
+}
+
+#[test]
+fn functions_that_are_no_formulas_are_refused() {
+    let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0]);
+    let params =
+        ProblemParams::new(&[0.0], 1, model).variables([Variable::bounded("x", 0.0, -1.0, 1.0)]);
+    let refused = certify(
+        &Problem::new(params).unwrap(),
+        &Method::Minimax,
+        &CertifySettings::default(),
+    );
+    assert_eq!(refused, Err(CertifyError::NoFormula));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let boxes = boxes();
+    let case = suite::all()
+        .into_iter()
+        .find(|case| case.name == "RosenSuzuki")
+        .unwrap();
+    let problem = boxed(case.params, &boxes[case.name]);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let mut c = pool
+            .install(|| certify(&problem, &Method::Minimax, &CertifySettings::default()).unwrap());
+        c.seconds = 0.0;
+        c
+    };
+    assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn published_problems_are_proved_or_their_gap_is_measured() {
+    let Ok(seconds) = std::env::var("GROUSER_CERTIFY_S") else {
+        println!("skipped: GROUSER_CERTIFY_S gives the seconds for each problem");
+        return;
+    };
+    let seconds: f64 = seconds.parse().unwrap();
+    let only = std::env::var("GROUSER_CERTIFY_ONLY").unwrap_or_default();
+    let folder = std::env::var("GROUSER_CERTIFY_LOGS").ok();
+    let boxes = boxes();
+    for case in suite::all() {
+        if !case.name.contains(&only) {
+            continue;
+        }
+        let problem = boxed(case.params, &boxes[case.name]);
+        let mut settings = CertifySettings::default();
+        settings.time_limit_s = Some(seconds);
+        let mut log = folder.as_ref().map(|folder| {
+            let file = std::fs::File::create(format!("{folder}/{}.jsonl", case.name)).unwrap();
+            std::io::BufWriter::new(file)
+        });
+        let mut write = |line: &str| {
+            if let Some(log) = &mut log {
+                std::io::Write::write_fmt(log, format_args!("{line}\n")).unwrap();
+            }
+            ControlFlow::Continue(())
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let c = certify_with(
+            &problem,
+            &Method::Minimax,
+            &settings,
+            go_on,
+            Some(&mut write),
+        )
+        .unwrap();
+        println!(
+            "{:<15} n {:>2}  {:<10} lower {:>18.10e} upper {:>18.10e} gap {:>9.2e} ({:.1e} of 1 + |f|) boxes {:>8} in {:>5.1} s",
+            case.name,
+            problem.variables().len(),
+            c.status.name(),
+            c.lower,
+            c.upper,
+            c.gap(),
+            c.gap() / (1.0 + c.upper.abs()),
+            c.boxes,
+            c.seconds
+        );
+    }
+}

@@ -1,0 +1,250 @@
+//! Proof logs beside the checker: it accepts what was written, and refuses every log in which a part was changed.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first surprise, and prints what it measured"
+)]
+
+#[path = "support/random_starts.rs"]
+#[allow(dead_code, reason = "shared with other tests")]
+mod random_starts;
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use grouser_opt::{
+    CertifySettings, CertifyStatus, Exact, Functions, Method, Problem, ProblemParams, Variable,
+    certify_with,
+};
+use grouser_real::Scalar;
+use random_starts::Stream;
+
+/// Charalambous & Conn 1978.
+struct Cb2;
+impl Functions for Cb2 {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let two = R::from_f64(2.0);
+        f[0] = x[0].square() + x[1].powi(4);
+        f[1] = (two - x[0]).square() + (two - x[1]).square();
+        f[2] = two * (x[1] - x[0]).exp();
+    }
+}
+
+/// Every operation of a tape at least once, and a constraint.
+struct Everything;
+impl Functions for Everything {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let (a, b, one) = (x[0], x[1], R::ONE);
+        let smooth =
+            a.sin() * b.cos() + (a * R::from_f64(0.3)).tan() + (b * R::from_f64(0.4)).asin();
+        let more =
+            (b * R::from_f64(0.3)).acos() + a.atan() + b.sinh() * R::from_f64(0.1) + a.cosh();
+        let roots =
+            (a + R::from_f64(2.5)).sqrt() + (b + R::from_f64(3.0)).ln() + a.tanh() + a.exp_m1();
+        let powers =
+            (a + R::from_f64(3.0)).powf(b * R::from_f64(0.2)) + (a + R::from_f64(4.0)).powi(-2);
+        let kinks = (a - b).abs() + a.max(b * b) - a.min(b) + (b * R::from_f64(0.1)).ln_1p();
+        f[0] = smooth
+            + more
+            + roots
+            + powers
+            + kinks
+            + (a + R::from_f64(3.0)).atan2(b + R::from_f64(4.0));
+        f[1] = -(a / (b + R::from_f64(5.0))) - (-one).exp();
+        f[2] = a + b * b - one;
+    }
+}
+
+fn problem(
+    functions: impl Functions + 'static,
+    side: f64,
+    limits: usize,
+    objectives: usize,
+) -> Problem<'static> {
+    let params = ProblemParams::new(&[0.1, 0.2], objectives, Exact(functions))
+        .variables(["x", "y"].map(|name| Variable::bounded(name, 0.1, -side, side)))
+        .inequalities((0..limits).map(|i| format!("limit {i}")));
+    Problem::new(params).unwrap()
+}
+
+fn proof(problem: &Problem<'_>, gap: f64) -> (CertifyStatus, Vec<String>) {
+    let mut lines = Vec::new();
+    let mut settings = CertifySettings::default();
+    settings.gap = gap;
+    settings.max_boxes = 20_000;
+    let certificate = certify_with(
+        problem,
+        &Method::Minimax,
+        &settings,
+        &mut |_| ControlFlow::Continue(()),
+        Some(&mut |line: &str| {
+            lines.push(line.to_owned());
+            ControlFlow::Continue(())
+        }),
+    )
+    .unwrap();
+    (certificate.status, lines)
+}
+
+/// Is there a Python? Under CI there must be one.
+fn python() -> bool {
+    let found = Command::new("python3")
+        .arg("--version")
+        .output()
+        .is_ok_and(|o| o.status.success());
+    assert!(
+        found || std::env::var("CI").is_err(),
+        "the checker needs python3"
+    );
+    if !found {
+        println!("skipped: no python3");
+    }
+    found
+}
+
+/// What the checker says of each log.
+fn verdicts(folder: &Path, logs: &[Vec<String>]) -> Vec<String> {
+    fs::create_dir_all(folder).unwrap();
+    let paths: Vec<PathBuf> = logs
+        .iter()
+        .enumerate()
+        .map(|(index, lines)| {
+            let path = folder.join(format!("{index}.jsonl"));
+            fs::write(&path, lines.join("\n") + "\n").unwrap();
+            path
+        })
+        .collect();
+    let checker = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../checker/check.py");
+    let output = Command::new("python3")
+        .arg(checker)
+        .args(&paths)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let _ = fs::remove_dir_all(folder);
+    text.lines().map(str::to_owned).collect()
+}
+
+fn folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("grouser-proofs-{name}-{}", std::process::id()))
+}
+
+#[test]
+fn the_checker_accepts_what_is_proved() {
+    if !python() {
+        return;
+    }
+    let cases = [
+        (problem(Cb2, 4.0, 0, 3), 1e-6, CertifyStatus::Proved),
+        (problem(Cb2, 1.0, 1, 2), 1e-6, CertifyStatus::Infeasible),
+        (problem(Everything, 1.5, 1, 2), 1e-3, CertifyStatus::Proved),
+    ];
+    let logs: Vec<Vec<String>> = cases
+        .iter()
+        .map(|(problem, gap, expected)| {
+            let (status, lines) = proof(problem, *gap);
+            assert_eq!(status, *expected);
+            lines
+        })
+        .collect();
+    for verdict in verdicts(&folder("accepted"), &logs) {
+        println!("{verdict}");
+        assert!(verdict.starts_with("accepted"), "{verdict}");
+    }
+}
+
+/// The number that follows `key` in a line, replaced.
+fn with_number(line: &str, key: &str, change: impl Fn(f64) -> f64) -> Option<String> {
+    let start = line.find(key)? + key.len();
+    let length = line[start..].find([',', ']', '}'])?;
+    let number: f64 = line[start..start + length].parse().ok()?;
+    Some(format!(
+        "{}{:?}{}",
+        &line[..start],
+        change(number),
+        &line[start + length..]
+    ))
+}
+
+/// One part of a log changed so that it proves less than it claims; `None` where this line has no such part.
+fn mutilated(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<String>> {
+    let mut lines = log.to_vec();
+    let pick = |stream: &mut Stream, count: usize| (stream.next() * count as f64) as usize;
+    let inner = 1 + pick(stream, log.len() - 2);
+    let last = log.len() - 1;
+    let size = 0.01 + stream.next();
+    match kind {
+        // a box is missing
+        0 => drop(lines.remove(inner)),
+        // a box occurs twice
+        1 => lines.insert(inner, lines[inner].clone()),
+        // a bound is higher than its multipliers prove
+        2 => {
+            lines[inner] = with_number(&log[inner], "\"bound\":", |b| {
+                b + 1e-3 * size * (1.0 + b.abs())
+            })?
+        }
+        // a box is divided outside itself
+        3 => lines[inner] = with_number(&log[inner], "\"at\":", |at| at + 100.0 * size)?,
+        // a part of a divided box has the number of another
+        4 => lines[inner] = with_number(&log[inner], "\"into\":[", |_| 0.0)?,
+        // a multiplier of an inequality is negative
+        5 => lines[inner] = with_number(&log[inner], "\"weights\":[[0,", |w| -w)?,
+        // a bound without multipliers
+        6 => {
+            let start = log[inner].find("\"weights\":")?;
+            lines[inner] = format!("{}\"weights\":[]}}", &log[inner][..start]);
+        }
+        // the end claims a better bound, a better point, another point
+        7 => lines[last] = with_number(&log[last], "\"lower\":", |b| b + 1e-3 * size)?,
+        8 => lines[last] = with_number(&log[last], "\"upper\":", |b| b - 1e-3 * size)?,
+        9 => lines[last] = with_number(&log[last], "\"x\":[", |x| x + 0.1 * size)?,
+        // another problem: a constant, an exponent
+        10 => lines[0] = with_number(&log[0], "[\"const\",", |c| c + size)?,
+        11 => lines[0] = log[0].replacen("[\"powi\",1,4]", "[\"powi\",1,2]", 1),
+        // the log breaks off
+        12 => lines.truncate(inner),
+        // a variable is none of the problem's
+        13 => lines[inner] = with_number(&log[inner], "\"divide\":", |d| d + 7.0)?,
+        // a box that never was
+        _ => lines[inner] = with_number(&log[inner], "\"box\":", |id| id + 1e6)?,
+    }
+    (lines != log).then_some(lines)
+}
+
+#[test]
+fn the_checker_refuses_mutilated_logs() {
+    if !python() {
+        return;
+    }
+    let (status, log) = proof(&problem(Cb2, 4.0, 0, 3), 1e-6);
+    assert_eq!(status, CertifyStatus::Proved);
+    let mut stream = Stream(2012);
+    let mut logs = vec![log.clone()];
+    let mut kinds = Vec::new();
+    for kind in (0..15).cycle() {
+        if logs.len() > 100 {
+            break;
+        }
+        // a part that this line does not have is looked for in another one
+        if let Some(lines) = (0..50).find_map(|_| mutilated(&log, kind, &mut stream)) {
+            logs.push(lines);
+            kinds.push(kind);
+        }
+    }
+    let verdicts = verdicts(&folder("mutilated"), &logs);
+    assert_eq!(verdicts.len(), 101);
+    assert!(verdicts[0].starts_with("accepted"), "{}", verdicts[0]);
+    for (verdict, kind) in verdicts[1..].iter().zip(&kinds) {
+        assert!(
+            verdict.starts_with("refused"),
+            "mutilation {kind}: {verdict}"
+        );
+    }
+    println!(
+        "100 of 100 mutilated logs refused, {} lines each",
+        log.len()
+    );
+}
