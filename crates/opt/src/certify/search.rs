@@ -136,13 +136,18 @@ impl Search<'_, '_> {
     ) -> Certificate {
         let began = Instant::now();
         let mut best = None;
-        if let Ok(found) = multi_start(
-            self.problem,
-            self.method,
-            &self.settings.solve,
-            self.settings.starts.max(1),
-            self.settings.seed,
-        ) {
+        for candidate in &self.settings.candidates {
+            self.consider(&mut best, candidate);
+        }
+        if self.settings.starts > 0
+            && let Ok(found) = multi_start(
+                self.problem,
+                self.method,
+                &self.settings.solve,
+                self.settings.starts,
+                self.settings.seed,
+            )
+        {
             for run in &found.runs {
                 self.consider(&mut best, &run.x[..self.rows.dimension()]);
             }
@@ -222,7 +227,7 @@ impl Search<'_, '_> {
                     self.consider(&mut best, &result.middle);
                 }
             }
-            if boxes >= polish_at {
+            if boxes >= polish_at && self.settings.starts > 0 {
                 polish_at = polish_at.saturating_mul(2).max(boxes);
                 if let Some(first) = examined.first() {
                     let middle: Vec<f64> = first.rest.iter().map(|x| x.middle()).collect();
