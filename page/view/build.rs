@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The modules that `page/build` makes.
-const MODULES: [&str; 1] = ["explore"];
+const MODULES: [&str; 3] = ["explore", "drive", "log"];
 
 fn main() {
     let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));

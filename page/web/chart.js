@@ -45,6 +45,12 @@ export class Chart {
     this.#render();
   }
 
+  /** Moves the cursor alone. */
+  cursor(x) {
+    this.#data.cursor = x;
+    this.#renderCursor();
+  }
+
   /** Shows where another chart is pointed at. */
   point(x) {
     this.#hover = x;
@@ -77,8 +83,8 @@ export class Chart {
     const { series, range, levels } = this.#data;
     const width = this.#width;
     const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
-    const values = series.flatMap((one) => (one.band ? [...one.y, ...one.band.low, ...one.band.high] : one.y));
-    const [low, high] = this.#options.y.range ?? rangeOf([...values, ...levels.map((level) => level.y)], zero);
+    const values = series.flatMap((one) => (one.band ? one.y.concat(one.band.low, one.band.high) : one.y));
+    const [low, high] = this.#options.y.range ?? rangeOf(values.concat(levels.map((level) => level.y)), zero);
     const px = (value) => MARGIN.left + (inner.width * (value - range[0])) / (range[1] - range[0]);
     const py = (value) => MARGIN.top + inner.height * (1 - (value - low) / (high - low));
     this.#frame = { px, py, inner, height };
@@ -124,10 +130,12 @@ export class Chart {
   #renderLines({ width, px, py }) {
     const { series, range, marks, levels } = this.#data;
     const lines = document.createDocumentFragment();
+    for (const { from, to, kind } of this.#data.spans ?? []) {
+      const [a, b] = [Math.max(from, range[0]), Math.min(to, range[1])];
+      if (a < b) lines.append(svg('rect', { x: px(a), width: Math.max(0.5, px(b) - px(a)), y: MARGIN.top, height: this.#frame.inner.height, class: `span ${kind}` }));
+    }
     for (const one of series) {
-      if (one.band) {
-        lines.append(svg('path', { d: bandPath(one.x, one.band, px, py), fill: one.colour, class: 'band' }));
-      }
+      if (one.band) lines.append(svg('path', { d: bandPath(one.x, one.band, px, py), fill: one.colour, class: 'band' }));
     }
     for (const level of levels) {
       lines.append(svg('line', { x1: MARGIN.left, x2: width - MARGIN.right, y1: py(level.y), y2: py(level.y), class: 'level' }));
@@ -181,6 +189,11 @@ export class Chart {
 
 function named({ name, unit }) {
   return unit ? `${name} (${unit})` : name;
+}
+
+/** The pixels of a chart's plot. */
+export function plotWidth(chart) {
+  return Math.max(200, chart.element.clientWidth - MARGIN.left - MARGIN.right);
 }
 
 /** The path of a line; a gap where a value is missing. */

@@ -2,10 +2,13 @@
 
 import { h } from './dom.js';
 import { Explore } from './explore.js';
-import { WasmPhysics } from './physics.js';
+import { Optimise } from './optimise.js';
+import { Run } from './run.js';
+import { ServerPhysics, WasmPhysics } from './physics.js';
 import { themeButton } from './theme.js';
+import { WorkerPhysics, work } from './worker.js';
 
-const VIEWS = [['explore', 'Explore']];
+const VIEWS = [['explore', 'Explore'], ['optimise', 'Optimise'], ['run', 'Run']];
 
 async function start() {
   const main = document.getElementById('main');
@@ -19,11 +22,21 @@ async function start() {
     written = query ? `#${view}?${query}` : `#${view}`;
     if (location.hash !== written) history.replaceState(null, '', written);
   };
-  const views = new Map([['explore', new Explore(physics, catalogue, moved('explore'))]]);
+  const drive = new WorkerPhysics('drive');
+  const views = new Map([
+    ['explore', new Explore(physics, catalogue, moved('explore'))],
+    ['optimise', new Optimise(drive, (change) => {
+      location.hash = `#explore?${change}`;
+    })],
+    ['run', new Run(drive, new WorkerPhysics('log'))],
+  ]);
+
+  // a page that brings a run opens with it
+  const first = main.dataset.file || document.getElementById('embedded') ? 'run' : 'explore';
 
   function current() {
-    const [, name = 'explore', query = ''] = location.hash.match(/^#([a-z]+)(?:\?(.*))?$/s) ?? [];
-    return [views.has(name) ? name : 'explore', query];
+    const [, name = first, query = ''] = location.hash.match(/^#([a-z]+)(?:\?(.*))?$/s) ?? [];
+    return [views.has(name) ? name : first, query];
   }
 
   function show() {
@@ -42,10 +55,16 @@ async function start() {
   });
   show();
   document.body.dataset.ready = 'true';
-  window.grouser = { views, physics };
+  // a server computes too: the same answers, for what a browser is too slow for
+  const server = main.dataset.server ? new ServerPhysics() : null;
+  window.grouser = { views, physics, server };
 }
 
-start().catch((error) => {
-  document.getElementById('main').replaceChildren(h('p', { class: 'failed', role: 'alert' }, `The page cannot start: ${error.message}`));
-  throw error;
-});
+if (typeof document === 'undefined') {
+  work();
+} else {
+  start().catch((error) => {
+    document.getElementById('main').replaceChildren(h('p', { class: 'failed', role: 'alert' }, `The page cannot start: ${error.message}`));
+    throw error;
+  });
+}

@@ -29,7 +29,16 @@ export class WasmPhysics {
 
   /** Compiles a module of the page. */
   static async load(name) {
-    const bytes = await moduleBytes(name);
+    return WasmPhysics.of(await moduleBytes(name));
+  }
+
+  /** The bytes of a module. */
+  static bytes(name) {
+    return moduleBytes(name);
+  }
+
+  /** A module out of its bytes. */
+  static async of(bytes) {
     const { instance } = await WebAssembly.instantiate(bytes, {});
     return new WasmPhysics(instance);
   }
@@ -61,7 +70,8 @@ export class ServerPhysics {
       headers: { 'content-type': 'application/json' },
       body: JSON.stringify(request),
     });
-    if (!response.ok) throw new Refusal({ field: null, message: `the server answers ${response.status}` });
+    // 400 comes with what is wrong
+    if (!response.ok && response.status !== 400) throw new Refusal({ field: null, message: `the server answers ${response.status}` });
     return checked(await response.text());
   }
 }

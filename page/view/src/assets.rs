@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/assets.rs"));
 
 /// The modules that a page carries, in the order in which they are embedded.
-pub const MODULES: [&str; 1] = ["explore"];
+pub const MODULES: [&str; 3] = ["explore", "drive", "log"];
 
 /// The names of all files.
 pub fn names() -> impl Iterator<Item = &'static str> {

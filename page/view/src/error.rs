@@ -29,6 +29,12 @@ pub enum Error {
         /// The part.
         name: String,
     },
+    /// The server cannot listen.
+    #[error("the server cannot listen: {source}")]
+    Server {
+        /// Why.
+        source: std::io::Error,
+    },
     /// The file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {

@@ -14,6 +14,8 @@
 pub mod assets;
 mod bundle;
 mod error;
+mod gate;
 pub mod pack;
+pub mod server;
 
 pub use error::{Error, Result};

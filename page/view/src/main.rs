@@ -1,38 +1,103 @@
 //! `grouser-view`: the page from a local server, or as one HTML file.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use grouser_view::pack;
+use grouser_view::pack::{self, Embedded};
+use grouser_view::server::{Server, Shown};
+use grouser_view::{Error, Result};
 
-/// Opens the page of Grouser: wheels on soil, and recorded runs.
+/// Largest file that is put into a page or shown, bytes.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// Opens the page of Grouser: a wheel on soil to explore, a run to look at.
 #[derive(Parser, Debug)]
 #[command(name = "grouser-view", version)]
 struct Arguments {
-    /// Write the page as one HTML file instead of serving it; it opens without a server
+    /// A run to open: the table of `grouser estimate -o`, or a log
+    file: Option<PathBuf>,
+    /// Write the page, with the run in it, as one HTML file instead of serving it; it opens without a server
     #[arg(long, value_name = "F.html")]
     export: Option<PathBuf>,
+    /// Port to listen on, on this machine only; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    port: u16,
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    match run(&arguments) {
+    match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            let _ = writeln!(std::io::stderr(), "error: {error}");
             ExitCode::from(2)
         }
     }
 }
 
-fn run(arguments: &Arguments) -> grouser_view::Result<()> {
+fn run(arguments: &Arguments) -> Result<()> {
+    let shown = arguments.file.as_deref().map(read).transpose()?;
     if let Some(path) = &arguments.export {
-        let html = pack::page(None)?;
-        std::fs::write(path, html).map_err(|source| grouser_view::Error::File {
-            path: path.clone(),
-            source,
-        })?;
+        let embedded = shown.as_ref().map(|shown| Embedded {
+            name: &shown.name,
+            bytes: &shown.bytes,
+        });
+        return std::fs::write(path, pack::page(embedded.as_ref())?)
+            .map_err(|source| file_error(path, source));
     }
-    Ok(())
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build();
+    let served = runtime.and_then(|runtime| {
+        runtime.block_on(async {
+            let server = Server::listen(arguments.port, shown).await?;
+            let mut out = std::io::stdout();
+            writeln!(
+                out,
+                "open {} (it works once; end with Ctrl-C)",
+                server.address()
+            )?;
+            out.flush()?;
+            tokio::select! {
+                ended = server.serve() => ended,
+                _ = tokio::signal::ctrl_c() => Ok(()),
+            }
+        })
+    });
+    served.map_err(|source| Error::Server { source })
+}
+
+/// A file of at most [`MAX_FILE_BYTES`], by its own length and by what is read.
+fn read(path: &Path) -> Result<Shown> {
+    let mut bytes = Vec::new();
+    // before it is opened: a pipe would wait for its writer
+    let about = std::fs::metadata(path).map_err(|source| file_error(path, source))?;
+    let file = File::open(path).map_err(|source| file_error(path, source))?;
+    if !about.is_file() {
+        return Err(file_error(path, std::io::Error::other("it is no file")));
+    }
+    file.take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|source| file_error(path, source))?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(Error::TooLarge {
+            path: path.to_owned(),
+            bytes: about.len(),
+            limit: MAX_FILE_BYTES,
+        });
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok(Shown {
+        name: name.into_owned(),
+        bytes,
+    })
+}
+
+fn file_error(path: &Path, source: std::io::Error) -> Error {
+    Error::File {
+        path: path.to_owned(),
+        source,
+    }
 }

@@ -40,6 +40,8 @@ pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
         ),
         ("style-src", &format!("'{}'", hash(style))),
         ("connect-src", "'none'"),
+        // long computations beside the page; the worker's script is the page's
+        ("worker-src", "blob:"),
     ]);
     let mut data = String::new();
     for module in MODULES {
@@ -69,7 +71,7 @@ pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
         &html,
         "</body>",
         "</body>",
-        &format!("{data}<script>{script}</script>\n</body>"),
+        &format!("{data}<script id=\"script\">{script}</script>\n</body>"),
     )
 }
 
@@ -94,6 +96,7 @@ pub fn server_policy() -> String {
         ("script-src", "'self' 'wasm-unsafe-eval'"),
         ("style-src", "'self'"),
         ("connect-src", "'self'"),
+        ("worker-src", "'self'"),
     ]);
     policy.push_str("; frame-ancestors 'none'");
     policy
@@ -109,7 +112,7 @@ fn hash(text: &str) -> String {
 /// Bytes as a block that no browser runs.
 fn block(id: &str, name: Option<&str>, bytes: &[u8]) -> String {
     let name = name.map_or_else(String::new, |name| {
-        format!(" data-name=\"{}\"", escaped(name))
+        format!(" data-name=\"{}\"", attribute(name))
     });
     format!(
         "<script type=\"application/octet-stream\" id=\"{id}\"{name}>{}</script>\n",
@@ -118,7 +121,7 @@ fn block(id: &str, name: Option<&str>, bytes: &[u8]) -> String {
 }
 
 /// A text as the value of an attribute.
-fn escaped(text: &str) -> String {
+pub(crate) fn attribute(text: &str) -> String {
     text.chars()
         .filter(|c| !c.is_control())
         .map(|c| match c {
@@ -148,10 +151,17 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_from_elsewhere() {
         let html = page(None).expect("complete");
-        for needs in [" src=", "rel=\"stylesheet", "\nimport ", "import(", "@import", "url("] {
+        for needs in [
+            " src=",
+            "rel=\"stylesheet",
+            "\nimport ",
+            "import(",
+            "@import",
+            "url(",
+        ] {
             assert!(!html.contains(needs), "{needs}");
         }
-        assert_eq!(html.matches("<script>").count(), 1);
+        assert_eq!(html.matches("<script id=").count(), 1);
         assert!(
             html.contains("id=\"wasm-explore\">H4sI"),
             "a gzip file in base64"
@@ -161,7 +171,10 @@ mod tests {
     #[test]
     fn the_policy_has_the_hash_of_the_script_that_is_there() {
         let html = page(None).expect("complete");
-        let script = html.split("<script>").nth(1).expect("a script");
+        let script = html
+            .split("<script id=\"script\">")
+            .nth(1)
+            .expect("a script");
         let script = script.split("</script>").next().expect("its end");
         assert!(html.contains(&hash(script)));
         assert!(!html.contains("unsafe-inline") && !html.contains("'unsafe-eval'"));

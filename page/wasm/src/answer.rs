@@ -23,6 +23,14 @@ fn dispatch(request: &Request<'_>) -> Result<Value, Problem> {
         "wheel" => crate::wheel::solve(request),
         #[cfg(feature = "explore")]
         "curve" => crate::curve::solve(request),
+        #[cfg(feature = "drive")]
+        "examples" => Ok(crate::examples::examples()),
+        #[cfg(feature = "drive")]
+        "optimize" => crate::optimize::solve(request),
+        #[cfg(feature = "drive")]
+        "drive" => crate::drive::solve(request),
+        #[cfg(feature = "log")]
+        "estimate" => crate::estimate::solve(request),
         other => Err(Problem::new(
             "call",
             format!("`{other}` is not a call of this module"),

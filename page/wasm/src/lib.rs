@@ -17,7 +17,17 @@ mod catalogue;
 mod contact;
 #[cfg(feature = "explore")]
 mod curve;
+#[cfg(feature = "drive")]
+mod drive;
+#[cfg(feature = "log")]
+mod estimate;
+#[cfg(feature = "drive")]
+mod examples;
+#[cfg(feature = "drive")]
+mod optimize;
 mod request;
+#[cfg(any(feature = "drive", feature = "log"))]
+mod run;
 #[cfg(feature = "explore")]
 mod wheel;
 

@@ -2,7 +2,11 @@
 
 use serde_json::{Map, Value};
 
+/// Longest request, bytes: a log of 192 MiB in base64.
+#[cfg(feature = "log")]
+const MAX_REQUEST_BYTES: usize = 256 << 20;
 /// Longest request, bytes: a few soils and numbers.
+#[cfg(not(feature = "log"))]
 const MAX_REQUEST_BYTES: usize = 1 << 20;
 
 /// Why a request has no answer.
@@ -42,6 +46,17 @@ impl From<grouser_files::Error> for Problem {
     }
 }
 
+#[cfg(any(feature = "drive", feature = "log"))]
+impl Problem {
+    /// Whatever another crate refuses, in its own words.
+    pub(crate) fn of(error: impl std::fmt::Display) -> Self {
+        Self {
+            field: None,
+            message: error.to_string(),
+        }
+    }
+}
+
 /// An object of named values.
 pub(crate) struct Request<'a>(std::borrow::Cow<'a, Map<String, Value>>);
 
@@ -72,7 +87,7 @@ impl Request<'static> {
 }
 
 #[cfg_attr(
-    not(feature = "explore"),
+    not(all(feature = "explore", feature = "drive", feature = "log")),
     allow(dead_code, reason = "each module reads the fields that it has")
 )]
 impl Request<'_> {
@@ -82,6 +97,14 @@ impl Request<'_> {
             Some(Value::String(text)) => Ok(text),
             Some(_) => Err(Problem::new(field, format!("`{field}` must be a text"))),
             None => Err(Problem::new(field, format!("`{field}` is missing"))),
+        }
+    }
+
+    /// A text, if it is there and not null.
+    pub(crate) fn optional_text(&self, field: &str) -> Result<Option<&str>, Problem> {
+        match self.0.get(field) {
+            None | Some(Value::Null) => Ok(None),
+            Some(_) => self.text(field).map(Some),
         }
     }
 

@@ -18,10 +18,10 @@ const PROGRAM: &str = "grouser-view";
     long_about = "Open the page: a wheel on soil to explore, a run to look at. The page is a local server's \
         (127.0.0.1, with a random token), or one HTML file that opens without a server. It is shown by the \
         program `grouser-view`, which `page/build` builds and which is found beside `grouser` or on the path.",
-    after_help = "Examples:\n  grouser view\n  grouser view drive.csv\n  grouser view --export page.html"
+    after_help = "Examples:\n  grouser view\n  grouser view estimates.csv\n  grouser view --export page.html"
 )]
 pub(crate) struct Arguments {
-    /// A run to open: the CSV of `drive -o` or `estimate -o`
+    /// A run to open: the table of `estimate -o`, or a log
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// Write the page, with the run in it, as one HTML file instead of serving it

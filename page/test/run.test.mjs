@@ -1,0 +1,171 @@
+// The run view in a real browser: recorded logs, drives, one cursor of time.
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { ROOT, assertSame, commandJson, seriousFindings, withPage } from './browser.mjs';
+
+const EXAMPLE = `${ROOT}examples/five-wheel`;
+const GROUSER = process.env.GROUSER ?? 'grouser';
+const folder = mkdtempSync(join(tmpdir(), 'grouser-run-'));
+const runOf = (page) => page.evaluate(() => window.grouser.views.get('run').run);
+const shown = (page) => page.waitForSelector('.run-body:not([hidden])', { timeout: 240000 });
+
+let table = null;
+/** The rows of `grouser estimate -o`, by wheel and time. */
+function estimates() {
+  if (!table) {
+    const path = join(folder, 'estimates.csv');
+    execFileSync(GROUSER, ['estimate', `${EXAMPLE}/log.csv`, '--robot', `${EXAMPLE}/robot.toml`, '-o', path], { stdio: 'ignore' });
+    const rows = readFileSync(path, 'utf8').trimEnd().split('\n').slice(1).map((line) => line.split(','));
+    table = { path, rows };
+  }
+  return table;
+}
+
+test('a log dropped with its robot file gives the rows of the command', async () => {
+  const { rows } = estimates();
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', [`${EXAMPLE}/log.csv`, `${EXAMPLE}/robot.toml`, `${EXAMPLE}/columns.toml`]);
+    await shown(page);
+    const run = await runOf(page);
+    const places = new Map(run.time_s.map((time, i) => [time, i]));
+    let compared = 0;
+    for (const [time, name, slip, sigma] of rows) {
+      const i = places.get(Number(time));
+      assert.notEqual(i, undefined, `time ${time}`);
+      const wheel = run.wheels.find((one) => one.name === name);
+      assertSame(wheel.slip[i], slip === '' ? null : Number(slip), `slip of ${name} at ${time} s`);
+      assertSame(wheel.slip_sigma[i], sigma === '' ? null : Number(sigma), `sigma of ${name} at ${time} s`);
+      compared += 1;
+    }
+    assert.equal(compared, rows.length);
+    assert.ok(compared > 5000);
+    assert.ok(run.distance_m > 5);
+  });
+});
+
+test('the table of estimate opens alone, is scrubbed and masked at rest', async () => {
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', estimates().path);
+    await shown(page);
+    assert.ok(!(await page.locator('.map').isVisible()), 'a table without a place has no map');
+    const at = (time) => page.evaluate((t) => {
+      const scrub = document.querySelector('.player input');
+      scrub.value = t;
+      scrub.dispatchEvent(new Event('input'));
+      return [...document.querySelectorAll('.wheels tbody tr')].map((row) => row.textContent);
+    }, time);
+    const first = await at(0.5);
+    assert.match(first[0], /–.*(Standstill|–)/);
+    const driving = await at(18);
+    assert.match(driving[0], /0\.\d+ ± 0\.\d+.*Driving.*Ok/);
+    // the cursor is one for all
+    const lines = await page.evaluate(() => [...document.querySelectorAll('.chart:not([hidden]) .cursor-line')].length);
+    assert.ok(lines >= 1);
+    assert.ok(await page.locator('.span.rest').count() > 0, 'times at rest are shaded');
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});
+
+test('playing moves the cursor, and a click on the chart sets it', async () => {
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', estimates().path);
+    await shown(page);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 0.5);
+    await page.getByRole('button', { name: 'Pause' }).click();
+    const box = await page.locator('.run .plot').first().boundingBox();
+    await page.mouse.click(box.x + box.width * 0.8, box.y + box.height * 0.5);
+    await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 25);
+    await page.selectOption('select[aria-label="Time shown"]', '10');
+    await page.getByRole('button', { name: 'One chart for each wheel' }).click();
+    assert.equal(await page.locator('.run-more .charts .chart:not([hidden])').count(), 5);
+  });
+});
+
+test('scrubbing keeps thirty frames a second', async (t) => {
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', estimates().path);
+    await shown(page);
+    const times = await page.evaluate(async () => {
+      const scrub = document.querySelector('.player input');
+      const out = [];
+      for (let i = 0; i < 90; i += 1) {
+        const start = performance.now();
+        scrub.value = (40 * i) / 90;
+        scrub.dispatchEvent(new Event('input'));
+        document.body.getBoundingClientRect(); // lays out
+        out.push(performance.now() - start);
+        await new Promise(requestAnimationFrame);
+      }
+      return out.sort((a, b) => a - b);
+    });
+    t.diagnostic(`a scrub p95 ${times[Math.floor(0.95 * times.length)].toFixed(1)} ms of 10 005 rows`);
+    assert.ok(times[Math.floor(0.5 * times.length)] < 333);
+  });
+});
+
+test('a drive in the page is the drive of the command', async (t) => {
+  const theirs = commandJson(`grouser drive ${ROOT}examples/scenarios/sandbox.toml`).runs.find(({ controller }) => controller === 'controller');
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.getByRole('button', { name: 'Drive the sandbox' }).click();
+    await shown(page);
+    const mine = await runOf(page);
+    assert.equal(mine.outcome, theirs.outcome);
+    assert.equal(mine.decisions.length, theirs.decisions.length);
+    // a drive is chaotic in the last digits of sines, which the browser computes by other polynomials
+    for (const key of ['distance_m', 'duration_s', 'energy_j', 'slip_rmse']) assertSame(mine[key], theirs[key], key, 0.02);
+    const seconds = await page.evaluate(() => window.grouser.views.get('run').timings.compute);
+    t.diagnostic(`${mine.duration_s.toFixed(1)} s driven in ${seconds.toFixed(2)} s: ${(mine.duration_s / seconds).toFixed(1)} times real time`);
+    assert.ok(await page.locator('.way path').count() > 2, 'the way has colours');
+    assert.deepEqual(await seriousFindings(page), []);
+    assert.ok(!(await page.locator('main').textContent()).includes('NaN'));
+  });
+});
+
+test('files that are no runs are refused in words', async () => {
+  const file = (name, text) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+  const cases = [
+    [[file('a.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n0,a,much,,,Ok,\n')], /line 2, column slip: “much” is not a number/],
+    [[file('b.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n1,a,,,,Ok,\n0,a,,,,Ok,\n')], /before/],
+    [[file('c.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n')], /no rows/],
+    [[file('d.mcap', 'no recording')], /robot file/],
+    [[file('log.csv', 'a,b\n1,2\n'), file('robot.toml', 'format = 1\n[[wheel]]\nradius_m = "x"\n')], /robot\.toml:1:1: the file has no key `name`/],
+    [[file('<img src=x onerror=alert(1)>.csv', 'time_s,wheel,slip,\n')], /no column slip_sigma/],
+  ];
+  for (const [files, expected] of cases) {
+    await withPage({ hash: '#run' }, async (page) => {
+      await page.setInputFiles('#run-files', files);
+      await page.waitForFunction(() => document.querySelector('.run-status').textContent.length > 5 && !document.querySelector('.run-status').textContent.endsWith('…'), null, { timeout: 60000 });
+      assert.match(await page.locator('.run-status').textContent(), expected);
+      assert.equal(await page.locator('img').count(), 0);
+    });
+  }
+});
+
+test('hostile names of wheels stay text', async () => {
+  const name = '"<img src=x onerror=""document.title=1"">"';
+  const rows = Array.from({ length: 30 }, (_, i) => `${i / 10},${name},0.${i + 10},0.01,Driving,Ok,`);
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', { name: 'x.csv', mimeType: 'text/csv', buffer: Buffer.from(`time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n${rows.join('\n')}\n`) });
+    await shown(page);
+    assert.equal(await page.locator('img').count(), 0);
+    assert.match(await page.locator('.wheels tbody').textContent(), /<img src=x onerror="document\.title=1">/);
+  });
+});
+
+test('an exported page opens with its run, from a file', async () => {
+  const view = process.env.GROUSER_VIEW ?? 'grouser-view';
+  const out = join(folder, 'run.html');
+  execFileSync(view, ['--export', out, '--', estimates().path]);
+  await withPage({ address: `file://${out}`, width: 390, height: 844, dark: true }, async (page) => {
+    await shown(page);
+    assert.equal((await runOf(page)).wheels.length, 5);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 390);
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});

@@ -1,0 +1,219 @@
+// Optimise: a problem file, its compromise in words, its front linked with its variables.
+
+import { h, svg } from './dom.js';
+import { shown } from './format.js';
+import { Refusal } from './physics.js';
+import { tickLabels, ticks } from './ticks.js';
+
+const NAMES = ['dry-sand-wheel', 'pull-against-torque', 'running-slip', 'robust-wheel'];
+/** Variables of a problem that the explorer has too. */
+const EXPLORED = ['radius_m', 'width_m', 'slip', 'load_n', 'grouser_height_m'];
+
+/** The view; `explore(query)` opens the explorer with a design. */
+export class Optimise {
+  #physics;
+  #explore;
+  #answer = null;
+  #chosen = null;
+  #problems = null;
+
+  constructor(physics, explore) {
+    this.#physics = physics;
+    this.#explore = explore;
+    this.element = this.#build();
+  }
+
+  /** Nothing of a problem is in the address. */
+  open() {
+    if (!this.text.value) this.#example('pull-against-torque');
+  }
+
+  /** The answer that is shown. */
+  get answer() {
+    return this.#answer;
+  }
+
+  #build() {
+    this.choice = h('select', { 'aria-label': 'Example', on: { change: () => this.#example(this.choice.value) } }, NAMES.map((name) => h('option', { value: name, selected: name === 'pull-against-torque' }, name)));
+    this.file = h('input', { type: 'file', accept: '.toml', id: 'problem-file', class: 'sr-only', on: { change: () => this.#open() } });
+    this.text = h('textarea', { spellcheck: 'false', 'aria-label': 'Problem file', rows: 26, autocomplete: 'off' });
+    this.solve = h('button', { type: 'button', class: 'primary', on: { click: () => this.#solve() } }, 'Solve');
+    this.stop = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => this.#physics.stop() } }, 'Stop');
+    this.status = h('p', { class: 'run-status', role: 'status' });
+    this.result = h('div', { class: 'results' });
+    return h('div', { class: 'optimise' },
+      h('section', { class: 'card problem', 'aria-label': 'Problem' },
+        h('div', { class: 'run-tools' }, this.choice, h('label', { class: 'quiet button', for: 'problem-file' }, 'Open a file'), this.file),
+        this.text, h('div', { class: 'run-tools' }, this.solve, this.stop, this.status)),
+      this.result);
+  }
+
+  async #open() {
+    const [file] = this.file.files;
+    if (file && file.size <= 1 << 20) this.text.value = await file.text();
+    else if (file) this.#say('a problem file has at most 1 MiB', true);
+    this.file.value = '';
+  }
+
+  async #example(name) {
+    try {
+      this.#problems ??= (await this.#physics.ask({ call: 'examples' })).problems;
+      this.text.value = this.#problems.find((one) => one.name === name).text;
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      this.#say(error.message, true);
+    }
+  }
+
+  #say(text, bad = false) {
+    this.status.textContent = text;
+    this.status.classList.toggle('is-error', bad);
+  }
+
+  async #solve() {
+    this.#say('solving …');
+    this.stop.hidden = false;
+    this.solve.disabled = true;
+    const started = performance.now();
+    try {
+      this.#answer = await this.#physics.ask({ call: 'optimize', problem: this.text.value });
+      this.#say(`solved in ${shown((performance.now() - started) / 1e3, 2)} s`);
+      this.#chosen = this.#answer.knee ?? null;
+      this.#show();
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      this.#say(error.message, true);
+    } finally {
+      this.stop.hidden = true;
+      this.solve.disabled = false;
+    }
+  }
+
+  #show() {
+    const { title, method, front } = this.#answer;
+    const parts = [h('section', { class: 'card hero', 'aria-label': 'Answer' }, h('header', {}, h('h2', {}, title || 'Answer'), h('span', { class: 'badge' }, method)), front ? this.#words() : this.#optimum())];
+    if (front?.length) {
+      parts.push(h('div', { class: 'charts' }, this.#pairs()), this.#parallel());
+    }
+    this.result.replaceChildren(...parts);
+  }
+
+  #units() {
+    return Object.fromEntries(this.#answer.variables.map(({ name, unit }) => [name, unit ?? '']));
+  }
+
+  #values(x, note = () => '') {
+    const units = this.#units();
+    return h('dl', { class: 'readouts' }, Object.entries(x).map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, h('span', { class: 'number' }, shown(value, 4)), units[name] ? h('span', { class: 'unit' }, ` ${units[name]}`) : null, h('span', { class: 'note' }, note(name, value))))));
+  }
+
+  #optimum() {
+    const answer = this.#answer;
+    const at = (name, value) => {
+      const { lower, upper } = answer.variables.find((one) => one.name === name);
+      const close = (bound) => bound !== null && Math.abs(value - bound) <= 1e-6 * Math.max(1, Math.abs(bound));
+      return close(lower) ? 'at its lower bound' : close(upper) ? 'at its upper bound' : '';
+    };
+    const shares = Object.entries(answer.objective_multipliers);
+    const costs = Object.entries(answer.constraint_multipliers).filter(([, cost]) => Math.abs(cost) > 1e-9);
+    const bar = ([name, share]) => h('li', {}, h('span', { class: 'bar', style: { '--share': `${Math.round(100 * Math.min(1, Math.abs(share)))}%` } }), `${name}: ${shown(share)}`);
+    const problems = [];
+    if (!answer.is_solved) problems.push(h('li', { class: 'is-error' }, answer.violated ? `No point meets all constraints: ${Object.entries(answer.violated).map(([name, by]) => `${name} by ${shown(by)}`).join(', ')}.` : `No solution: ${answer.status}.`));
+    if (answer.is_ambiguous) problems.push(h('li', {}, 'Several different points are equally good: the answer is not unique.'));
+    return h('div', {}, this.#values(answer.x, at), h('ul', { class: 'cautions' }, problems),
+      h('h3', { class: 'sub' }, 'Objectives there'), this.#values(answer.values),
+      shares.length ? [h('h3', { class: 'sub' }, 'What the compromise is between'), h('p', { class: 'muted' }, this.#sentence(shares)), h('ul', { class: 'bars' }, shares.map(bar))] : null,
+      costs.length ? [h('h3', { class: 'sub' }, 'What the constraints cost'), h('ul', { class: 'bars' }, costs.map(bar))] : null,
+      answer.active.length ? h('p', { class: 'muted' }, `Held by ${answer.active.join(', ')}.`) : null, this.#onwards(answer.x));
+  }
+
+  /** The multipliers in words. */
+  #sentence(shares) {
+    const binding = shares.filter(([, share]) => Math.abs(share) > 1e-6).sort((a, b) => b[1] - a[1]);
+    const free = shares.filter(([, share]) => Math.abs(share) <= 1e-6).map(([name]) => name);
+    if (binding.length === 1) return `${binding[0][0]} alone decides; ${free.length ? `${free.join(', ')} could be stricter without a change.` : ''}`;
+    const list = binding.map(([name, share]) => `${name} (${shown(100 * share, 2)} %)`).join(', ');
+    return `Improving one worsens another: ${list}.${free.length ? ` ${free.join(', ')} would bear more.` : ''}`;
+  }
+
+  #words() {
+    const { front, knee, violation } = this.#answer;
+    if (!front.length) return h('ul', { class: 'cautions' }, h('li', { class: 'is-error' }, `No point that meets all constraints was found; the nearest violates them by ${shown(violation)}.`));
+    const i = this.#chosen ?? knee ?? 0;
+    const point = front[i];
+    return h('div', {}, h('p', { class: 'muted' }, `${front.length} compromises; ${i === knee ? 'the knee, where the front bends most' : `compromise ${i + 1}`}: choose one in a picture below.`),
+      this.#values(point.x), h('h3', { class: 'sub' }, 'Objectives'), this.#values(point.objectives),
+      point.objective_multipliers ? h('p', { class: 'muted' }, this.#sentence(Object.entries(point.objective_multipliers))) : null, this.#onwards(point.x));
+  }
+
+  /** A way to the explorer, for variables that it has. */
+  #onwards(x) {
+    const known = EXPLORED.filter((key) => x[key] !== undefined);
+    if (!known.includes('radius_m') && !known.includes('slip')) return null;
+    const soil = this.text.value.match(/^\s*key\s*=\s*"([a-z0-9-]+)"/m)?.[1];
+    const load = this.text.value.match(/^\s*load_n\s*=\s*([\d.]+)/m)?.[1];
+    const query = new URLSearchParams(soil ? { soil } : {});
+    if (load) query.set('load_n', load);
+    for (const key of known) query.set(key, String(Number(x[key].toPrecision(6))));
+    return h('p', {}, h('button', { type: 'button', class: 'quiet', on: { click: () => this.#explore(query.toString()) } }, 'Explore this wheel'));
+  }
+
+  #choose(i) {
+    this.#chosen = i;
+    this.#show();
+  }
+
+  /** Two objectives against each other, for each pair of the first three. */
+  #pairs() {
+    const names = this.#answer.objectives.map(({ name }) => name);
+    const pairs = names.length > 2 ? [[0, 1], [0, 2], [1, 2]] : [[0, 1]];
+    return pairs.map(([a, b]) => this.#scatter(names[a], names[b]));
+  }
+
+  #scatter(a, b) {
+    const { front, knee } = this.#answer;
+    const [width, height, left, bottom] = [520, 320, 60, 44];
+    const range = (name) => {
+      const values = front.map(({ objectives }) => objectives[name]);
+      const [low, high] = [Math.min(...values), Math.max(...values)];
+      const room = 0.06 * (high - low || Math.abs(high) || 1);
+      return [low - room, high + room];
+    };
+    const [ra, rb] = [range(a), range(b)];
+    const px = (value) => left + ((width - left - 14) * (value - ra[0])) / (ra[1] - ra[0]);
+    const py = (value) => 12 + (height - bottom - 12) * (1 - (value - rb[0]) / (rb[1] - rb[0]));
+    const [ta, tb] = [ticks(...ra, 5), ticks(...rb, 5)];
+    const marks = [
+      ...tickLabels(ta).map((label, i) => [svg('line', { x1: px(ta[i]), x2: px(ta[i]), y1: 12, y2: height - bottom, class: 'gridline' }), svg('text', { x: px(ta[i]), y: height - bottom + 18, 'text-anchor': 'middle' }, label)]),
+      ...tickLabels(tb).map((label, i) => [svg('line', { x1: left, x2: width - 14, y1: py(tb[i]), y2: py(tb[i]), class: 'gridline' }), svg('text', { x: left - 8, y: py(tb[i]) + 4, 'text-anchor': 'end' }, label)]),
+    ];
+    const dots = front.map((point, i) => svg('circle', {
+      cx: px(point.objectives[a]), cy: py(point.objectives[b]), r: i === this.#chosen ? 7 : 4.5, class: `front-dot${i === this.#chosen ? ' is-chosen' : ''}${i === knee ? ' is-knee' : ''}`, on: { click: () => this.#choose(i) },
+    }, svg('title', {}, `${a} ${shown(point.objectives[a])}, ${b} ${shown(point.objectives[b])}`)));
+    return h('section', { class: 'card chart', 'aria-label': `${a} against ${b}` }, h('header', {}, h('h3', {}, `${a} against ${b}`)),
+      svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${front.length} compromises, ${a} against ${b}` },
+        svg('g', { class: 'axis-text' }, marks, svg('text', { x: (left + width) / 2, y: height - 6, 'text-anchor': 'middle', class: 'axis-name' }, a), svg('text', { transform: `translate(14 ${(height - bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle', class: 'axis-name' }, b)), dots));
+  }
+
+  /** All variables and objectives side by side: a line is a compromise, linked with the dots. */
+  #parallel() {
+    const { front, variables, objectives } = this.#answer;
+    const axes = [...variables.map(({ name }) => ({ name, of: (p) => p.x[name] })), ...objectives.map(({ name }) => ({ name, of: (p) => p.objectives[name], is: true }))];
+    const [width, height, top, bottom, side] = [960, 300, 46, 26, 60];
+    const scaled = axes.map((axis, k) => {
+      const values = front.map(axis.of);
+      const [low, high] = [Math.min(...values), Math.max(...values)];
+      const x = side + ((width - 2 * side) * k) / Math.max(1, axes.length - 1);
+      return { ...axis, low, high, x, y: (value) => (high > low ? top + (height - top - bottom) * (1 - (value - low) / (high - low)) : (top + height - bottom) / 2) };
+    });
+    const order = front.map((_, i) => i).sort((i, j) => (i === this.#chosen) - (j === this.#chosen));
+    const lines = order.map((i) => svg('path', { d: scaled.map(({ x, y, of }, k) => `${k ? 'L' : 'M'}${x.toFixed(1)} ${y(of(front[i])).toFixed(1)}`).join(''), class: `compromise${i === this.#chosen ? ' is-chosen' : ''}`, on: { click: () => this.#choose(i) } }));
+    const marks = scaled.map(({ name, x, low, high, is }) => svg('g', { class: 'axis-text' },
+      svg('line', { x1: x, x2: x, y1: top, y2: height - bottom, class: 'parallel-axis' }),
+      svg('text', { x, y: 16, 'text-anchor': 'middle', class: is ? 'axis-name is-objective' : 'axis-name' }, name),
+      svg('text', { x, y: top - 8, 'text-anchor': 'middle' }, shown(high)), svg('text', { x, y: height - bottom + 16, 'text-anchor': 'middle' }, shown(low))));
+    const next = h('input', { type: 'range', min: 0, max: front.length - 1, step: 1, value: this.#chosen ?? 0, 'aria-label': 'Compromise along the front', on: { change: () => this.#choose(Number(next.value)) } });
+    return h('section', { class: 'card chart', 'aria-label': 'Variables and objectives' }, h('header', {}, h('h3', {}, 'Variables and objectives of each compromise')),
+      svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'A line for each compromise over all variables and objectives' }, lines, marks), next);
+  }
+}

@@ -1,0 +1,164 @@
+// The way of the robot from above, coloured by slip, with the robot at the cursor's time.
+
+import { svg } from './dom.js';
+import { shown } from './format.js';
+import { tickLabels, ticks } from './ticks.js';
+
+/** Upper limits of the colours of slip. */
+export const SLIP_CLASSES = [0.05, 0.1, 0.2, 0.35, 0.6, Infinity];
+const MARGIN = 34;
+
+/** The class of a slip; −1 where none is known. */
+export function slipClass(slip) {
+  if (slip === null || slip === undefined) return -1;
+  return SLIP_CLASSES.findIndex((limit) => Math.abs(slip) < limit);
+}
+
+/** The picture. `pick(time)` is called where the track is clicked. */
+export class Track {
+  #root = svg('svg', { class: 'track', role: 'img' });
+  #pick;
+  #run = null;
+  #slips = [];
+  #events = [];
+  #other = null;
+  #width = 0;
+  #place = null;
+  #robot = svg('g', { class: 'robot' }, svg('path', { d: 'M13 0 L-8 7.5 L-4.5 0 L-8 -7.5 Z' }));
+
+  constructor(pick) {
+    this.#pick = pick;
+    this.element = this.#root;
+    new ResizeObserver(([entry]) => {
+      this.#width = Math.round(entry.contentRect.width);
+      this.#render();
+    }).observe(this.#root);
+    this.#root.addEventListener('pointerdown', (event) => this.#nearest(event));
+  }
+
+  /** Shows a run; `slips` is the greatest slip of its wheels at each moment, `other` a run to compare with. */
+  show(run, slips, events, other = null) {
+    this.#run = run;
+    this.#slips = slips;
+    this.#events = events;
+    this.#other = other;
+    this.#render();
+  }
+
+  /** Moves the robot. */
+  cursor(index) {
+    if (!this.#place || !this.#run) return;
+    const { x_m: x, y_m: y, heading_deg: heading } = this.#run;
+    if (x[index] === null || x[index] === undefined) {
+      this.#robot.setAttribute('visibility', 'hidden');
+      return;
+    }
+    const [px, py] = this.#place(x[index], y[index]);
+    this.#robot.setAttribute('visibility', 'visible');
+    this.#robot.setAttribute('transform', `translate(${px.toFixed(1)} ${py.toFixed(1)}) rotate(${(-heading[index]).toFixed(1)})`);
+  }
+
+  #nearest(event) {
+    if (!this.#place) return;
+    const box = this.#root.getBoundingClientRect();
+    const [ex, ey] = [event.clientX - box.left, event.clientY - box.top];
+    const { x_m: x, y_m: y, time_s: time } = this.#run;
+    let best = [Infinity, 0];
+    for (let i = 0; i < x.length; i += 1) {
+      if (x[i] === null) continue;
+      const [px, py] = this.#place(x[i], y[i]);
+      const far = (px - ex) ** 2 + (py - ey) ** 2;
+      if (far < best[0]) best = [far, i];
+    }
+    if (best[0] < 900) this.#pick(time[best[1]]);
+  }
+
+  #render() {
+    if (!this.#width || !this.#run?.x_m) return;
+    const runs = [this.#run, this.#other].filter(Boolean);
+    const finite = (column) => runs.flatMap((run) => run[column].filter((value) => value !== null));
+    let [low, high, left, right] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const value of finite('y_m')) { low = Math.min(low, value); high = Math.max(high, value); }
+    for (const value of finite('x_m')) { left = Math.min(left, value); right = Math.max(right, value); }
+    if (!(right >= left)) {
+      this.#root.replaceChildren();
+      return;
+    }
+    const room = Math.max(0.4, 0.06 * Math.max(right - left, high - low));
+    [left, right, low, high] = [left - room, right + room, low - room, high + room];
+    const width = this.#width;
+    const limit = width < 520 ? 260 : 400;
+    let scale = (width - 2 * MARGIN) / (right - left);
+    if ((high - low) * scale > limit) {
+      scale = limit / (high - low);
+      const spare = (width - 2 * MARGIN) / scale - (right - left);
+      [left, right] = [left - spare / 2, right + spare / 2];
+    }
+    const least = 150 / scale;
+    if (high - low < least) {
+      const spare = least - (high - low);
+      [low, high] = [low - spare / 2, high + spare / 2];
+    }
+    const height = (high - low) * scale + MARGIN + 14;
+    this.#place = (x, y) => [MARGIN + (x - left) * scale, 8 + (high - y) * scale];
+    const at = (i, run) => this.#place(run.x_m[i], run.y_m[i]).map((k) => k.toFixed(1)).join(' ');
+
+    const ground = svg('rect', { x: MARGIN, y: 8, width: (right - left) * scale, height: (high - low) * scale, class: 'ground-map' });
+    const grid = svg('g', { class: 'grid' });
+    const text = svg('g', { class: 'axis-text' });
+    const across = ticks(left, right, width < 520 ? 4 : 8);
+    const step = across.length > 1 ? across[1] - across[0] : 1;
+    const up = [];
+    for (let y = Math.ceil(low / step) * step; y <= high; y += step) up.push(Number(y.toPrecision(12)));
+    tickLabels(across).forEach((label, i) => {
+      const [x] = this.#place(across[i], 0);
+      grid.append(svg('line', { x1: x, x2: x, y1: 8, y2: height - MARGIN + 8 + 12 }));
+      text.append(svg('text', { x, y: height - 8, 'text-anchor': 'middle' }, i === across.length - 1 ? `${label} m` : label));
+    });
+    tickLabels(up).forEach((label, i) => {
+      const [, y] = this.#place(0, up[i]);
+      grid.append(svg('line', { x1: MARGIN, x2: MARGIN + (right - left) * scale, y1: y, y2: y }));
+      text.append(svg('text', { x: MARGIN - 6, y: y + 4, 'text-anchor': 'end' }, label));
+    });
+
+    const ways = svg('g', { class: 'way' });
+    if (this.#other) ways.append(svg('path', { d: whole(this.#other, (i) => at(i, this.#other)), class: 'other-way' }));
+    ways.append(svg('path', { d: whole(this.#run, (i) => at(i, this.#run)), class: 'way-edge' }));
+    // one path a class of slip: thousands of moments stay a handful of elements
+    const parts = new Map();
+    const x = this.#run.x_m;
+    const stride = Math.max(1, Math.floor(x.length / 6000));
+    for (let i = stride; i < x.length; i += stride) {
+      if (x[i] === null || x[i - stride] === null) continue;
+      const kind = slipClass(this.#slips[i]);
+      parts.set(kind, `${parts.get(kind) ?? ''}M${at(i - stride, this.#run)}L${at(i, this.#run)}`);
+    }
+    for (const [kind, d] of [...parts].sort(([a], [b]) => a - b)) ways.append(svg('path', { d, class: `slip-${kind < 0 ? 'none' : kind}` }));
+    const marks = this.#events.slice(0, 60).map(({ x_m, y_m, name }) => {
+      const [px, py] = this.#place(x_m, y_m);
+      return svg('circle', { cx: px, cy: py, r: 4.5, class: 'event' }, svg('title', {}, name));
+    });
+    const first = x.findIndex((value) => value !== null);
+    const [sx, sy] = this.#place(x[first], this.#run.y_m[first]);
+    const start = svg('g', { class: 'start' }, svg('circle', { cx: sx, cy: sy, r: 3.5 }), svg('text', { x: sx, y: sy - 12, 'text-anchor': 'middle' }, 'start'));
+    this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
+    this.#root.setAttribute('height', height.toFixed(0));
+    this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
+    this.#root.replaceChildren(ground, grid, text, ways, ...marks, start, this.#robot);
+  }
+}
+
+function whole(run, at) {
+  let d = '';
+  let pen = false;
+  const stride = Math.max(1, Math.floor(run.x_m.length / 6000));
+  for (let i = 0; i < run.x_m.length; i += stride) {
+    if (run.x_m[i] === null) {
+      pen = false;
+      continue;
+    }
+    d += `${pen ? 'L' : 'M'}${at(i)}`;
+    pen = true;
+  }
+  return d;
+}
