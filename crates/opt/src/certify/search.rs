@@ -130,11 +130,8 @@ impl Search<'_, '_> {
         })
     }
 
-    pub(super) fn run(
-        mut self,
-        callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
-    ) -> Certificate {
-        let began = Instant::now();
+    /// The best of the candidates and of the local solves.
+    fn first(&self) -> Option<Best> {
         let mut best = None;
         for candidate in &self.settings.candidates {
             self.consider(&mut best, candidate);
@@ -152,19 +149,29 @@ impl Search<'_, '_> {
                 self.consider(&mut best, &run.x[..self.rows.dimension()]);
             }
         }
-        let mut heap = BinaryHeap::new();
-        heap.push(Open {
+        best
+    }
+
+    /// The whole box.
+    fn root(&self) -> Open {
+        let sides = self.rows.lower.iter().zip(&self.rows.upper);
+        Open {
             id: 0,
             bound: f64::NEG_INFINITY,
             weights: Vec::new(),
-            x: self
-                .rows
-                .lower
-                .iter()
-                .zip(&self.rows.upper)
+            x: sides
                 .map(|(low, high)| Interval::new(*low, *high))
                 .collect(),
-        });
+        }
+    }
+
+    pub(super) fn run(
+        mut self,
+        callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
+    ) -> Certificate {
+        let began = Instant::now();
+        let mut best = self.first();
+        let mut heap = BinaryHeap::from([self.root()]);
         let mut next = 1_u64;
         let mut stuck: Vec<Open> = Vec::new();
         // the lowest claim among closed boxes
