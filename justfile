@@ -57,6 +57,10 @@ dense:
 soak first="0":
     GROUSER_SOAK_RUNS=10000 GROUSER_SOAK_FIRST={{first}} cargo test --release --package grouser-synthetic --test soak -- --nocapture
 
+# slip maps: 100 000 random poses against the exact solver, and a million cells with 64 soils; minutes
+terrain:
+    cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture
+
 # the Python package: build the wheel, install it in a fresh environment, run its tests
 python:
     bash python/ci

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -162,6 +162,7 @@ test('an exported page opens with its run, from a file', async () => {
   const view = process.env.GROUSER_VIEW ?? 'grouser-view';
   const out = join(folder, 'run.html');
   execFileSync(view, ['--export', out, '--', estimates().path]);
+  assert.ok(statSync(out).size < 1_500_000, `${statSync(out).size} bytes`);
   await withPage({ address: `file://${out}`, width: 390, height: 844, dark: true }, async (page) => {
     await shown(page);
     assert.equal((await runOf(page)).wheels.length, 5);

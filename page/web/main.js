@@ -4,7 +4,7 @@ import { h } from './dom.js';
 import { Explore } from './explore.js';
 import { Optimise } from './optimise.js';
 import { Run } from './run.js';
-import { ServerPhysics, WasmPhysics } from './physics.js';
+import { ServerPhysics, WasmPhysics, hasModule } from './physics.js';
 import { themeButton } from './theme.js';
 import { WorkerPhysics, work } from './worker.js';
 
@@ -48,7 +48,7 @@ async function start() {
     view.open(query);
   }
 
-  nav.replaceChildren(...VIEWS.map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
+  nav.replaceChildren(...VIEWS.filter(([name]) => name !== 'optimise' || hasModule('drive')).map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
   document.getElementById('tools').append(themeButton());
   addEventListener('hashchange', () => {
     if (location.hash !== written) show();

@@ -107,20 +107,24 @@ export class Optimise {
     return h('dl', { class: 'readouts' }, Object.entries(x).map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, h('span', { class: 'number' }, shown(value, 4)), units[name] ? h('span', { class: 'unit' }, ` ${units[name]}`) : null, h('span', { class: 'note' }, note(name, value))))));
   }
 
-  #optimum() {
-    const answer = this.#answer;
-    const at = (name, value) => {
-      const { lower, upper } = answer.variables.find((one) => one.name === name);
+  /** Says which bound a variable is at. */
+  #bound() {
+    return (name, value) => {
+      const { lower, upper } = this.#answer.variables.find((one) => one.name === name);
       const close = (bound) => bound !== null && Math.abs(value - bound) <= 1e-6 * Math.max(1, Math.abs(bound));
       return close(lower) ? 'at its lower bound' : close(upper) ? 'at its upper bound' : '';
     };
+  }
+
+  #optimum() {
+    const answer = this.#answer;
     const shares = Object.entries(answer.objective_multipliers);
     const costs = Object.entries(answer.constraint_multipliers).filter(([, cost]) => Math.abs(cost) > 1e-9);
     const bar = ([name, share]) => h('li', {}, h('span', { class: 'bar', style: { '--share': `${Math.round(100 * Math.min(1, Math.abs(share)))}%` } }), `${name}: ${shown(share)}`);
     const problems = [];
     if (!answer.is_solved) problems.push(h('li', { class: 'is-error' }, answer.violated ? `No point meets all constraints: ${Object.entries(answer.violated).map(([name, by]) => `${name} by ${shown(by)}`).join(', ')}.` : `No solution: ${answer.status}.`));
     if (answer.is_ambiguous) problems.push(h('li', {}, 'Several different points are equally good: the answer is not unique.'));
-    return h('div', {}, this.#values(answer.x, at), h('ul', { class: 'cautions' }, problems),
+    return h('div', {}, this.#values(answer.x, this.#bound()), h('ul', { class: 'cautions' }, problems),
       h('h3', { class: 'sub' }, 'Objectives there'), this.#values(answer.values),
       shares.length ? [h('h3', { class: 'sub' }, 'What the compromise is between'), h('p', { class: 'muted' }, this.#sentence(shares)), h('ul', { class: 'bars' }, shares.map(bar))] : null,
       costs.length ? [h('h3', { class: 'sub' }, 'What the constraints cost'), h('ul', { class: 'bars' }, costs.map(bar))] : null,
@@ -142,7 +146,7 @@ export class Optimise {
     const i = this.#chosen ?? knee ?? 0;
     const point = front[i];
     return h('div', {}, h('p', { class: 'muted' }, `${front.length} compromises; ${i === knee ? 'the knee, where the front bends most' : `compromise ${i + 1}`}: choose one in a picture below.`),
-      this.#values(point.x), h('h3', { class: 'sub' }, 'Objectives'), this.#values(point.objectives),
+      this.#values(point.x, this.#bound()), h('h3', { class: 'sub' }, 'Objectives'), this.#values(point.objectives),
       point.objective_multipliers ? h('p', { class: 'muted' }, this.#sentence(Object.entries(point.objective_multipliers))) : null, this.#onwards(point.x));
   }
 
@@ -213,6 +217,7 @@ export class Optimise {
       svg('text', { x, y: 16, 'text-anchor': 'middle', class: is ? 'axis-name is-objective' : 'axis-name' }, name),
       svg('text', { x, y: top - 8, 'text-anchor': 'middle' }, shown(high)), svg('text', { x, y: height - bottom + 16, 'text-anchor': 'middle' }, shown(low))));
     const next = h('input', { type: 'range', min: 0, max: front.length - 1, step: 1, value: this.#chosen ?? 0, 'aria-label': 'Compromise along the front', on: { change: () => this.#choose(Number(next.value)) } });
+    next.style.setProperty('--share', `${(100 * (this.#chosen ?? 0)) / Math.max(1, front.length - 1)}%`);
     return h('section', { class: 'card chart', 'aria-label': 'Variables and objectives' }, h('header', {}, h('h3', {}, 'Variables and objectives of each compromise')),
       svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'A line for each compromise over all variables and objectives' }, lines, marks), next);
   }

@@ -76,12 +76,23 @@ export class ServerPhysics {
   }
 }
 
+/** Is a module at hand? A page with a run in it has the explorer's only. */
+export function hasModule(name) {
+  return !document.getElementById('script') || Boolean(document.getElementById(`wasm-${name}`));
+}
+
+/** What a block of the page holds. */
+export function blockBytes(block) {
+  return unpacked(Uint8Array.from(atob(block.textContent.trim()), (c) => c.charCodeAt(0)));
+}
+
 /** The bytes of a module: out of this file, or from beside it. */
 async function moduleBytes(name) {
   const inside = document.getElementById(`wasm-${name}`);
-  const packed = inside
-    ? Uint8Array.from(atob(inside.textContent.trim()), (c) => c.charCodeAt(0))
-    : await fetched(`${name}.wasm.gz`);
+  return inside ? blockBytes(inside) : unpacked(await fetched(`${name}.wasm.gz`));
+}
+
+function unpacked(packed) {
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Response(stream).arrayBuffer();
 }

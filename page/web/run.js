@@ -4,7 +4,7 @@ import { Chart, plotWidth } from './chart.js';
 import { h, svg } from './dom.js';
 import { clock, shown } from './format.js';
 import { CURVES } from './palette.js';
-import { Refusal } from './physics.js';
+import { Refusal, blockBytes, hasModule } from './physics.js';
 import { BadFile, common, isEstimates, masked, nameAt, runOfEstimates, spansOf, thinned } from './run_data.js';
 import { SLIP_CLASSES, Track } from './track.js';
 
@@ -43,8 +43,7 @@ export class Run {
     }
     const embedded = document.getElementById('embedded');
     if (embedded && !this.#run) {
-      const bytes = Uint8Array.from(atob(embedded.textContent.trim()), (c) => c.charCodeAt(0));
-      this.#take([new File([bytes], embedded.dataset.name)]);
+      blockBytes(embedded).then((bytes) => this.#take([new File([bytes], embedded.dataset.name)]));
     }
   }
 
@@ -69,6 +68,8 @@ export class Run {
       h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS 1 bag) with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
     this.files = h('p', { class: 'muted file-list' });
     this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), this.#slipCard()), this.#more());
+    this.exampleButton.hidden = !hasModule('drive');
+    this.exampleChoice.hidden = !hasModule('drive');
     const view = h('div', { class: 'run' },
       h('div', { class: 'run-tools' },
         h('label', { class: 'quiet button', for: 'run-files' }, 'Open files'), this.input, this.exampleButton, this.exampleChoice, this.stopButton, this.status),
@@ -167,6 +168,10 @@ export class Run {
   async #go() {
     const { table, log, robot, columns, scenario } = this.#files;
     const started = performance.now();
+    if (!table && !hasModule('log')) {
+      this.#say('this page has a run in it and opens tables of grouser estimate -o only: export a page without a run for logs and drives', true);
+      return;
+    }
     if (table) {
       this.show(runOfEstimates(table.text, table.name));
       delete this.#files.table;

@@ -12,6 +12,8 @@ use super::text::{Anchor, Line};
 
 /// Between two lines of the notes.
 const NOTE_LEADING_PT: f64 = 13.0;
+/// The middle of small letters above the baseline, as a share of the text's size.
+const TEXT_RISE: f64 = 0.33;
 /// Length and half width of an arrow's head.
 const HEAD: [f64; 2] = [4.4, 1.7];
 
@@ -115,6 +117,14 @@ fn draw_shape(page: &mut Page, obstacles: &mut Obstacles, shape: &Shape, scale: 
             obstacles
                 .boxes
                 .push(Rect::at(corner, 2.0 * length, 2.0 * length));
+        }
+        Shape::Text(centre, text, colour) => {
+            let line = Line::set(text, LABEL_SIZE_PT);
+            let [x, y] = scale.place(*centre);
+            let baseline = [x, y + TEXT_RISE * LABEL_SIZE_PT];
+            page.text(line.placed(baseline, Anchor::Middle), *colour, &line.words);
+            let corner = [x - line.width / 2.0, y - LABEL_SIZE_PT / 2.0];
+            (obstacles.boxes).push(Rect::at(corner, line.width, LABEL_SIZE_PT));
         }
         Shape::Arrow(from, to, style) => {
             let (from, to) = (scale.place(*from), scale.place(*to));

@@ -48,6 +48,8 @@ pub enum Shape {
     Disc([f64; 2], f64, Colour),
     /// An arrow from a point to a point.
     Arrow([f64; 2], [f64; 2], Style),
+    /// A marked-up line of text, its middle at a point.
+    Text([f64; 2], String, Colour),
 }
 
 impl Scene {

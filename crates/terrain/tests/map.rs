@@ -267,6 +267,7 @@ fn a_map_is_read_back_and_an_interrupted_one_has_the_same_bytes() {
             for (read, written) in [
                 (map.energy[pose], value(Quantity::Energy)),
                 (map.slip[pose], value(Quantity::Slip)),
+                (map.slip_high[pose], value(Quantity::SlipHigh)),
                 (map.risk[pose], value(Quantity::Immobilisation)),
                 (map.pitch[pose], value(Quantity::Pitch)),
                 (map.tip_over[pose], value(Quantity::TipOver)),

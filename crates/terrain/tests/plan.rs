@@ -25,7 +25,8 @@ fn random_map(seed: u64, headings: u8, turning_radius: f64) -> PlanMap {
             map.pitch[pose] = draw(-20.0, 20.0);
             map.tip_over[pose] = draw(8.0, 60.0);
             map.risk[pose] = draw(0.0, 0.055);
-            map.slip[pose] = draw(-0.2, 0.6);
+            map.slip[pose] = draw(-0.2, 0.5);
+            map.slip_high[pose] = draw(-0.3, 0.62);
             map.energy[pose] = draw(5.0, 80.0);
         }
     }
@@ -59,6 +60,7 @@ fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -
         let pose = usize::try_from(cell).unwrap() * count + h;
         map.energy[pose].is_finite()
             && f64::from(map.risk[pose]) <= settings.max_risk
+            && f64::from(map.slip_high[pose].abs()) <= settings.max_slip
             && f64::from(map.tip_over[pose]) >= settings.min_tip_over_deg
     };
     let at = |x: i64, y: i64| {

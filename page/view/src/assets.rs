@@ -4,7 +4,8 @@ use crate::error::{Error, Result};
 
 static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/assets.rs"));
 
-/// The modules that a page carries, in the order in which they are embedded.
+/// The modules that a page carries, in the order in which they are embedded: the explorer first, without which no page
+/// starts.
 pub const MODULES: [&str; 3] = ["explore", "drive", "log"];
 
 /// The names of all files.

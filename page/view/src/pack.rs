@@ -1,7 +1,11 @@
 //! The page as one HTML file: one style and one script, both allowed by their hash, and the modules as data.
 
+use std::io::Write as _;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use sha2::{Digest, Sha256};
 
 use crate::assets::{self, MODULES};
@@ -44,13 +48,22 @@ pub fn page(embedded: Option<&Embedded<'_>>) -> Result<String> {
         ("worker-src", "blob:"),
     ]);
     let mut data = String::new();
-    for module in MODULES {
+    // a page with a run in it is a report: it shows the run and the explorer, and stays small
+    let modules = match embedded {
+        Some(_) => &MODULES[..1],
+        None => &MODULES[..],
+    };
+    for module in modules {
         let name = format!("{module}.wasm.gz");
         let bytes = assets::find(&name).ok_or(Error::Missing { name })?;
         data.push_str(&block(&format!("wasm-{module}"), None, bytes));
     }
     if let Some(embedded) = embedded {
-        data.push_str(&block("embedded", Some(embedded.name), embedded.bytes));
+        data.push_str(&block(
+            "embedded",
+            Some(embedded.name),
+            &gzip(embedded.bytes),
+        ));
     }
     let html = assets::text("index.html")?;
     let html = between(
@@ -107,6 +120,14 @@ fn hash(text: &str) -> String {
         "sha256-{}",
         STANDARD.encode(Sha256::digest(text.as_bytes()))
     )
+}
+
+/// Bytes compressed, as browsers unpack them.
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    // writing to a vector cannot fail
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
 }
 
 /// Bytes as a block that no browser runs.

@@ -151,7 +151,9 @@ impl Sink for Moments {
             .push(of(&|odometry| odometry.pose[2].to_degrees()));
         self.speed.push(of(&|odometry| odometry.velocity[0]));
         for (columns, wheel) in self.wheels.iter_mut().zip(step.wheels) {
-            columns.slip.push(wheel.slip.map(|slip| slip.value()));
+            columns
+                .slip
+                .push(wheel.slip.map(grouser_terra::Slip::value));
             columns.sigma.push(wheel.sigma);
         }
         if self.time.len() >= MAX_MOMENTS {

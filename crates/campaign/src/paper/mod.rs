@@ -1,11 +1,15 @@
 //! Ani et al. (2012), J. Cent. South Univ. 19: what can be reproduced of it.
 
+mod decision_chart;
 mod figures;
+mod file;
 mod page;
 mod problem;
+mod robot_drawings;
 mod sand_run;
 mod solved;
 mod statements;
+mod stress_model;
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
@@ -13,24 +17,13 @@ use grouser_report::number::{rounded, shown};
 use grouser_report::{Fields, Table, fields};
 
 use crate::error::Result;
+pub use file::{Content, PaperFile};
 use page::{Block, Page};
 pub use problem::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
 use sand_run::SandRun;
 pub use solved::SEED;
 use solved::Solved;
 pub use statements::{STATEMENTS, Statement, Verdict};
-
-/// A file that the campaign writes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct PaperFile {
-    /// Its name.
-    pub name: String,
-    /// Its content.
-    pub content: String,
-    /// What it contains, in words.
-    pub about: String,
-}
 
 /// What can be reproduced of the paper: figures, their numbers, and a page about them.
 pub struct Paper {
@@ -45,69 +38,72 @@ impl Paper {
     /// # Errors
     /// What the two files lack or what their solves refuse.
     pub fn compute(scenario: &str, robot: &str) -> Result<Self> {
-        let mut files = Vec::new();
-        let mut add = |name: String, content: String, about: &str| {
-            files.push(PaperFile {
-                name,
-                content,
-                about: about.to_owned(),
-            });
-        };
-        for figure in figures::all() {
-            let (number, about) = (figure.number, figure.about);
-            add(
-                format!("figure-{number}.svg"),
-                figure.draw().svg(),
-                &format!("figure {number}: {about}"),
-            );
-            add(
-                format!("figure-{number}.csv"),
-                figure.csv(),
-                &format!("the numbers of figure {number}"),
-            );
-        }
         let run = SandRun::drive(scenario, robot)?;
         let solved = solved::solve()?;
-        for (name, content, about) in [
-            (
-                "figure-13.svg",
-                run.draw().svg(),
+        let mut files = robot_drawings::files(&run.robot);
+        files.extend(stress_model::files(&run.pair, &run.at_optimum, &run.soil));
+        for figure in figures::all() {
+            let (number, about) = (figure.number, figure.about);
+            let name = format!("figure-{number}");
+            files.push(PaperFile::text(
+                format!("{name}.csv"),
+                figure.csv(),
+                format!("the numbers of figure {number}"),
+            ));
+            let about = format!("figure {number}: {about}");
+            files.push(PaperFile::figure(name, figure.draw(), about));
+        }
+        let names: Vec<String> = run
+            .robot
+            .wheels
+            .iter()
+            .map(|wheel| wheel.name.clone())
+            .collect();
+        let result = &run.digging;
+        files.extend([
+            PaperFile::figure(
+                "figure-11",
+                decision_chart::draw(&result.decisions, run.optimum, result.outcome.name()),
+                "figure 11: from slip to decision, with how often a simulated drive went each way",
+            ),
+            PaperFile::text(
+                "figure-11.csv",
+                decision_chart::csv(&result.decisions, &names),
+                "the decisions of that drive",
+            ),
+            PaperFile::figure(
+                "figure-13",
+                run.draw(),
                 "figure 13, simulated: slip against time by the fifth wheel beside the truth",
             ),
-            ("figure-13.csv", run.csv(), "the numbers of figure 13"),
-            (
-                "problem.svg",
-                solved::draw(&solved).svg(),
+            PaperFile::text("figure-13.csv", run.csv(), "the numbers of figure 13"),
+            PaperFile::figure(
+                "problem",
+                solved::draw(&solved),
                 "the optimisation problem: solutions beside the curve of the printed slip, and by start",
             ),
-            (
+            PaperFile::text(
                 "problem.csv",
                 solved::csv(&solved),
                 "where every start of every reading ends",
             ),
-            (
+            PaperFile::text(
                 "slip-0.1146.csv",
                 solved::curve_csv(),
                 "the curve on which |S_0| is 0.1146",
             ),
-        ] {
-            add(name.to_owned(), content, about);
-        }
+        ]);
         for one in &solved {
             let name = one.reading.name;
-            add(
+            files.push(PaperFile::text(
                 format!("problem-{}.toml", file_name(name)),
                 one.reading.text(one.ends.len(), SEED),
-                &format!("the reading \"{name}\""),
-            );
+                format!("the reading \"{name}\""),
+            ));
         }
         let page = page(&solved, &run, &files);
         for (name, content) in [("paper.md", page.markdown()), ("paper.html", page.html())] {
-            files.push(PaperFile {
-                name: name.to_owned(),
-                content,
-                about: "this page".to_owned(),
-            });
+            files.push(PaperFile::text(name, content, "this page"));
         }
         Ok(Self { files, solved, run })
     }
@@ -123,7 +119,7 @@ impl Paper {
     pub fn fields<'a>() -> Fields<'a, &'a Self> {
         fields! { |paper: &'a Self|
             "files" "files that were written" =
-                paper.files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>();
+                paper.files.iter().flat_map(PaperFile::names).collect::<Vec<_>>();
             "statements" "equations, tables and figures of the paper" rows(statement()) = STATEMENTS;
             "sand_run" "the run on sand" group(SandRun::fields()) = &paper.run;
             "printed_slip" "optimum slip that the paper prints" = PRINTED_SLIP;
@@ -228,6 +224,17 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
                 })
                 .collect(),
         ),
+        Block::Heading(2, "Figures 1 to 3 and 5 to 7".to_owned()),
+        Block::Text(
+            "The paper's photographs and diagrams print no numbers. These are drawn from the shipped robot file and from \
+             the wheel that it puts on the sand of the simulated run, at the slip to run at."
+                .to_owned(),
+        ),
+        picture("figure-1", "Figure 1: the robot from its left side"),
+        picture("figure-2", "Figure 2: the chassis from above"),
+        picture("figure-3", "Figure 3: the fifth wheel, a powered and a free wheel on one arm"),
+        picture("figure-5", "Figure 5: three classes of parameters and the stress model that joins them"),
+        picture("figure-6-7", "Figures 6 and 7: the stress under the wheel (a) and along its rim (b)"),
         Block::Heading(2, "Figures 8 to 10".to_owned()),
         Block::Text(
             "S_0 is the slip at which the shear displacement returns to zero at the angle θ. It equals 1 − sec ξ with \
@@ -238,19 +245,24 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         ),
     ];
     for figure in figures::all() {
-        blocks.push(Block::Picture(
-            format!("figure-{}.svg", figure.number),
-            format!("Figure {}: {}", figure.number, figure.about),
+        blocks.push(picture(
+            &format!("figure-{}", figure.number),
+            &format!("Figure {}: {}", figure.number, figure.about),
         ));
     }
     blocks.extend([
+        Block::Heading(2, "Figure 11, with the decisions of a drive".to_owned()),
+        picture(
+            "figure-11",
+            "Figure 11: from slip to decision; the numbers say how often a drive went each way, that of figure 13 on other \
+             ground (seed 2026), where it digs in",
+        ),
         Block::Heading(2, "Figure 13, simulated".to_owned()),
         Block::Text(run.about()),
-        Block::Picture(
-            "figure-13.svg".to_owned(),
-            "Figure 13, simulated: slip of a powered wheel by the fifth wheel beside the truth (a), and where it brakes \
-             (b)"
-                .to_owned(),
+        picture(
+            "figure-13",
+            "Figure 13, simulated: slip of a powered wheel by the fifth wheel beside the truth (a), where it brakes (b), \
+             and the measured slip as section 4.1 of the paper words it (c)",
         ),
         Block::Heading(2, "The optimisation problem".to_owned()),
         Block::Text(format!(
@@ -269,11 +281,10 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
             ],
             readings(solved),
         ),
-        Block::Picture(
-            "problem.svg".to_owned(),
+        picture(
+            "problem",
             "Solutions of the five readings beside the curve of the printed slip (a), and the slip that each start \
-             ends at (b)"
-                .to_owned(),
+             ends at (b)",
         ),
         Block::Text(
             "In pascals the two stresses are ten thousand times the slip: they alone decide, and the slip is whatever \
@@ -286,7 +297,7 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         Block::Files(
             written
                 .iter()
-                .map(|file| (file.name.clone(), file.about.clone()))
+                .flat_map(|file| file.names().into_iter().map(|name| (name, file.about.clone())))
                 .collect(),
         ),
     ]);
@@ -294,6 +305,10 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         title: "What can be reproduced of Ani et al. (2012)".to_owned(),
         blocks,
     }
+}
+
+fn picture(name: &str, about: &str) -> Block {
+    Block::Picture(format!("{name}.svg"), about.to_owned())
 }
 
 fn count(verdict: Verdict) -> usize {

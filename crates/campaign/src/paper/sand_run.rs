@@ -5,10 +5,11 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_design::running_slip;
 use grouser_files::Document;
-use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
+use grouser_rover::drive::{DriveResult, Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Slip};
+use grouser_terra::{Kinematics, OperatingPoint, Settings, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
@@ -24,6 +25,9 @@ const BRAKING_SLIP: f64 = -0.02;
 /// Shown before and after the braking, s.
 const SHOWN_AROUND_BRAKING_S: f64 = 2.5;
 
+/// The seed of the ground on which the robot of figure 11 digs in.
+pub(super) const DIGGING_SEED: u64 = 2026;
+
 /// A moment.
 #[derive(Clone, Copy, Debug)]
 struct Point {
@@ -34,11 +38,30 @@ struct Point {
     sigma: Option<f64>,
 }
 
+impl Point {
+    /// The measured slip as section 4.1 of the paper words it: 1 − v_powered/v_fifth, which has no lower bound.
+    fn by_the_paper(&self) -> Option<f64> {
+        let slip = self.measured.filter(|slip| *slip < 1.0)?;
+        Some(if slip > 0.0 {
+            -slip / (1.0 - slip)
+        } else {
+            -slip
+        })
+    }
+}
+
 /// The run.
 pub(super) struct SandRun {
     points: Vec<Point>,
-    optimum: f64,
+    pub(super) optimum: f64,
     seed: u64,
+    pub(super) robot: RobotModel,
+    /// The typical wheel on the soil at the optimum slip, and the soil's name.
+    pub(super) pair: WheelOnSoil,
+    pub(super) at_optimum: OperatingPoint,
+    pub(super) soil: String,
+    /// The same drive on other ground, where it digs in.
+    pub(super) digging: DriveResult,
 }
 
 /// Means of rim and centre over the estimator's window.
@@ -80,6 +103,13 @@ impl SandRun {
             &scenario.ground.soils[0].soil,
             load,
         )?;
+        let ground = &scenario.ground.soils[0];
+        let rigid = scenario.robot.wheels[wheel].wheel;
+        let pair = WheelOnSoil::new(rigid, ground.soil, Settings::default())?;
+        let kinematics = Kinematics::straight(Slip::new(optimum)?);
+        let at_optimum =
+            (pair.under_load(load, &kinematics)?.point()).ok_or(Error::NoOperatingPoint)?;
+        let soil = ground.name.clone();
         let robot = &scenario.robot.robot;
         let settings = WindowSettings {
             reference: Reference::FreeWheel,
@@ -118,10 +148,17 @@ impl SandRun {
             });
             true
         });
+        let digging =
+            Simulation::new(&scenario, Pilot::Controller, optimum, DIGGING_SEED)?.run(|_| true);
         Ok(Self {
             points,
             optimum,
             seed: scenario.seed,
+            pair,
+            at_optimum,
+            soil,
+            digging,
+            robot: scenario.robot,
         })
     }
 
@@ -146,42 +183,62 @@ impl SandRun {
              the speed of its own encoder and that of the free fifth wheel, v = r ω, which is taken to roll without any \
              skid. Over the whole run it is within {} (root of the mean square) of the true slip; it is off the most in the \
              hollows, where the arm turns and the free wheel does not move as the other one does. Driving slip is \
-             positive, braking slip negative.",
+             positive, braking slip negative. Section 4.1 of the paper words the roles of the two wheels the other way \
+             round, 1 − v_powered/v_fifth: of a wheel that spins at more than twice the robot's speed that is below \
+             −100 %, without any noise (panel c; {} of the readings).",
             self.seed,
             rounded(self.optimum, 3),
             self.error()
                 .map_or_else(|| "—".to_owned(), |error| rounded(error, 3)),
+            rounded(self.beyond_whole(), 2),
         )
     }
 
-    /// Two panels: the whole run, and where it brakes the hardest.
+    /// Share of the readings as the paper words them that lie below −1.
+    fn beyond_whole(&self) -> f64 {
+        let worded: Vec<f64> = self.points.iter().filter_map(Point::by_the_paper).collect();
+        worded.iter().filter(|slip| **slip < -1.0).count() as f64 / worded.len().max(1) as f64
+    }
+
+    /// Three panels: the whole run, where it brakes the hardest, and the whole run as the paper words its slip. Nothing is cut off.
     pub(super) fn draw(&self) -> Figure {
         let end = self.points.last().map_or(1.0, |point| point.time);
-        let whole = self.panel([0.0, end], [-1.0, 1.0]);
-        let braking = self.braking();
-        let shown = |point: &&Point| point.time >= braking[0] && point.time <= braking[1];
-        let slips = self
+        let whole = self.panel([0.0, end]);
+        let close = self.panel(self.braking());
+        let worded = self
             .points
             .iter()
-            .filter(shown)
-            .filter_map(|point| point.truth);
-        let (low, high) = slips.fold((0.0_f64, 0.0_f64), |(low, high), slip| {
-            (low.min(slip), high.max(slip))
-        });
-        let tenths = |slip: f64| slip * 10.0;
-        let close = self.panel(
-            braking,
-            [
-                (tenths(low) - 0.5).floor() / 10.0,
-                (tenths(high) + 0.5).ceil() / 10.0,
-            ],
-        );
+            .filter_map(|point| Some([point.time, point.by_the_paper()?]));
+        let worded = Chart::new(
+            Axis::new("Time (s)").range(0.0, end),
+            Axis::new("1 − *v*_{powered}/*v*_{fifth}"),
+        )
+        .rule(Rule::at_y(-1.0).style(Style::thin(Colour::GREY, Dash::Short)))
+        .curve(Curve::new(worded).style(Style::numbered(0)));
         Figure::new("Slip against time by the fifth wheel beside the true slip, simulated")
             .panel(whole)
             .panel(close)
+            .panel(worded)
     }
 
-    fn panel(&self, times: [f64; 2], slips: [f64; 2]) -> Chart {
+    /// A stretch of the run, as far as its slips reach.
+    fn panel(&self, times: [f64; 2]) -> Chart {
+        let within = |point: &&Point| (times[0]..=times[1]).contains(&point.time);
+        let slips = self
+            .points
+            .iter()
+            .filter(within)
+            .flat_map(|point| [point.truth, point.measured]);
+        let (low, high) = slips
+            .flatten()
+            .fold((0.0_f64, 0.0_f64), |(low, high), slip| {
+                (low.min(slip), high.max(slip))
+            });
+        let tenths = |slip: f64| slip * 10.0;
+        let slips = [
+            (tenths(low) - 0.5).floor() / 10.0,
+            (tenths(high) + 0.5).ceil() / 10.0,
+        ];
         let line = |of: fn(&Point) -> Option<f64>| {
             self.points
                 .iter()
@@ -237,18 +294,20 @@ impl SandRun {
 
     /// A row every hundredth of a second; what was not measured is empty.
     pub(super) fn csv(&self) -> String {
-        let mut text =
-            String::from("time_s,asked_speed_m_per_s,slip_true,slip_fifth_wheel,slip_sigma\n");
+        let mut text = String::from(
+            "time_s,asked_speed_m_per_s,slip_true,slip_fifth_wheel,slip_sigma,slip_as_worded\n",
+        );
         let or_empty = |value: Option<f64>| value.map(exact).unwrap_or_default();
         for point in &self.points {
             let _ = writeln!(
                 text,
-                "{},{},{},{},{}",
+                "{},{},{},{},{},{}",
                 rounded(point.time, 2),
                 exact(point.asked),
                 or_empty(point.truth),
                 or_empty(point.measured),
-                or_empty(point.sigma)
+                or_empty(point.sigma),
+                or_empty(point.by_the_paper())
             );
         }
         text

@@ -79,9 +79,9 @@ pub const STATEMENTS: &[Statement] = &[
     ),
     said(
         "(P3)",
-        "soil failure",
-        Verdict::InPart,
-        "the strength that bounds the stress is computed; the paper's own wording of the condition is not printed legibly",
+        "shear stress against displacement by Janosi and Hanamoto (1961): τ = τ_max (1 − e^(−j/K))",
+        Verdict::Reproduced,
+        "the law of shear of every soil whose file names no other; (P1) is (P3) with the strength of (P2) at the stress σ",
     ),
     said(
         "(P4), (P5)",
@@ -152,8 +152,8 @@ pub const STATEMENTS: &[Statement] = &[
     said(
         "Table 1",
         "terrain parameters",
-        Verdict::Reproduced,
-        "`grouser soils`, each entry with its source",
+        Verdict::InPart,
+        "the table's own numbers are not in the text that we have; `grouser soils` holds the set that papers on rovers use, each entry with its source",
     ),
     said(
         "Table 2",
@@ -164,14 +164,14 @@ pub const STATEMENTS: &[Statement] = &[
     said(
         "Figures 1–3",
         "robot, chassis and fifth wheel",
-        Verdict::NotPossible,
-        "photographs and drawings",
+        Verdict::InPart,
+        "photographs and drawings without sizes; drawn here from the shipped robot file, whose sizes are ours",
     ),
     said(
         "Figures 5–7",
         "classes of parameters, stress model",
-        Verdict::NotPossible,
-        "diagrams without numbers; the model that they describe is the one computed here",
+        Verdict::InPart,
+        "diagrams without numbers; drawn here with those of one wheel of the simulated run",
     ),
     said(
         "Figure 8",
@@ -194,8 +194,8 @@ pub const STATEMENTS: &[Statement] = &[
     said(
         "Figure 11",
         "decisions from slip",
-        Verdict::InPart,
-        "the comparison with an optimum slip can be had from a problem file (examples/problems/running-slip.toml)",
+        Verdict::Reproduced,
+        "the controller of `grouser drive`; drawn below with how often a simulated drive went each way",
     ),
     said(
         "Figures 12, 13",

@@ -1,11 +1,12 @@
 //! `paper`: a folder with what can be reproduced of the source paper, and what cannot, said plainly.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use grouser_campaign::paper::{Paper, SEED};
+use grouser_campaign::paper::{Content, Paper, PaperFile, SEED};
 
 use crate::error::{Error, Result, shown as shown_path};
+use crate::figure_file;
 use crate::output::OutputFile;
 use crate::session::Session;
 use crate::verb_report::Report;
@@ -17,8 +18,9 @@ const ROBOT: &str = include_str!("../../templates/robot.toml");
 #[derive(clap::Args, Debug)]
 #[command(
     about = "Write what can be reproduced of Ani et al. (2012), and what cannot",
-    long_about = "Write a folder with figures 8, 9 and 10 of Ani et al. (2012) and their numbers, its figure \
-        13 of a simulated run on sand, the paper's optimisation problem under several readings, and a page that says \
+    long_about = "Write a folder with the figures of Ani et al. (2012) as SVG and PNG and their numbers as CSV: 1 to 3 and 5 \
+        to 7 from the robot file and the model, 8 to 10 from the slip model, 11 and 13 from a simulated run on sand; the \
+        paper's optimisation problem under several readings, and a page that says \
         of each equation, table and figure whether it is reproduced, reproduced in part, or not possible and why. The \
         printed optimum slip of 0.1146 is not claimed.",
     after_help = "Example:\n  grouser paper -o paper"
@@ -35,15 +37,34 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     session.used_seed(SEED);
     let paper = Paper::compute(SCENARIO, ROBOT)?;
     for file in paper.files() {
-        OutputFile::create(&folder.join(&file.name))?.write_whole(file.content.as_bytes())?;
+        write(folder, file)?;
     }
     let text = format!(
         "{}wrote {} files into {}; begin with paper.html\n",
         paper.text(),
-        paper.files().len(),
+        paper
+            .files()
+            .iter()
+            .map(|file| file.names().len())
+            .sum::<usize>(),
         shown_path(folder)
     );
     Ok(Report::done(fields().object((folder, &paper)), text))
+}
+
+fn write(folder: &Path, file: &PaperFile) -> Result<()> {
+    match &file.content {
+        Content::Figure(figure) => {
+            for name in file.names() {
+                figure_file::Target::of(&folder.join(name))?.write(figure)?;
+            }
+        }
+        Content::Text(text) => {
+            OutputFile::create(&folder.join(&file.name))?.write_whole(text.as_bytes())?;
+        }
+        _ => {}
+    }
+    Ok(())
 }
 
 fn fields<'a>() -> Fields<'a, (&'a PathBuf, &'a Paper)> {

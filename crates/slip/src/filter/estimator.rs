@@ -43,6 +43,8 @@ pub(super) struct Core {
     /// Does the motion over the ground lead the state?
     pub(super) is_led: bool,
     pub(super) recovery: Recovery,
+    /// Tangent of the robot's roll, either side down; 0 where it is not known.
+    pub(super) cross_slope: f64,
     pub(super) output: Outputs,
     /// The time up to which samples have been used.
     pub(super) now_ns: Option<i64>,
@@ -76,6 +78,7 @@ impl Core {
                 .then(|| Box::new(GroundTrack::new(&settings))),
             is_led: false,
             recovery: Recovery::default(),
+            cross_slope: 0.0,
             output: Outputs::new(count),
             now_ns: None,
             pseudo_measured_ns: None,
@@ -94,7 +97,7 @@ impl Core {
             measurement,
         } = *sample;
         let moves_on = self.now_ns != Some(time_ns);
-        self.predict(time_ns);
+        self.predict(time_ns, !self.is_sparse(time_ns));
         let due = self
             .pseudo_measured_ns
             .is_none_or(|then| seconds_between(then, time_ns) >= PSEUDO_MEASUREMENT_PERIOD_S);
@@ -121,8 +124,8 @@ impl Core {
         outcome
     }
 
-    /// Predicts the state at `time_ns`.
-    fn predict(&mut self, time_ns: i64) {
+    /// Predicts the state at `time_ns`, and the motion over the ground unless it waits for a wheel's reading.
+    fn predict(&mut self, time_ns: i64, moves_ground: bool) {
         let last = self.now_ns.unwrap_or(time_ns);
         let dt = seconds_between(last, time_ns).clamp(0.0, CLOCK_STEP_S);
         self.now_ns = Some(time_ns);
@@ -142,7 +145,9 @@ impl Core {
             self.output.distance_of_wheels += by_wheels * dt;
         }
         self.path.record(time_ns);
-        self.predict_ground_motion(time_ns);
+        if moves_ground {
+            self.predict_ground_motion(time_ns);
+        }
     }
 
     /// Gates a measurement and updates the state by it.
@@ -185,7 +190,10 @@ impl Core {
             }
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
-            | Measurement::Speed { .. } => self.update_by_reference(time_ns, measurement),
+            | Measurement::Speed { .. } => {
+                self.predict_ground_motion(time_ns);
+                self.update_by_reference(time_ns, measurement)
+            }
             Measurement::Command { .. }
             | Measurement::Inertial { .. }
             | Measurement::JointAngle { .. }

@@ -40,6 +40,10 @@ const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
 const SUMMED_HEADING_SIGMA_RAD: f64 = 1e-3;
 /// A measured heading that was wrong this often is not used beside a gyro: many poses have none.
 const MAX_HEADING_RESTARTS: u32 = 2;
+/// A measured heading that has changed by this much is one, rad; poses without a heading repeat a number.
+const HEADING_CHANGE_RAD: f64 = 0.05;
+/// A shorter course may be a step back or a rocking: it overrules no measured heading, m.
+const MIN_COURSE_M: f64 = 0.3;
 /// Rims slower than this do not turn, m/s.
 const TURNING_SPEED_M_PER_S: f64 = 0.01;
 /// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
@@ -104,6 +108,9 @@ pub(super) struct GroundTrack {
     /// The position before the first refused one.
     accepted_position: [f64; 2],
     heading_offset: f64,
+    /// The first heading that was measured, and whether it has changed since.
+    first_heading: Option<f64>,
+    has_heading: bool,
     used_ns: Option<i64>,
     received_ns: Option<i64>,
     accepted_ns: Option<i64>,
@@ -135,6 +142,8 @@ impl GroundTrack {
             position: [0.0; 2],
             accepted_position: [0.0; 2],
             heading_offset: 0.0,
+            first_heading: None,
+            has_heading: false,
             used_ns: None,
             received_ns: None,
             accepted_ns: None,
@@ -428,6 +437,10 @@ impl GroundTrack {
             }
             _ => return Outcome::Unused,
         };
+        if let Measurement::Pose { yaw, .. } = *measurement {
+            let first = *self.first_heading.get_or_insert(yaw);
+            self.has_heading |= (yaw - first).abs() > HEADING_CHANGE_RAD;
+        }
         let turns = self.rim_speed.abs() > TURNING_SPEED_M_PER_S;
         let repeats = self.received_ns.is_some()
             && place[0].to_bits() == self.position[0].to_bits()
@@ -512,8 +525,8 @@ impl GroundTrack {
         self.started_ns = Some(now_ns);
     }
 
-    /// Restarts the models at a position, with the heading of the course since the last accepted one: the frame, its
-    /// heading or the motion are not what the models hold.
+    /// Restarts the models at a position, with the heading of the course since the last accepted one where that is long
+    /// enough: the frame, its heading or the motion are not what the models hold.
     fn restart_along_course(
         &mut self,
         now_ns: i64,
@@ -536,7 +549,8 @@ impl GroundTrack {
         self.accepted_position = place;
         self.models.restart();
         let uncertain = core::f64::consts::SQRT_2 * sigma / course.max(sigma);
-        let (heading, heading_sigma) = if uncertain < 0.2 {
+        let overrules = !self.has_heading || course > MIN_COURSE_M;
+        let (heading, heading_sigma) = if overrules && uncertain < 0.2 {
             let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
             let heading = Real::atan2(back * dy, back * dx) - self.direction;
             (heading, uncertain.max(MEASURED_HEADING_SIGMA_RAD))

@@ -8,7 +8,7 @@ use super::estimator::Core;
 use super::input::Input;
 use super::motion_model::along;
 use super::settings::SlipPrior;
-use super::wheel_channel::MAX_WINDOW_FACTOR;
+use super::wheel_channel::{MAX_WINDOW_FACTOR, WheelChannel};
 use crate::history::seconds_between;
 use crate::measured_slip::MeasuredSlip;
 use crate::speed::Measured;
@@ -85,9 +85,10 @@ impl Core {
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slip_row = wheel.slip_row(index);
+        let own = Real::sqrt(self.state.variance_of(&slip_row));
         let kept = SlipPrior {
             mean: self.state.mean_of(&slip_row),
-            sigma: Real::sqrt(self.state.variance_of(&slip_row)),
+            sigma: own.hypot(self.drift_doubt(wheel, rim.value)),
         };
         let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
         let slip = mean.clamp(-1.0, 1.0);
@@ -108,6 +109,18 @@ impl Core {
             until_ns: Some(until_ns),
             last_good_age: None,
         }
+    }
+
+    /// Standard deviation of the slip of a wheel that is steered aside, since the robot's drift is not known: the wheels do
+    /// not slip alike then, as their prior says.
+    fn drift_doubt(&self, wheel: &WheelChannel, rim: f64) -> f64 {
+        let drifts = self.drifts_downhill() && !self.is_led;
+        let Some(left) = self.wheels.lateral.filter(|_| drifts) else {
+            return 0.0;
+        };
+        let aside = left[0] * wheel.row[0] + left[1] * wheel.row[1];
+        let drift = aside.abs() * Real::sqrt(self.state.variance_of(&along(left)));
+        (drift / rim.abs().max(self.settings.low_speed)).min(1.0)
     }
 
     fn health(&self, index: usize, now_ns: i64, measured: &MeasuredSlip, sigma: f64) -> Health {

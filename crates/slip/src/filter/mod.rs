@@ -63,6 +63,8 @@ mod wheel_bank;
 mod wheel_channel;
 mod wheel_update;
 
+use grouser_real::Real;
+
 use crate::error::{Error, Result, check_range};
 use crate::fault::Fault;
 use crate::robot::Robot;
@@ -90,6 +92,8 @@ const REFERENCE_TIMEOUT_S: f64 = 0.5;
 const UNAIDED_NOISE_FACTOR: f64 = 10.0;
 /// One innovation counts for at most this many sigma where something is learnt from it.
 const INNOVATION_CLAMP_SIGMA: f64 = 4.0;
+/// A robot that has rolled further than this has fallen over, rad.
+const MAX_ROLL_RAD: f64 = 1.2;
 /// A reference that failed is readmitted when it is within this share of the robot's speed.
 const READMIT_SPEED_SHARE: f64 = 0.15;
 
@@ -244,6 +248,24 @@ impl SlipFilter {
         })?;
         channel.steer(angle);
         Ok(())
+    }
+
+    /// Sets the robot's roll (rad, either side down): across a slope it drifts downhill, which a steered wheel takes for
+    /// slip. Beyond 1.2 rad it counts as 1.2; a number that is not finite changes nothing.
+    ///
+    /// ```
+    /// use grouser_slip::filter::{FilterSettings, SlipFilter};
+    /// use grouser_slip::{Robot, Wheel};
+    ///
+    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+    /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
+    /// filter.set_roll(0.2);
+    /// # Ok::<(), grouser_slip::Error>(())
+    /// ```
+    pub fn set_roll(&mut self, roll: f64) {
+        if roll.is_finite() {
+            self.core.cross_slope = Real::tan(roll.abs().min(MAX_ROLL_RAD));
+        }
     }
 
     /// What the filter has learnt so far.

@@ -20,6 +20,14 @@ const STANDSTILL_SIGMA_M_PER_S: f64 = 0.002;
 const LOCKED_SIGMA_M_PER_S: f64 = 0.02;
 /// Standard deviation of the yaw rate of a robot that stands, rad/s.
 const STANDSTILL_SIGMA_RAD_PER_S: f64 = 0.002;
+/// Sideways drift on a cross slope over the rims' slip speed times the tangent of the roll: friction acts against the slip
+/// velocity, so that the drift is to the slip speed as the weight's share downhill to the pull, and wheels in sand pull with
+/// 0.3 to 0.6 of their load.
+const DRIFT_OVER_SLIP_SPEED: f64 = 2.0;
+/// Cross slopes below this are the noise of level ground, the tangent of 3°.
+const MIN_CROSS_SLOPE: f64 = 0.05;
+/// A drift by the slope lasts as long as the slope, s: some lengths of a robot.
+const SLOPE_TIME_S: f64 = 10.0;
 /// A counter that has not changed has moved by less than this share of a tick.
 const STILL_TICK_SHARE: f64 = 0.6;
 
@@ -29,7 +37,9 @@ impl Core {
         let weight = Real::sqrt(CORRELATION_TIME_S / PSEUDO_MEASUREMENT_PERIOD_S);
         let yaw = [0.0, 0.0, 1.0];
         if let Some(row) = self.wheels.lateral {
-            let sigma = weight * self.settings.lateral_sigma;
+            let lasting = Real::sqrt(SLOPE_TIME_S / PSEUDO_MEASUREMENT_PERIOD_S);
+            let downhill = lasting * self.drift_downhill(time_ns);
+            let sigma = downhill.hypot(weight * self.settings.lateral_sigma);
             motion_model::hold(&mut self.state, row, 0.0, sigma);
         }
         if !self.gyro.is_trusted(time_ns, &self.settings)
@@ -71,5 +81,17 @@ impl Core {
                 weight * STANDSTILL_SIGMA_RAD_PER_S,
             );
         }
+    }
+
+    /// Does the ground fall off to one side so much that the robot drifts, where its wheels all point one way at rest?
+    pub(super) fn drifts_downhill(&self) -> bool {
+        self.wheels.lateral.is_some() && self.cross_slope > MIN_CROSS_SLOPE
+    }
+
+    /// The speed at which the robot may drift down a cross slope, m/s.
+    fn drift_downhill(&self, time_ns: i64) -> f64 {
+        let rims = self.wheels.mean_powered_rim(time_ns, self.settings.dropout);
+        let slip_speed = rims.map_or(0.0, |rims| (rims - self.state.mean(FORWARD)).abs());
+        DRIFT_OVER_SLIP_SPEED * self.cross_slope * slip_speed
     }
 }

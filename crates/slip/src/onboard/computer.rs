@@ -170,6 +170,7 @@ impl OnBoard {
             // a refusal is counted by the filter
             let _ = self.filter.update(sample);
         }
+        self.filter.set_roll(self.attitude.roll());
         let [forward, left] = self.attitude.without_gravity(force);
         for measurement in [
             Measurement::Acceleration { forward, left },

@@ -11,6 +11,8 @@ const MAX_STRAIGHT: u32 = 200;
 pub struct PlanSettings {
     /// Bound on the probability to be immobilised anywhere on the way.
     pub max_risk: f64,
+    /// Greatest slip that 95 % of the soil draws demand; braking counts by its magnitude.
+    pub max_slip: f64,
     /// Least tip-over margin, deg.
     pub min_tip_over_deg: f64,
     /// Speed of the wheels' rims, m/s: the robot is slower by the slip.
@@ -27,6 +29,7 @@ impl Default for PlanSettings {
     fn default() -> Self {
         Self {
             max_risk: 0.05,
+            max_slip: 0.6,
             min_tip_over_deg: 10.0,
             rim_speed: 0.25,
             turn_energy: 0.0,
@@ -48,6 +51,7 @@ impl PlanSettings {
             "deg",
         )?;
         Error::check(of, "speed", self.rim_speed, (1e-4, 100.0), "m/s")?;
+        Error::check(of, "max_slip", self.max_slip, (0.0, 1.0), "1")?;
         Error::check(of, "turn_energy", self.turn_energy, (0.0, 1e9), "J")?;
         let last = (map.layout.headings.count() - 1) as f64;
         for heading in [self.start_heading, self.goal_heading]
@@ -164,6 +168,7 @@ impl<'a> Lattice<'a> {
         // NaN, unknown, compares false
         map.energy[pose] >= 0.0
             && f64::from(map.risk[pose]) <= max_risk
+            && f64::from(map.slip_high[pose].abs()) <= self.settings.max_slip
             && f64::from(map.tip_over[pose]) >= self.settings.min_tip_over_deg
     }
 

@@ -9,7 +9,7 @@ use grouser_rover::ground::GeoTiff;
 use crate::error::{Error, Result};
 use crate::map::{Band, MapLayout, Quantity};
 
-/// Greatest number of cells times headings: five numbers of each are held.
+/// Greatest number of cells times headings: six numbers of each are held.
 const MAX_POSES: u64 = 1 << 26;
 /// GDAL's metadata.
 const METADATA_TAG: u16 = 42112;
@@ -24,6 +24,8 @@ pub struct PlanMap {
     pub energy: Vec<f32>,
     /// Slip.
     pub slip: Vec<f32>,
+    /// The slip that 95 % of the soil draws do not exceed.
+    pub slip_high: Vec<f32>,
     /// Probability of immobilisation, at most.
     pub risk: Vec<f32>,
     /// Tip-over margin, deg.
@@ -42,6 +44,7 @@ impl PlanMap {
             layout,
             energy: nothing.clone(),
             slip: nothing.clone(),
+            slip_high: nothing.clone(),
             risk: nothing.clone(),
             tip_over: nothing.clone(),
             pitch: nothing,
@@ -123,6 +126,7 @@ impl PlanMap {
             let pose = cell * headings.count() + heading;
             self.energy[pose] = value(Quantity::Energy);
             self.slip[pose] = value(Quantity::Slip);
+            self.slip_high[pose] = value(Quantity::SlipHigh);
             self.risk[pose] = value(Quantity::Immobilisation);
             self.tip_over[pose] = value(Quantity::TipOver);
             self.pitch[pose] = value(Quantity::Pitch);

@@ -115,6 +115,7 @@ impl Route {
 /// let mut map = PlanMap::unknown(layout);
 /// map.energy.fill(10.0); // J/m
 /// map.slip.fill(0.1);
+/// map.slip_high.fill(0.2);
 /// map.risk.fill(0.0);
 /// map.tip_over.fill(40.0);
 /// map.pitch.fill(0.0);

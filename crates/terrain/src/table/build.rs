@@ -15,8 +15,8 @@ const COARSEST: [usize; 2] = [9, 17];
 const MAX_DOUBLINGS: u32 = 2;
 /// Slips at which the greatest holdable pitch is looked for before it is refined.
 const SAMPLES: u32 = 6;
-/// Golden-section steps on a peak, to 1e-8 of a slip: the pitch at a peak is flat, so that it is then exact.
-const PEAK_STEPS: u32 = 32;
+/// Golden-section search for a peak ends at this width in slip; a parabola gives the rest, because the pitch is flat there.
+const PEAK_WIDTH: f64 = 4e-3;
 /// A pitch is found to this accuracy, rad.
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
@@ -187,21 +187,45 @@ fn limit(
         }
     }
     let (mut low, mut high) = (best.0 - step, if is_last { last } else { best.0 + step });
-    for _ in 0..PEAK_STEPS {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        let (Some(at_a), Some(at_b)) = (pitch(a)?, pitch(b)?) else {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let [mut a, mut b] = inner(low, high);
+    let (Some(mut at_a), Some(mut at_b)) = (pitch(a)?, pitch(b)?) else {
+        return Ok(capped);
+    };
+    while (high - low).abs() > PEAK_WIDTH {
+        let left_is_better = at_a * sense > at_b * sense;
+        if left_is_better {
+            (high, b, at_b) = (b, a, at_a);
+            a = inner(low, high)[0];
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = inner(low, high)[1];
+        }
+        let Some(at_new) = pitch(if left_is_better { a } else { b })? else {
             return Ok(capped);
         };
-        for (slip, at) in [(a, at_a), (b, at_b)] {
-            if (at - best.1) * sense > 0.0 {
-                best = (slip, at);
-            }
-        }
-        if at_a * sense > at_b * sense {
-            high = b;
+        if left_is_better {
+            at_a = at_new;
         } else {
-            low = a;
+            at_b = at_new;
+        }
+    }
+    // the vertex of the parabola through three places about the peak, where it lies between them
+    let (left, right) = (0.5 * (a + b) - PEAK_WIDTH, 0.5 * (a + b) + PEAK_WIDTH);
+    let middle = 0.5 * (a + b);
+    let mut found = vec![(a, at_a), (b, at_b)];
+    if let (Some(l), Some(m), Some(r)) = (pitch(left)?, pitch(middle)?, pitch(right)?) {
+        let curvature = l - 2.0 * m + r;
+        let vertex = middle + 0.5 * PEAK_WIDTH * (l - r) / curvature;
+        found.push((middle, m));
+        if (vertex - middle).abs() <= PEAK_WIDTH {
+            found.extend(pitch(vertex)?.map(|at| (vertex, at)));
+        }
+    }
+    for (slip, at) in found {
+        if (at - best.1) * sense > 0.0 && slip.abs() <= MAX_SLIP {
+            best = (slip, at);
         }
     }
     Ok(Limit {

@@ -28,7 +28,7 @@ pub(super) fn write(
         ));
     };
     let mut bytes = format!("P5\n{} {}\n255\n", layout.columns, layout.rows).into_bytes();
-    bytes.extend_from_slice(&summary.costs);
+    bytes.extend_from_slice(summary.costs.as_deref().unwrap_or_default());
     let mut text = OutputFile::create(&image)?.write_whole(&bytes)?;
     // the outer corner of the lower left cell
     let [x, y] = georeference

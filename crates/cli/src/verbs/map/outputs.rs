@@ -90,7 +90,7 @@ impl Outputs {
         mut journals: Vec<Journal>,
         georeference: &Georeference,
     ) -> Result<(Summary, String)> {
-        let mut summary = Summary::new(layout);
+        let mut summary = Summary::new(layout, !self.costmaps.is_empty());
         let mut file = OutputFile::create(&self.map)?;
         write_map(
             &mut file,

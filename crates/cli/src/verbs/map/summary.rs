@@ -91,8 +91,8 @@ impl Shades {
 pub(super) struct Summary {
     layout: MapLayout,
     pub(super) shades: Shades,
-    /// The costs of all cells, for costmaps: 0 to 100, and 255 where nothing is known.
-    pub(super) costs: Vec<u8>,
+    /// The costs of all cells, where a costmap is wanted: 0 to 100, and 255 where nothing is known.
+    pub(super) costs: Option<Vec<u8>>,
     pub(super) cells: u64,
     pub(super) known: u64,
     /// Known cells that no heading can drive, and those that every heading can.
@@ -109,11 +109,11 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    pub(super) fn new(layout: &MapLayout) -> Self {
+    pub(super) fn new(layout: &MapLayout, with_costs: bool) -> Self {
         Self {
             layout: layout.clone(),
             shades: Shades::new(layout),
-            costs: Vec::new(),
+            costs: with_costs.then(Vec::new),
             cells: 0,
             known: 0,
             closed: 0,
@@ -133,7 +133,9 @@ impl Summary {
         let first = self.layout.rows_of(strip).start as usize * self.layout.columns as usize;
         for (index, cell) in cells.chunks_exact(self.layout.bands()).enumerate() {
             let worst = self.cell(first + index, cell);
-            self.costs.push(cost(&worst));
+            if let Some(costs) = &mut self.costs {
+                costs.push(cost(&worst));
+            }
         }
     }
 

@@ -22,7 +22,7 @@ use crate::verb_report::Report;
 #[command(
     about = "The way of least energy over a slip map, within a bound on the risk",
     long_about = "The way of least energy between two places of a map that `grouser map` made, within a bound on the probability \
-        of immobilisation anywhere on the way and on the tip-over margin. The robot goes in the map's headings and turns no \
+        of immobilisation anywhere on the way, on the slip and on the tip-over margin. The robot goes in the map's headings and turns no \
         sharper than its turning radius. The same map and flags give the same way on every machine.\n\nThe bound counts one soil \
         of uncertain strength for the whole map; patches of other soil are not in it. Turning costs --turn-energy-j, nothing unless given.",
     after_help = "Examples:\n  grouser plan map.tif --from 12,8 --to 40,30\n  \
@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     /// Bound on the probability to be immobilised anywhere on the way
     #[arg(long, value_name = "P", value_parser = parse_finite, default_value = "0.05")]
     max_risk: f64,
+    /// Greatest slip, driving or braking, that 95 % of the soil draws may demand
+    #[arg(long, value_name = "S", value_parser = parse_finite, default_value = "0.6")]
+    max_slip: f64,
     /// Least tip-over margin, in degrees
     #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "10")]
     min_tip_over_deg: f64,
@@ -124,6 +127,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let heading = |angle: Option<f64>| angle.map(|angle| nearest(headings, angle));
     let settings = PlanSettings {
         max_risk: arguments.max_risk,
+        max_slip: arguments.max_slip,
         min_tip_over_deg: arguments.min_tip_over_deg,
         rim_speed: arguments.speed_m_per_s,
         turn_energy: arguments.turn_energy_j,
@@ -189,7 +193,8 @@ fn no_way(object: grouser_report::Object, least: Option<f64>, arguments: &Argume
             shown(least)
         ),
         None => format!(
-            "no way leads to the goal, whatever risk is allowed (tip-over margin at least {} deg)\n",
+            "no way leads to the goal, whatever risk is allowed (slip at most {}, tip-over margin at least {} deg)\n",
+            shown(arguments.max_slip),
             shown(arguments.min_tip_over_deg)
         ),
     };

@@ -1,7 +1,5 @@
 //! `wheel`: one operating point.
 
-mod figure;
-
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
 
@@ -112,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let mut text = text(solved);
     if let (Some(target), Some(point)) = (target, &answer.point) {
-        let figure = figure::draw(&pair, point, &chosen.name);
+        let figure = grouser_campaign::stress::draw(&pair, point, &chosen.name);
         text.push_str(&target.write(&figure)?);
     }
     let outcome = if answer.point.is_some() {

@@ -1,4 +1,4 @@
-//! The figure of `wheel`: the wheel in the soil with the stress on its rim, and the stresses against the
+//! The stress under a wheel as a figure: the wheel in the soil with the stress on its rim, and the stresses against the
 //! angle.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -15,8 +15,20 @@ const ARROWS: u32 = 14;
 /// The longest arrow in parts of the radius.
 const MAX_ARROW_RADII: f64 = 0.42;
 
-/// Draws the operating point.
-pub(super) fn draw(pair: &WheelOnSoil, point: &OperatingPoint, soil: &str) -> Figure {
+/// Draws an operating point of `pair` on the soil that is named `soil`.
+///
+/// ```
+/// use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+///
+/// let soil = catalogue::find("lunar").expect("in the catalogue").soil()?;
+/// let pair = WheelOnSoil::new(RigidWheel::new(0.125, 0.15)?, soil, Settings::default())?;
+/// let point = pair.at_sinkage(0.01, &Kinematics::straight(Slip::new(0.25)?))?;
+/// let figure = grouser_campaign::stress::draw(&pair, &point, "lunar");
+/// assert!(figure.svg().contains("<svg"));
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[must_use]
+pub fn draw(pair: &WheelOnSoil, point: &OperatingPoint, soil: &str) -> Figure {
     let description =
         format!("Stress under a wheel on {soil}: the wheel in the soil, and the stresses");
     Figure::new(description)

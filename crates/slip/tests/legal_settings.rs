@@ -1,0 +1,142 @@
+//! Filter, window estimator and on-board computer under settings drawn from all that are legal, on robots of several kinds:
+//! no panic, and nothing said that is not finite.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    reason = "a test fails by panicking; counts are small"
+)]
+
+mod noise;
+mod sane;
+mod world;
+
+use grouser_slip::control::{ControlSettings, Request};
+use grouser_slip::detect::DetectSettings;
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::onboard::{OnBoard, OnBoardSettings};
+use grouser_slip::settings::Field;
+use grouser_slip::window::{WindowEstimator, WindowSettings};
+use grouser_slip::{Measurement, Sample};
+use noise::Noise;
+use proptest::prelude::*;
+use sane::is_sane;
+use world::{STEP_NS, World};
+
+/// Settings of which about half of the numbers lie anywhere within their limits, some of them at a limit.
+fn drawn<S: Copy + Default>(noise: &mut Noise, fields: &[Field<S>]) -> S {
+    let mut settings = S::default();
+    for field in fields {
+        let (low, high) = field.limits;
+        let share = noise.uniform();
+        let value = match noise.uniform() {
+            x if x < 0.5 => continue,
+            x if x < 0.55 => low,
+            x if x < 0.6 => high,
+            // numbers of one sign spread over their powers of ten
+            _ if low >= 0.0 => {
+                let low = low.max(1e-7 * high);
+                low * (high / low).powf(share)
+            }
+            _ => low + share * (high - low),
+        };
+        field.set(&mut settings, value);
+    }
+    settings
+}
+
+/// A short drive with a soft patch, of a robot of two to six powered wheels, with and without a free wheel and a camera.
+fn drawn_world(noise: &mut Noise) -> World {
+    let mut choice = |of: &[f64]| of[(noise.uniform() * of.len() as f64) as usize % of.len()];
+    World {
+        powered: choice(&[2.0, 4.0, 6.0]) as usize,
+        free: choice(&[0.0, 1.0]) > 0.0,
+        camera: choice(&[0.0, 10.0, 25.0]) as u32,
+        speed: choice(&[0.02, 0.3, 3.0]),
+        accelerometer: choice(&[0.0, 1.0]) > 0.0,
+        legs: [0.5, 0.5, 3.0, 0.5],
+        patch: (1.5, 2.5),
+        ..World::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    #[test]
+    fn no_legal_setting_of_the_filter_breaks_it(seed in any::<u64>()) {
+        let mut noise = Noise::new(seed);
+        let world = drawn_world(&mut noise);
+        let settings: FilterSettings = drawn(&mut noise, FilterSettings::FIELDS);
+        let mut filter = SlipFilter::new(&world.robot(), settings).unwrap();
+        let mut failed = None;
+        world.run(|_, row| {
+            for sample in row {
+                let _ = filter.update(*sample);
+            }
+            filter.set_roll(noise.normal());
+            failed = failed.take().or_else(|| is_sane(&filter).err());
+        });
+        prop_assert!(failed.is_none(), "{failed:?} with {settings:?}");
+    }
+
+    #[test]
+    fn no_legal_setting_of_the_windows_breaks_them(seed in any::<u64>()) {
+        let mut noise = Noise::new(seed);
+        let world = drawn_world(&mut noise);
+        let mut settings: WindowSettings = drawn(&mut noise, WindowSettings::FIELDS);
+        settings.history = [8, 100, 10_000][(seed % 3) as usize];
+        let mut windows = WindowEstimator::new(&world.robot(), settings).unwrap();
+        let mut is_finite = true;
+        world.run(|_, row| {
+            for sample in row {
+                let Ok(output) = windows.update(*sample) else { continue };
+                is_finite &= output.wheels.iter().all(|wheel| {
+                    wheel.slip.is_none_or(|slip| slip.value().abs() <= 1.0)
+                        && wheel.sigma.is_none_or(|sigma| sigma.is_finite() && sigma >= 0.0)
+                });
+            }
+        });
+        prop_assert!(is_finite, "{settings:?}");
+    }
+
+    #[test]
+    fn no_legal_setting_of_the_computer_breaks_its_commands(seed in any::<u64>()) {
+        let mut noise = Noise::new(seed);
+        let world = drawn_world(&mut noise);
+        let robot = world.robot();
+        let mut settings = OnBoardSettings::new(&robot);
+        settings.filter = drawn(&mut noise, FilterSettings::FIELDS);
+        settings.detect = drawn(&mut noise, DetectSettings::FIELDS);
+        let mut control: ControlSettings = drawn(&mut noise, ControlSettings::FIELDS);
+        control.level = control.level.min(control.steep);
+        settings.control = control;
+        for setup in &mut settings.wheels {
+            setup.max_torque = (noise.uniform() < 0.7).then_some(5.0);
+            setup.max_steering_angle = if noise.uniform() < 0.5 { 0.6 } else { 0.0 };
+        }
+        let mut on_board = OnBoard::new(&robot, settings).unwrap();
+        let request = Request { speed: 3.0 * noise.normal(), heading: noise.normal() };
+        let mut wrong = None;
+        let mut row_number = 0;
+        world.run(|_, row| {
+            for sample in row {
+                on_board.update(*sample);
+            }
+            let time_ns = row_number * STEP_NS;
+            row_number += 1;
+            let [force, rate] = [3.0, 0.3].map(|size| core::array::from_fn(|_| size * noise.normal()));
+            on_board.update(Sample { time_ns, measurement: Measurement::Inertial { force, rate } });
+            for command in on_board.tick(time_ns, request) {
+                let limits = [
+                    (command.rim_speed, control.max_rim_speed),
+                    (command.traction, f64::MAX),
+                    (command.steering_angle, 0.6 + 1e-9),
+                ];
+                if limits.iter().any(|(value, limit)| !(value.abs() <= *limit)) {
+                    wrong = Some(*command);
+                }
+            }
+        });
+        prop_assert!(wrong.is_none(), "{wrong:?} with {control:?}");
+    }
+}
