@@ -375,11 +375,25 @@ fn a_certificate_is_proved_refused_or_doubtful() {
     assert_eq!(infeasible.status.code(), Some(1));
     assert_eq!(json(&infeasible)["certificate"]["status"], "infeasible");
 
+    let running = grouser(&[
+        "optimize",
+        "examples/problems/running-slip.toml",
+        "--certify",
+        "--json",
+    ]);
+    assert_eq!(running.status.code(), Some(0));
+    assert_eq!(json(&running)["certificate"]["status"], "proved");
+    assert_eq!(json(&running)["certificate"]["remainder"], 1e-8);
+
+    let over_slip = folder.file(
+        "over_slip.toml",
+        "format = 1\nmethod = \"minimax\"\n[variables]\n\
+         radius_m = { start = 0.1, lower = 0.05, upper = 0.2 }\n[wheel]\nwidth_m = 0.1\n\
+         [soil]\nkey = \"dry-sand\"\n[state]\nload_n = 60.0\n\
+         [objectives]\npull = \"-max_drawbar_pull_n\"\n",
+    );
     for (arguments, reason) in [
-        (
-            ["examples/problems/running-slip.toml", "--certify"],
-            "no bounds over a box",
-        ),
+        ([over_slip.as_str(), "--certify"], "no bounds over a box"),
         (
             ["examples/problems/pull-against-torque.toml", "--certify"],
             "a front",

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grouser_opt::{
-    Binary, DerivativeCheck, Exact, Functions, Jacobian, LinearConstraint, Measure, Model,
+    Binary, DerivativeCheck, Exact, Functions, Jacobian, LinearConstraint, Measure, Model, Node,
     ParetoSettings, Problem, ProblemParams, Robust, Settings, Tape, TapedFunctions, Variable,
     World, check_derivatives, robust,
 };
@@ -157,6 +157,22 @@ pub(crate) struct Program {
     pub(crate) plain: bool,
 }
 
+impl Program {
+    /// The rows on a tape; `None` where one uses a number without a node.
+    pub(crate) fn rows_on(&self, tape: &mut Tape, numbers: &[Option<Node>]) -> Option<Vec<Node>> {
+        let mut nodes = Vec::with_capacity(self.rows.len());
+        for (formula, scale) in &self.rows {
+            let mut node = formula.onto(tape, numbers)?;
+            if *scale != 1.0 {
+                let factor = tape.constant(*scale);
+                node = tape.binary(Binary::Mul, node, factor);
+            }
+            nodes.push(node);
+        }
+        Some(nodes)
+    }
+}
+
 /// The program in one world.
 struct InWorld {
     program: Arc<Program>,
@@ -199,16 +215,10 @@ impl Model for WorldModel {
     fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
         let Exact(InWorld { program, fixed }) = &self.0;
         let mut tape = Tape::new();
-        let numbers = program.scope.taped(&mut tape, fixed, &program.quantities);
-        let mut functions = Vec::with_capacity(program.rows.len());
-        for (formula, scale) in &program.rows {
-            let mut node = formula.onto(&mut tape, &numbers)?;
-            if *scale != 1.0 {
-                let factor = tape.constant(*scale);
-                node = tape.binary(Binary::Mul, node, factor);
-            }
-            functions.push(node);
-        }
+        let (numbers, _) = program
+            .scope
+            .taped(&mut tape, fixed, &program.quantities, None);
+        let functions = program.rows_on(&mut tape, &numbers)?;
         Some(TapedFunctions { tape, functions })
     }
 }
@@ -241,7 +251,7 @@ impl Design {
         of(true).chain(of(false)).collect()
     }
 
-    fn params(&self) -> ProblemParams<'static> {
+    pub(crate) fn params(&self) -> ProblemParams<'static> {
         let named = |equal: bool| {
             let own = self.constraints.iter().filter(move |c| c.equal == equal);
             own.map(|c| c.name.clone()).collect::<Vec<_>>()

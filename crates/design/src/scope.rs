@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use grouser_opt::{Node, Tape};
+use grouser_opt::{Node, Tape, Variable};
 use grouser_real::Scalar;
 
 use crate::formula::{Formula, Names};
@@ -93,13 +93,16 @@ impl Scope {
         self.count() + Parameter::COUNT + quantity as usize
     }
 
-    /// The nodes of the same numbers on a tape; `None` for what is not given or is no formula.
+    /// The nodes of the same numbers on a tape; `None` for what is not given or is no formula. With `contact`, the
+    /// first of the variables that a wheel under a load adds, forces have nodes too, and the second result is what
+    /// must be 0 for the load to be carried.
     pub(crate) fn taped(
         &self,
         tape: &mut Tape,
         fixed: &Fixed,
         quantities: &[Quantity],
-    ) -> Vec<Option<Node>> {
+        contact: Option<usize>,
+    ) -> (Vec<Option<Node>>, Option<Node>) {
         let count = self.count();
         let mut numbers: Vec<Option<Node>> = (0..count).map(|i| Some(tape.variable(i))).collect();
         let parameters =
@@ -114,10 +117,28 @@ impl Scope {
             fixed,
             parameters,
         };
+        let contact = contact.and_then(|first| taped.contact(first));
         for &quantity in quantities {
-            numbers[self.place(quantity)] = taped.quantity(quantity);
+            numbers[self.place(quantity)] = match &contact {
+                Some(contact) => taped.under_load(contact, quantity),
+                None => taped.quantity(quantity),
+            };
         }
-        numbers
+        let balance = contact.map(|contact| taped.balance(&contact));
+        (numbers, balance)
+    }
+
+    /// Whether the load is given, so that the sinkage solves an equation.
+    pub(crate) fn is_loaded(&self, fixed: &Fixed) -> bool {
+        fixed.get(Parameter::Load).is_some() || self.is_replaced(Parameter::Load)
+    }
+
+    /// The least slip that a variable or the state allows; `None` where there is no slip.
+    pub(crate) fn least_slip(&self, fixed: &Fixed, variables: &[Variable]) -> Option<f64> {
+        match self.replaced[Parameter::Slip as usize] {
+            Some(index) => Some(variables[index].lower),
+            None => fixed.get(Parameter::Slip),
+        }
     }
 
     /// Why a quantity has no value at `x`; the first that has none.

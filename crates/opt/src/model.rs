@@ -1,7 +1,9 @@
 //! What a problem computes: the interface between the solvers and the user's functions.
 
 use crate::jacobian::Jacobian;
-use crate::tape::TapedFunctions;
+use crate::tape::{Enclosures, Tape, TapedFunctions};
+
+use grouser_real::Interval;
 
 /// Objectives and nonlinear constraints as functions of the variables.
 ///
@@ -44,6 +46,44 @@ pub trait Model: Sync {
     fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
         None
     }
+}
+
+/// Values and gradients at a point are the middles of their enclosures.
+impl Model for TapedFunctions {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        let x: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
+        let mut at = Enclosures::default();
+        at.forward(&self.tape, &x, &self.needed(), false);
+        for (value, node) in values.iter_mut().zip(&self.functions) {
+            *value = middle(at.values[*node as usize]);
+        }
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        let x: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
+        let mut at = Enclosures::default();
+        at.forward(&self.tape, &x, &self.needed(), true);
+        let mut gradient = vec![Interval::ZERO; x.len()];
+        for (row, node) in self.functions.iter().enumerate() {
+            values[row] = middle(at.values[*node as usize]);
+            let regular = at.gradient(&self.tape, &self.tape.needed(*node), &mut gradient);
+            for (slot, slope) in jacobian.row_mut(row).iter_mut().zip(&gradient) {
+                *slot = if regular { middle(*slope) } else { f64::NAN };
+            }
+        }
+    }
+
+    fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
+        let mut tape = Tape::new();
+        let at = tape.append(&self.tape);
+        let functions = self.functions.iter().map(|f| at[*f as usize]).collect();
+        Some(TapedFunctions { tape, functions })
+    }
+}
+
+/// The middle of a bounded enclosure, else NaN.
+fn middle(x: Interval) -> f64 {
+    if x.is_bounded() { x.middle() } else { f64::NAN }
 }
 
 impl<M: Model + ?Sized> Model for &M {

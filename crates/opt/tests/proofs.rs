@@ -1,8 +1,10 @@
 //! Proof logs beside the checker: it accepts what was written, and refuses every log in which a part was changed.
 #![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     clippy::unwrap_used,
     clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
+    reason = "a test stops at the first surprise, prints what it measured, and picks places in lists"
 )]
 
 #[path = "support/random_starts.rs"]
@@ -184,7 +186,7 @@ fn mutilated(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<Str
         2 => {
             lines[inner] = with_number(&log[inner], "\"bound\":", |b| {
                 b + 1e-3 * size * (1.0 + b.abs())
-            })?
+            })?;
         }
         // a box is divided outside itself
         3 => lines[inner] = with_number(&log[inner], "\"at\":", |at| at + 100.0 * size)?,

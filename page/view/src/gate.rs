@@ -1,7 +1,7 @@
 //! Who may ask: host, origin and token of a request, checked before anything else is read.
 
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, COOKIE, HOST, ORIGIN, TRANSFER_ENCODING};
-use axum::http::{HeaderMap, Method, Request, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, Method, Request, StatusCode};
 
 /// The cookie that holds the session.
 pub(crate) const COOKIE_NAME: &str = "grouser-view";
@@ -56,7 +56,7 @@ impl Gate {
         if !own_origin {
             return Err((StatusCode::FORBIDDEN, "another site's page may not ask"));
         }
-        let site = headers.get("sec-fetch-site").map(|site| site.as_bytes());
+        let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
         if !matches!(site, None | Some(b"same-origin" | b"none")) {
             return Err((StatusCode::FORBIDDEN, "another site's page may not ask"));
         }

@@ -3,6 +3,7 @@
 //! The program prints an address with a token that works once: it is exchanged for a cookie, which every other
 //! request needs. Files come from a table in the program, never from the disk.
 
+use std::fmt::Write as _;
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::{Arc, Mutex};
@@ -137,7 +138,12 @@ impl Server {
 fn secret() -> io::Result<String> {
     let mut bytes = [0_u8; 32];
     getrandom::fill(&mut bytes).map_err(io::Error::other)?;
-    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+    let mut text = String::with_capacity(2 * bytes.len());
+    for byte in bytes {
+        // writing to a string cannot fail
+        let _ = write!(text, "{byte:02x}");
+    }
+    Ok(text)
 }
 
 async fn accept(listener: TcpListener, router: Router, room: Arc<Semaphore>) {
@@ -203,10 +209,11 @@ async fn answer(State(shared): State<Arc<Shared>>, request: Request<Body>) -> Re
 async fn respond(shared: &Arc<Shared>, request: Request<Body>) -> Result<Response<Body>, Refused> {
     shared.gate.check_origin(&request)?;
     let path = request.uri().path().to_owned();
-    if request.method() == Method::GET && path == "/" {
-        if let Some(query) = request.uri().query() {
-            return exchange(shared, query);
-        }
+    if request.method() == Method::GET
+        && path == "/"
+        && let Some(query) = request.uri().query()
+    {
+        return exchange(shared, query);
     }
     shared.gate.check_session(request.headers())?;
     match (request.method(), path.as_str()) {

@@ -26,7 +26,11 @@ fn start(shown: Option<Shown>) -> Running {
             let server = Server::listen(0, shown).await.expect("a free port");
             let token = server.address();
             let token = token.split("token=").nth(1).expect("a token").to_owned();
-            let addresses = server.addresses().iter().map(|a| a.ip()).collect();
+            let addresses = server
+                .addresses()
+                .iter()
+                .map(std::net::SocketAddr::ip)
+                .collect();
             ready
                 .send(Running {
                     port: server.port(),

@@ -62,6 +62,23 @@ impl Fixed {
         self.beside != Beside::default()
     }
 
+    /// Are the laws those without any option: Bekker's pressure, no transport by lugs, no rear contact?
+    pub(crate) fn has_plain_laws(&self) -> bool {
+        let Beside {
+            pressure,
+            rear_driving,
+            transport_layer,
+            laws,
+            tip_share,
+            ..
+        } = self.beside;
+        pressure.is_none()
+            && rear_driving == 0.0
+            && transport_layer == 0.0
+            && laws == LawChoice::default()
+            && tip_share.is_none()
+    }
+
     /// The sizes of a wheel.
     pub(crate) fn set_wheel(&mut self, wheel: &RigidWheel) {
         self.set(Parameter::Radius, wheel.radius());

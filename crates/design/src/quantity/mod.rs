@@ -5,6 +5,7 @@ mod inputs;
 mod parameter;
 mod point;
 mod taped;
+mod taped_contact;
 
 use grouser_real::Scalar;
 use grouser_terra::{entry_angle, sinkage_from_entry_angle, slip_ani};
@@ -14,6 +15,7 @@ pub(crate) use inputs::Inputs;
 pub use parameter::{Parameter, Place};
 pub(crate) use point::NoValue;
 pub(crate) use taped::Taped;
+pub(crate) use taped_contact::{CONTACT_VARIABLES, REMAINDER};
 
 use point::{Point, efficiency};
 

@@ -16,7 +16,7 @@ pub(crate) struct Taped<'t> {
 }
 
 impl Taped<'_> {
-    fn get(&self, parameter: Parameter) -> Option<Node> {
+    pub(super) fn get(&self, parameter: Parameter) -> Option<Node> {
         self.parameters[parameter as usize]
     }
 
@@ -34,12 +34,12 @@ impl Taped<'_> {
         Some(self.two(Binary::Mul, own, factor))
     }
 
-    fn radians(&mut self, parameter: Parameter) -> Option<Node> {
+    pub(super) fn radians(&mut self, parameter: Parameter) -> Option<Node> {
         self.scaled(parameter, std::f64::consts::PI / 180.0)
     }
 
     /// The radius for slip and sinkage; `None` for lugs that are counted by a variable.
-    fn radius(&mut self) -> Option<Node> {
+    pub(super) fn radius(&mut self) -> Option<Node> {
         let rim = self.get(Parameter::Radius)?;
         let lugs = self.fixed.get(Parameter::GrouserCount)?;
         let height = self.get(Parameter::GrouserHeight)?;
@@ -68,8 +68,8 @@ impl Taped<'_> {
         Some(self.two(Binary::Mul, two, half))
     }
 
-    /// (k_c/b + k_phi) zⁿ.
-    fn pressure(&mut self, sinkage: Node) -> Option<Node> {
+    /// k_c/b + k_phi.
+    pub(super) fn modulus(&mut self) -> Option<Node> {
         if self.fixed.is_meaningless(Parameter::KC) {
             return None;
         }
@@ -79,17 +79,30 @@ impl Taped<'_> {
         );
         let width = self.get(Parameter::Width)?;
         let per_width = self.two(Binary::Div, k_c, width);
-        let modulus = self.two(Binary::Add, per_width, k_phi);
+        Some(self.two(Binary::Add, per_width, k_phi))
+    }
+
+    /// (k_c/b + k_phi) zⁿ.
+    pub(super) fn pressure(&mut self, sinkage: Node) -> Option<Node> {
+        let modulus = self.modulus()?;
         let n = self.get(Parameter::Exponent)?;
         let power = self.two(Binary::Power, sinkage, n);
         Some(self.two(Binary::Mul, modulus, power))
     }
 
-    /// c + σ tan φ.
-    fn strength(&mut self, sigma: Node) -> Option<Node> {
-        let cohesion = self.scaled(Parameter::Cohesion, 1e3)?;
+    pub(super) fn cohesion(&mut self) -> Option<Node> {
+        self.scaled(Parameter::Cohesion, 1e3)
+    }
+
+    pub(super) fn tan_phi(&mut self) -> Option<Node> {
         let phi = self.radians(Parameter::Phi)?;
-        let tan = self.tape.unary(Unary::Tan, phi);
+        Some(self.tape.unary(Unary::Tan, phi))
+    }
+
+    /// c + σ tan φ.
+    pub(super) fn strength(&mut self, sigma: Node) -> Option<Node> {
+        let cohesion = self.cohesion()?;
+        let tan = self.tan_phi()?;
         let friction = self.two(Binary::Mul, sigma, tan);
         Some(self.two(Binary::Add, cohesion, friction))
     }

@@ -85,9 +85,7 @@ impl Rows {
                 needed: tape.needed(node),
             })
             .collect();
-        let mut needed: Vec<Node> = list.iter().flat_map(|row| row.needed.clone()).collect();
-        needed.sort_unstable();
-        needed.dedup();
+        let needed = tape.needed_by(list.iter().map(|row| row.node));
         Ok(Self {
             tape,
             list,

@@ -130,36 +130,48 @@ impl Search<'_, '_> {
         })
     }
 
+    /// The best of the candidates and of the local solves.
+    fn first(&self) -> Option<Best> {
+        let mut best = None;
+        for candidate in &self.settings.candidates {
+            self.consider(&mut best, candidate);
+        }
+        if self.settings.starts > 0
+            && let Ok(found) = multi_start(
+                self.problem,
+                self.method,
+                &self.settings.solve,
+                self.settings.starts,
+                self.settings.seed,
+            )
+        {
+            for run in &found.runs {
+                self.consider(&mut best, &run.x[..self.rows.dimension()]);
+            }
+        }
+        best
+    }
+
+    /// The whole box.
+    fn root(&self) -> Open {
+        let sides = self.rows.lower.iter().zip(&self.rows.upper);
+        Open {
+            id: 0,
+            bound: f64::NEG_INFINITY,
+            weights: Vec::new(),
+            x: sides
+                .map(|(low, high)| Interval::new(*low, *high))
+                .collect(),
+        }
+    }
+
     pub(super) fn run(
         mut self,
         callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
     ) -> Certificate {
         let began = Instant::now();
-        let mut best = None;
-        if let Ok(found) = multi_start(
-            self.problem,
-            self.method,
-            &self.settings.solve,
-            self.settings.starts.max(1),
-            self.settings.seed,
-        ) {
-            for run in &found.runs {
-                self.consider(&mut best, &run.x[..self.rows.dimension()]);
-            }
-        }
-        let mut heap = BinaryHeap::new();
-        heap.push(Open {
-            id: 0,
-            bound: f64::NEG_INFINITY,
-            weights: Vec::new(),
-            x: self
-                .rows
-                .lower
-                .iter()
-                .zip(&self.rows.upper)
-                .map(|(low, high)| Interval::new(*low, *high))
-                .collect(),
-        });
+        let mut best = self.first();
+        let mut heap = BinaryHeap::from([self.root()]);
         let mut next = 1_u64;
         let mut stuck: Vec<Open> = Vec::new();
         // the lowest claim among closed boxes
@@ -222,7 +234,7 @@ impl Search<'_, '_> {
                     self.consider(&mut best, &result.middle);
                 }
             }
-            if boxes >= polish_at {
+            if boxes >= polish_at && self.settings.starts > 0 {
                 polish_at = polish_at.saturating_mul(2).max(boxes);
                 if let Some(first) = examined.first() {
                     let middle: Vec<f64> = first.rest.iter().map(|x| x.middle()).collect();

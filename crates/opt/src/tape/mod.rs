@@ -262,6 +262,17 @@ impl Tape {
         at
     }
 
+    /// The operations that any of these depends on, in order.
+    pub(crate) fn needed_by(&self, nodes: impl IntoIterator<Item = Node>) -> Vec<Node> {
+        let mut all: Vec<Node> = nodes
+            .into_iter()
+            .flat_map(|node| self.needed(node))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// The operations that `node` depends on, in order, itself last.
     pub(crate) fn needed(&self, node: Node) -> Vec<Node> {
         let mut wanted = vec![false; node as usize + 1];
@@ -294,4 +305,11 @@ pub struct TapedFunctions {
     pub tape: Tape,
     /// The node of each function, in the model's order.
     pub functions: Vec<Node>,
+}
+
+impl TapedFunctions {
+    /// The operations that any function depends on, in order.
+    pub(crate) fn needed(&self) -> Vec<Node> {
+        self.tape.needed_by(self.functions.iter().copied())
+    }
 }

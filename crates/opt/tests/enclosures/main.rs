@@ -1,5 +1,10 @@
 //! Enclosures of random expressions over random boxes hold every value: 10⁶ random points, and values of 30 digits.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::unwrap_used,
+    reason = "a test stops at the first surprise, and picks places in lists"
+)]
 
 #[path = "../support/random_starts.rs"]
 #[allow(dead_code, reason = "shared with other tests")]

@@ -40,6 +40,8 @@ pub(super) struct Certified {
     pub(super) gap: f64,
     /// A better answer than the search from the starts found.
     pub(super) better: Option<Answer>,
+    /// What the rule of integration may leave out, as a share of a force, where wheels carry loads.
+    pub(super) remainder: Option<f64>,
     /// The line that names the log.
     written: Option<String>,
 }
@@ -121,6 +123,7 @@ impl Certification {
             better: better(design, answer, &certificate, gap)?,
             certificate,
             gap,
+            remainder: design.force_remainder(),
             written,
         }))
     }
@@ -182,6 +185,13 @@ impl Certified {
                 shown(c.gap()),
                 shown(self.gap * (1.0 + c.upper.abs())),
                 shown(c.violation)
+            );
+        }
+        if let Some(remainder) = self.remainder {
+            let _ = writeln!(
+                text,
+                "forces: a rule of integration that is off by up to {} of each force (measured, not proved)",
+                shown(remainder)
             );
         }
         if let Some(written) = &self.written {

@@ -193,6 +193,8 @@ fn certificate<'a>() -> Fields<'a, &'a Certified> {
         "upper" "the utility of the best point, rounded up" = finite(certified.certificate.upper);
         "gap" "upper - lower" = finite(certified.certificate.gap());
         "violation" "by how much the best point violates a constraint at most" = certified.certificate.violation;
+        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" =
+            certified.remainder;
         "boxes" "boxes examined" = certified.certificate.boxes;
         "seconds" "time taken, s" = certified.certificate.seconds;
     }

@@ -1,0 +1,357 @@
+//! A wheel under a load as operations on a tape: the forces by a fixed rule over both pieces of the contact, with the
+//! entry angle as a variable of its own that must carry the load.
+//!
+//! Laws: straight ahead, driving (s ≥ 0), Bekker's pressure \[WR67\], Janosi and Hanamoto's shear; smooth wheels.
+//! The rule is Gauss-Legendre in v with t = v³, where t is the share of a piece's arc from its end without stress: the
+//! stress grows like tⁿ there. Each integral carries a relative remainder, a variable in ±[`REMAINDER`].
+
+use grouser_opt::{Binary, Node, Unary};
+
+use super::taped::Taped;
+use super::{Parameter, Quantity};
+
+/// Nodes of the rule on each piece.
+const NODES: usize = 10;
+/// What the rule may leave out of an integral, as a share of it. The test `taped_forces_are_those_of_the_kernel`
+/// compares it with the kernel's reference mode over random wheels and soils.
+pub(crate) const REMAINDER: f64 = 1e-8;
+
+/// What a contact adds to the variables of a problem: the entry angle, then one remainder per integral.
+pub(crate) const CONTACT_VARIABLES: usize = 1 + INTEGRALS;
+const INTEGRALS: usize = 4;
+
+/// The forces on a wheel as nodes.
+#[derive(Clone, Copy)]
+pub(crate) struct TapedContact {
+    theta_1: Node,
+    theta_m: Node,
+    slip: Node,
+    radius: Node,
+    load: Node,
+    vertical_force: Node,
+    thrust: Node,
+    compaction_resistance: Node,
+    torque: Node,
+}
+
+/// Nodes and weights of the Gauss-Legendre rule on [0, 1], by Newton's method on the polynomial.
+fn legendre() -> Vec<(f64, f64)> {
+    let n = NODES as f64;
+    (0..NODES)
+        .map(|i| {
+            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+            let mut slope = 1.0;
+            for _ in 0..50 {
+                let (mut p, mut before) = (1.0, 0.0);
+                for k in 0..NODES {
+                    let k = k as f64;
+                    (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
+                }
+                slope = n * (x * p - before) / (x * x - 1.0);
+                x -= p / slope;
+            }
+            (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
+impl Taped<'_> {
+    fn add(&mut self, a: Node, b: Node) -> Node {
+        self.tape.binary(Binary::Add, a, b)
+    }
+    fn sub(&mut self, a: Node, b: Node) -> Node {
+        self.tape.binary(Binary::Sub, a, b)
+    }
+    fn mul(&mut self, a: Node, b: Node) -> Node {
+        self.tape.binary(Binary::Mul, a, b)
+    }
+    fn div(&mut self, a: Node, b: Node) -> Node {
+        self.tape.binary(Binary::Div, a, b)
+    }
+    fn times(&mut self, factor: f64, a: Node) -> Node {
+        let factor = self.tape.constant(factor);
+        self.tape.binary(Binary::Mul, factor, a)
+    }
+
+    /// sin of a share of θ_1.
+    fn sine_of_share(&mut self, share: Node, theta_1: Node) -> Node {
+        let angle = self.mul(share, theta_1);
+        self.tape.unary(Unary::Sin, angle)
+    }
+
+    /// Is this soil and wheel within the laws of this module?
+    fn has_lean_laws(&self) -> bool {
+        let zero = |p| self.fixed.get(p) == Some(0.0);
+        zero(Parameter::GrouserHeight)
+            && zero(Parameter::GrouserCount)
+            && zero(Parameter::Rebound)
+            && zero(Parameter::ExponentBraking)
+            && self.fixed.has_plain_laws()
+    }
+
+    /// The contact, whose entry angle and remainders are the variables from `first` on.
+    pub(crate) fn contact(&mut self, first: usize) -> Option<TapedContact> {
+        if !self.has_lean_laws() {
+            return None;
+        }
+        let slip = self.get(Parameter::Slip)?;
+        let load = self.carried()?;
+        let radius = self.radius()?;
+        let width = self.get(Parameter::Width)?;
+        let (one, zero) = (self.tape.constant(1.0), self.tape.constant(0.0));
+        let theta_1 = self.tape.variable(first);
+        let q = self.sub(one, slip);
+        let n = {
+            let (n_0, n_1) = (
+                self.get(Parameter::Exponent)?,
+                self.get(Parameter::ExponentDriving)?,
+            );
+            if self.fixed.get(Parameter::ExponentDriving) == Some(0.0) {
+                n_0
+            } else {
+                let growth = self.mul(n_1, slip);
+                self.add(n_0, growth)
+            }
+        };
+        let position = {
+            let (c_1, c_2) = (self.get(Parameter::C1)?, self.get(Parameter::C2)?);
+            let growth = self.mul(c_2, slip);
+            let sum = self.add(c_1, growth);
+            let above = self.tape.binary(Binary::Max, sum, zero);
+            self.tape.binary(Binary::Min, above, one)
+        };
+        let theta_m = self.mul(position, theta_1);
+        let rest = self.sub(one, position);
+        let front = self.mul(rest, theta_1);
+        let modulus = self.modulus()?;
+        let reach = self.tape.binary(Binary::Power, radius, n);
+        let amplitude = self.mul(modulus, reach);
+        let cohesion = self.cohesion()?;
+        let tan_phi = self.tan_phi()?;
+        let k_shear = self.get(Parameter::KShear)?;
+        let stiffness = self.div(radius, k_shear);
+        let mut sums = [zero; INTEGRALS];
+        // every angle is a share of θ_1 between 0 and 1, so that nothing changes its sign over a wide box
+        for (v, weight) in legendre() {
+            let (t, weight) = (v * v * v, weight * 3.0 * v * v);
+            let ahead_arc = self.times(t, rest);
+            let ahead = self.sub(one, ahead_arc);
+            let behind = self.times(t, position);
+            let behind_arc = self.sub(one, behind);
+            // the depth of the front piece's rim: cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2)
+            let power = {
+                let half_arc = self.times(0.5, ahead_arc);
+                let upper = self.sub(one, half_arc);
+                let upper = self.sine_of_share(upper, theta_1);
+                let lower = self.sine_of_share(half_arc, theta_1);
+                let product = self.mul(upper, lower);
+                let drop = self.times(2.0, product);
+                self.tape.binary(Binary::Power, drop, n)
+            };
+            let sigma = self.mul(amplitude, power);
+            let friction = self.mul(sigma, tan_phi);
+            let strength = self.add(cohesion, friction);
+            for (share, arc, length) in [(ahead, ahead_arc, front), (behind, behind_arc, theta_m)] {
+                let theta = self.mul(share, theta_1);
+                let (sin, cos) = (
+                    self.tape.unary(Unary::Sin, theta),
+                    self.tape.unary(Unary::Cos, theta),
+                );
+                // j/r = w (1 − q cos((θ_1 + θ)/2) sinc(w/2)) with the arc w = θ_1 − θ behind the entry
+                let displacement = {
+                    let w = self.mul(arc, theta_1);
+                    let half = self.times(0.5, w);
+                    let sinc = self.tape.unary(Unary::Sinc, half);
+                    let sum = self.add(one, share);
+                    let mean = self.times(0.5, sum);
+                    let middle = self.mul(mean, theta_1);
+                    let cosine = self.tape.unary(Unary::Cos, middle);
+                    let chord = self.mul(cosine, sinc);
+                    let moved = self.mul(q, chord);
+                    let slid = self.sub(one, moved);
+                    self.mul(w, slid)
+                };
+                let ratio = self.mul(stiffness, displacement);
+                let falling = self.tape.unary(Unary::Neg, ratio);
+                let lacking = self.tape.unary(Unary::ExpM1, falling);
+                let mobilised = self.tape.unary(Unary::Neg, lacking);
+                let tau = self.mul(strength, mobilised);
+                let measure = self.times(weight, length);
+                let parts = {
+                    let (sigma_cos, tau_sin) = (self.mul(sigma, cos), self.mul(tau, sin));
+                    let vertical = self.add(sigma_cos, tau_sin);
+                    [vertical, self.mul(tau, cos), self.mul(sigma, sin), tau]
+                };
+                for (sum, part) in sums.iter_mut().zip(parts) {
+                    let term = self.mul(measure, part);
+                    *sum = self.add(*sum, term);
+                }
+            }
+        }
+        let area = self.mul(radius, width);
+        for (index, sum) in sums.iter_mut().enumerate() {
+            let remainder = self.tape.variable(first + 1 + index);
+            let factor = self.add(one, remainder);
+            let force = self.mul(area, *sum);
+            *sum = self.mul(force, factor);
+        }
+        let torque = self.mul(radius, sums[3]);
+        Some(TapedContact {
+            theta_1,
+            theta_m,
+            slip,
+            radius,
+            load,
+            vertical_force: sums[0],
+            thrust: sums[1],
+            compaction_resistance: sums[2],
+            torque,
+        })
+    }
+
+    /// W cos α.
+    fn carried(&mut self) -> Option<Node> {
+        let weight = self.get(Parameter::Load)?;
+        if self.fixed.get(Parameter::Slope) == Some(0.0) {
+            return Some(weight);
+        }
+        let slope = self.radians(Parameter::Slope)?;
+        let cosine = self.tape.unary(Unary::Cos, slope);
+        Some(self.mul(weight, cosine))
+    }
+
+    /// (vertical force − load)/load, which must be 0.
+    pub(crate) fn balance(&mut self, contact: &TapedContact) -> Node {
+        let excess = self.sub(contact.vertical_force, contact.load);
+        self.div(excess, contact.load)
+    }
+
+    /// A quantity of a loaded wheel; `None` for those that search over slip.
+    pub(crate) fn under_load(
+        &mut self,
+        contact: &TapedContact,
+        quantity: Quantity,
+    ) -> Option<Node> {
+        let degrees = 180.0 / std::f64::consts::PI;
+        let one = self.tape.constant(1.0);
+        let q = self.sub(one, contact.slip);
+        let pull = self.sub(contact.thrust, contact.compaction_resistance);
+        Some(match quantity {
+            Quantity::Theta1 => self.times(degrees, contact.theta_1),
+            Quantity::ThetaM => self.times(degrees, contact.theta_m),
+            Quantity::Sinkage => self.loaded_sinkage(contact),
+            Quantity::VerticalForce => contact.load,
+            Quantity::DrawbarPull => pull,
+            Quantity::Torque => contact.torque,
+            Quantity::Thrust => contact.thrust,
+            Quantity::CompactionResistance => contact.compaction_resistance,
+            Quantity::TractiveEfficiency => {
+                let way = self.mul(q, contact.radius);
+                let work = self.mul(pull, way);
+                self.div(work, contact.torque)
+            }
+            Quantity::Energy => {
+                let way = self.mul(q, contact.radius);
+                self.div(contact.torque, way)
+            }
+            Quantity::PullCoefficient => self.div(pull, contact.load),
+            Quantity::Gradeability => {
+                let coefficient = self.div(pull, contact.load);
+                let angle = self.tape.unary(Unary::Atan, coefficient);
+                self.times(degrees, angle)
+            }
+            Quantity::SigmaMax => {
+                let z = self.loaded_sinkage(contact);
+                self.pressure(z)?
+            }
+            Quantity::TauMax => {
+                let z = self.loaded_sinkage(contact);
+                let sigma = self.pressure(z)?;
+                self.strength(sigma)?
+            }
+            _ => return None,
+        })
+    }
+
+    /// z = 2 r sin²(θ_1/2).
+    fn loaded_sinkage(&mut self, contact: &TapedContact) -> Node {
+        let half = self.times(0.5, contact.theta_1);
+        let sine = self.tape.unary(Unary::Sin, half);
+        let square = self.tape.whole_power(sine, 2);
+        let diameter = self.times(2.0, contact.radius);
+        self.mul(diameter, square)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use grouser_opt::Tape;
+    use grouser_real::Interval;
+    use grouser_terra::{RigidWheel, catalogue};
+
+    use super::*;
+    use crate::quantity::{Evaluation, Fixed, Inputs};
+    use crate::scope::Scope;
+
+    /// Numbers in [0, 1) from a seed (SplitMix64).
+    struct Stream(u64);
+
+    impl Stream {
+        fn within(&mut self, low: f64, high: f64) -> f64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// The kernel's forces (accurate to 1e-9) and this rule's, at the kernel's entry angle.
+    #[test]
+    fn taped_forces_are_those_of_the_kernel() {
+        let quantities = [
+            Quantity::Sinkage,
+            Quantity::Thrust,
+            Quantity::CompactionResistance,
+            Quantity::Torque,
+            Quantity::ThetaM,
+            Quantity::TauMax,
+        ];
+        let mut stream = Stream(2012);
+        let mut worst = 0.0_f64;
+        let mut compared = 0;
+        for key in ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"] {
+            let soil = catalogue::find(key).unwrap().soil().unwrap();
+            for _ in 0..60 {
+                let mut fixed = Fixed::default();
+                let (radius, width) = (stream.within(0.05, 0.25), stream.within(0.03, 0.2));
+                fixed.set_wheel(&RigidWheel::new(radius, width).unwrap());
+                fixed.set_soil(&soil);
+                fixed.set(Parameter::Load, stream.within(5.0, 200.0));
+                fixed.set(Parameter::Slip, stream.within(0.0, 0.9));
+                let scope = Scope::new(Vec::new());
+                let mut tape = Tape::new();
+                let (numbers, balance) = scope.taped(&mut tape, &fixed, &quantities, Some(0));
+                let inputs = Inputs::<f64>::new(&fixed);
+                let mut kernel = Evaluation::new(&inputs);
+                let Ok(degrees) = kernel.quantity(Quantity::Theta1) else {
+                    continue;
+                };
+                let mut x = [Interval::ZERO; CONTACT_VARIABLES];
+                x[0] = Interval::point(degrees.to_radians());
+                let excess = tape.enclose(&x, balance.unwrap());
+                worst = worst.max(excess.magnitude());
+                for quantity in quantities {
+                    let node = numbers[scope.place(quantity)].unwrap();
+                    let exact = kernel.quantity(quantity).unwrap();
+                    let own = tape.enclose(&x, node).middle();
+                    worst = worst.max((own - exact).abs() / exact.abs());
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 1000, "{compared}");
+        assert!(worst < REMAINDER, "{worst:e}");
+    }
+}

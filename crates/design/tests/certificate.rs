@@ -1,0 +1,120 @@
+//! Certificates of designs with wheels under a load.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first surprise, and prints what it measured"
+)]
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use grouser_design::{Answer, Design, Error, parse, read};
+use grouser_files::Document;
+use grouser_opt::{Certificate, CertifySettings};
+
+fn certified(design: &Design, seconds: f64) -> Certificate {
+    let mut settings = CertifySettings::default();
+    settings.time_limit_s = Some(seconds);
+    settings.starts = 4;
+    design
+        .certify(&settings, &mut |_| ControlFlow::Continue(()), None)
+        .unwrap()
+}
+
+fn shipped(name: &str) -> Design {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/problems");
+    read(&folder.join(name)).unwrap()
+}
+
+/// `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-design --test certificate -- --nocapture` measures the gaps.
+#[test]
+fn shipped_problems_have_bounds_on_both_sides_of_their_optimum() {
+    let seconds = std::env::var("GROUSER_CERTIFY_S").map_or(4.0, |s| s.parse().unwrap());
+    for name in [
+        "running-slip.toml",
+        "dry-sand-wheel.toml",
+        "robust-wheel.toml",
+    ] {
+        let design = shipped(name);
+        let Answer::Optimum(optimum) = design.solve().unwrap() else {
+            unreachable!()
+        };
+        let c = certified(&design, seconds);
+        println!(
+            "{name}: {} lower {:.9} upper {:.9} gap {:.2e} boxes {} in {:.1} s, local {:.9}, x {:?}",
+            c.status.name(),
+            c.lower,
+            c.upper,
+            c.gap(),
+            c.boxes,
+            c.seconds,
+            optimum.utility,
+            c.x
+        );
+        assert!(
+            c.lower <= optimum.utility,
+            "{name}: {} > {}",
+            c.lower,
+            optimum.utility
+        );
+        assert!(c.lower <= c.upper, "{name}");
+    }
+}
+
+/// Over boxes as small as a point the certificate is the kernel's value.
+#[test]
+fn the_level_over_a_small_box_is_that_of_the_kernel() {
+    for (slip, load) in [(0.05, 30.0), (0.3, 60.0), (0.7, 120.0)] {
+        let text = format!(
+            "format = 1\nmethod = \"minimax\"\n[variables]\n\
+             slip = {{ start = {slip}, lower = {slip}, upper = {} }}\n\
+             radius_m = {{ start = 0.125, lower = 0.125, upper = 0.1250001 }}\n\
+             [wheel]\nwidth_m = 0.1\n[soil]\nkey = \"dry-sand\"\n[state]\nload_n = {load}\n\
+             [objectives]\nf = \"-tractive_efficiency + sinkage_m / radius_m + torque_nm / 10\"\n",
+            slip + 1e-7
+        );
+        let design = parse(&Document::from_text("small.toml", text).unwrap()).unwrap();
+        let x: Vec<f64> = design.variables.iter().map(|v| v.start).collect();
+        let exact = design.merit(&x).unwrap().utility;
+        let c = certified(&design, 20.0);
+        println!("{exact} {c:?}");
+        assert!(c.status.is_proved(), "{c:?}");
+        assert!(
+            (c.lower - exact).abs() < 1e-5 && (c.upper - exact).abs() < 1e-5,
+            "{exact} {c:?}"
+        );
+    }
+}
+
+#[test]
+fn what_has_no_bounds_is_refused() {
+    let base = "format = 1\nmethod = \"minimax\"\n[variables]\n\
+        slip = { start = 0.2, lower = LOWER, upper = 0.8 }\n\
+        [wheel]\nradius_m = 0.125\nwidth_m = 0.1\n[soil]\nkey = \"dry-sand\"\nREBOUND\n[state]\nload_n = 60.0\n\
+        [objectives]\nf = \"-FUNCTION\"\n";
+    for (lower, rebound, function, reason) in [
+        ("-0.2", "", "drawbar_pull_n", "slips of 0 and above"),
+        ("0.1", "rebound = 0.1", "drawbar_pull_n", "with these laws"),
+        (
+            "0.1",
+            "",
+            "max_drawbar_pull_n",
+            "`max_drawbar_pull_n` has no bounds",
+        ),
+    ] {
+        let text = base
+            .replace("LOWER", lower)
+            .replace("REBOUND", rebound)
+            .replace("FUNCTION", function);
+        let design = parse(&Document::from_text("refused.toml", text).unwrap()).unwrap();
+        let refused = design.certify(
+            &CertifySettings::default(),
+            &mut |_| ControlFlow::Continue(()),
+            None,
+        );
+        let Err(error @ Error::NoCertificate { .. }) = refused else {
+            panic!("{refused:?}");
+        };
+        assert!(error.to_string().contains(reason), "{error}");
+    }
+}
