@@ -24,8 +24,6 @@ use grouser_terrain::{
     SoilIntervals, Strip, write_map,
 };
 
-const SIDE: u32 = 1000;
-const DRAWS: usize = 64;
 const HEADINGS: u8 = 8;
 const THREADS: usize = 2;
 /// Poses that the exact solver answers, of each soil.
@@ -58,9 +56,17 @@ fn processor_seconds() -> f64 {
     (ticks(11) + ticks(12)) / TICKS_PER_SECOND
 }
 
+/// A smaller job: `GROUSER_MAP_SIDE=300 GROUSER_MAP_DRAWS=8`.
+fn size(name: &str, default: u32) -> u32 {
+    let given = std::env::var(name).ok();
+    given.and_then(|word| word.parse().ok()).unwrap_or(default)
+}
+
 #[test]
 #[ignore = "a minute in release; `just terrain` runs it"]
 fn a_million_cells_with_64_soils() {
+    let side = size("GROUSER_MAP_SIDE", 1000);
+    let draw_count = size("GROUSER_MAP_DRAWS", 64) as usize;
     let folder = std::env::temp_dir().join(format!("grouser-speed-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     let path = folder.join("fractal.asc");
@@ -71,9 +77,9 @@ fn a_million_cells_with_64_soils() {
     };
     {
         let mut text =
-            format!("ncols {SIDE}\nnrows {SIDE}\nxllcorner 0\nyllcorner 0\ncellsize 1\n");
-        for row in 0..SIDE {
-            for column in 0..SIDE {
+            format!("ncols {side}\nnrows {side}\nxllcorner 0\nyllcorner 0\ncellsize 1\n");
+        for row in 0..side {
+            for column in 0..side {
                 let _ = write!(
                     text,
                     "{:.3} ",
@@ -96,7 +102,7 @@ fn a_million_cells_with_64_soils() {
             "/../../examples/terrain/dry-sand-intervals.toml"
         );
         let intervals = SoilIntervals::parse(&Document::read(intervals.as_ref()).unwrap()).unwrap();
-        let drawn = intervals.draw(&soil, DRAWS, 1).unwrap();
+        let drawn = intervals.draw(&soil, draw_count, 1).unwrap();
         let envelope = Envelope::within(&model, 0.52, 0.43).unwrap();
 
         let (began, cpu) = (Instant::now(), processor_seconds());
@@ -128,11 +134,11 @@ fn a_million_cells_with_64_soils() {
         let headings = Headings::new(HEADINGS).unwrap();
         let mut dem = Dem::open(&path, None, 0.001).unwrap();
         let job = "0".repeat(64);
-        let layout = MapLayout::of(&dem, &model, headings, DRAWS, &job);
+        let layout = MapLayout::of(&dem, &model, headings, draw_count, &job);
         let own = tables.remove(0);
         let maker = MapMaker::new(MapSettings::new(headings, envelope), own, draws, dem.cell());
         let mut journal = Journal::open(&folder.join("strips"), &job).unwrap();
-        let window = dem.window(0..SIDE).unwrap();
+        let window = dem.window(0..side).unwrap();
         let next = AtomicU32::new(0);
         let shared = Mutex::new(&mut journal);
         std::thread::scope(|scope| {
@@ -183,18 +189,18 @@ fn a_million_cells_with_64_soils() {
                 drives += u32::from(matches!(demand, Demand::Drives(_)));
             }
         }
-        let exact = (processor_seconds() - cpu_exact) / (f64::from(EXACT) * DRAWS as f64);
-        let poses = known as f64 * f64::from(HEADINGS) * (DRAWS + 1) as f64;
+        let exact = (processor_seconds() - cpu_exact) / (f64::from(EXACT) * draw_count as f64);
+        let poses = known as f64 * f64::from(HEADINGS) * (draw_count + 1) as f64;
         let each = cpu_computed / poses;
         eprintln!(
             "{robot}: {whole:.1} s in all (tables {built:.1}, cells {computed:.1}, file {:.1}), {cpu_whole:.1} s of processor time; {known} cells x {HEADINGS} headings x \
              {} soils, {:.1} ns each on a thread; exact solver {:.1} us ({drives} of {} drive): {:.0} times; with the tables {:.0} times; \
              peak {peak:.0} MiB, map {:.0} MB, table error {:?}",
             whole - built - computed,
-            DRAWS + 1,
+            draw_count + 1,
             1e9 * each,
             1e6 * exact,
-            EXACT * u32::try_from(DRAWS).unwrap(),
+            EXACT * u32::try_from(draw_count).unwrap(),
             exact / each,
             exact / (cpu_whole / poses),
             fs::metadata(&map).unwrap().len() as f64 / 1e6,
