@@ -9,6 +9,11 @@ const NAMES = ['dry-sand-wheel', 'pull-against-torque', 'running-slip', 'robust-
 /** Variables of a problem that the explorer has too. */
 const EXPLORED = ['radius_m', 'width_m', 'slip', 'load_n', 'grouser_height_m'];
 
+/** On a phone pictures are drawn for its width, so that their text stays readable. */
+function isNarrow() {
+  return innerWidth < 520;
+}
+
 /** The view; `explore(query)` opens the explorer with a design. */
 export class Optimise {
   #physics;
@@ -176,7 +181,7 @@ export class Optimise {
 
   #scatter(a, b) {
     const { front, knee } = this.#answer;
-    const [width, height, left, bottom] = [520, 320, 60, 44];
+    const [width, height, left, bottom] = [isNarrow() ? 330 : 520, isNarrow() ? 260 : 320, 60, 44];
     const range = (name) => {
       const values = front.map(({ objectives }) => objectives[name]);
       const [low, high] = [Math.min(...values), Math.max(...values)];
@@ -203,7 +208,7 @@ export class Optimise {
   #parallel() {
     const { front, variables, objectives } = this.#answer;
     const axes = [...variables.map(({ name }) => ({ name, of: (p) => p.x[name] })), ...objectives.map(({ name }) => ({ name, of: (p) => p.objectives[name], is: true }))];
-    const [width, height, top, bottom, side] = [960, 300, 46, 26, 60];
+    const [width, height, top, bottom, side] = isNarrow() ? [330, 280, 46, 26, 30] : [960, 300, 46, 26, 60];
     const scaled = axes.map((axis, k) => {
       const values = front.map(axis.of);
       const [low, high] = [Math.min(...values), Math.max(...values)];

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
 
+use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -58,7 +59,7 @@ fn grid(path: &Path, columns: u32, rows: u32, height: impl Fn(f64, f64) -> f64) 
     for row in 0..rows {
         for column in 0..columns {
             let (x, y) = (0.5 * f64::from(column), 0.5 * f64::from(rows - row));
-            text.push_str(&format!("{} ", height(x, y)));
+            let _ = write!(text, "{} ", height(x, y));
         }
         text.push('\n');
     }
@@ -373,8 +374,8 @@ fn mars_keeps_its_place_and_its_relief() {
     {
         let (row, column) = (rows.start as usize + index / 348, index % 348);
         let at = |down: i64, right: i64| {
-            let (row, column) = (row as i64 + down, column as i64 + right);
-            f64::from(whole.heights[usize::try_from(row * 348 + column).unwrap()])
+            let index = i64::try_from(row * 348 + column).unwrap() + 348 * down + right;
+            f64::from(whole.heights[usize::try_from(index).unwrap()])
         };
         if column == 0 || column == 347 {
             continue;

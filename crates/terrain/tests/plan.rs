@@ -1,5 +1,9 @@
 //! Ways against a brute-force search that knows nothing of the planner's data: Bellman and Ford's relaxation over all
 //! states, with moves written out from geometry.
+#![allow(
+    clippy::too_many_lines,
+    reason = "all moves in one place, to be compared with the page"
+)]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_rover::ground::Noise;

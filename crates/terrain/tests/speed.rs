@@ -1,6 +1,10 @@
 //! How long a large map takes, on two threads, beside the exact solver in the same run:
 //! `cargo test --release -p grouser-terrain --test speed -- --ignored --nocapture`.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::too_many_lines,
+    reason = "one job from its terrain to its file"
+)]
 #![allow(clippy::print_stderr, reason = "the figures that RESULTS.md quotes")]
 
 use std::fmt::Write as _;

@@ -105,7 +105,7 @@ impl PlanMap {
             tiff.read_piece(index, |value| {
                 cell[seen % bands] = value;
                 seen += 1;
-                if seen % bands == 0 {
+                if seen.is_multiple_of(bands) {
                     let done = seen / bands - 1;
                     let (row, column) = (done / place.wide as usize, done % place.wide as usize);
                     let column = place.left as usize + column;
@@ -165,24 +165,23 @@ impl PlanMap {
                 (share >= -0.5 && cell <= f64::from(last)).then_some(cell.max(0.0) as usize);
             inside
         };
-        match (place(x, left, right, far[0]), place(y, top, bottom, far[1])) {
-            (Some(column), Some(row)) => Ok(row * layout.columns as usize + column),
-            _ => {
-                let half = 0.5 * layout.cell;
-                Err(Error::Place {
-                    of,
-                    x,
-                    y,
-                    why: format!(
-                        "lies outside the map, which spans x from {} to {} m and y from {} to {} m",
-                        left - half,
-                        right + half,
-                        bottom - half,
-                        top + half
-                    ),
-                })
-            }
+        let found = (place(x, left, right, far[0]), place(y, top, bottom, far[1]));
+        if let (Some(column), Some(row)) = found {
+            return Ok(row * layout.columns as usize + column);
         }
+        let half = 0.5 * layout.cell;
+        Err(Error::Place {
+            of,
+            x,
+            y,
+            why: format!(
+                "lies outside the map, which spans x from {} to {} m and y from {} to {} m",
+                left - half,
+                right + half,
+                bottom - half,
+                top + half
+            ),
+        })
     }
 
     /// The place of a cell's centre, m.

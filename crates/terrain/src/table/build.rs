@@ -17,6 +17,8 @@ const MAX_DOUBLINGS: u32 = 2;
 const SAMPLES: u32 = 6;
 /// Golden-section search for a peak ends at this width in slip; a parabola gives the rest, because the pitch is flat there.
 const PEAK_WIDTH: f64 = 4e-3;
+/// The golden section, (√5 − 1)/2.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// A pitch is found to this accuracy, rad.
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
@@ -187,7 +189,6 @@ fn limit(
         }
     }
     let (mut low, mut high) = (best.0 - step, if is_last { last } else { best.0 + step });
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
     let [mut a, mut b] = inner(low, high);
     let (Some(mut at_a), Some(mut at_b)) = (pitch(a)?, pitch(b)?) else {

@@ -28,10 +28,6 @@ impl Mapped<'_> {
         (poses > 0).then(|| self.summary.states[state as usize] as f64 / poses as f64)
     }
 
-    fn mean(&self, sum: f64, count: u64) -> Option<f64> {
-        (count > 0 && sum.is_finite()).then(|| sum / count as f64)
-    }
-
     /// What people read.
     pub(super) fn text(&self) -> String {
         let summary = self.summary;
@@ -40,7 +36,7 @@ impl Mapped<'_> {
         } else {
             format!("{} soils drawn from its intervals", self.layout.draws)
         };
-        let percent = |part: u64| match self.mean(part as f64, summary.known) {
+        let percent = |part: u64| match mean(part as f64, summary.known) {
             Some(share) => format!("{} %", shown(100.0 * share)),
             None => "none".to_owned(),
         };
@@ -58,6 +54,10 @@ impl Mapped<'_> {
             fields().lines(self)
         )
     }
+}
+
+fn mean(sum: f64, count: u64) -> Option<f64> {
+    (count > 0 && sum.is_finite()).then(|| sum / count as f64)
 }
 
 pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
@@ -83,7 +83,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
         "slip_median" "median slip where it drives" .shown("").decimals(3) = map.summary.slip_quantile(0.5);
         "slip_95" "95 % quantile of the slip" .shown("").decimals(3) = map.summary.slip_quantile(0.95);
         "energy_mean_j_per_m" "mean energy where it drives" .shown("J/m") =
-            map.mean(map.summary.energy_sum, map.summary.driving());
+            mean(map.summary.energy_sum, map.summary.driving());
         "energy_max_j_per_m" "greatest energy" .shown("J/m") =
             (map.summary.driving() > 0).then_some(map.summary.energy_max);
         "sinkage_max_m" "greatest sinkage" .shown("mm") =
@@ -91,7 +91,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
         "tip_over_min_deg" "least tip-over margin" .shown("deg") =
             (map.summary.driving() > 0).then_some(map.summary.tip_over_min);
         "immobilisation_mean" "mean probability of immobilisation, at most" .shown("%") =
-            map.mean(map.summary.risk_sum, map.summary.poses());
+            mean(map.summary.risk_sum, map.summary.poses());
         "steepest_deg" "slope that is climbed straight on" .shown("deg") = map.maker.steepest()[0].to_degrees();
         "steepest_weakest_draw_deg" "on the weakest soil draw" .shown("deg") = map.maker.steepest()[1].to_degrees();
         "steepest_strongest_draw_deg" "on the strongest soil draw" .shown("deg") =

@@ -1,5 +1,7 @@
 //! A plan, as a list of fields.
 
+use std::fmt::Write as _; // writing to a string cannot fail
+
 use grouser_report::number::shown;
 use grouser_report::{Fields, Table, fields};
 use grouser_terrain::plan::{Plan, PlanMap, Route, Waypoint};
@@ -90,14 +92,15 @@ impl<'a> Planned<'a> {
         }
         out.push_str(&table.render());
         for (index, other) in alternatives.iter().enumerate() {
-            out.push_str(&format!(
-                "another way {}: {} J over {} m in {} s, risk at most {}\n",
+            let _ = writeln!(
+                out,
+                "another way {}: {} J over {} m in {} s, risk at most {}",
                 index + 1,
                 shown(other.energy),
                 shown(other.length),
                 shown(other.time),
                 shown(other.risk)
-            ));
+            );
         }
         out
     }
