@@ -7,6 +7,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::process::Command;
 
 use grouser_design::{Answer, Design, Error, parse, read};
 use grouser_files::Document;
@@ -117,4 +118,40 @@ fn what_has_no_bounds_is_refused() {
         };
         assert!(error.to_string().contains(reason), "{error}");
     }
+}
+
+/// The proof of a loaded wheel is one of formulas, which the checker replays like any other.
+#[test]
+fn the_checker_accepts_the_proof_of_a_wheel() {
+    let python = Command::new("python3").arg("--version").output();
+    if !python.is_ok_and(|output| output.status.success()) {
+        assert!(std::env::var("CI").is_err(), "the checker needs python3");
+        println!("skipped: no python3");
+        return;
+    }
+    let mut log = String::new();
+    let certificate = shipped("running-slip.toml")
+        .certify(
+            &CertifySettings::default(),
+            &mut |_| ControlFlow::Continue(()),
+            Some(&mut |line: &str| {
+                log.push_str(line);
+                log.push('\n');
+                ControlFlow::Continue(())
+            }),
+        )
+        .unwrap();
+    assert!(certificate.status.is_proved());
+    let path = std::env::temp_dir().join(format!("grouser-wheel-{}.jsonl", std::process::id()));
+    std::fs::write(&path, log).unwrap();
+    let checker = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../checker/check.py");
+    let output = Command::new("python3")
+        .arg(checker)
+        .arg(&path)
+        .output()
+        .unwrap();
+    let _ = std::fs::remove_file(path);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    println!("{text}");
+    assert!(text.starts_with("accepted"), "{text}");
 }

@@ -79,6 +79,34 @@ impl Taped<'_> {
         self.tape.unary(Unary::Sin, angle)
     }
 
+    /// The depth of the front piece's rim by its arc u = `arc` θ_1 from the entry, over r:
+    /// cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2).
+    fn drop(&mut self, theta_1: Node, arc: Node) -> Node {
+        let one = self.tape.constant(1.0);
+        let half = self.times(0.5, arc);
+        let upper = self.sub(one, half);
+        let upper = self.sine_of_share(upper, theta_1);
+        let lower = self.sine_of_share(half, theta_1);
+        let product = self.mul(upper, lower);
+        self.times(2.0, product)
+    }
+
+    /// j/r at θ = `share` θ_1, the arc w = `arc` θ_1 behind the entry: w (1 − q cos((θ_1 + θ)/2) sinc(w/2)).
+    fn displacement(&mut self, theta_1: Node, q: Node, share: Node, arc: Node) -> Node {
+        let one = self.tape.constant(1.0);
+        let w = self.mul(arc, theta_1);
+        let half = self.times(0.5, w);
+        let sinc = self.tape.unary(Unary::Sinc, half);
+        let sum = self.add(one, share);
+        let mean = self.times(0.5, sum);
+        let middle = self.mul(mean, theta_1);
+        let cosine = self.tape.unary(Unary::Cos, middle);
+        let chord = self.mul(cosine, sinc);
+        let moved = self.mul(q, chord);
+        let slid = self.sub(one, moved);
+        self.mul(w, slid)
+    }
+
     /// Is this soil and wheel within the laws of this module?
     fn has_lean_laws(&self) -> bool {
         let zero = |p| self.fixed.get(p) == Some(0.0);
@@ -138,16 +166,8 @@ impl Taped<'_> {
             let ahead = self.sub(one, ahead_arc);
             let behind = self.times(t, position);
             let behind_arc = self.sub(one, behind);
-            // the depth of the front piece's rim: cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2)
-            let power = {
-                let half_arc = self.times(0.5, ahead_arc);
-                let upper = self.sub(one, half_arc);
-                let upper = self.sine_of_share(upper, theta_1);
-                let lower = self.sine_of_share(half_arc, theta_1);
-                let product = self.mul(upper, lower);
-                let drop = self.times(2.0, product);
-                self.tape.binary(Binary::Power, drop, n)
-            };
+            let drop = self.drop(theta_1, ahead_arc);
+            let power = self.tape.binary(Binary::Power, drop, n);
             let sigma = self.mul(amplitude, power);
             let friction = self.mul(sigma, tan_phi);
             let strength = self.add(cohesion, friction);
@@ -157,20 +177,7 @@ impl Taped<'_> {
                     self.tape.unary(Unary::Sin, theta),
                     self.tape.unary(Unary::Cos, theta),
                 );
-                // j/r = w (1 − q cos((θ_1 + θ)/2) sinc(w/2)) with the arc w = θ_1 − θ behind the entry
-                let displacement = {
-                    let w = self.mul(arc, theta_1);
-                    let half = self.times(0.5, w);
-                    let sinc = self.tape.unary(Unary::Sinc, half);
-                    let sum = self.add(one, share);
-                    let mean = self.times(0.5, sum);
-                    let middle = self.mul(mean, theta_1);
-                    let cosine = self.tape.unary(Unary::Cos, middle);
-                    let chord = self.mul(cosine, sinc);
-                    let moved = self.mul(q, chord);
-                    let slid = self.sub(one, moved);
-                    self.mul(w, slid)
-                };
+                let displacement = self.displacement(theta_1, q, share, arc);
                 let ratio = self.mul(stiffness, displacement);
                 let falling = self.tape.unary(Unary::Neg, ratio);
                 let lacking = self.tape.unary(Unary::ExpM1, falling);
