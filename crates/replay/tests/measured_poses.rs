@@ -332,7 +332,7 @@ fn naive_slips(log: &Log) -> Vec<(f64, f64)> {
             _ => {}
         }
     }
-    let pairs = ways.iter().flat_map(|later| {
+    let pairs = ways.iter().filter_map(|later| {
         let before = ways.iter().rfind(|before| before.0 <= later.0 - 1.0)?;
         let (rim, centre) = (later.1 - before.1, later.2 - before.2);
         let faster = rim.abs().max(centre.abs());

@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Answer::Optimum(optimum) => warnings(optimum),
         _ => Vec::new(),
     };
-    let doubt = certified.as_ref().and_then(|c| c.doubt());
+    let doubt = certified.as_ref().and_then(certificate::Certified::doubt);
     warnings.extend(doubt.clone());
     Ok(Report {
         outcome: match (&failure, &doubt) {
