@@ -24,8 +24,8 @@ const STANDSTILL_SIGMA_RAD_PER_S: f64 = 0.002;
 /// velocity, so that the drift is to the slip speed as the weight's share downhill to the pull, and wheels in sand pull with
 /// 0.3 to 0.6 of their load.
 const DRIFT_OVER_SLIP_SPEED: f64 = 2.0;
-/// Cross slopes below this are the noise of level ground, the tangent of 3°.
-const MIN_CROSS_SLOPE: f64 = 0.05;
+/// Cross slopes below this are the noise of level ground, the tangent of 2°.
+const MIN_CROSS_SLOPE: f64 = 0.03;
 /// A drift by the slope lasts as long as the slope, s: some lengths of a robot.
 const SLOPE_TIME_S: f64 = 10.0;
 /// A counter that has not changed has moved by less than this share of a tick.

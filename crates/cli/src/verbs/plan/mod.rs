@@ -173,6 +173,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&file.write_whole(content.as_bytes())?);
     }
     let mut warnings = Vec::new();
+    if route.turns > 0 {
+        warnings.push(
+            "a map knows steady straight driving: turns, drift on side slopes and ruts can immobilise a robot where the \
+             risk is 0; drive the way in a simulation first (`--scenario`)"
+                .to_owned(),
+        );
+    }
     if map.layout.draws == 0 {
         warnings.push(
             "the map takes its soil for exactly known: its risks are 0 or 1, and the bound says nothing about the soil"

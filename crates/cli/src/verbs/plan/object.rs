@@ -68,7 +68,7 @@ impl<'a> Planned<'a> {
     /// What people read.
     pub(super) fn text(&self, route: &Route, alternatives: &[Route]) -> String {
         let mut out = format!(
-            "{} J over {} m in {} s; probability to be immobilised at most {}; {} turns\n",
+            "{} J over {} m in {} s; probability to be immobilised at most {} while it drives straight on, {} turns left out\n",
             shown(route.energy),
             shown(route.length),
             shown(route.time),
@@ -128,7 +128,7 @@ fn costs<'a>() -> Fields<'a, Way<'a>> {
         "energy_j" "energy" = way.route.energy;
         "time_s" "time" = way.route.time;
         "length_m" "length along the ground" = way.route.length;
-        "risk" "probability to be immobilised anywhere on it, at most" = way.route.risk;
+        "risk" "probability to be immobilised anywhere on it in steady straight driving, at most" = way.route.risk;
         "tip_over_deg" "least tip-over margin" = way.route.tip_over_deg;
         "turns" "turns by one heading" = way.route.turns;
     }
