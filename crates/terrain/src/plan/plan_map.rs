@@ -14,7 +14,7 @@ const MAX_POSES: u64 = 1 << 26;
 /// GDAL's metadata.
 const METADATA_TAG: u16 = 42112;
 
-/// The quantities that a planner needs, [cell][heading].
+/// The quantities that a planner needs, by cell and heading.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanMap {
