@@ -70,7 +70,8 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
         table.row([name.as_str(), &shown(*value), &rounded(*share, 4)]);
     }
     text.push_str(&table.render());
-    let _ = writeln!(text, "greatest: {}", shown(optimum.maximum));
+    let (word, worst) = worst(design, optimum.maximum);
+    let _ = writeln!(text, "{word}: {worst}");
     if let Some(gamma) = optimum.attainment {
         let _ = writeln!(
             text,
@@ -159,6 +160,16 @@ fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String 
     }
 }
 
+/// What the worst of the objectives is called, and its value in their own sign: `maximum` has maximised ones negated.
+fn worst(design: &Design, maximum: f64) -> (&'static str, String) {
+    let maximised = design.objectives.iter().filter(|one| one.maximise).count();
+    match maximised {
+        0 => ("greatest", shown(maximum)),
+        all if all == design.objectives.len() => ("least", shown(-maximum)),
+        _ => ("greatest (maximised: negated)", shown(maximum)),
+    }
+}
+
 fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
     let solved = optimum.starts.iter().filter(|s| s.status.is_solved());
     let _ = writeln!(
@@ -168,13 +179,13 @@ fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
         solved.count(),
         optimum.optima.len()
     );
-    let mut table = Table::new().number("greatest").number("starts");
+    let mut table = Table::new().number(worst(design, 0.0).0).number("starts");
     for variable in &design.variables {
         table = table.number(&variable.name);
     }
     for (start, count) in optimum.optima.iter().take(MOST_OPTIMA) {
         let found = &optimum.starts[*start];
-        let mut cells = vec![shown(found.maximum), count.to_string()];
+        let mut cells = vec![worst(design, found.maximum).1, count.to_string()];
         cells.extend(found.x.iter().map(|x| shown(*x)));
         table.row(cells);
     }
