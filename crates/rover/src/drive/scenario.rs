@@ -13,9 +13,9 @@ use crate::sensors::{Schedule, SensorSettings};
 /// One stretch of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
-    /// Asked speed, m/s; negative: backwards.
+    /// Requested speed, m/s; negative: backwards.
     pub speed: f64,
-    /// Asked heading, rad.
+    /// Requested heading, rad.
     pub heading: f64,
     /// It ends after this progress along the heading, m.
     pub distance: Option<f64>,
@@ -207,7 +207,7 @@ impl Scenario {
         self.control.check().map_err(Error::from)
     }
 
-    /// The whole progress that its legs ask for, m; legs that only last have none.
+    /// The total progress of its legs, m; legs that only last have none.
     #[must_use]
     pub fn asked_distance(&self) -> f64 {
         self.legs.iter().filter_map(|leg| leg.distance).sum()
