@@ -71,7 +71,7 @@ impl Scenario {
         self.scenario.duration
     }
 
-    /// The slip to run at, by the file or by the optimiser.
+    /// The slip to run at: the file's, else the slip of greatest tractive efficiency.
     #[getter]
     fn optimum_slip(&self) -> f64 {
         self.optimum

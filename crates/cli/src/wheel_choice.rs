@@ -1,7 +1,10 @@
 //! The flags that describe a wheel on a soil.
 
+use grouser_files::gravity::GRAVITY_LIMITS_M_PER_S2;
+use grouser_rover::robot::RobotModel;
 use grouser_terra::{
-    Angle, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, gravity_of,
+    Angle, EARTH_GRAVITY_M_PER_S2, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip,
+    WheelOnSoil, gravity_of,
 };
 
 use crate::error::Result;
@@ -61,18 +64,42 @@ impl GrouserArguments {
     }
 }
 
+/// `--gravity-m-per-s2`, which precedes what a robot file says.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct GravityArgument {
+    /// Gravity in m/s², or earth, moon or mars: what masses weigh [default: the robot file's, else earth]. The
+    /// soil's numbers stay as they are
+    #[arg(long = "gravity-m-per-s2", value_name = "G", value_parser = parse_gravity)]
+    given: Option<f64>,
+}
+
+impl GravityArgument {
+    /// Gravity where no robot file says another, m/s².
+    pub(crate) fn or_earth(self) -> f64 {
+        self.given.unwrap_or(EARTH_GRAVITY_M_PER_S2)
+    }
+
+    /// The robot under the gravity that was given, else under its own.
+    pub(crate) fn of(self, model: RobotModel) -> RobotModel {
+        match self.given {
+            Some(gravity) => model.under_gravity(gravity),
+            None => model,
+        }
+    }
+}
+
 /// Gravity by its value or by the body it is of.
-pub(crate) fn parse_gravity(text: &str) -> std::result::Result<f64, String> {
-    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
+fn parse_gravity(text: &str) -> std::result::Result<f64, String> {
     if let Some(gravity) = gravity_of(text) {
         return Ok(gravity);
     }
     let gravity = parse_finite(text)
         .map_err(|reason| format!("{reason}; a number in m/s² or earth, moon or mars"))?;
-    if gravity >= LIMITS_M_PER_S2.0 && gravity <= LIMITS_M_PER_S2.1 {
+    let (low, high) = GRAVITY_LIMITS_M_PER_S2;
+    if gravity >= low && gravity <= high {
         Ok(gravity)
     } else {
-        Err("must lie in [0.001, 1000] m/s²".to_owned())
+        Err(format!("must lie in [{low}, {high}] m/s²"))
     }
 }
 

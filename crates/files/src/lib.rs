@@ -44,6 +44,7 @@ mod document;
 mod entries;
 mod error;
 mod fields;
+pub mod gravity;
 mod parse;
 pub mod regular;
 pub mod robot;

@@ -134,6 +134,12 @@ impl<'a> Section<'a> {
         self.table.contains_key(key)
     }
 
+    /// Is the value of `key` a text? A text that stands for a value to be filled in is none.
+    pub(crate) fn holds_text(&self, key: &str) -> bool {
+        let value = self.table.get(key).map(Spanned::get_ref);
+        matches!(value, Some(DeValue::String(text)) if text != PLACEHOLDER)
+    }
+
     fn missing(&self, key: &'static str) -> Error {
         // A key that nobody knows and that looks like the missing one is the better message.
         let known = self.known.borrow();

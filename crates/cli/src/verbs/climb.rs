@@ -16,7 +16,7 @@ use crate::output_choice::Output;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
-use crate::wheel_choice::{GrouserArguments, parse_gravity};
+use crate::wheel_choice::{GravityArgument, GrouserArguments};
 
 /// Slopes of the table between the level and the steepest one.
 const ROWS: u32 = 12;
@@ -59,9 +59,8 @@ pub(crate) struct Arguments {
     /// Mass on the wheel in kg, instead of its weight
     #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true)]
     mass_kg: Option<f64>,
-    /// Gravity in m/s², or earth, moon or mars
-    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
-    gravity_m_per_s2: f64,
+    #[command(flatten)]
+    gravity: GravityArgument,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -86,7 +85,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let outputs = Output::begin(&arguments.output)?;
     let chosen = arguments.soil.choose(session)?;
     let climber = climber(arguments, &chosen.soil, session)?;
-    let gravity = arguments.gravity_m_per_s2;
+    let gravity = match &climber {
+        Climber::Robot(model) => model.gravity(),
+        Climber::Wheel { .. } => arguments.gravity.or_earth(),
+    };
     let steepest = climber.steepest(&chosen.soil)?;
     let slopes: Vec<f64> = match steepest {
         Some(steepest) => (0..=ROWS)
@@ -129,7 +131,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     let refuse = |error| Names::Flags.error(&error);
     if let Some(path) = &arguments.robot {
         session.used_file(path)?;
-        let model = RobotModel::read(path)?.under_gravity(arguments.gravity_m_per_s2);
+        let model = arguments.gravity.of(RobotModel::read(path)?);
         return Ok(Climber::Robot(Box::new(model)));
     }
     let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {
@@ -140,7 +142,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     };
     let weight = match (arguments.load_n, arguments.mass_kg) {
         (Some(load), _) => load,
-        (None, Some(mass)) => mass * arguments.gravity_m_per_s2,
+        (None, Some(mass)) => mass * arguments.gravity.or_earth(),
         (None, None) => {
             return Err(Error::usage(
                 "the wheel has no weight",

@@ -5,6 +5,7 @@ mod batch;
 mod contract;
 mod drive;
 mod figures;
+mod gravity;
 mod help;
 mod hostile;
 mod interrupted;

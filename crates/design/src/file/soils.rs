@@ -1,8 +1,9 @@
 //! `[wheel]`, `[soil]`, `[state]` and `[robust]`: the numbers that are fixed, in one world or several.
 
+use grouser_files::gravity::read_gravity;
 use grouser_files::{Section, nearest};
 use grouser_opt::{Measure, Uncertainty, sample};
-use grouser_terra::{EARTH_GRAVITY_M_PER_S2, catalogue, gravity_of};
+use grouser_terra::{EARTH_GRAVITY_M_PER_S2, catalogue};
 
 use crate::builder::DesignBuilder;
 use crate::design::WorldInputs;
@@ -32,20 +33,16 @@ pub(super) fn read_fixed(root: &Section<'_>, builder: &mut DesignBuilder) -> Res
     Ok(())
 }
 
-/// `mass_kg` in place of `load_n`, under `gravity = "moon"` (or earth, mars) or `gravity_m_per_s2`; the Earth's where
-/// there is neither. The numbers of the soil do not change with it.
+/// `mass_kg` in place of `load_n`, under `gravity_m_per_s2` (a number, earth, moon or mars); the Earth's where it is
+/// absent. The numbers of the soil do not change with it.
 fn read_mass(section: &Section<'_>, fixed: &mut Fixed) -> Result<()> {
-    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
-    let bodies = ["earth", "moon", "mars"].map(|body| (body, gravity_of(body)));
-    let named = section.optional_choice("gravity", &bodies)?.flatten();
-    let given = section.optional_number("gravity_m_per_s2", LIMITS_M_PER_S2)?;
-    let gravity = given.or(named);
+    let gravity = read_gravity(section)?;
     let mass = section.optional_number("mass_kg", (0.0, 1e12))?;
     let wrong = match mass {
         Some(_) if fixed.get(Parameter::Load).is_some() => {
             Some("both `load_n` and `mass_kg` are given; exactly one of them can be")
         }
-        None if gravity.is_some() => Some("gravity has an effect only with `mass_kg`"),
+        None if gravity.is_some() => Some("`gravity_m_per_s2` has an effect only with `mass_kg`"),
         _ => None,
     };
     if let Some(message) = wrong {

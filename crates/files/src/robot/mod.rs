@@ -3,6 +3,7 @@
 //! ```toml
 //! format = 1
 //! name = "two wheels and a free one"
+//! gravity_m_per_s2 = "mars"   # where it drives: a number, or "earth" (the default), "moon", "mars"
 //!
 //! [estimator]                 # all optional
 //! reference = "free-wheel"    # or displacement, pose, speed, grip
@@ -48,6 +49,7 @@ use crate::columns::{ColumnMap, read_table};
 use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
+use crate::gravity::read_gravity;
 use crate::section::Section;
 use crate::steering::{Steering, read_names, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
@@ -120,6 +122,8 @@ pub struct RobotFile {
     pub columns: Option<ColumnMap>,
     /// Masses, links and motors, if the file describes them.
     pub body: Option<BodyFile>,
+    /// Gravity where the robot drives, m/s², if the file says it.
+    pub gravity: Option<f64>,
 }
 
 /// Corrections of sensors and intervals, in `[estimator]`.
@@ -183,6 +187,7 @@ pub fn read(path: &Path) -> Result<RobotFile> {
 pub fn parse(document: &Document) -> Result<RobotFile> {
     document.parse(|root| {
         let name = root.text("name")?;
+        let gravity = read_gravity(root)?;
         let mut settings = WindowSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
@@ -232,6 +237,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             topics,
             columns,
             body,
+            gravity,
         })
     })
 }

@@ -25,6 +25,9 @@ use crate::topics::{AXES, MOUNTING_KEYS, Topics};
 pub fn to_toml(file: &RobotFile) -> String {
     let mut out = TomlText::new(&[]);
     out.text("name", file.robot.name());
+    if let Some(gravity) = file.gravity {
+        out.number("gravity_m_per_s2", gravity);
+    }
     out.header("[estimator]");
     out.optional_text(
         "reference",

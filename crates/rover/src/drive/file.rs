@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_files::gravity::read_gravity;
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue, gravity_of};
+use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue};
 
 use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
 use crate::error::{Error, Result};
@@ -114,16 +115,6 @@ fn read(
     };
     scenario.check()?;
     Ok(scenario)
-}
-
-/// `gravity = "moon"` (or earth, mars) or `gravity_m_per_s2 = 1.62`; the Earth's where the file has neither. The
-/// numbers of its soils do not change with it.
-fn read_gravity(root: &Section<'_>) -> Result<Option<f64>> {
-    const LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
-    let bodies = ["earth", "moon", "mars"].map(|body| (body, gravity_of(body)));
-    let named = root.optional_choice("gravity", &bodies)?.flatten();
-    let given = root.optional_number("gravity_m_per_s2", LIMITS_M_PER_S2)?;
-    Ok(given.or(named))
 }
 
 fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {

@@ -123,10 +123,14 @@ impl RobotModel {
             reference: file.reference.unwrap_or(file.settings.reference),
             ..file.settings
         };
+        let linkage = Linkage::new(bodies, links, holds);
         Ok(Self {
             robot: file.robot.clone(),
             settings,
-            linkage: Linkage::new(bodies, links, holds),
+            linkage: match file.gravity {
+                Some(gravity) => linkage.under_gravity(gravity),
+                None => linkage,
+            },
             wheels,
             links: body.links.iter().map(|link| link.name.clone()).collect(),
         })
@@ -141,11 +145,17 @@ impl RobotModel {
             .map(|(index, _)| index)
     }
 
-    /// The same robot under another gravity than the Earth's, m/s².
+    /// The same robot under another gravity than that of its file, or than the Earth's where the file has none, m/s².
     #[must_use]
     pub fn under_gravity(mut self, gravity: f64) -> Self {
         self.linkage = self.linkage.under_gravity(gravity);
         self
+    }
+
+    /// The gravity that it is under, m/s².
+    #[must_use]
+    pub const fn gravity(&self) -> f64 {
+        self.linkage.gravity()
     }
 
     /// Weight of the whole, N.

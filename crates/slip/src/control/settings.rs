@@ -17,7 +17,9 @@ use crate::settings::{Field, check_fields};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ControlSettings {
-    /// The slip to run at, s_opt: from the running-slip problem of the optimiser.
+    /// The slip to run at, s_opt: the slip of greatest tractive efficiency, from the running-slip problem of the
+    /// optimiser. It is neither the slip of greatest pull (`curve` prints both) nor the slip that the 2012 paper's
+    /// minimax problem optimises, which is no slip to run at.
     pub optimum: f64,
     /// Gain of the slip error, k_p.
     pub gain: f64,

@@ -15,7 +15,7 @@ use crate::table::Envelope;
 const MAX_STRIP_BYTES: usize = 4 << 20;
 const MAX_STRIP_ROWS: usize = 64;
 /// A number of this version in every map; another one is refused.
-pub(crate) const VERSION: &str = "1";
+pub(crate) const VERSION: &str = "2";
 
 /// What a map is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +53,8 @@ pub struct MapLayout {
     pub robot: String,
     /// The least radius on which the robot's middle turns, m; 0: it turns on the spot.
     pub turning_radius: f64,
+    /// Gravity that the robot is under, m/s².
+    pub gravity: f64,
     /// Soil draws behind the probabilities; 0: the soil is taken for exactly known.
     pub draws: u32,
     /// SHA-256 of everything that the map was computed from, as hexadecimal digits.
@@ -72,6 +74,7 @@ impl MapLayout {
             georeference: dem.georeference().clone(),
             robot: model.robot.name().to_owned(),
             turning_radius: turning_radius(model),
+            gravity: model.gravity(),
             draws: u32::try_from(draws).unwrap_or(u32::MAX),
             job: job.to_owned(),
         }
@@ -88,6 +91,7 @@ impl MapLayout {
             georeference: Georeference::of_grid(cell, [0.0, cell * f64::from(rows)]),
             robot: String::new(),
             turning_radius: 0.0,
+            gravity: grouser_terra::EARTH_GRAVITY_M_PER_S2,
             draws: 0,
             job: String::new(),
         }
@@ -143,6 +147,7 @@ impl MapLayout {
                 "GROUSER_TURNING_RADIUS_M",
                 format!("{}", self.turning_radius),
             ),
+            ("GROUSER_GRAVITY_M_PER_S2", format!("{}", self.gravity)),
             ("GROUSER_SOIL_DRAWS", self.draws.to_string()),
             ("GROUSER_JOB_SHA256", self.job.clone()),
         ] {
@@ -209,6 +214,7 @@ impl MapLayout {
             georeference,
             robot: text("GROUSER_ROBOT")?.to_owned(),
             turning_radius: number("GROUSER_TURNING_RADIUS_M", (0.0, 1e4))?,
+            gravity: number("GROUSER_GRAVITY_M_PER_S2", (1e-3, 1e3))?,
             draws: whole(number("GROUSER_SOIL_DRAWS", (0.0, 1e6))?),
             job: text("GROUSER_JOB_SHA256")?.to_owned(),
         })

@@ -18,7 +18,7 @@ use crate::operation::{self, Prescribed};
 use crate::output_choice::Output;
 use crate::session::Session;
 use crate::verb_report::Report;
-use crate::wheel_choice::WheelArguments;
+use crate::wheel_choice::{GravityArgument, WheelArguments};
 use grouser_report::number::{in_message, parse_finite, shown};
 
 /// More points than this are no curve any more.
@@ -35,6 +35,8 @@ pub(crate) struct Arguments {
     wheel: WheelArguments,
     #[command(flatten)]
     prescribed: LoadsOrSinkages,
+    #[command(flatten)]
+    gravity: GravityArgument,
     /// First slip
     #[arg(long, value_name = "S", default_value = "0", value_parser = parse_finite, allow_negative_numbers = true)]
     slip_from: f64,
@@ -49,13 +51,16 @@ pub(crate) struct Arguments {
     output: Vec<PathBuf>,
 }
 
-/// One kind of the two, once or several times.
+/// Loads, by themselves or as masses, or sinkages, once or several times.
 #[derive(clap::Args, Clone, Debug)]
 #[group(required = true)]
 struct LoadsOrSinkages {
     /// Load that the wheel carries in N; several times for several curves
     #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
     load_n: Vec<f64>,
+    /// Mass on the wheel in kg, instead of its load; several times for several curves
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
+    mass_kg: Vec<f64>,
     /// Sinkage in m; several times for several curves
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
     sinkage_m: Vec<f64>,
@@ -65,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let outputs = Output::begin(&arguments.output)?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
     let slips = slips(arguments)?;
-    let families: Vec<Family> = prescribed(&arguments.prescribed)
+    let families: Vec<Family> = prescribed(&arguments.prescribed, arguments.gravity.or_earth())
         .map(|prescribed| family(arguments, &pair, prescribed, &slips))
         .collect::<Result<_>>()?;
 
@@ -111,9 +116,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
-fn prescribed(given: &LoadsOrSinkages) -> impl Iterator<Item = Prescribed> {
+fn prescribed(given: &LoadsOrSinkages, gravity: f64) -> impl Iterator<Item = Prescribed> {
     let loads = given.load_n.iter().map(|load| Prescribed::Load(*load));
-    loads.chain(
+    let weights = given
+        .mass_kg
+        .iter()
+        .map(move |mass| Prescribed::Load(mass * gravity));
+    loads.chain(weights).chain(
         given
             .sinkage_m
             .iter()

@@ -3,6 +3,23 @@
 use grouser_rover::drive::Scenario;
 
 use crate::error::{Error, Result};
+use grouser_report::number::shown;
+
+/// Which of the slips that are called optimal this is.
+pub(crate) fn meaning(scenario: &Scenario) -> String {
+    if scenario.optimum.is_some() {
+        return "as the scenario sets it".to_owned();
+    }
+    let Some((wheel, load)) = scenario.typical_wheel() else {
+        return "greatest tractive efficiency".to_owned();
+    };
+    format!(
+        "greatest tractive efficiency of wheel {} under {} N on {}",
+        scenario.robot.wheels[wheel].name,
+        shown(load),
+        scenario.ground.soils[0].name,
+    )
+}
 
 /// The slip of a scenario that names none.
 pub(crate) fn running_slip(scenario: &Scenario) -> Result<f64> {

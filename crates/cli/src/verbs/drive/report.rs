@@ -26,8 +26,9 @@ pub(super) fn page(scenario: &Scenario, optimum: f64, runs: &[Run], provenance: 
          <meta http-equiv=\"Content-Security-Policy\" \
          content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
          <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n\
-         <p>{robot}; slip to run at {optimum:.3}; {legs} over {ground}.</p>\n",
+         <p>{robot}; slip to run at {optimum:.3} ({meaning}); {legs} over {ground}.</p>\n",
         robot = escaped(scenario.robot.robot.name()),
+        meaning = escaped(&super::optimum::meaning(scenario)),
         legs = legs(scenario),
         ground = ground(scenario),
     );

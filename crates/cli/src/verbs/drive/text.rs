@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use grouser_rover::drive::{Outcome, Pilot, Scenario, SlipScore};
 
+use super::optimum::meaning;
 use super::run::{Run, count, pilots};
 use grouser_report::number::rounded;
 
@@ -12,10 +13,11 @@ const SHOWN: usize = 20;
 
 pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
     let mut out = format!(
-        "{}\nrobot {}, slip to run at {}\n\n",
+        "{}\nrobot {}, slip to run at {} ({})\n\n",
         scenario.title,
         scenario.robot.robot.name(),
-        rounded(optimum, 3)
+        rounded(optimum, 3),
+        meaning(scenario)
     );
     // writing to a string cannot fail
     let _ = writeln!(

@@ -20,7 +20,7 @@ use crate::exit::Outcome;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
-use crate::wheel_choice::parse_gravity;
+use crate::wheel_choice::GravityArgument;
 
 use outputs::Outputs;
 use work::Shard;
@@ -75,9 +75,8 @@ pub(crate) struct Arguments {
     /// Height of a grey level of a picture in m
     #[arg(long, value_name = "M", value_parser = parse_finite, default_value = "0.001")]
     height_step_m: f64,
-    /// Gravity in m/s², or earth, moon or mars
-    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
-    gravity_m_per_s2: f64,
+    #[command(flatten)]
+    gravity: GravityArgument,
     /// Compute only part I of N of the map, into a file beside the output
     #[arg(long, value_name = "I/N", value_parser = work::parse_shard)]
     shard: Option<Shard>,
@@ -94,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let headings = Headings::new(arguments.headings)?;
     let chosen = arguments.soil.choose(session)?;
     session.used_file(&arguments.robot)?;
-    let model = RobotModel::read(&arguments.robot)?.under_gravity(arguments.gravity_m_per_s2);
+    let model = arguments.gravity.of(RobotModel::read(&arguments.robot)?);
     let mut dem = Dem::open(&arguments.dem, arguments.cell_m, arguments.height_step_m)?;
     session.used_file(&arguments.dem)?;
     let [max_pitch, max_roll] =
@@ -113,7 +112,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         ));
     }
     let drawn = soils::draws(arguments, &chosen.soil, session)?;
-    let job = work::job(arguments, session, &chosen.soil, &drawn, &envelope);
+    let job = work::job(
+        arguments,
+        session,
+        (&chosen.soil, model.gravity()),
+        &drawn,
+        &envelope,
+    );
     let layout = MapLayout::of(&dem, &model, headings, drawn.len(), &job);
     let (soil, draws) = soils::tables(&model, &chosen.soil, &drawn, envelope)?;
     let maker = MapMaker::new(
@@ -151,7 +156,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         maker: &maker,
         envelope,
         soil: &chosen.name,
-        gravity: arguments.gravity_m_per_s2,
+        gravity: layout.gravity,
         resumed: made.resumed,
     };
     if result.error().slip > grouser_terrain::SLIP_BOUND {

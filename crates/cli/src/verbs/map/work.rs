@@ -47,7 +47,7 @@ pub(super) fn parse_shard(text: &str) -> std::result::Result<Shard, String> {
 pub(super) fn job(
     arguments: &Arguments,
     session: &Session,
-    soil: &Soil,
+    (soil, gravity): (&Soil, f64),
     drawn: &[Soil],
     envelope: &Envelope,
 ) -> String {
@@ -66,7 +66,7 @@ pub(super) fn job(
         arguments.headings,
         arguments.cell_m,
         arguments.height_step_m,
-        arguments.gravity_m_per_s2,
+        gravity,
     );
     input::digest(text.as_bytes())
 }

@@ -39,10 +39,11 @@ pub(super) fn toml(map: &PlanMap, route: &Route, names: &Names<'_>, speed: f64) 
     let first = legs.first().map_or(0, |(index, ..)| *index);
     let [x, y] = place(start);
     let mut out = format!(
-        "# Written by `grouser plan`.\nformat = 1\ntitle = \"A planned way\"\nrobot = {}\nduration_s = {}\n\n\
+        "# Written by `grouser plan`.\nformat = 1\ntitle = \"A planned way\"\nrobot = {}\ngravity_m_per_s2 = {}\nduration_s = {}\n\n\
          [start]\nx_m = {}\ny_m = {}\nheading_deg = {}\n\n\
          [ground]\nkind = \"file\"\nfile = {}\ncell_m = {}\nsoil = {}\n",
         quoted(&reachable(names.robot, names.beside)),
+        exact(layout.gravity),
         exact((TIME_FACTOR * route.time).ceil().max(10.0)),
         exact(x),
         exact(y),

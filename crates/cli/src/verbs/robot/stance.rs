@@ -12,6 +12,7 @@ use grouser_rover::statics::{
 use crate::error::Result;
 use crate::session::Session;
 use crate::verb_report::Report;
+use crate::wheel_choice::GravityArgument;
 
 // No group: it would have the name of the group of the verb's own arguments.
 #[derive(clap::Args, Debug)]
@@ -29,6 +30,8 @@ pub(super) struct Arguments {
     /// Height of the ground under each wheel in m, in the robot file's order: how its links lie on uneven ground
     #[arg(long, value_name = "M,…", value_parser = parse_finite, allow_negative_numbers = true, value_delimiter = ',', requires = "stance")]
     heights_m: Vec<f64>,
+    #[command(flatten)]
+    gravity: GravityArgument,
 }
 
 /// Stiffness of the ground under a wheel, N/m: dW/dz of dry sand under a wheel of 0.1 m with 50 N; the loads of a robot on
@@ -43,7 +46,7 @@ impl Arguments {
 
 pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> Result<Report> {
     session.used_file(path)?;
-    let model = RobotModel::read(path)?;
+    let model = arguments.gravity.of(RobotModel::read(path)?);
     let footing = (!arguments.heights_m.is_empty()).then_some(Footing {
         heights: &arguments.heights_m,
         stiffness: GROUND_STIFFNESS_N_PER_M,

@@ -13,7 +13,7 @@ use crate::law_error::Names;
 use crate::operation::{self, Answer, Prescribed};
 use crate::session::Session;
 use crate::verb_report::Report;
-use crate::wheel_choice::{WheelArguments, parse_gravity};
+use crate::wheel_choice::{GravityArgument, WheelArguments};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, Table, fields};
 
@@ -33,9 +33,8 @@ pub(crate) struct Arguments {
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
-    /// Gravity in m/s², or earth, moon or mars: what `--mass-kg` weighs. The soil's numbers stay as they are
-    #[arg(long, value_name = "G", value_parser = parse_gravity, default_value = "earth")]
-    gravity_m_per_s2: f64,
+    #[command(flatten)]
+    gravity: GravityArgument,
     /// Draw the wheel and the stress under it (.svg or .png)
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
@@ -75,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let weight = arguments.prescribed.load_n.or(arguments
         .prescribed
         .mass_kg
-        .map(|mass| mass * arguments.gravity_m_per_s2));
+        .map(|mass| mass * arguments.gravity.or_earth()));
     let slope = match (arguments.slope_deg, weight) {
         (Some(degrees), Some(weight)) => Some(on_slope(&pair, degrees, weight).map_err(refuse)?),
         _ => None,
