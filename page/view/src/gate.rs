@@ -54,11 +54,17 @@ impl Gate {
             own == Some(host.as_bytes())
         });
         if !own_origin {
-            return Err((StatusCode::FORBIDDEN, "requests of another site's page are refused"));
+            return Err((
+                StatusCode::FORBIDDEN,
+                "requests of another site's page are refused",
+            ));
         }
         let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
         if !matches!(site, None | Some(b"same-origin" | b"none")) {
-            return Err((StatusCode::FORBIDDEN, "requests of another site's page are refused"));
+            return Err((
+                StatusCode::FORBIDDEN,
+                "requests of another site's page are refused",
+            ));
         }
         if headers.contains_key(TRANSFER_ENCODING) {
             return Err((StatusCode::BAD_REQUEST, "a body needs a length"));

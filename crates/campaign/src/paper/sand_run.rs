@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_design::running_slip;
 use grouser_files::Document;
 use grouser_rover::drive::{DriveResult, Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
@@ -98,11 +97,7 @@ impl SandRun {
     pub(super) fn drive(text: &str, robot: &str) -> Result<Self> {
         let scenario = scenario(text, robot)?;
         let (wheel, load) = scenario.typical_wheel().ok_or(Error::NoPoweredWheel)?;
-        let optimum = running_slip(
-            &scenario.robot.wheels[wheel].wheel,
-            &scenario.ground.soils[0].soil,
-            load,
-        )?;
+        let optimum = scenario.slip_setpoint()?;
         let ground = &scenario.ground.soils[0];
         let rigid = scenario.robot.wheels[wheel].wheel;
         let pair = WheelOnSoil::new(rigid, ground.soil, Settings::default())?;
