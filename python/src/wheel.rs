@@ -3,7 +3,7 @@
 use grouser::terra::{GrouserRule, Grousers, RigidWheel};
 use pyo3::prelude::*;
 
-use crate::error::raised;
+use crate::error::{Details, input_error, raised};
 
 /// A rigid wheel.
 ///
@@ -15,9 +15,14 @@ use crate::error::raised;
 ///     Width, m, 0.001 to 100.
 /// grouser_height_m : float
 ///     Height of the grousers above the rim, m; 0 for a smooth wheel.
+/// grouser_count : int or None
+///     Number of grousers around the rim: they carry soil backwards and add thrust, and every law refers to the rim's
+///     radius. The rule that was compared with measured wheels.
+/// grouser_thickness_m : float
+///     Thickness of a grouser along the rim, m; needs `grouser_count`.
 /// grouser_tip_share : float or None
-///     The share of the surface that is grouser tip, 0 to 1: the normal stress is averaged by it. `None`:
-///     closely spaced grousers act as a drum at the radius of their tips.
+///     Instead of a count, the share of the surface that is grouser tip, 0 to 1: the normal stress is averaged by it.
+///     Without either, closely spaced grousers act as a drum at the radius of their tips.
 ///
 /// Raises
 /// ------
@@ -36,21 +41,40 @@ pub(crate) struct Wheel(pub(crate) RigidWheel);
 #[pymethods]
 impl Wheel {
     #[new]
-    #[pyo3(signature = (*, radius_m, width_m, grouser_height_m=0.0, grouser_tip_share=None))]
+    #[pyo3(signature = (*, radius_m, width_m, grouser_height_m=0.0, grouser_count=None, grouser_thickness_m=0.0, grouser_tip_share=None))]
     fn new(
         radius_m: f64,
         width_m: f64,
         grouser_height_m: f64,
+        grouser_count: Option<u32>,
+        grouser_thickness_m: f64,
         grouser_tip_share: Option<f64>,
     ) -> PyResult<Self> {
         let wheel = raised(RigidWheel::new(radius_m, width_m))?;
-        if grouser_height_m == 0.0 && grouser_tip_share.is_none() {
-            return Ok(Self(wheel));
-        }
+        let rule = match (grouser_count, grouser_tip_share) {
+            (Some(count), None) => GrouserRule::Lugs {
+                count: f64::from(count),
+                thickness: grouser_thickness_m,
+            },
+            (Some(_), Some(_)) => {
+                return Err(input_error(
+                    "`grouser_count` and `grouser_tip_share` exclude each other".to_owned(),
+                    Details::field("grouser_count"),
+                ));
+            }
+            (None, _) if grouser_thickness_m != 0.0 => {
+                return Err(input_error(
+                    "`grouser_thickness_m` needs `grouser_count`".to_owned(),
+                    Details::field("grouser_thickness_m"),
+                ));
+            }
+            (None, Some(tips)) => GrouserRule::AreaShare { tips },
+            (None, None) if grouser_height_m == 0.0 => return Ok(Self(wheel)),
+            (None, None) => GrouserRule::Tips,
+        };
         raised(wheel.with_grousers(Grousers {
             height: grouser_height_m,
-            rule:
-                grouser_tip_share.map_or(GrouserRule::Tips, |tips| GrouserRule::AreaShare { tips }),
+            rule,
         }))
         .map(Self)
     }
@@ -73,7 +97,25 @@ impl Wheel {
         self.0.grousers().map_or(0.0, |grousers| grousers.height)
     }
 
-    /// The share of the surface that is grouser tip; `None` where the grousers act as a drum.
+    /// Number of grousers; `None` where they are not counted.
+    #[getter]
+    fn grouser_count(&self) -> Option<f64> {
+        match self.0.grousers()?.rule {
+            GrouserRule::Lugs { count, .. } => Some(count),
+            _ => None,
+        }
+    }
+
+    /// Thickness of a grouser along the rim, m; 0 where they are not counted.
+    #[getter]
+    fn grouser_thickness_m(&self) -> f64 {
+        match self.0.grousers().map(|grousers| grousers.rule) {
+            Some(GrouserRule::Lugs { thickness, .. }) => thickness,
+            _ => 0.0,
+        }
+    }
+
+    /// The share of the surface that is grouser tip; `None` where the grousers are counted or act as a drum.
     #[getter]
     fn grouser_tip_share(&self) -> Option<f64> {
         match self.0.grousers()?.rule {
@@ -90,6 +132,12 @@ impl Wheel {
         );
         if self.0.grousers().is_some() {
             text += &format!(", grouser_height_m={}", self.grouser_height_m());
+            if let Some(count) = self.grouser_count() {
+                text += &format!(
+                    ", grouser_count={count:.0}, grouser_thickness_m={}",
+                    self.grouser_thickness_m()
+                );
+            }
             if let Some(share) = self.grouser_tip_share() {
                 text += &format!(", grouser_tip_share={share}");
             }
@@ -102,6 +150,14 @@ impl Wheel {
         keys.set_item("radius_m", self.radius_m())?;
         keys.set_item("width_m", self.width_m())?;
         keys.set_item("grouser_height_m", self.grouser_height_m())?;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the constructor takes a whole number"
+        )]
+        let count = self.grouser_count().map(|count| count as u32);
+        keys.set_item("grouser_count", count)?;
+        keys.set_item("grouser_thickness_m", self.grouser_thickness_m())?;
         keys.set_item("grouser_tip_share", self.grouser_tip_share())?;
         Ok(((), keys.unbind()))
     }

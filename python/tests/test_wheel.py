@@ -248,6 +248,29 @@ def test_errors_name_field_value_limit_and_unit() -> None:
         wheel.Wheel(0.1, 0.1)  # type: ignore[misc]
 
 
+def test_counted_grousers_are_the_lugs_of_the_command() -> None:
+    lugged = wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_count=24, grouser_thickness_m=0.002)
+    assert (lugged.grouser_count, lugged.grouser_thickness_m) == (24, 0.002)
+    assert pickle.loads(pickle.dumps(lugged)) == lugged
+    assert eval(repr(lugged), {"Wheel": wheel.Wheel}) == lugged
+    smooth = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    at = {"load_n": 80.0, "slip": 0.3}
+    bars, rim = wheel.WheelOnSoil(lugged, SAND).under_load(**at), smooth.under_load(**at)
+    assert bars is not None and rim is not None
+    # the same point by the command:
+    # grouser wheel --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip 0.3
+    #   --grouser-height-m 0.01 --grouser-count 24 --grouser-thickness-m 0.002
+    assert bars.sinkage_m > rim.sinkage_m and bars.drawbar_pull_n > rim.drawbar_pull_n
+    for keys in (
+        {"grouser_count": 24, "grouser_height_m": 0.01, "grouser_tip_share": 0.3},
+        {"grouser_thickness_m": 0.002, "grouser_height_m": 0.01},
+        {"grouser_count": 0, "grouser_height_m": 0.01},
+        {"grouser_count": 24, "grouser_height_m": 0.01, "grouser_thickness_m": 1.0},
+    ):
+        with pytest.raises(InputError):
+            wheel.Wheel(**SIZE, **keys)  # type: ignore[arg-type]
+
+
 def test_everything_is_picklable() -> None:
     heavy = wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_tip_share=0.3)
     contact = wheel.WheelOnSoil(heavy, LUNAR, reference_accuracy=True, shear="slip-velocity")

@@ -382,6 +382,78 @@ fn trees_that_are_none_and_numbers_that_are_none() {
     }
 }
 
+/// A cart of two wheels, each a cylinder about y with `bars` as further shapes of its link.
+fn lugged(bars: &str) -> String {
+    let wheel = |name: &str, y: f64| {
+        format!(
+            "<link name=\"{name}\"><collision><origin rpy=\"1.5707963267948966 0 0\"/><geometry><cylinder \
+             radius=\"0.1\" length=\"0.08\"/></geometry></collision>{bars}</link>\
+             <joint name=\"{name}_wheel_joint\" type=\"continuous\"><origin xyz=\"0 {y} 0.1\"/>\
+             <parent link=\"base\"/><child link=\"{name}\"/><axis xyz=\"0 1 0\"/></joint>"
+        )
+    };
+    format!(
+        "<robot name=\"cart\"><link name=\"base\"/>{}{}</robot>",
+        wheel("left", 0.2),
+        wheel("right", -0.2)
+    )
+}
+
+/// Boxes of 8 mm along the rim, 6 mm of them above it, at these angles about the axle (y), as `kind` of shape.
+fn bars(angles: impl IntoIterator<Item = f64>, kind: &str) -> String {
+    angles.into_iter().fold(String::new(), |mut out, angle| {
+        // the box reaches from 0.096 to 0.106 m; turned about y by the angle, its x edge points outwards
+        let (sin, cos) = angle.sin_cos();
+        let _ = write!(
+            out,
+            "<{kind}><origin xyz=\"{} 0 {}\" rpy=\"0 {angle} 0\"/><geometry><box size=\"0.01 0.07 \
+             0.008\"/></geometry></{kind}>",
+            0.101 * cos,
+            -0.101 * sin
+        );
+        out
+    })
+}
+
+#[test]
+fn boxes_around_a_rim_are_its_lugs() {
+    let even = |count: u32| {
+        (0..count).map(move |i| f64::from(i) * std::f64::consts::TAU / f64::from(count))
+    };
+    for kind in ["collision", "visual"] {
+        let (converted, file) = made(&lugged(&bars(even(20), kind)));
+        let truth = grouser_terra::Grousers {
+            height: 0.006,
+            rule: grouser_terra::GrouserRule::Lugs {
+                count: 20.0,
+                thickness: 0.008,
+            },
+        };
+        for wheel in file.robot.wheels() {
+            let rigid = wheel.rigid(0.08).unwrap();
+            assert_eq!(rigid.grousers(), Some(truth), "{}", converted.text);
+        }
+        assert!(!converted.text.contains("wheels with lugs need"));
+    }
+    // none, too few, one that is missing: a smooth wheel and a note
+    for (angles, note) in [
+        (vec![], "wheels with lugs need"),
+        (vec![0.0, 3.0], "wheels with lugs need"),
+        (even(20).skip(1).collect(), "19 boxes on the rim"),
+    ] {
+        let (converted, file) = made(&lugged(&bars(angles, "collision")));
+        assert!(
+            file.robot.wheels()[0]
+                .rigid(0.08)
+                .unwrap()
+                .grousers()
+                .is_none()
+        );
+        let told = converted.notes.iter().any(|said| said.contains(note));
+        assert!(told, "{:?}", converted.notes);
+    }
+}
+
 /// XML: nesting, size, every cut and turned bits.
 #[test]
 fn hostile_descriptions_end() {

@@ -11,6 +11,7 @@ use crate::operating_point::OperatingPoint;
 use crate::settings::{Accuracy, Settings};
 use crate::shear::ShearLaw;
 use crate::soil::{EXPONENT, Soil, SoilLaws};
+use crate::soil_history::SoilHistory;
 use crate::wheel::RigidWheel;
 use grouser_real::Scalar;
 
@@ -88,10 +89,12 @@ impl WheelOnSoil {
         let theta_1 = self.entry_angle(sinkage)?;
         self.check_exponent(kinematics)?;
         let contact = self.contact(theta_1, kinematics);
-        Ok(mirrored(
-            contact.forces_by(self.tables(), self.order()),
-            kinematics,
-        ))
+        Ok(self.forces_of(&contact, kinematics))
+    }
+
+    /// The forces of a contact in the direction of rolling.
+    pub(crate) fn forces_of(&self, contact: &Contact<f64>, kinematics: &Kinematics) -> Forces {
+        mirrored(contact.forces_by(self.tables(), self.order()), kinematics)
     }
 
     /// The whole operating point at a sinkage (m).
@@ -107,7 +110,7 @@ impl WheelOnSoil {
     }
 
     /// The entry angle of a sinkage inside the model.
-    fn entry_angle(&self, sinkage: f64) -> Result<f64> {
+    pub(crate) fn entry_angle(&self, sinkage: f64) -> Result<f64> {
         let radius = self.size.radius;
         Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
         if sinkage >= radius {
@@ -159,9 +162,48 @@ impl WheelOnSoil {
         )
     }
 
+    /// The contact at an entry angle (rad) on soil with a history.
+    pub(crate) fn contact_after(
+        &self,
+        theta_1: f64,
+        kinematics: &Kinematics,
+        history: &SoilHistory,
+    ) -> Contact<f64> {
+        let mut laws = self.laws;
+        for k in [
+            &mut laws.k_shear,
+            &mut laws.k_shear_1,
+            &mut laws.k_shear_side,
+            &mut laws.k_shear_side_1,
+        ] {
+            *k *= history.k_shear_factor;
+        }
+        Contact::digging(
+            &self.size,
+            &laws,
+            self.settings.shear,
+            (&kinematics.motion(), &history.dug_by.motion()),
+            theta_1,
+        )
+    }
+
+    /// The whole operating point at an entry angle of the forward-rolling wheel (rad) on soil with a history.
+    pub(crate) fn point_after(
+        &self,
+        theta_1: f64,
+        kinematics: &Kinematics,
+        history: &SoilHistory,
+    ) -> OperatingPoint {
+        self.point_of(self.contact_after(theta_1, kinematics, history), kinematics)
+    }
+
     /// The whole operating point at an entry angle of the forward-rolling wheel (rad).
     pub(crate) fn point(&self, theta_1: f64, kinematics: &Kinematics) -> OperatingPoint {
-        let contact = self.contact(theta_1, kinematics);
+        self.point_of(self.contact(theta_1, kinematics), kinematics)
+    }
+
+    fn point_of(&self, contact: Contact<f64>, kinematics: &Kinematics) -> OperatingPoint {
+        let theta_1 = contact.angles().theta_1;
         let forces = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {
             Accuracy::Standard => Order::Check,

@@ -6,6 +6,8 @@
 //! the factor −1; an upright revolute joint above a wheel is its steering. Heights count from the plane of the lowest
 //! wheel, x and y from the root link.
 //!
+//! Boxes that stand evenly around a wheel's rim, in its link or fixed to it, are its lugs.
+//!
 //! Where transmissions or `ros2_control` name any of the wheels' joints, the other wheels are free.
 //!
 //! Source: the URDF specification (wiki.ros.org/urdf/XML).
@@ -26,6 +28,7 @@
 
 mod error;
 mod frame;
+mod lugs;
 mod mass;
 mod parts;
 mod text;

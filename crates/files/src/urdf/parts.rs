@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::UrdfError;
 use super::frame::{Vector, dot};
+use super::lugs::{Found, Lugs, Rim, lugs};
 use super::mass::Mass;
 use super::tree::{Joint, Kind, Shape, Tree};
 
@@ -27,6 +28,7 @@ pub(super) struct Wheel {
     pub(super) radius: f64,
     /// `None` of a sphere.
     pub(super) width: Option<f64>,
+    pub(super) lugs: Option<Lugs>,
     pub(super) free: bool,
     pub(super) mass: Mass,
     pub(super) spin_inertia: f64,
@@ -98,9 +100,23 @@ impl Parts {
                 (Some(joint), Owner::Body(on), Some(number)) => {
                     if let Some(shape) = shapes.get(&number) {
                         let free = knows_drives && !tree.driven.contains(&joint.name);
-                        parts
-                            .wheels
-                            .push(wheel(tree, joint, *shape, (on, turned, free)));
+                        let mut wheel = wheel(tree, joint, *shape, (on, turned, free));
+                        let rim = Rim {
+                            centre: wheel.centre,
+                            axle: tree.axis(joint),
+                            radius: wheel.radius,
+                            width: wheel.width.unwrap_or(0.0),
+                        };
+                        match lugs(tree, joint.child, &rim) {
+                            Found::Lugs(found) => wheel.lugs = Some(found),
+                            Found::Uneven(count) => parts.notes.push(format!(
+                                "{count} boxes on the rim of \"{}\" differ in height, thickness or spacing, and are not \
+                                 converted to lugs",
+                                joint.name
+                            )),
+                            Found::Nothing => {}
+                        }
+                        parts.wheels.push(wheel);
                         (Owner::Wheel(parts.wheels.len() - 1), None)
                     } else if turns_across(tree, joint) && carries[index] {
                         parts.rockers.push(rocker(tree, joint, on));
@@ -186,6 +202,10 @@ impl Parts {
                 "more than 1 cm above the plane of the lowest wheel: {}",
                 list(high)
             ));
+        }
+        if self.wheels.iter().all(|wheel| wheel.lugs.is_none()) {
+            say("no boxes stand around a wheel's rim: wheels with lugs need `grouser_height_m`, `grouser_count` and \
+                 `grouser_thickness_m`".into());
         }
         say("a URDF has no motors and no encoders: add [[motor]], `motor`, `gear`, `ticks_per_turn`".into());
     }
@@ -310,6 +330,7 @@ fn wheel(
         camber: (-axle[2]).asin(),
         radius,
         width,
+        lugs: None,
         free,
         mass: Mass::default(),
         spin_inertia: 0.0,

@@ -75,6 +75,11 @@ pub(super) fn text(tree: &Tree, parts: &Parts) -> String {
         if let Some(width) = wheel.width {
             number(&mut out, "width_m", width);
         }
+        if let Some(lugs) = wheel.lugs {
+            number(&mut out, "grouser_height_m", lugs.height);
+            let _ = writeln!(out, "grouser_count = {}", lugs.count);
+            number(&mut out, "grouser_thickness_m", lugs.thickness);
+        }
         let drive = if wheel.free { "free" } else { "powered" };
         let _ = writeln!(out, "drive = \"{drive}\"");
         if wheel.reversed {

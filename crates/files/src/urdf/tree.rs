@@ -40,6 +40,8 @@ pub(super) struct Link {
     pub(super) mass: Option<Mass>,
     /// Collision shapes, else what is seen.
     pub(super) shapes: Vec<(Frame, Shape)>,
+    /// Boxes by their edges in m: those that collide, else those that are seen.
+    pub(super) boxes: Vec<(Frame, Vector)>,
     /// In the root's frame with all joints at 0.
     pub(super) frame: Frame,
     /// The joint that carries it.
@@ -240,8 +242,19 @@ fn read_links(robot: Node<'_, '_>) -> Result<Vec<Link>> {
         // a wheel that collides as a mesh may be drawn as a cylinder
         let use_seen =
             touched.is_empty() || (!touched.iter().any(is_round) && seen.iter().any(is_round));
+        let boxes = |kind| -> Result<Vec<_>> {
+            let found = children(node, kind).map(edges).collect::<Result<Vec<_>>>();
+            Ok(found?.into_iter().flatten().collect())
+        };
+        let touched_boxes = boxes("collision")?;
+        let boxes = if touched_boxes.is_empty() {
+            boxes("visual")?
+        } else {
+            touched_boxes
+        };
         links.push(Link {
             name,
+            boxes,
             mass: child(node, "inertial").map(read_mass).transpose()?,
             shapes: if use_seen { seen } else { touched },
             frame: Frame::SAME,
@@ -271,6 +284,17 @@ fn shape(node: Node<'_, '_>) -> Result<(Frame, Shape)> {
         Shape::Other
     };
     Ok((frame, shape))
+}
+
+/// The edges of a box, m; `None` of another shape.
+fn edges(node: Node<'_, '_>) -> Result<Option<(Frame, Vector)>> {
+    let solid = child(node, "geometry").and_then(|geometry| child(geometry, "box"));
+    let Some(solid) = solid else {
+        return Ok(None);
+    };
+    let edges = numbers(solid, "size", LENGTH, "m")?;
+    let frame = origin(node)?;
+    Ok(edges.map(|edges| (frame, edges)))
 }
 
 fn read_mass(node: Node<'_, '_>) -> Result<Mass> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::gravity::read_gravity;
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Angle, ShearLaw, Soil, SoilParams, catalogue};
+use grouser_terra::{Angle, MultiPass, ShearLaw, Soil, SoilParams, catalogue};
 
 use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
 use crate::error::{Error, Result};
@@ -260,7 +260,17 @@ fn read_ground(
         depth: or("packing_depth_m", LENGTH_LIMITS_M, standard.depth)?,
         scatter: or("scatter", (0.0, 1.0), standard.scatter)?,
         scatter_length: or("scatter_length_m", LENGTH_LIMITS_M, standard.scatter_length)?,
+        multi_pass: s.section("multi_pass", read_multi_pass)?,
+        settling_way: or("settling_way_m", (0.0, 10.0), standard.settling_way)?,
     };
+    if packing.gain > 0.0 && packing.multi_pass.is_some() {
+        return Err(grouser_files::Error::Contradiction {
+            at: s.place_of("multi_pass"),
+            message: "`packing` and `multi_pass` both strengthen the soil of a rut; only one of them can be given"
+                .to_owned(),
+        }
+        .into());
+    }
     let density = or("rocks_per_m2", (0.0, 100.0), 0.0)?;
     let size = or("rock_size_m", LENGTH_LIMITS_M, 0.1)?;
     let regions = read_regions(root, &mut soils)?;
@@ -272,6 +282,15 @@ fn read_ground(
         rocks: (density > 0.0).then_some(Rocks { density, size }),
         world_laws: root
             .optional_choice("world_laws", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
+    })
+}
+
+/// `multi_pass = { k_1 = …, k_2 = …, k_3 = … }`.
+fn read_multi_pass(s: &Section<'_>) -> Result<MultiPass> {
+    let [k_1, k_2, k_3] = ["k_1", "k_2", "k_3"].map(|key| s.number(key, (0.0, 100.0)));
+    MultiPass::new(k_1?, k_2?, k_3?).map_err(|source| Error::Law {
+        of: "[ground] multi_pass".to_owned(),
+        source,
     })
 }
 

@@ -4,4 +4,4 @@ mod vehicle;
 mod wheel_force;
 
 pub use vehicle::{Ledger, Vehicle, WheelNow};
-pub use wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
+pub use wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};

@@ -5,10 +5,10 @@
 
 use grouser_terra::{Settings, WheelOnSoil};
 
-use super::wheel_force::{WheelContact, WheelLoad, WheelMotionNow};
+use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
 use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
-use crate::ground::Ground;
+use crate::ground::{Ground, Track};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
 
@@ -106,6 +106,8 @@ pub struct Vehicle {
     contacts: Vec<WheelContact>,
     /// Where each wheel last pressed the ground.
     pressed_at: Vec<(f64, f64)>,
+    /// The way that each wheel has made so far, m.
+    ways: Vec<f64>,
     wheels: Vec<WheelNow>,
     inputs: Vec<WheelInput>,
     /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
@@ -176,6 +178,7 @@ impl Vehicle {
             pose,
             contacts: vec![WheelContact::default(); count],
             pressed_at,
+            ways: vec![0.0; count],
             wheels: vec![WheelNow::default(); count],
             inputs: vec![WheelInput::default(); count],
             specific_force: Vector::AXES[2] * gravity,
@@ -350,7 +353,12 @@ impl Vehicle {
             rim: radius * wheel.spin,
         };
         let pair = &self.pairs[index][spot.soil.min(self.pairs[index].len() - 1)];
-        let load = self.contacts[index].step(pair, spot.strength, &motion, step);
+        let under = SoilUnder {
+            strength: spot.strength,
+            k_shear: spot.k_shear,
+            settling_way: ground.settling_way(),
+        };
+        let load = self.contacts[index].step(pair, &under, &motion, step);
 
         // the motor and the bearing work between wheel and link, the soil on the wheel
         let carrier = Vector::AXES[1] * linkage.rate(&self.pose, mount.link);
@@ -397,8 +405,15 @@ impl Vehicle {
             let to = (x + share * (place.x - x), y + share * (place.y - y));
             if load.normal > 0.0 {
                 let depth = load.pressed + spot.rut;
-                ground.press((x, y), to, mount.wheel.width(), depth);
+                let greater = motion.rim.abs().max(motion.velocity[0].abs());
+                let track = Track::new(
+                    u8::try_from(index).unwrap_or(u8::MAX),
+                    self.ways[index],
+                    (motion.rim - motion.velocity[0]) / greater.max(f64::MIN_POSITIVE),
+                );
+                ground.pass((x, y), to, (mount.wheel.width(), depth), &track);
             }
+            self.ways[index] += share * moved;
             self.pressed_at[index] = to;
         }
     }

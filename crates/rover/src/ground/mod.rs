@@ -3,6 +3,7 @@
 mod file;
 mod height_map;
 mod noise;
+mod passes;
 mod shape;
 
 pub use file::{
@@ -10,12 +11,18 @@ pub use file::{
 };
 pub use height_map::HeightMap;
 pub use noise::Noise;
+pub use passes::Track;
 pub use shape::{Rocks, Shape};
 
-use grouser_terra::Soil;
+use grouser_terra::{MultiPass, Soil};
 
+use self::passes::Passes;
 use crate::error::{Error, Result};
 pub use crate::terrain_fault::{NoCell, TerrainFault};
+
+/// A wheel that comes back to a cell after this many cells of its way has passed it anew: the strips that it presses in
+/// one pass touch each other.
+const PASS_WAY_CELLS: f64 = 4.0;
 
 /// Where a soil lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +95,10 @@ pub struct Packing {
     pub scatter: f64,
     /// Over this length, m.
     pub scatter_length: f64,
+    /// What each pass of a wheel changes, in place of `gain`; `None`: passes leave a rut only.
+    pub multi_pass: Option<MultiPass>,
+    /// Way over which slip-sinkage follows a change of slip, m; 0: at once, with the shear.
+    pub settling_way: f64,
 }
 
 impl Default for Packing {
@@ -97,6 +108,8 @@ impl Default for Packing {
             depth: 0.02,
             scatter: 0.0,
             scatter_length: 1.0,
+            multi_pass: None,
+            settling_way: 0.0,
         }
     }
 }
@@ -113,6 +126,8 @@ pub struct Spot {
     pub soil: usize,
     /// Factor of modulus and cohesion.
     pub strength: f64,
+    /// Factor of the shear deformation modulus.
+    pub k_shear: f64,
     /// Depth of the rut that is already there, m.
     pub rut: f64,
     /// Is it on the map, and known there?
@@ -140,6 +155,7 @@ pub struct Ground {
     scatter: Vec<f32>,
     rut: Vec<f32>,
     packing: Packing,
+    passes: Option<Passes>,
 }
 
 impl Ground {
@@ -169,6 +185,7 @@ impl Ground {
             scatter: Vec::new(),
             rut: vec![0.0; cells],
             packing: Packing::default(),
+            passes: None,
         })
     }
 
@@ -210,7 +227,20 @@ impl Ground {
         Error::check("ground", "scatter", packing.scatter, (0.0, 1.0), "1")?;
         let length = packing.scatter_length;
         Error::check("ground", "scatter_length", length, (1e-3, 1e4), "m")?;
+        let way = packing.settling_way;
+        Error::check("ground", "settling_way", way, (0.0, 10.0), "m")?;
+        if packing.multi_pass.is_some() && packing.gain > 0.0 {
+            return Err(Error::Missing {
+                of: "the ground".into(),
+                what:
+                    "a choice between `packing` and `multi_pass`: both strengthen the soil of a rut"
+                        .into(),
+            });
+        }
         self.packing = packing;
+        self.passes = packing
+            .multi_pass
+            .map(|law| Passes::new(law, self.map.cells()));
         if packing.scatter > 0.0 {
             let noise = shape::Lattice::new(seed);
             self.scatter = (0..self.map.cells())
@@ -280,19 +310,49 @@ impl Ground {
         } else {
             1.0
         };
+        let nearest = corner.nearest();
+        let passed = self.passes.as_ref().map(|passes| passes.change(nearest));
         Spot {
             height: base.height - rut,
             slope: base.slope,
-            soil: usize::from(self.soil_of[corner.nearest()]),
-            strength: scatter * packed,
+            soil: usize::from(self.soil_of[nearest]),
+            strength: scatter * packed * passed.map_or(1.0, |change| change.strength_factor),
+            k_shear: passed.map_or(1.0, |change| change.k_shear_factor),
             rut,
             known: base.known,
         }
     }
 
+    /// Way over which slip-sinkage follows a change of slip, m.
+    #[must_use]
+    pub const fn settling_way(&self) -> f64 {
+        self.packing.settling_way
+    }
+
     /// A wheel has pressed the strip from `from` to `to`, `width` wide, to `depth` (m) below the undisturbed
     /// surface. What is deeper already stays.
     pub fn press(&mut self, from: (f64, f64), to: (f64, f64), width: f64, depth: f64) {
+        self.leave_rut(from, to, (width, depth), None);
+    }
+
+    /// As [`Ground::press`], by a wheel that is known: passes count where a [`MultiPass`] law holds.
+    pub fn pass(
+        &mut self,
+        from: (f64, f64),
+        to: (f64, f64),
+        (width, depth): (f64, f64),
+        track: &Track,
+    ) {
+        self.leave_rut(from, to, (width, depth), Some(track));
+    }
+
+    fn leave_rut(
+        &mut self,
+        from: (f64, f64),
+        to: (f64, f64),
+        (width, depth): (f64, f64),
+        track: Option<&Track>,
+    ) {
         let (length_x, length_y) = (to.0 - from.0, to.1 - from.1);
         let length = length_x.hypot(length_y);
         if !(length > 0.0 && depth > 0.0) {
@@ -314,6 +374,9 @@ impl Ground {
             let across = (d_y * along_x - d_x * along_y).abs();
             if across <= half && along >= -1e-9 && along <= length {
                 self.rut[index] = self.rut[index].max(depth);
+                if let (Some(passes), Some(track)) = (&mut self.passes, track) {
+                    passes.leave(index, track, PASS_WAY_CELLS * cell);
+                }
             }
         }
     }

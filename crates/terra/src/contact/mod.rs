@@ -152,6 +152,18 @@ impl<R: Scalar> Contact<R> {
         motion: &Motion<R>,
         theta_1: R,
     ) -> Self {
+        Self::digging(size, soil, law, (motion, motion), theta_1)
+    }
+
+    /// The contact of a wheel in `motion` whose slip-sinkage, n(s) and the transported layer, is that of the motion
+    /// `dug_by`.
+    pub(crate) fn digging(
+        size: &WheelSize<R>,
+        soil: &SoilLaws<R>,
+        law: ShearLaw,
+        (motion, dug_by): (&Motion<R>, &Motion<R>),
+        theta_1: R,
+    ) -> Self {
         let slip = motion.slip;
         let driving = slip.value() >= 0.0;
         let locked = slip.value() <= -1.0;
@@ -163,7 +175,7 @@ impl<R: Scalar> Contact<R> {
         } else {
             (R::ONE / skid, slip / skid, skid, R::ONE)
         };
-        let n = soil.exponent_at(motion);
+        let n = soil.exponent_at(dug_by);
         let tips = size.radius.powf(n);
         let tips = if size.tip_share.value() < 1.0 {
             size.tip_share * tips + (R::ONE - size.tip_share) * size.rim_radius.powf(n)
@@ -200,7 +212,7 @@ impl<R: Scalar> Contact<R> {
             angles,
             amplitude: soil.modulus(size.width, n)
                 * tips
-                * soil.share_left(motion, theta_1, size, n),
+                * soil.share_left(dug_by, theta_1, size, n),
             n,
             cohesion: soil.strength.cohesion,
             tan_phi: soil.strength.phi.tan(),
