@@ -324,13 +324,9 @@ impl Node {
             .collect();
         let mut is_silent = false;
         for (channel, heard) in self.channels.iter().zip(&self.last_heard) {
-            if let Some(silence) = heard
-                .map(|heard| now.saturating_duration_since(heard))
-                .filter(|s| *s >= SILENCE)
-            {
+            if heard.is_some_and(|heard| now.saturating_duration_since(heard) >= SILENCE) {
                 is_silent = true;
                 problems.push(format!("`{}` is silent", channel.topic));
-                let _ = silence;
             }
         }
         let left_out = self.intake.left_out();
