@@ -34,11 +34,12 @@ pub fn running_slip(wheel: &RigidWheel, soil: &Soil, load_n: f64) -> Result<f64>
         return Err(no_slip("the search gave a front".to_owned()));
     };
     match optimum.status {
+        Status::NotFinite {
+            reason: Some(reason),
+            ..
+        } => Err(no_slip(reason)),
         Status::NotFinite { .. } | Status::NoFeasiblePoint(_) | Status::Unbounded => {
-            let reason = design.no_value(&optimum.x);
-            Err(no_slip(
-                reason.unwrap_or_else(|| optimum.status.name().to_owned()),
-            ))
+            Err(no_slip(optimum.status.name().to_owned()))
         }
         _ => Ok(optimum.x[0]),
     }
