@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The modules that `page/build` makes.
-const MODULES: [&str; 3] = ["explore", "drive", "log"];
+const MODULES: [&str; 4] = ["explore", "drive", "log", "optimize"];
 
 fn main() {
     let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));

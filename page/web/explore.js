@@ -84,14 +84,14 @@ export class Explore {
   }
 
   #schedule() {
-    this.#asked ??= performance.now();
+    this.#requestedAt ??= performance.now();
     this.#frame ??= requestAnimationFrame(() => {
       this.#frame = null;
       this.#update();
     });
   }
 
-  #asked = null;
+  #requestedAt = null;
 
   // ---- building -----------------------------------------------------------------------------
 
@@ -317,8 +317,8 @@ export class Explore {
     this.#showCautions(state, point, this.curve);
     this.#showCurves(state, point, curves);
     const drawn = performance.now();
-    this.timings.push({ compute: computed - started, draw: drawn - computed, wait: started - (this.#asked ?? started) });
-    this.#asked = null;
+    this.timings.push({ compute: computed - started, draw: drawn - computed, wait: started - (this.#requestedAt ?? started) });
+    this.#requestedAt = null;
     this.#moved(this.query());
     clearTimeout(this.#settled);
     if (!this.#best.known) this.#settled = setTimeout(() => this.#findBest(), SETTLED_MS);
@@ -403,7 +403,7 @@ export class Explore {
     control?.refuse(refusal.message);
     this.said = null;
     this.cautions.replaceChildren(h('li', { class: 'is-error' }, refusal.message));
-    this.#asked = null;
+    this.#requestedAt = null;
   }
 
   #showReadouts(state, point) {

@@ -25,7 +25,7 @@ async function start() {
   const drive = new WorkerPhysics('drive');
   const views = new Map([
     ['explore', new Explore(physics, catalogue, moved('explore'))],
-    ['optimise', new Optimise(drive, (change) => {
+    ['optimise', new Optimise(new WorkerPhysics('optimize'), (change) => {
       location.hash = `#explore?${change}`;
     })],
     ['run', new Run(drive, new WorkerPhysics('log'))],
@@ -48,7 +48,7 @@ async function start() {
     view.open(query);
   }
 
-  nav.replaceChildren(...VIEWS.filter(([name]) => name !== 'optimise' || hasModule('drive')).map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
+  nav.replaceChildren(...VIEWS.filter(([name]) => name !== 'optimise' || hasModule('optimize')).map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
   document.getElementById('tools').append(themeButton());
   addEventListener('hashchange', () => {
     if (location.hash !== written) show();

@@ -62,7 +62,7 @@ export class Optimise {
 
   async #example(name) {
     try {
-      this.#problems ??= (await this.#physics.ask({ call: 'examples' })).problems;
+      this.#problems ??= (await this.#physics.ask({ call: 'problems' })).problems;
       this.text.value = this.#problems.find((one) => one.name === name).text;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;

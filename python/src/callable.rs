@@ -78,16 +78,16 @@ impl Callable {
         }
     }
 
-    /// Runs `ask`, unless a call has failed; a failure is kept and leaves NaN.
+    /// Runs `call`, unless a call has failed; a failure is kept and leaves NaN.
     fn guarded(
         &self,
         values: &mut [f64],
-        ask: impl FnOnce(Python<'_>, &mut [f64]) -> PyResult<()>,
+        call: impl FnOnce(Python<'_>, &mut [f64]) -> PyResult<()>,
     ) {
         let failed = self.failure.is_set() || {
-            let asked = Python::attach(|py| ask(py, values));
-            let failed = asked.is_err();
-            if let Err(error) = asked {
+            let result = Python::attach(|py| call(py, values));
+            let failed = result.is_err();
+            if let Err(error) = result {
                 self.failure.set(Some(error));
             }
             failed

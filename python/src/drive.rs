@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use grouser::design::running_slip;
 use grouser::rover::drive::{self, DriveResult, Frame, Pilot};
 use grouser::slip::control::WheelCommand;
 use numpy::IntoPyArray;
@@ -35,10 +34,7 @@ impl Scenario {
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         py.detach(|| {
             let scenario = raised(drive::read_scenario(&path))?;
-            let optimum = match scenario.optimum {
-                Some(slip) => slip,
-                None => optimum(&scenario)?,
-            };
+            let optimum = raised(scenario.slip_setpoint())?;
             Ok(Self {
                 scenario,
                 path: std::path::absolute(&path)?,
@@ -92,17 +88,6 @@ impl Scenario {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {
         Ok((slf.get_type().getattr("read")?, (slf.get().path.clone(),)))
     }
-}
-
-fn optimum(scenario: &drive::Scenario) -> PyResult<f64> {
-    let Some((wheel, load)) = scenario.typical_wheel() else {
-        return Err(input_error(
-            "the slip to run at cannot be found: the robot has no powered wheel".to_owned(),
-            Details::field("optimum"),
-        ));
-    };
-    let rigid = &scenario.robot.wheels[wheel].wheel;
-    raised(running_slip(rigid, &scenario.ground.soils[0].soil, load))
 }
 
 /// A simulated drive under way, period by period.

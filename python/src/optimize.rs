@@ -160,7 +160,7 @@ pub(crate) fn solve<'py>(
                 let Some(progress) = &progress else {
                     return ControlFlow::Continue(());
                 };
-                let asked = Python::attach(|py| {
+                let result = Python::attach(|py| {
                     let point = (
                         state.iteration,
                         state.x.to_vec(),
@@ -170,7 +170,7 @@ pub(crate) fn solve<'py>(
                     let goes_on = progress.bind(py).call1(point)?;
                     Ok::<_, PyErr>(goes_on.is_none() || goes_on.is_truthy()?)
                 });
-                match asked {
+                match result {
                     Ok(true) => ControlFlow::Continue(()),
                     Ok(false) => ControlFlow::Break(()),
                     Err(error) => {

@@ -79,13 +79,13 @@ fn measured_wheels_are_predicted() {
     let smooth = |angle, quantity| ("cmu-wheel", "smooth", angle, quantity);
     assert!(ours(smooth(0.0, Quantity::Pull), straight) < 0.8);
     assert!(ours(smooth(0.0, Quantity::Sinkage), straight) < 1.45);
-    for (quantity, asked) in [
+    for (quantity, target) in [
         (Quantity::Side, 1.3),
         (Quantity::Pull, 0.8),
         (Quantity::Sinkage, 1.4),
     ] {
-        assert!(ours(smooth(30.0, quantity), bracket) < asked);
-        assert!(ours(smooth(30.0, quantity), straight) < 2.0 * asked);
+        assert!(ours(smooth(30.0, quantity), bracket) < target);
+        assert!(ours(smooth(30.0, quantity), straight) < 2.0 * target);
     }
     // predicted from slip angle 0 alone, and lugs from the smooth wheel
     let lugged = |data_set, angle, quantity| (data_set, "grouser", angle, quantity);
@@ -229,7 +229,7 @@ fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
                 .sum();
             (squares / tests.len() as f64).sqrt()
         };
-        // the figures asked for, with either form
+        // the targets, with either form
         assert!(rmse(Quantity::Pull) < 2.5);
         assert!(rmse(Quantity::Torque) < 0.4);
         assert!(rmse(Quantity::Sinkage) < 1.5e-3);

@@ -17,6 +17,9 @@ use grouser_identify::plate::{
 };
 use measured_data::measured_data;
 
+/// A modulus of pressure against sinkage (m).
+type Modulus<'a> = &'a dyn Fn(f64) -> f64;
+
 const RADIUS_M: f64 = 0.058;
 const WIDTH_M: f64 = 0.05;
 /// Depths below the fitted surface at which a wheel and a law are compared, m: above the surface's roughness, below the
@@ -175,7 +178,7 @@ fn no_law_of_size_predicts_a_pressed_wheel() {
     );
     let power_modulus = |diameter: f64| (power.ln_k + power.m * diameter.ln()).exp();
     let bekker_modulus = |width: f64| bekker.k_c / width + bekker.k_phi;
-    let laws: [(&str, f64, &dyn Fn(f64) -> f64); 6] = [
+    let laws: [(&str, f64, Modulus<'_>); 6] = [
         ("Bekker, b the width", bekker.n, &|_| {
             bekker_modulus(WIDTH_M)
         }),

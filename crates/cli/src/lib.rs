@@ -19,6 +19,7 @@ pub use grouser_terrain as terrain;
 // function that runs it in a session and returns a report. What verbs share is in the other modules.
 #[cfg(feature = "command")]
 mod command;
+mod companion;
 #[cfg(feature = "command")]
 mod csv_line;
 #[cfg(feature = "command")]

@@ -1,20 +1,20 @@
-//! One operating point of a wheel, asked for by its load or by its sinkage, and its keys.
+//! One operating point of a wheel, at a prescribed load or sinkage, and its keys.
 
 use grouser_report::number::{in_message, shown};
 use grouser_report::{Fields, fields};
 use grouser_terra::{Error as LawError, Kinematics, LoadOutcome, OperatingPoint, WheelOnSoil};
 
-/// What an operating point is asked for by.
+/// The quantity that an operating point is solved at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Asked {
+pub(crate) enum Prescribed {
     /// The load that the wheel carries, N.
     Load(f64),
     /// How deep it has sunk, m.
     Sinkage(f64),
 }
 
-impl Asked {
-    /// The load, if it is asked for by one.
+impl Prescribed {
+    /// The load, if it is prescribed.
     pub(crate) fn load(self) -> Option<f64> {
         match self {
             Self::Load(load) => Some(load),
@@ -22,7 +22,7 @@ impl Asked {
         }
     }
 
-    /// The sinkage, if it is given.
+    /// The sinkage, if it is prescribed.
     pub(crate) fn sinkage(self) -> Option<f64> {
         match self {
             Self::Load(_) => None,
@@ -60,10 +60,10 @@ impl Status {
     }
 
     /// Why there is no point; `None` where there is one.
-    pub(crate) fn complaint(self, asked: Asked) -> Option<String> {
-        match (self, asked) {
+    pub(crate) fn complaint(self, prescribed: Prescribed) -> Option<String> {
+        match (self, prescribed) {
             (Self::Ok, _) => None,
-            (Self::NoSolution(most), Asked::Load(load)) => Some(format!(
+            (Self::NoSolution(most), Prescribed::Load(load)) => Some(format!(
                 "no sinkage carries {} N; the most that was found to be carried is {} N",
                 in_message(load),
                 shown(most)
@@ -73,20 +73,20 @@ impl Status {
     }
 }
 
-/// Asks `pair` for the operating point.
+/// Solves the operating point of `pair`.
 pub(crate) fn solve(
     pair: &WheelOnSoil,
-    asked: Asked,
+    prescribed: Prescribed,
     kinematics: &Kinematics,
 ) -> Result<Answer, LawError> {
-    match asked {
-        Asked::Sinkage(sinkage) => Ok(Answer {
+    match prescribed {
+        Prescribed::Sinkage(sinkage) => Ok(Answer {
             status: Status::Ok,
             point: Some(pair.at_sinkage(sinkage, kinematics)?),
             residual: None,
             evaluations: 1,
         }),
-        Asked::Load(load) => {
+        Prescribed::Load(load) => {
             let solution = pair.under_load(load, kinematics)?;
             let status = match solution.outcome {
                 LoadOutcome::Solved(_) => Status::Ok,

@@ -104,7 +104,7 @@ impl ParquetText {
         self.given = 0;
         let rows = &mut self.rows;
         let row = contained(|| rows.next().transpose().map_err(invalid)).inspect_err(|_| {
-            self.over = true; // after a panic the reader is not asked again
+            self.over = true; // after a panic the reader is not used again
         })?;
         match row {
             Some(row) => line_of(&row, &mut self.text),

@@ -52,7 +52,7 @@ impl Progress {
 
     /// `done` of the whole is done.
     pub(crate) fn reach(&self, done: u64) {
-        // Told for every message: the bar itself is asked only when something has changed.
+        // Called for every message: the bar is updated only when the position has changed.
         if done > self.0.position() {
             self.0.set_position(done);
         }

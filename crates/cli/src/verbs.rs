@@ -11,6 +11,7 @@ mod estimate;
 mod help;
 mod identify;
 mod init;
+mod live;
 mod log;
 mod map;
 mod optimize;
@@ -48,6 +49,7 @@ pub(crate) enum Verb {
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Log(log::Arguments),
+    Live(live::Arguments),
     View(view::Arguments),
     Init(init::Arguments),
     Help(help::Arguments),
@@ -73,6 +75,7 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::Identify(arguments) => identify::run(&arguments, session),
         Verb::Validate(arguments) => validate::run(&arguments, session),
         Verb::Log(arguments) => log::run(&arguments, session),
+        Verb::Live(arguments) => live::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Init(arguments) => init::run(&arguments),
         Verb::Help(arguments) => help::run(&arguments, command, &schemas()),

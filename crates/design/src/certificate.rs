@@ -13,13 +13,13 @@ use grouser_opt::{
 
 use crate::design::{Design, SolverProblem, Task};
 use crate::error::{Error, Result};
-use crate::quantity::{CONTACT_VARIABLES, Evaluation, Quantity, REMAINDER};
+use crate::quantity::{CONTACT_VARIABLES, Evaluation, QUADRATURE_REMAINDER_SHARE, Quantity};
 use crate::solve::Answer;
 
-/// The greatest entry angle: the hub is at the surface.
-const MAX_ENTRY: f64 = std::f64::consts::FRAC_PI_2;
+/// The greatest entry angle, rad: the hub is at the surface.
+const MAX_ENTRY_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// The least entry angle that is examined, rad: the sinkage is 5e-7 of the radius there.
-const MIN_ENTRY: f64 = 1e-3;
+const MIN_ENTRY_RAD: f64 = 1e-3;
 
 impl Design {
     /// Why there are no bounds over a box: the first quantity without them, in the first world that has such a one.
@@ -66,19 +66,22 @@ impl Design {
             };
             rows.push(nodes);
             balances.push(balance);
-            let entry = 0.25 * (MIN_ENTRY + MAX_ENTRY);
+            let entry = 0.25 * (MIN_ENTRY_RAD + MAX_ENTRY_RAD);
             let name = |what: &str| format!("{what} {index}");
             params.variables.push(Variable::bounded(
                 name("entry angle"),
                 entry,
-                MIN_ENTRY,
-                MAX_ENTRY,
+                MIN_ENTRY_RAD,
+                MAX_ENTRY_RAD,
             ));
             for integral in 1..CONTACT_VARIABLES {
                 let name = name(&format!("remainder {integral} of contact"));
-                params
-                    .variables
-                    .push(Variable::bounded(name, 0.0, -REMAINDER, REMAINDER));
+                params.variables.push(Variable::bounded(
+                    name,
+                    0.0,
+                    -QUADRATURE_REMAINDER_SHARE,
+                    QUADRATURE_REMAINDER_SHARE,
+                ));
             }
         }
         let count = self.worlds.len();
@@ -151,7 +154,8 @@ impl Design {
     /// ```
     #[must_use]
     pub fn force_remainder(&self) -> Option<f64> {
-        self.has_loaded_wheels().then_some(REMAINDER)
+        self.has_loaded_wheels()
+            .then_some(QUADRATURE_REMAINDER_SHARE)
     }
 
     fn has_loaded_wheels(&self) -> bool {

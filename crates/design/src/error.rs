@@ -77,12 +77,6 @@ pub enum Error {
         /// What is wrong.
         message: String,
     },
-    /// The search for the slip to run at ended without one.
-    #[error("the slip to run at cannot be found: {reason}")]
-    NoRunningSlip {
-        /// Why.
-        reason: String,
-    },
     /// Nothing can be proved about the problem.
     #[error("{file}: no certificate: {reason}")]
     NoCertificate {

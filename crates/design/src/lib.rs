@@ -36,7 +36,6 @@ mod error;
 mod file;
 mod formula;
 mod quantity;
-mod running_slip;
 mod scope;
 mod solve;
 
@@ -46,5 +45,4 @@ pub use error::{Error, Result};
 pub use file::{parse, read, to_toml};
 pub use formula::{DEPTH_LIMIT, Formula, FormulaError, Names, Relation, VariableNames};
 pub use quantity::{Parameter, Place, Quantity};
-pub use running_slip::running_slip;
 pub use solve::{Answer, Compromise, Optimum, Start, Trade};

@@ -31,7 +31,7 @@ pub fn open(path: &Path) -> Result<File> {
     };
     check(fs::metadata(path).map_err(unreadable)?.file_type())?;
     let file = File::open(path).map_err(unreadable)?;
-    // Asked again of what is open: the name may have changed hands in between.
+    // Checked again on the open file: the name may have changed hands in between.
     check(file.metadata().map_err(unreadable)?.file_type())?;
     Ok(file)
 }

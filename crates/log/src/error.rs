@@ -151,7 +151,7 @@ pub enum Error {
     NoTable {
         /// The log as it was named.
         log: String,
-        /// What the map's tables ask for.
+        /// The patterns of the map's tables.
         patterns: String,
     },
     /// A log in another version of its format.

@@ -12,6 +12,7 @@ use crate::container::Container;
 use crate::csv::CsvReader;
 use crate::error::{Error, Result};
 use crate::find::expand;
+use crate::measures::Measures;
 use crate::merge::Samples;
 use crate::messages::LeftOut;
 use crate::recording::{Recording, RecordingReader, UsedTopic};
@@ -369,4 +370,22 @@ fn table_of(map: &ColumnMap, file: &Source) -> Option<usize> {
 
 fn pattern(map: &ColumnMap, table: usize) -> String {
     map.tables[table].file.clone().unwrap_or_else(|| "*".into())
+}
+
+impl Measures for Log {
+    fn wheels(&self) -> &[String] {
+        self.wheels()
+    }
+
+    fn measures(&self, meaning: Meaning) -> bool {
+        self.measures(meaning)
+    }
+
+    fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
+        self.measures_wheel(meaning, wheel)
+    }
+
+    fn position_sigma(&self) -> Option<f64> {
+        self.position_sigma()
+    }
 }

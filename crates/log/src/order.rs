@@ -1,13 +1,15 @@
-//! Putting rows and messages into the order of time with a bounded look-ahead.
+//! Putting rows and messages into the order of time: with a bounded look-ahead, or with a hold of time.
 
 use std::collections::VecDeque;
 
-/// Holds the newest rows back until `look_ahead` others have come, and returns their records by time;
-/// records of equal time keep their order.
+/// Rows without a record that a hold of time keeps at most.
+const MAX_EMPTY_ROWS: usize = 16;
+
+/// Holds the newest rows back, and returns their records by time; records of equal time keep their order.
 ///
 /// Rows come nearly in order, so each is sorted in from the back.
 pub(crate) struct Ordered<T> {
-    look_ahead: usize,
+    limit: Limit,
     /// By time, the earliest first.
     rows: VecDeque<Row<T>>,
     /// The row that was announced last.
@@ -18,6 +20,15 @@ pub(crate) struct Ordered<T> {
     given_ns: Option<i64>,
 }
 
+/// How long a row is held back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Limit {
+    /// Until so many others have come.
+    Rows(usize),
+    /// Until the newest is later by this, ns.
+    Time(i64),
+}
+
 struct Row<T> {
     time_ns: i64,
     records: VecDeque<T>,
@@ -25,8 +36,12 @@ struct Row<T> {
 
 impl<T> Ordered<T> {
     pub(crate) const fn new(look_ahead: usize) -> Self {
+        Self::with_limit(Limit::Rows(look_ahead))
+    }
+
+    pub(crate) const fn with_limit(limit: Limit) -> Self {
         Self {
-            look_ahead,
+            limit,
             rows: VecDeque::new(),
             open: 0,
             records: 0,
@@ -43,7 +58,11 @@ impl<T> Ordered<T> {
             return Err(given.saturating_sub(time_ns) as f64 * 1e-9);
         }
         // Rows without a record must not pile up.
-        if self.records == 0 && self.rows.len() >= self.look_ahead {
+        let most = match self.limit {
+            Limit::Rows(most) => most,
+            Limit::Time(_) => MAX_EMPTY_ROWS,
+        };
+        if self.records == 0 && self.rows.len() >= most {
             self.drop_front();
         }
         let row = Row {
@@ -70,7 +89,14 @@ impl<T> Ordered<T> {
 
     /// Are enough rows held that the first record may go?
     pub(crate) fn is_ripe(&self) -> bool {
-        self.rows.len() > self.look_ahead && self.records > 0
+        let is_due = match (self.limit, self.rows.front(), self.rows.back()) {
+            (Limit::Rows(most), _, _) => self.rows.len() > most,
+            (Limit::Time(hold_ns), Some(first), Some(last)) => {
+                last.time_ns.saturating_sub(first.time_ns) >= hold_ns
+            }
+            (Limit::Time(_), _, _) => false,
+        };
+        is_due && self.records > 0
     }
 
     /// The earliest record.
@@ -99,5 +125,10 @@ impl<T> Ordered<T> {
     pub(crate) fn clear(&mut self) {
         self.rows.clear();
         self.records = 0;
+    }
+
+    /// Rows of any time are taken again: the clock was set.
+    pub(crate) const fn forget_time(&mut self) {
+        self.given_ns = None;
     }
 }

@@ -7,7 +7,7 @@ use grouser_opt::{
 };
 use grouser_real::Scalar;
 
-/// (x − a)², with x ≤ limit as an inequality if asked for.
+/// (x − a)², with x ≤ limit as an inequality if `limit` is given.
 struct Bowl {
     a: f64,
     limit: Option<f64>,

@@ -3,7 +3,7 @@
 use grouser_files::columns::Meaning;
 use grouser_files::nearest;
 use grouser_files::robot::{RobotFile, WheelSensor};
-use grouser_log::Log;
+use grouser_log::{Log, Measures};
 use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
@@ -23,7 +23,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// The inputs that a log offers: the options' choice, else the robot file's, else the best.
+    /// The inputs that a log or a live source offers: the options' choice, else the robot file's, else the best.
     ///
     /// # Errors
     /// [`Error::NoWheels`], [`Error::WheelNotMeasured`], [`Error::NoTicks`] and [`Error::NoReference`] where the log does
@@ -41,7 +41,7 @@ impl Inputs {
     /// assert_eq!(Inputs::of(&log, &robot, &Options::default())?.reference, Reference::FreeWheel);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
+    pub fn of(log: &impl Measures, file: &RobotFile, options: &Options) -> Result<Self> {
         let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
         Ok(Self {
             wheel_sensor,
@@ -65,7 +65,7 @@ pub(crate) struct LogWheel {
 }
 
 /// For every wheel of the log the robot's wheel.
-pub(crate) fn robot_wheels(log: &Log, file: &RobotFile) -> Result<Vec<LogWheel>> {
+pub(crate) fn robot_wheels(log: &impl Measures, file: &RobotFile) -> Result<Vec<LogWheel>> {
     let robot = &file.robot;
     log.wheels()
         .iter()
@@ -127,14 +127,18 @@ const fn meanings(sensor: WheelSensor) -> &'static [Meaning] {
     }
 }
 
-fn measures(log: &Log, sensor: WheelSensor, wheel: &str) -> bool {
+fn measures(log: &impl Measures, sensor: WheelSensor, wheel: &str) -> bool {
     let mut all = meanings(sensor).iter();
     all.any(|meaning| log.measures_wheel(*meaning, wheel))
 }
 
 /// The sensor by which the wheels are measured: the option's, else the robot file's, else the first of
 /// counts, angles and rates that the log holds.
-fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Result<WheelSensor> {
+fn wheel_sensor(
+    log: &impl Measures,
+    file: &RobotFile,
+    chosen: Option<WheelSensor>,
+) -> Result<WheelSensor> {
     let robot = &file.robot;
     let mut order = WheelSensor::NAMES.iter().map(|(_, sensor)| *sensor);
     let sensor = chosen
@@ -172,7 +176,7 @@ fn wheel_sensor(log: &Log, file: &RobotFile, chosen: Option<WheelSensor>) -> Res
 /// The reference: the option's, else the robot file's, else the best that the log holds. A robot file's `grip` is what
 /// remains where nothing measures the robot's motion, so that anything that does outranks it.
 fn reference(
-    log: &Log,
+    log: &impl Measures,
     file: &RobotFile,
     sensor: WheelSensor,
     chosen: Option<Reference>,

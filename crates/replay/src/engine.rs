@@ -1,6 +1,7 @@
 //! Samples in, rows and a summary out.
 
 use grouser_files::robot::{Corrections, RobotFile};
+use grouser_slip::filter::Learnt;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
@@ -65,6 +66,8 @@ pub struct Engine {
     longest_gap_s: f64,
     /// The time of the samples that came last.
     group_ns: Option<i64>,
+    /// Have samples come since a group was closed?
+    is_open: bool,
     /// The wheels that were read at that time, bit by bit.
     read: u64,
     tallies: Vec<Tally>,
@@ -169,6 +172,7 @@ impl Engine {
             start_ns: None,
             longest_gap_s: 0.0,
             group_ns: None,
+            is_open: false,
             read: 0,
             tallies: vec![Tally::new(); robot.wheels().len()],
             ways: Ways::new(settings.low_speed, settings.window),
@@ -203,6 +207,7 @@ impl Engine {
             let gap_s = sample.time_ns.saturating_sub(last) as f64 * 1e-9;
             self.longest_gap_s = self.longest_gap_s.max(gap_s);
         }
+        self.is_open = true;
         self.start_ns.get_or_insert(sample.time_ns);
         match &mut sample.measurement {
             Measurement::Pose { yaw, .. } => *yaw -= self.corrections.pose_yaw_offset,
@@ -228,6 +233,35 @@ impl Engine {
         Ok(())
     }
 
+    /// All samples of the present time have come: their rows go to `sink` at once, not with the next time's first
+    /// sample. A sample of the same time that comes after it begins a group of its own.
+    ///
+    /// # Errors
+    /// As [`Engine::push`].
+    pub fn flush(&mut self, sink: &mut impl Sink) -> Result<()> {
+        self.close_group(sink)
+    }
+
+    /// What the filter has learnt of sensors, soil and wheels, for the next start; `None` of means over windows.
+    #[must_use]
+    pub fn learnt(&self) -> Option<Learnt> {
+        match &self.slips {
+            Slips::Filter(fusion, _) => Some(fusion.learnt()),
+            Slips::Window(_) => None,
+        }
+    }
+
+    /// Takes back what was learnt before a restart; means over windows learn nothing.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a number outside its limits; nothing changes then.
+    pub fn restore(&mut self, learnt: &Learnt) -> Result<()> {
+        match &mut self.slips {
+            Slips::Filter(fusion, _) => Ok(fusion.restore(learnt)?),
+            Slips::Window(_) => Ok(()),
+        }
+    }
+
     /// Ends the run: the last rows go to `sink`.
     ///
     /// # Errors
@@ -251,9 +285,10 @@ impl Engine {
 
     /// All samples of one time have come.
     fn close_group(&mut self, sink: &mut impl Sink) -> Result<()> {
-        let Some(now) = self.group_ns else {
+        let Some(now) = self.group_ns.filter(|_| self.is_open) else {
             return Ok(());
         };
+        self.is_open = false;
         let read = std::mem::take(&mut self.read);
         let Some(body) = self.slips.body() else {
             return Ok(());
@@ -280,7 +315,11 @@ impl Engine {
         }
         match &mut self.slips {
             Slips::Filter(fusion, _) => {
-                for moment in fusion.close(now, read, &body)? {
+                let moments = fusion.close(now, read, &body)?;
+                for change in fusion.new_events() {
+                    sink.event(change)?;
+                }
+                for moment in moments {
                     self.deliver(moment, sink)?;
                 }
                 Ok(())

@@ -2,7 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
-use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
 use grouser_slip::window::{WindowBody, WindowSettings};
 use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, WheelRole};
 
@@ -65,6 +65,8 @@ pub(crate) struct Fusion {
     start_ns: Option<i64>,
     events: Vec<EventAt>,
     more_events: u64,
+    /// Events of the time that was closed last.
+    new_events: Vec<Change>,
     smoother: Option<Smoother>,
     is_smoothed: bool,
 }
@@ -96,6 +98,7 @@ impl Fusion {
             start_ns: None,
             events: Vec::new(),
             more_events: 0,
+            new_events: Vec::new(),
             smoother: smooth.then(|| Smoother::new(robot, own)),
             is_smoothed: smooth,
         })
@@ -141,9 +144,11 @@ impl Fusion {
         let known = self.filter.latest();
         let mut moment = Moment::by_filter(now_ns, read, known.wheels, &known.body, body);
         let start_ns = *self.start_ns.get_or_insert(now_ns);
+        self.new_events.clear();
         if read != 0 {
             let changes = self.detector.update(now_ns, known.wheels, &self.torques);
             for change in changes {
+                self.new_events.push(change);
                 if self.events.len() < MAX_EVENTS {
                     self.events.push(EventAt {
                         time_s: now_ns.saturating_sub(start_ns) as f64 * 1e-9,
@@ -165,6 +170,19 @@ impl Fusion {
             Some(smoother) => smoother.push(moment),
             None => Ok(vec![moment]),
         }
+    }
+
+    /// Events of the time that was closed last.
+    pub(crate) fn new_events(&self) -> &[Change] {
+        &self.new_events
+    }
+
+    pub(crate) fn learnt(&self) -> Learnt {
+        self.filter.learnt()
+    }
+
+    pub(crate) fn restore(&mut self, learnt: &Learnt) -> grouser_slip::Result<()> {
+        self.filter.restore(learnt)
     }
 
     /// The log is over: gives the moments that waited.

@@ -29,7 +29,8 @@
 //! | for | there is |
 //! |---|---|
 //! | a log, row by row | [`run`](run()), [`run_into`] with a [`Sink`] |
-//! | a live source | [`Engine`] |
+//! | a live source | [`Engine`], [`RobotSamples`] |
+//! | the output as messages of ROS 2 | [`messages`] |
 //! | true slips beside the estimates | [`Truth`], [`Compared`] |
 //! | the effective radius; with track and scale of the gyro; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_intervals`] |
 //! | a soil's reading of the slips | [`soil_readings`] |
@@ -53,6 +54,7 @@ mod geometry;
 mod ground_change;
 mod ground_watch;
 mod intervals;
+pub mod messages;
 mod method;
 mod moment;
 mod odometry;
@@ -91,6 +93,7 @@ pub use odometry::Odometry;
 pub use options::Options;
 pub use quantiles::Quantiles;
 pub use run::{run, run_into};
+pub use samples::RobotSamples;
 pub use sink::{Row, Sink, Step};
 pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};

@@ -55,18 +55,14 @@ impl Moment {
         fused: &BodyEstimate,
         body: &WindowBody,
     ) -> Self {
-        let mut covariance = [[0.0; 3]; 3];
         let speeds = [fused.forward, fused.left, fused.yaw_rate];
-        for (i, speed) in speeds.iter().enumerate() {
-            covariance[i][i] = speed.variance;
-        }
         Self {
             time_ns,
             read,
             wheels: wheels.to_vec(),
             motion: Some(BodyMotion {
                 velocity: speeds.map(|speed| speed.value),
-                covariance,
+                covariance: fused.velocity_covariance,
             }),
             wheels_motion: body.wheels_motion,
             reference_motion: body.motion,

@@ -25,15 +25,11 @@ impl Odometry {
     pub(crate) fn of_filter(body: &BodyEstimate) -> Self {
         let speeds = [body.forward, body.left, body.yaw_rate];
         let place = body.odometry;
-        let mut velocity_covariance = [[0.0; 3]; 3];
-        for (i, speed) in speeds.iter().enumerate() {
-            velocity_covariance[i][i] = speed.variance;
-        }
         Self {
             pose: [place.x, place.y, place.yaw],
             pose_covariance: place.covariance,
             velocity: speeds.map(|speed| speed.value),
-            velocity_covariance,
+            velocity_covariance: body.velocity_covariance,
             distance: 0.0,
             distance_of_wheels: 0.0,
         }

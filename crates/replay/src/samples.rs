@@ -1,9 +1,37 @@
 //! Which of a log's samples are used.
 
-use grouser_files::robot::WheelSensor;
+use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_log::Measures;
 use grouser_slip::{Measurement, Sample};
 
-use crate::choice::LogWheel;
+use crate::choice::{LogWheel, robot_wheels};
+use crate::error::Result;
+
+/// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques.
+///
+/// [`run`](crate::run()) does the same for a log.
+#[derive(Clone, Debug)]
+pub struct RobotSamples {
+    wheels: Vec<LogWheel>,
+}
+
+impl RobotSamples {
+    /// For the samples of `source`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownWheel`](crate::Error::UnknownWheel) for a wheel that the robot does not have.
+    pub fn new(source: &impl Measures, file: &RobotFile) -> Result<Self> {
+        Ok(Self {
+            wheels: robot_wheels(source, file)?,
+        })
+    }
+
+    /// The sample for [`Engine::push`](crate::Engine::push).
+    #[must_use]
+    pub fn convert(&self, sample: Sample) -> Sample {
+        of_robot(sample, &self.wheels)
+    }
+}
 
 /// A sample of the log as one of the robot, whose wheel `i` of the log is `wheels[i]`. A current whose torque is not known stays
 /// one, A, of which only changes count.

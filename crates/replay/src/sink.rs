@@ -5,6 +5,7 @@ use std::io;
 use grouser_slip::{Health, Motion, WheelEstimate};
 
 use crate::odometry::Odometry;
+use grouser_slip::detect::Change;
 
 /// One wheel at one time, as a row of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +71,15 @@ pub trait Sink {
     /// What ends the run.
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
         let _ = step;
+        Ok(())
+    }
+
+    /// An event that begins or ends, before the rows of its time.
+    ///
+    /// # Errors
+    /// What ends the run.
+    fn event(&mut self, change: &Change) -> io::Result<()> {
+        let _ = change;
         Ok(())
     }
 }

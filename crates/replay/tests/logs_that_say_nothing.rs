@@ -165,7 +165,7 @@ fn what_does_not_fit_is_named() {
     wheels[3].encoder.ticks_per_turn = None;
     other.robot.robot = Robot::new("other".into(), wheels).unwrap();
     assert!(matches!(fails(&other, &default), Error::NoTicks { .. }));
-    // All wheels powered: the free wheel is asked for in the robot file and not there.
+    // All wheels powered: the robot file names a free wheel that the log lacks.
     let mut other = five();
     let mut wheels = other.robot.robot.wheels().to_vec();
     wheels[4].role = WheelRole::Powered;

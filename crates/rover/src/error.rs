@@ -74,6 +74,16 @@ pub enum Error {
     /// One of our own files says something wrong.
     #[error(transparent)]
     File(#[from] grouser_files::Error),
+    /// The controller has no slip to run at: no slip gives a drawbar pull.
+    #[error("wheel \"{wheel}\" under {load} N on \"{soil}\" has no drawbar pull at any slip")]
+    NoSlipSetpoint {
+        /// The wheel.
+        wheel: String,
+        /// The soil.
+        soil: String,
+        /// What the wheel carries, N.
+        load: f64,
+    },
     /// The laws of wheel and soil refuse a number.
     #[error("{of}: {source}")]
     Law {
@@ -107,6 +117,9 @@ impl Error {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::File(error) => error.hint(),
+            Self::NoSlipSetpoint { .. } => {
+                Some("give `optimum` under `[control]` in the scenario".to_owned())
+            }
             _ => None,
         }
     }

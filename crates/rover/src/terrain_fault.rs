@@ -31,7 +31,7 @@ pub enum TerrainFault {
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// There are more or fewer of something than the file announces.
-    #[error("it has {found} {field}, but its size asks for {expected}")]
+    #[error("it has {found} {field}, but its size requires {expected}")]
     Count {
         /// Of what.
         field: &'static str,

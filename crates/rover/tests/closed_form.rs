@@ -88,9 +88,9 @@ fn on_a_slope_the_slip_is_what_the_laws_demand() {
     drive(&mut vehicle, &mut ground, 0.2, 20.0, 1e-3);
     let wheels = vehicle.wheels();
     let sum: f64 = wheels.iter().map(|wheel| wheel.load.normal).sum();
-    let asked = weight * slope.to_radians().sin();
+    let required = weight * slope.to_radians().sin();
     assert!((sum - weight * slope.to_radians().cos()).abs() < 2e-3 * weight);
-    // The slip at which the four wheels under these loads pull what the slope asks, by the laws alone.
+    // The slip at which the four wheels under these loads have the pull that the slope requires, by the laws alone.
     let mounts = &vehicle.model().wheels;
     let pull = |slip: f64| -> f64 {
         mounts
@@ -107,7 +107,7 @@ fn on_a_slope_the_slip_is_what_the_laws_demand() {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        if pull(middle) < asked {
+        if pull(middle) < required {
             low = middle;
         } else {
             high = middle;

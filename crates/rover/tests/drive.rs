@@ -7,11 +7,12 @@
 
 use std::path::Path;
 
+use grouser_rover::Error;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, Scenario, Simulation, read_scenario};
 use grouser_slip::control::{Action, Ending, Reason};
-use grouser_terra::ShearLaw;
+use grouser_terra::{Angle, Kinematics, Settings, ShearLaw, Slip, Soil, SoilParams, WheelOnSoil};
 
-/// Near what the running-slip problem gives for the robot on dry sand.
+/// Near the slip of the greatest efficiency of the robot on dry sand.
 const RUNNING_SLIP: f64 = 0.39;
 
 fn scenario(name: &str) -> Scenario {
@@ -35,6 +36,44 @@ fn drive(scenario: &Scenario, pilot: Pilot, seed: u64) -> DriveResult {
         result.slip.longest_wrong,
     );
     result
+}
+
+/// A drive without a setpoint of its own runs at the slip of the greatest tractive efficiency, or says that there is none.
+#[test]
+fn the_setpoint_is_the_scenario_s_or_that_of_the_greatest_efficiency() {
+    let mut sandbox = scenario("sandbox");
+    let slip = sandbox.slip_setpoint().unwrap();
+    let (wheel, load) = sandbox.typical_wheel().unwrap();
+    let contact = WheelOnSoil::new(
+        sandbox.robot.wheels[wheel].wheel,
+        sandbox.ground.soils[0].soil,
+        Settings::default(),
+    )
+    .unwrap();
+    let efficiency = |slip: f64| {
+        let at = Kinematics::straight(Slip::new(slip).unwrap());
+        let point = contact.under_load(load, &at).unwrap().point().unwrap();
+        point.tractive_efficiency().unwrap_or(0.0)
+    };
+    assert!(efficiency(slip) > 0.1);
+    for other in 1..80 {
+        assert!(efficiency(0.01 * f64::from(other)) <= efficiency(slip) + 1e-12);
+    }
+    sandbox.ground.soils[0].soil = Soil::new(SoilParams {
+        phi: Angle::from_deg(0.0),
+        cohesion: 0.0,
+        ..*sandbox.ground.soils[0].soil.params()
+    })
+    .unwrap();
+    assert!(matches!(
+        sandbox.slip_setpoint(),
+        Err(Error::NoSlipSetpoint { .. })
+    ));
+    sandbox.optimum = Some(0.25);
+    assert_eq!(
+        sandbox.slip_setpoint().unwrap().to_bits(),
+        0.25_f64.to_bits()
+    );
 }
 
 /// What the filter calls Ok is never off by more than four sigma for a second, and its sigmas are not too small.

@@ -156,12 +156,12 @@ proptest! {
     fn period_law_is_total_and_finite(
         times in prop::collection::vec(any::<i64>(), 1..20),
         directions in prop::collection::vec(any::<bool>(), 20),
-        ask in any::<i64>(),
+        command in any::<i64>(),
     ) {
         let mut law = PeriodSpeed::new(N, 1e-6).unwrap();
         for (time, forward) in times.iter().zip(&directions) {
             let _ = law.edge(*time, *forward);
-            if let Some(speed) = law.speed_at(ask) {
+            if let Some(speed) = law.speed_at(command) {
                 prop_assert!(speed.value.is_finite() && speed.variance.is_finite());
                 prop_assert!(speed.variance >= 0.0);
             }

@@ -11,8 +11,6 @@ const POSE_STEPS: u32 = 20;
 /// Wheel radius, m, and ticks per turn.
 const RADIUS_M: f64 = 0.1;
 const TICKS_PER_TURN: f64 = 1000.0;
-/// Circumference over radius.
-const TAU: f64 = core::f64::consts::TAU;
 /// Standard deviation and bias of the gyro, rad/s.
 const GYRO_SIGMA: f64 = 0.002;
 const GYRO_BIAS: f64 = 0.004;
@@ -184,7 +182,9 @@ impl KnownTruth {
                 let slip = (slip + own).clamp(-0.9, 0.95);
                 wheel_slips[wheel] = slip;
                 let forward = speed - yaw_rate * place;
-                let count = (*way / (TAU * RADIUS_M) * TICKS_PER_TURN + phases[wheel]).floor();
+                let count = (*way / (core::f64::consts::TAU * RADIUS_M) * TICKS_PER_TURN
+                    + phases[wheel])
+                    .floor();
                 #[allow(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
@@ -225,7 +225,8 @@ impl KnownTruth {
                 let mut place = [x, y].map(|value| value + self.position_sigma * noise.normal());
                 let yaw = yaw + YAW_SIGMA * noise.normal();
                 let is_outlier = noise.uniform() < OUTLIER_SHARE;
-                let off = unit(TAU * noise.uniform()).map(|part| OUTLIER_M * part);
+                let off =
+                    unit(core::f64::consts::TAU * noise.uniform()).map(|part| OUTLIER_M * part);
                 if is_outlier && self.disturbance == Disturbance::Outliers {
                     place = [place[0] + off[0], place[1] + off[1]];
                 }

@@ -69,10 +69,10 @@ pub enum ModelOutcome {
     /// There is such a slip.
     Slip(ModelSlip),
     /// The share cannot be mobilised at this angle: even a wheel that spins on the spot reaches only
-    /// `most`, 1 − e^(−r (θ_1 − θ)/K).
+    /// `max_share`, 1 − e^(−r (θ_1 − θ)/K).
     Unreachable {
         /// The greatest share that can be mobilised there.
-        most: f64,
+        max_share: f64,
     },
 }
 
@@ -125,9 +125,9 @@ pub fn slip_model(
             Error::check_finite("k_shear", k_shear, "m")?;
             let s = slip_mobilised(theta.rad(), theta_1, share, k_shear / radius)?;
             if !(s <= 1.0) {
-                let most = -Real::exp_m1(-radius * (theta_1 - theta.rad()) / k_shear);
+                let max_share = -Real::exp_m1(-radius * (theta_1 - theta.rad()) / k_shear);
                 return Ok(ModelOutcome::Unreachable {
-                    most: most.max(0.0),
+                    max_share: max_share.max(0.0),
                 });
             }
             s

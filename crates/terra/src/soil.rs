@@ -63,7 +63,7 @@ pub struct SoilParams {
     pub c_2: f64,
     /// Rebound ratio λ: the soil behind the wheel rises by λ z; 0 for dry sand.
     pub rebound: f64,
-    /// Unit weight γ = ρ g, N/m³. Asked for by Reece's law and by bulldozing only.
+    /// Unit weight γ = ρ g, N/m³. Used by Reece's law and by bulldozing only.
     pub unit_weight: Option<f64>,
     /// Loss of the rear contact with driving slip, ε_1; 0 for none.
     pub rear_driving: f64,

@@ -42,9 +42,9 @@ pub enum SlopeOutcome {
     /// No slip holds it.
     Immobilised {
         /// The greatest drawbar pull there is, N; `None` if the load is carried at no slip.
-        most: Option<f64>,
-        /// The drawbar pull asked for, N.
-        asked: f64,
+        max_pull: Option<f64>,
+        /// The drawbar pull that the slope requires, N.
+        required_pull: f64,
     },
 }
 
@@ -86,22 +86,24 @@ impl WheelOnSoil {
         Error::check_range("slope", slope.rad(), -steep, steep, "rad")?;
         Error::check_range("weight", weight, 0.0, 1e12, "N")?;
         let load = weight * slope.cos();
-        let asked = weight * slope.sin();
+        let required = weight * slope.sin();
         let pull = |slip: f64| self.forces_under(load, slip, |forces| forces.drawbar_pull);
         let mut before: Option<(f64, f64)> = None;
-        let mut most: Option<f64> = None;
+        let mut max_pull: Option<f64> = None;
         for i in 0..=2 * SAMPLES {
             let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
             let Some(now) = pull(slip)? else {
                 before = None;
                 continue;
             };
-            most = Some(most.map_or(now, |m| m.max(now)));
-            if now >= asked {
+            max_pull = Some(max_pull.map_or(now, |m| m.max(now)));
+            if now >= required {
                 let slip = match before {
-                    Some((low, at_low)) => root((low, at_low - asked), (slip, now - asked), |s| {
-                        Ok(pull(s)?.map(|pull| pull - asked))
-                    })?,
+                    Some((low, at_low)) => {
+                        root((low, at_low - required), (slip, now - required), |s| {
+                            Ok(pull(s)?.map(|pull| pull - required))
+                        })?
+                    }
                     None => slip,
                 };
                 return Ok(SlopeOutcome::Holds {
@@ -112,21 +114,24 @@ impl WheelOnSoil {
         }
         // Between two samples the pull may still reach the required pull.
         if let Some(best) = self.slip_of_maximum_pull(load)? {
-            if best.value >= asked {
+            if best.value >= required {
                 let low = (best.slip.value() - 1.0 / f64::from(SAMPLES)).max(-1.0);
                 if let Some(at_low) = pull(low)? {
-                    let high = (best.slip.value(), best.value - asked);
-                    let slip = root((low, at_low - asked), high, |s| {
-                        Ok(pull(s)?.map(|pull| pull - asked))
+                    let high = (best.slip.value(), best.value - required);
+                    let slip = root((low, at_low - required), high, |s| {
+                        Ok(pull(s)?.map(|pull| pull - required))
                     })?;
                     return Ok(SlopeOutcome::Holds {
                         slip: Slip::new(slip)?,
                     });
                 }
             }
-            most = Some(most.map_or(best.value, |m| m.max(best.value)));
+            max_pull = Some(max_pull.map_or(best.value, |m| m.max(best.value)));
         }
-        Ok(SlopeOutcome::Immobilised { most, asked })
+        Ok(SlopeOutcome::Immobilised {
+            max_pull,
+            required_pull: required,
+        })
     }
 
     /// The skid of a free wheel: the slip at which the soil turns a wheel under `load` (N) against the
@@ -185,9 +190,9 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn slip_demand_near(&self, weight: f64, slope: Angle, near: Slip) -> Result<SlopeOutcome> {
-        let (load, asked) = (weight * slope.cos(), weight * slope.sin());
-        if load >= 0.0 && asked.is_finite() {
-            let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - asked);
+        let (load, required) = (weight * slope.cos(), weight * slope.sin());
+        if load >= 0.0 && required.is_finite() {
+            let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
             if let Some(slip) = root_near(near.value(), surplus)? {
                 return Ok(SlopeOutcome::Holds {
                     slip: Slip::new(slip)?,

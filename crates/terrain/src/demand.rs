@@ -5,7 +5,7 @@ use grouser_rover::statics::wheel_loads;
 use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
 
 use crate::error::{Error, Result};
-use crate::root::{Bracket, root};
+use crate::root::{Bracket, golden_section, root};
 
 /// A slip beyond which a robot counts as immobilised: the laws do not count the thrust that churned soil loses, and a
 /// wheel at slip 0.9 turns ten times for each of its own circumferences.
@@ -121,7 +121,7 @@ impl DemandSolver {
     /// side up).
     ///
     /// Equation: Σ drawbar pulls = W sin(pitch), all powered wheels at one slip under the loads of
-    /// [`wheel_loads`], free wheels at the skid that their bearing asks for; the smallest slip in magnitude that
+    /// [`wheel_loads`], free wheels at the skid at which the soil turns their bearing; the smallest slip in magnitude that
     /// solves it, in [−[`MAX_SLIP`], [`MAX_SLIP`]].
     ///
     /// Assumes: steady motion along the robot's own axis; the drift down a side slope is not counted.
@@ -282,8 +282,7 @@ impl Posed<'_> {
             low = 0.0;
         }
         for _ in 0..PEAK_STEPS {
-            const GOLDEN: f64 = 0.618_033_988_749_894_8;
-            let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+            let [a, b] = golden_section(low, high);
             let (Some(at_a), Some(at_b)) = (self.surplus(a)?, self.surplus(b)?) else {
                 return Ok(None);
             };

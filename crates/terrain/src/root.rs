@@ -1,4 +1,4 @@
-//! A root of one number between two places of opposite sign.
+//! Searches in one number: a root between two places of opposite sign, the places at which a peak is sought.
 
 use crate::error::Result;
 
@@ -53,6 +53,14 @@ pub(crate) fn root(bracket: Bracket, f: impl Fn(f64) -> Result<f64>) -> Result<f
         (b, f_b) = (x, f_x);
     }
     Ok(b)
+}
+
+/// The two places inside of a bracket at which a golden-section search for a peak evaluates.
+pub(crate) fn golden_section(low: f64, high: f64) -> [f64; 2] {
+    // (√5 − 1)/2
+    const GOLDEN_SHARE: f64 = 0.618_033_988_749_894_8;
+    let step = GOLDEN_SHARE * (high - low);
+    [high - step, low + step]
 }
 
 #[cfg(test)]

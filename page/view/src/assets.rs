@@ -6,7 +6,7 @@ static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/assets.rs")
 
 /// The modules that a page carries, in the order in which they are embedded: the explorer first, without which no page
 /// starts.
-pub const MODULES: [&str; 3] = ["explore", "drive", "log"];
+pub const MODULES: [&str; 4] = ["explore", "drive", "log", "optimize"];
 
 /// The names of all files.
 pub fn names() -> impl Iterator<Item = &'static str> {

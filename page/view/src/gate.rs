@@ -1,4 +1,4 @@
-//! Who may ask: host, origin and token of a request, checked before anything else is read.
+//! Which requests are served: host, origin and token of a request, checked before anything else is read.
 
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, COOKIE, HOST, ORIGIN, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, HeaderValue, Method, Request, StatusCode};
@@ -54,11 +54,17 @@ impl Gate {
             own == Some(host.as_bytes())
         });
         if !own_origin {
-            return Err((StatusCode::FORBIDDEN, "another site's page may not ask"));
+            return Err((
+                StatusCode::FORBIDDEN,
+                "requests of another site's page are refused",
+            ));
         }
         let site = headers.get("sec-fetch-site").map(HeaderValue::as_bytes);
         if !matches!(site, None | Some(b"same-origin" | b"none")) {
-            return Err((StatusCode::FORBIDDEN, "another site's page may not ask"));
+            return Err((
+                StatusCode::FORBIDDEN,
+                "requests of another site's page are refused",
+            ));
         }
         if headers.contains_key(TRANSFER_ENCODING) {
             return Err((StatusCode::BAD_REQUEST, "a body needs a length"));

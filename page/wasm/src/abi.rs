@@ -1,6 +1,6 @@
 //! The border to the browser: texts in this module's memory.
 //!
-//! The page asks for room ([`grouser_room`]), writes a request in UTF-8, calls [`grouser_answer`], reads the
+//! The page requests room ([`grouser_room`]), writes a request in UTF-8, calls [`grouser_answer`], reads the
 //! answer at the address and length that it returns, and gives both back ([`grouser_release`]).
 #![allow(
     unsafe_code,

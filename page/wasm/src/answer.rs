@@ -24,8 +24,10 @@ fn dispatch(request: &Request<'_>) -> Result<Value, Problem> {
         #[cfg(feature = "explore")]
         "curve" => crate::curve::solve(request),
         #[cfg(feature = "drive")]
-        "examples" => Ok(crate::examples::examples()),
-        #[cfg(feature = "drive")]
+        "examples" => Ok(crate::examples::scenarios()),
+        #[cfg(feature = "optimize")]
+        "problems" => Ok(crate::examples::problems()),
+        #[cfg(feature = "optimize")]
         "optimize" => crate::optimize::solve(request),
         #[cfg(feature = "drive")]
         "drive" => crate::drive::solve(request),

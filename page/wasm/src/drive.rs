@@ -1,7 +1,7 @@
 //! A drive from a scenario: the numbers of `grouser drive --json`, and what was seen on the way.
 
 use grouser_files::Document;
-use grouser_rover::drive::{Pilot, Scenario, Simulation, parse_scenario};
+use grouser_rover::drive::{Pilot, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use serde_json::{Value, json};
 
@@ -34,10 +34,7 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         Some(_) => u64::from(request.count("seed", u32::MAX)?),
         None => scenario.seed,
     };
-    let optimum = match scenario.optimum {
-        Some(slip) => slip,
-        None => running_slip(&scenario)?,
-    };
+    let optimum = scenario.slip_setpoint().map_err(Problem::of)?;
     let mut simulation = Simulation::new(&scenario, pilot, optimum, seed).map_err(Problem::of)?;
     let mut seen = Seen::new(scenario.robot.wheels.len());
     let result = simulation.run(|frame| {
@@ -100,15 +97,6 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         "mode": seen.mode.object(),
         "wheels": wheels,
     }))
-}
-
-fn running_slip(scenario: &Scenario) -> Result<f64, Problem> {
-    let (wheel, load) = scenario
-        .typical_wheel()
-        .ok_or_else(|| Problem::new("robot", "the robot has no powered wheel"))?;
-    let rigid = &scenario.robot.wheels[wheel].wheel;
-    let soil = &scenario.ground.soils[0].soil;
-    grouser_design::running_slip(rigid, soil, load).map_err(Problem::of)
 }
 
 /// What was seen on the way.

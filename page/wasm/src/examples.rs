@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 /// Name, scenario file, robot file.
+#[cfg(feature = "drive")]
 const EXAMPLES: [(&str, &str, &str); 3] = [
     (
         "sandbox",
@@ -22,6 +23,7 @@ const EXAMPLES: [(&str, &str, &str); 3] = [
 ];
 
 /// Problem files for the optimiser: name, text.
+#[cfg(feature = "optimize")]
 const PROBLEMS: [(&str, &str); 4] = [
     (
         "dry-sand-wheel",
@@ -42,16 +44,23 @@ const PROBLEMS: [(&str, &str); 4] = [
 ];
 
 /// The scenarios with their robots, as the texts of their files.
-pub(crate) fn examples() -> Value {
+#[cfg(feature = "drive")]
+pub(crate) fn scenarios() -> Value {
     let examples: Vec<Value> = EXAMPLES
         .iter()
         .map(
             |(name, scenario, robot)| json!({ "name": name, "scenario": scenario, "robot": robot }),
         )
         .collect();
+    json!({ "examples": examples })
+}
+
+/// The problems, as the texts of their files.
+#[cfg(feature = "optimize")]
+pub(crate) fn problems() -> Value {
     let problems: Vec<Value> = PROBLEMS
         .iter()
         .map(|(name, text)| json!({ "name": name, "text": text }))
         .collect();
-    json!({ "examples": examples, "problems": problems })
+    json!({ "problems": problems })
 }

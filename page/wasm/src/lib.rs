@@ -21,9 +21,9 @@ mod curve;
 mod drive;
 #[cfg(feature = "log")]
 mod estimate;
-#[cfg(feature = "drive")]
+#[cfg(any(feature = "drive", feature = "optimize"))]
 mod examples;
-#[cfg(feature = "drive")]
+#[cfg(feature = "optimize")]
 mod optimize;
 mod request;
 #[cfg(any(feature = "drive", feature = "log"))]

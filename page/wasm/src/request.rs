@@ -46,7 +46,7 @@ impl From<grouser_files::Error> for Problem {
     }
 }
 
-#[cfg(any(feature = "drive", feature = "log"))]
+#[cfg(any(feature = "drive", feature = "log", feature = "optimize"))]
 impl Problem {
     /// Whatever another crate refuses, in its own words.
     pub(crate) fn of(error: impl std::fmt::Display) -> Self {
@@ -87,7 +87,12 @@ impl Request<'static> {
 }
 
 #[cfg_attr(
-    not(all(feature = "explore", feature = "drive", feature = "log")),
+    not(all(
+        feature = "explore",
+        feature = "drive",
+        feature = "log",
+        feature = "optimize"
+    )),
     allow(dead_code, reason = "each module reads the fields that it has")
 )]
 impl Request<'_> {

@@ -29,8 +29,8 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         };
         match outcome {
             SlopeOutcome::Holds { slip } => demand = Some(slip.value()),
-            SlopeOutcome::Immobilised { most, .. } => {
-                out.insert("max_pull_n".into(), json!(most));
+            SlopeOutcome::Immobilised { max_pull, .. } => {
+                out.insert("max_pull_n".into(), json!(max_pull));
             }
             _ => {}
         }

@@ -2,15 +2,17 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_figure::{Colour, Dash, Figure, Scene, Shape, Style};
+use grouser_figure::{Colour, Figure, Scene, Shape};
 use grouser_report::number::{exact, rounded};
 use grouser_rover::drive::NamedDecision;
 use grouser_slip::control::Action;
 
-/// Half the size of a box.
-const HALF: [f64; 2] = [1.95, 0.42];
+use super::drawing::{corners, framed, stroke};
 
-/// The chart. `optimum` is the slip that the controller asks for.
+/// Half the size of a box, in units of the drawing.
+const HALF_BOX: [f64; 2] = [1.95, 0.42];
+
+/// The chart. `optimum` is the controller's slip setpoint.
 pub(super) fn draw(decisions: &[NamedDecision], optimum: f64, outcome: &str) -> Figure {
     let count = |of: &[Action]| {
         let times = decisions
@@ -58,7 +60,8 @@ pub(super) fn draw(decisions: &[NamedDecision], optimum: f64, outcome: &str) -> 
         ),
     ];
     for (at, lines, colour) in boxes {
-        scene = framed(scene, at, colour);
+        scene = scene.shape(Shape::Filled(corners(at, HALF_BOX), colour, 0.06));
+        scene = framed(scene, at, HALF_BOX, colour);
         for (line, rise) in lines.into_iter().zip([0.17, -0.19]) {
             scene = scene.shape(Shape::Text(
                 [at[0], at[1] + rise],
@@ -77,11 +80,7 @@ pub(super) fn draw(decisions: &[NamedDecision], optimum: f64, outcome: &str) -> 
         ([0.0, -3.12], [0.0, -4.28]),
         ([4.6, -3.12], [1.95, -4.7]),
     ] {
-        let style = Style {
-            width: 0.8,
-            ..Style::thin(Colour::INK, Dash::Solid)
-        };
-        scene = scene.shape(Shape::Arrow(from, to, style));
+        scene = scene.shape(Shape::Arrow(from, to, stroke(Colour::INK, 0.8)));
     }
     for (at, times, colour) in [
         ([-3.6, -1.35], reduced, Colour::BLUE),
@@ -94,18 +93,6 @@ pub(super) fn draw(decisions: &[NamedDecision], optimum: f64, outcome: &str) -> 
     scene = scene.note(format!("*s*_{{opt}} = {}", rounded(optimum, 3)));
     Figure::new("From slip to decision, with how often the simulated run went each way")
         .panel(scene)
-}
-
-fn framed(scene: Scene, [x, y]: [f64; 2], colour: Colour) -> Scene {
-    let [a, b] = HALF;
-    let corners = [[-a, -b], [a, -b], [a, b], [-a, b], [-a, -b]].map(|[i, j]| [x + i, y + j]);
-    let edge = Style {
-        width: 1.0,
-        ..Style::thin(colour, Dash::Solid)
-    };
-    scene
-        .shape(Shape::Filled(corners.into(), colour, 0.06))
-        .shape(Shape::Line(corners.into(), edge))
 }
 
 /// The run's decisions in order.

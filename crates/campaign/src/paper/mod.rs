@@ -1,6 +1,7 @@
 //! Ani et al. (2012), J. Cent. South Univ. 19: what can be reproduced of it.
 
 mod decision_chart;
+mod drawing;
 mod figures;
 mod file;
 mod page;

@@ -2,14 +2,15 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_figure::{Colour, Dash, Figure, Scene, Shape, Style, plain};
+use grouser_figure::{Colour, Figure, Scene, Shape, Style, plain};
 use grouser_report::number::{exact, rounded};
 use grouser_rover::robot::{RobotModel, WheelMount};
 
+use super::drawing::{corners, stroke};
 use super::file::PaperFile;
 
 /// Room around a drawing, as a share of its width.
-const MARGIN: f64 = 0.08;
+const DRAWING_MARGIN_SHARE: f64 = 0.08;
 
 /// The three figures, and the wheels' numbers.
 pub(super) fn files(robot: &RobotModel) -> Vec<PaperFile> {
@@ -36,15 +37,8 @@ pub(super) fn files(robot: &RobotModel) -> Vec<PaperFile> {
     ]
 }
 
-fn ink(width: f64) -> Style {
-    Style {
-        width,
-        ..Style::thin(Colour::INK, Dash::Solid)
-    }
-}
-
 /// Between two lines of text below the wheels, as a share of the drawing's width.
-const LINE: f64 = 0.04;
+const LINE_SPACING_SHARE: f64 = 0.04;
 
 /// The least and the largest of numbers.
 fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
@@ -69,7 +63,7 @@ fn side(robot: &RobotModel, wheels: &[&WheelMount]) -> Scene {
         .iter()
         .map(|mount| mount.centre.z + mount.wheel.radius());
     let top = span(pivots.chain(rims))[1];
-    let margin = MARGIN * (front - back);
+    let margin = DRAWING_MARGIN_SHARE * (front - back);
     let mut scene = Scene::new(
         [back - margin, -2.5 * margin],
         [front + margin, top + margin],
@@ -84,7 +78,7 @@ fn side(robot: &RobotModel, wheels: &[&WheelMount]) -> Scene {
         let (at, radius) = ([mount.centre.x, mount.centre.z], mount.wheel.radius());
         let powered = mount.motor.is_some();
         let style = if powered {
-            ink(1.4)
+            stroke(Colour::INK, 1.4)
         } else {
             Style {
                 width: 1.4,
@@ -98,7 +92,7 @@ fn side(robot: &RobotModel, wheels: &[&WheelMount]) -> Scene {
             let part = &robot.linkage.links()[index];
             let pivot = [part.pivot.x, part.pivot.z];
             scene = scene
-                .shape(Shape::Line(vec![end, pivot], ink(2.0)))
+                .shape(Shape::Line(vec![end, pivot], stroke(Colour::INK, 2.0)))
                 .shape(Shape::Disc(pivot, 0.08 * radius, Colour::RED));
             end = pivot;
             link = part.on;
@@ -108,7 +102,10 @@ fn side(robot: &RobotModel, wheels: &[&WheelMount]) -> Scene {
             plain(&mount.name),
             rounded(1e3 * radius, 4)
         );
-        let below = [at[0], -(0.6 + row as f64) * LINE * (front - back)];
+        let below = [
+            at[0],
+            -(0.6 + row as f64) * LINE_SPACING_SHARE * (front - back),
+        ];
         scene = scene
             .shape(Shape::Disc(at, 0.06 * radius, style.colour))
             .shape(Shape::Text(below, words, style.colour));
@@ -125,7 +122,7 @@ fn above(robot: &RobotModel) -> Scene {
     let y = span(robot.wheels.iter().flat_map(|mount| {
         [-1.0, 1.0].map(|sign| mount.centre.y + sign * mount.wheel.width() / 2.0)
     }));
-    let margin = MARGIN * (x[1] - x[0]);
+    let margin = DRAWING_MARGIN_SHARE * (x[1] - x[0]);
     let mut scene = Scene::new(
         [x[0] - margin, y[0] - margin],
         [x[1] + margin, y[1] + margin],
@@ -136,24 +133,17 @@ fn above(robot: &RobotModel) -> Scene {
         if let Some(link) = mount.link {
             let pivot = robot.linkage.links()[link].pivot;
             let arm = vec![[at.x, at.y], [pivot.x, pivot.y]];
-            scene = scene.shape(Shape::Line(arm, ink(1.2)));
+            scene = scene.shape(Shape::Line(arm, stroke(Colour::INK, 1.2)));
         }
-        let corners = [
-            [-1.0, -1.0],
-            [1.0, -1.0],
-            [1.0, 1.0],
-            [-1.0, 1.0],
-            [-1.0, -1.0],
-        ]
-        .map(|[i, j]| [at.x + i * radius, at.y + j * half]);
+        let outline = corners([at.x, at.y], [radius, half]);
         let colour = if mount.motor.is_some() {
             Colour::GREY
         } else {
             Colour::BLUE
         };
         scene = scene
-            .shape(Shape::Filled(corners.into(), colour, 0.35))
-            .shape(Shape::Line(corners.into(), ink(0.8)))
+            .shape(Shape::Filled(outline.clone(), colour, 0.35))
+            .shape(Shape::Line(outline, stroke(Colour::INK, 0.8)))
             .label([at.x, at.y], plain(&mount.name), Colour::INK);
     }
     let corners = || robot.wheels.iter().filter(|mount| mount.centre.y != 0.0);

@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_design::running_slip;
 use grouser_files::Document;
 use grouser_rover::drive::{DriveResult, Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
@@ -32,7 +31,7 @@ pub(super) const DIGGING_SEED: u64 = 2026;
 #[derive(Clone, Copy, Debug)]
 struct Point {
     time: f64,
-    asked: f64,
+    requested_speed: f64,
     truth: Option<f64>,
     measured: Option<f64>,
     sigma: Option<f64>,
@@ -98,11 +97,7 @@ impl SandRun {
     pub(super) fn drive(text: &str, robot: &str) -> Result<Self> {
         let scenario = scenario(text, robot)?;
         let (wheel, load) = scenario.typical_wheel().ok_or(Error::NoPoweredWheel)?;
-        let optimum = running_slip(
-            &scenario.robot.wheels[wheel].wheel,
-            &scenario.ground.soils[0].soil,
-            load,
-        )?;
+        let optimum = scenario.slip_setpoint()?;
         let ground = &scenario.ground.soils[0];
         let rigid = scenario.robot.wheels[wheel].wheel;
         let pair = WheelOnSoil::new(rigid, ground.soil, Settings::default())?;
@@ -141,7 +136,7 @@ impl SandRun {
                 .and_then(|estimate| estimate.wheels.get(wheel));
             points.push(Point {
                 time: frame.time,
-                asked: frame.requested_speed,
+                requested_speed: frame.requested_speed,
                 truth: means.add(frame.wheels[wheel].speeds, window),
                 measured: seen.and_then(|seen| seen.slip).map(Slip::value),
                 sigma: seen.and_then(|seen| seen.sigma),
@@ -178,7 +173,7 @@ impl SandRun {
     pub(super) fn about(&self) -> String {
         format!(
             "The paper's data of its run on sand are not published. In their place the shipped scenario sandbox.toml is \
-             driven (seed {}; the controller asks for a slip of {}): a box of dry sand with waves of 25 cm, forwards, a \
+             driven (seed {}; the controller's slip setpoint is {}): a box of dry sand with waves of 25 cm, forwards, a \
              stop, forwards faster, a stop, and back. The slip of the wheel {WHEEL} is measured as the paper does, from \
              the speed of its own encoder and that of the free fifth wheel, v = r ω, which is taken to roll without any \
              skid. Over the whole run it is within {} (root of the mean square) of the true slip; it is off the most in the \
@@ -295,7 +290,7 @@ impl SandRun {
     /// A row every hundredth of a second; what was not measured is empty.
     pub(super) fn csv(&self) -> String {
         let mut text = String::from(
-            "time_s,asked_speed_m_per_s,slip_true,slip_fifth_wheel,slip_sigma,slip_as_worded\n",
+            "time_s,requested_speed_m_per_s,slip_true,slip_fifth_wheel,slip_sigma,slip_as_worded\n",
         );
         let or_empty = |value: Option<f64>| value.map(exact).unwrap_or_default();
         for point in &self.points {
@@ -303,7 +298,7 @@ impl SandRun {
                 text,
                 "{},{},{},{},{},{}",
                 rounded(point.time, 2),
-                exact(point.asked),
+                exact(point.requested_speed),
                 or_empty(point.truth),
                 or_empty(point.measured),
                 or_empty(point.sigma),

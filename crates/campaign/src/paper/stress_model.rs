@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_figure::{Colour, Dash, Figure, Scene, Shape, Style};
+use grouser_figure::{Colour, Figure, Scene, Shape};
 use grouser_report::number::{exact, rounded};
 use grouser_terra::{OperatingPoint, Pressure, WheelOnSoil};
 
+use super::drawing::{framed, stroke};
 use super::file::PaperFile;
 use crate::stress;
 
@@ -81,16 +82,9 @@ fn classes(pair: &WheelOnSoil, point: &OperatingPoint) -> [Class; 3] {
 
 fn draw(classes: &[Class; 3]) -> Figure {
     let mut scene = Scene::new([-7.0, -4.6], [7.0, 2.6]);
-    let ink = Style {
-        width: 1.0,
-        ..Style::thin(Colour::INK, Dash::Solid)
-    };
-    let framed = |scene: Scene, [x, y]: [f64; 2], [a, b]: [f64; 2]| {
-        let corners = [[-a, -b], [a, -b], [a, b], [-a, b], [-a, -b]].map(|[i, j]| [x + i, y + j]);
-        scene.shape(Shape::Line(corners.into(), ink))
-    };
+    let ink = stroke(Colour::INK, 1.0);
     for ((name, parameters), x) in classes.iter().zip([-4.7, 0.0, 4.7]) {
-        scene = framed(scene, [x, 0.75], [2.2, 1.75]);
+        scene = framed(scene, [x, 0.75], [2.2, 1.75], Colour::INK);
         scene = scene.shape(Shape::Text([x, 2.2], (*name).to_owned(), Colour::RED));
         for (row, (symbol, value, unit)) in parameters.iter().enumerate() {
             let words = format!("{symbol} = {} {unit}", rounded(*value, 4));
@@ -99,7 +93,7 @@ fn draw(classes: &[Class; 3]) -> Figure {
         }
         scene = scene.shape(Shape::Arrow([x, -1.0], [0.4 * x, -2.2], ink));
     }
-    scene = framed(scene, [0.0, -2.7], [4.0, 0.5]);
+    scene = framed(scene, [0.0, -2.7], [4.0, 0.5], Colour::INK);
     scene = scene
         .shape(Shape::Text(
             [0.0, -2.7],

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 
+use crate::companion::Companion;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::verb_report::Report;
@@ -10,7 +11,11 @@ use grouser_report::{Fields, fields};
 
 /// The program that shows the page. It is not part of this one: a web server and WebAssembly are more than
 /// the command needs.
-const PROGRAM: &str = "grouser-view";
+const PROGRAM: Companion = Companion {
+    name: "grouser-view",
+    does: "shows the page",
+    built_with: "`page/build`",
+};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -41,12 +46,7 @@ struct Ran<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
-    let program = find().ok_or_else(|| {
-        Error::usage(
-            format!("the program `{PROGRAM}`, which shows the page, is not beside `grouser` and not on the path"),
-            format!("build it with `page/build` of the source and put it beside `grouser`; `{PROGRAM} --help` then works"),
-        )
-    })?;
+    let program = PROGRAM.find()?;
     let mut command = Command::new(&program);
     if let Some(path) = &arguments.export {
         command.arg("--export").arg(path);
@@ -77,22 +77,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
         } else {
             Outcome::NoResult
         },
-        failure: (!status.success()).then(|| format!("`{PROGRAM}` ended with {status}")),
+        failure: (!status.success()).then(|| format!("`{}` ended with {status}", PROGRAM.name)),
         ..Report::done(fields().object(ran), text)
     })
-}
-
-/// The program beside this one, or the first of its name on the path.
-fn find() -> Option<PathBuf> {
-    let name = format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX);
-    let own = std::env::current_exe().ok();
-    let beside = own.as_deref().and_then(Path::parent).map(Path::to_path_buf);
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    beside
-        .into_iter()
-        .chain(std::env::split_paths(&path))
-        .map(|folder| folder.join(&name))
-        .find(|program| program.is_file())
 }
 
 fn fields<'a>() -> Fields<'a, Ran<'a>> {

@@ -52,7 +52,7 @@ fn wheel_has_its_keys_and_its_provenance() {
 
 #[test]
 fn the_sinkage_found_for_a_load_carries_it() {
-    // There and back: the load's sinkage, asked for as a sinkage, gives the load.
+    // There and back: the load's sinkage, prescribed as a sinkage, gives the load.
     let there = line(&format!("{WHEEL} --load-n 80 --json")).json();
     let sinkage = there["sinkage_m"].as_f64().unwrap();
     let back = line(&format!("{WHEEL} --sinkage-m {sinkage} --json")).json();

@@ -1,4 +1,4 @@
-//! What a formula can ask of a wheel on soil, by name.
+//! The quantities of a wheel on soil that a formula can use, by name.
 
 mod fixed;
 mod inputs;
@@ -15,7 +15,7 @@ pub(crate) use inputs::Inputs;
 pub use parameter::{Parameter, Place};
 pub(crate) use point::NoValue;
 pub(crate) use taped::Taped;
-pub(crate) use taped_contact::{CONTACT_VARIABLES, REMAINDER};
+pub(crate) use taped_contact::{CONTACT_VARIABLES, QUADRATURE_REMAINDER_SHARE};
 
 use point::{Point, efficiency};
 

@@ -146,12 +146,12 @@ impl<R: Scalar> Inputs<R> {
             return Err(NoValue::NotHeld(slope));
         };
         let slip = slip.value();
-        let asked = self.get(Parameter::Load) * self.radians(Parameter::Slope).sin();
+        let required = self.get(Parameter::Load) * self.radians(Parameter::Slope).sin();
         let off = self
             .loaded(R::from_f64(slip), self.carried())?
             .forces
             .drawbar_pull
-            - asked;
+            - required;
         let single = plain.lifted::<Dual<1>>();
         let rising = single
             .loaded(Dual::variable(slip, 0), single.carried())?

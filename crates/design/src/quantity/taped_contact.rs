@@ -3,7 +3,7 @@
 //!
 //! Laws: straight ahead, driving (s ≥ 0), Bekker's pressure \[WR67\], Janosi and Hanamoto's shear; smooth wheels.
 //! The rule is Gauss-Legendre in v with t = v³, where t is the share of a piece's arc from its end without stress: the
-//! stress grows like tⁿ there. Each integral carries a relative remainder, a variable in ±[`REMAINDER`].
+//! stress grows like tⁿ there. Each integral carries a relative remainder, a variable in ±[`QUADRATURE_REMAINDER_SHARE`].
 
 use grouser_opt::{Binary, Node, Unary};
 
@@ -14,7 +14,7 @@ use super::{Parameter, Quantity};
 const NODES: usize = 10;
 /// What the rule may leave out of an integral, as a share of it. The test `taped_forces_are_those_of_the_kernel`
 /// compares it with the kernel's reference mode over random wheels and soils.
-pub(crate) const REMAINDER: f64 = 1e-8;
+pub(crate) const QUADRATURE_REMAINDER_SHARE: f64 = 1e-8;
 
 /// What a contact adds to the variables of a problem: the entry angle, then one remainder per integral.
 pub(crate) const CONTACT_VARIABLES: usize = 1 + INTEGRALS;
@@ -359,6 +359,6 @@ mod tests {
             }
         }
         assert!(compared > 1000, "{compared}");
-        assert!(worst < REMAINDER, "{worst:e}");
+        assert!(worst < QUADRATURE_REMAINDER_SHARE, "{worst:e}");
     }
 }

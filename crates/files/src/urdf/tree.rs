@@ -246,10 +246,11 @@ fn read_links(robot: Node<'_, '_>) -> Result<Vec<Link>> {
             let found = children(node, kind).map(edges).collect::<Result<Vec<_>>>();
             Ok(found?.into_iter().flatten().collect())
         };
-        let touched_boxes: Vec<_> = boxes("collision")?;
-        let boxes = match touched_boxes.is_empty() {
-            true => boxes("visual")?,
-            false => touched_boxes,
+        let touched_boxes = boxes("collision")?;
+        let boxes = if touched_boxes.is_empty() {
+            boxes("visual")?
+        } else {
+            touched_boxes
         };
         links.push(Link {
             name,

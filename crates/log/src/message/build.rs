@@ -52,16 +52,24 @@ pub fn texts<T: AsRef<str>>(values: &[T]) -> Value {
 /// ```
 #[must_use]
 pub fn header(time_ns: i64, frame: &str) -> Value {
-    let (seconds, rest) = (
-        time_ns.div_euclid(1_000_000_000),
-        time_ns.rem_euclid(1_000_000_000),
-    );
     message([
-        (
-            "stamp",
-            message([("sec", Value::Int(seconds)), ("nanosec", Value::Int(rest))]),
-        ),
+        ("stamp", stamp(time_ns)),
         ("frame_id", Value::Text(frame.into())),
+    ])
+}
+
+/// `builtin_interfaces/Time`.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// assert_eq!(build::stamp(1_500_000_000).number_at("nanosec"), Some(5e8));
+/// ```
+#[must_use]
+pub fn stamp(time_ns: i64) -> Value {
+    message([
+        ("sec", Value::Int(time_ns.div_euclid(1_000_000_000))),
+        ("nanosec", Value::Int(time_ns.rem_euclid(1_000_000_000))),
     ])
 }
 

@@ -3,7 +3,9 @@
 //! Types of its own stand only where ROS has none: counters by wheel, a way since the last message, slip by
 //! wheel. Every file carries their definitions, so that any reader of MCAP can decode them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::container::{Channel, Encoding};
 
 /// Counters by joint.
 pub const WHEEL_TICKS: &str = "grouser_msgs/WheelTicks";
@@ -12,9 +14,15 @@ pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
 /// Slip by wheel.
 pub const WHEEL_SLIP: &str = "grouser_msgs/WheelSlip";
 
+/// An event of a wheel or of the robot.
+pub const SLIP_EVENT: &str = "grouser_msgs/SlipEvent";
+
 /// Under this name a simulation writes what it knows and no robot measures: no topic there is ever chosen by type and
 /// name.
 pub const TRUTH: &str = "/simulation/truth/";
+
+/// Topics with this in their names are what the estimator itself publishes: none is ever chosen by type and name.
+pub const OUTPUT: &str = "/grouser/";
 
 /// Each type's own text, with the types that it holds.
 const TEXTS: &[(&str, &str, &[&str])] = &[
@@ -74,6 +82,11 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         &["geometry_msgs/Twist"],
     ),
     (
+        "geometry_msgs/TwistWithCovarianceStamped",
+        "std_msgs/Header header\nTwistWithCovariance twist\n",
+        &["std_msgs/Header", "geometry_msgs/TwistWithCovariance"],
+    ),
+    (
         "geometry_msgs/Transform",
         "Vector3 translation\nQuaternion rotation\n",
         &["geometry_msgs/Vector3", "geometry_msgs/Quaternion"],
@@ -92,6 +105,16 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         "sensor_msgs/JointState",
         "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
         &["std_msgs/Header"],
+    ),
+    (
+        "control_msgs/InterfaceValue",
+        "string[] interface_names\nfloat64[] values\n",
+        &[],
+    ),
+    (
+        "control_msgs/DynamicJointState",
+        "std_msgs/Header header\nstring[] joint_names\nInterfaceValue[] interface_values\n",
+        &["std_msgs/Header", "control_msgs/InterfaceValue"],
     ),
     (
         "sensor_msgs/Imu",
@@ -161,6 +184,13 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
          float64[] slip\nfloat64[] slip_sigma\nstring[] motion\nstring[] health\n",
         &["std_msgs/Header"],
     ),
+    (
+        SLIP_EVENT,
+        "# HighSlip, Stall or LiftOff of a wheel; DigIn or Immobilised of the robot, whose wheel is empty.\n\
+         # since: when the condition began to hold.\n\
+         std_msgs/Header header\nstring event\nstring wheel\nbool begins\nbuiltin_interfaces/Time since\n",
+        &["std_msgs/Header", "builtin_interfaces/Time"],
+    ),
 ];
 
 /// The definition of a type that is written, in the language `ros2msg`, with all types that it holds.
@@ -192,6 +222,27 @@ pub fn definition(type_name: &str) -> Option<String> {
         open.extend(needs.iter());
     }
     Some(text)
+}
+
+/// A topic of a type that is known here, as ROS 2 sends it.
+///
+/// ```
+/// use grouser_log::message::known;
+///
+/// assert_eq!(known::channel("/imu", "sensor_msgs/Imu").unwrap().type_name, "sensor_msgs/msg/Imu");
+/// assert!(known::channel("/camera", "sensor_msgs/Image").is_none());
+/// ```
+#[must_use]
+pub fn channel(topic: &str, type_name: &str) -> Option<Channel> {
+    Some(Channel {
+        topic: topic.to_owned(),
+        type_name: ros2_name(type_name),
+        encoding: Encoding::Cdr,
+        encoding_name: "cdr".to_owned(),
+        definition_language: "ros2msg".to_owned(),
+        definition: definition(type_name)?.into_bytes().into(),
+        metadata: BTreeMap::new(),
+    })
 }
 
 /// `package/msg/Type` of `package/Type`, as ROS 2 names types.

@@ -1,7 +1,9 @@
 //! Messages in, samples out.
 
 use std::sync::Arc;
+use std::time::Duration;
 
+use grouser_files::columns::Meaning;
 use grouser_slip::{Measurement, Sample};
 
 use super::UsedTopic;
@@ -9,9 +11,15 @@ use super::choose::Choice;
 use super::job::Job;
 use super::navigation::Track;
 use crate::container::Channel;
+use crate::measures::Measures;
 use crate::message::{Decoders, SharedDecoder, Value, View, is_spare};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
-use crate::order::Ordered;
+use crate::order::{Limit, Ordered};
+
+/// A live message that stands this far before those already used shows a clock that was set, s.
+const CLOCK_STEP_S: f64 = 1.0;
+/// So many of them in a row show it: one alone is a straggler.
+const STEP_MESSAGES: u32 = 3;
 
 /// Turns the messages of chosen topics into samples in the order of time.
 ///
@@ -57,7 +65,10 @@ pub struct Intake {
     channels: Vec<Known>,
     decoders: Decoders,
     ordered: Ordered<Sample>,
-    look_ahead: usize,
+    /// Is the source live: may its clock be set?
+    is_live: bool,
+    /// Messages in a row that stand far before those already used.
+    far_back: u32,
     left_out: LeftOut,
     is_finished: bool,
 }
@@ -83,17 +94,20 @@ impl Intake {
             channels: Vec::new(),
             decoders: Decoders::default(),
             ordered: Ordered::new(LOOK_AHEAD),
-            look_ahead: LOOK_AHEAD,
+            is_live: false,
+            far_back: 0,
             left_out: LeftOut::default(),
             is_finished: false,
         }
     }
 
-    /// Holds back `messages` messages instead of [`LOOK_AHEAD`]: 0 for a live source, whose samples the slip filter
-    /// orders itself.
+    /// For a live source: holds samples back until the newest stamp is later by `hold`, instead of [`LOOK_AHEAD`]
+    /// messages. A clock that is set back is followed after three messages.
     #[must_use]
-    pub fn with_look_ahead(mut self, messages: usize) -> Self {
-        (self.ordered, self.look_ahead) = (Ordered::new(messages), messages);
+    pub fn with_hold(mut self, hold: Duration) -> Self {
+        let hold_ns = i64::try_from(hold.as_nanos()).unwrap_or(i64::MAX);
+        self.ordered = Ordered::with_limit(Limit::Time(hold_ns));
+        self.is_live = true;
         self
     }
 
@@ -161,7 +175,11 @@ impl Intake {
         let time_ns = stamp
             .unwrap_or_else(|| i64::try_from(log_time_ns).unwrap_or(i64::MAX))
             .saturating_add(self.shifts_ns.get(known.topic).copied().unwrap_or(0));
-        if self.ordered.begin_row(time_ns).is_err() {
+        if !begin_row(
+            &mut self.ordered,
+            time_ns,
+            self.is_live.then_some(&mut self.far_back),
+        ) {
             self.left_out.late += 1;
             return;
         }
@@ -200,8 +218,13 @@ impl Intake {
 
     /// The next sample in the order of time; `None` until more messages come.
     pub fn pop(&mut self) -> Option<Sample> {
-        let is_due = self.is_finished || self.look_ahead == 0 || self.ordered.is_ripe();
+        let is_due = self.is_finished || self.ordered.is_ripe();
         is_due.then(|| self.ordered.pop()).flatten()
+    }
+
+    /// The next sample, held back or not: nothing more of its time is expected.
+    pub fn pop_held(&mut self) -> Option<Sample> {
+        self.ordered.pop()
     }
 
     /// No more messages come: [`Intake::pop`] returns the samples that were held back.
@@ -219,5 +242,47 @@ impl Intake {
     pub(crate) const fn lose(&mut self, bytes: u64) {
         self.left_out.damages += 1;
         self.left_out.bytes_lost += bytes;
+    }
+}
+
+/// Announces a message to the ordering; false for one that comes too late. `far_back` counts messages in a row of a live
+/// source that stand far before those already used.
+fn begin_row(ordered: &mut Ordered<Sample>, time_ns: i64, far_back: Option<&mut u32>) -> bool {
+    let begun = ordered.begin_row(time_ns);
+    let Some(far_back) = far_back else {
+        return begun.is_ok();
+    };
+    match begun {
+        Ok(()) => *far_back = 0,
+        Err(behind_s) if behind_s < CLOCK_STEP_S => return false,
+        Err(_) => {
+            *far_back += 1;
+            if *far_back < STEP_MESSAGES {
+                return false;
+            }
+            *far_back = 0;
+            ordered.clear();
+            ordered.forget_time();
+            return ordered.begin_row(time_ns).is_ok();
+        }
+    }
+    true
+}
+
+impl Measures for Intake {
+    fn wheels(&self) -> &[String] {
+        self.wheels()
+    }
+
+    fn measures(&self, meaning: Meaning) -> bool {
+        self.choice.measures(meaning)
+    }
+
+    fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
+        self.choice.measures_wheel(meaning, wheel)
+    }
+
+    fn position_sigma(&self) -> Option<f64> {
+        self.choice.position_sigma
     }
 }

@@ -1,10 +1,8 @@
 //! Topics of known types in an MCAP file for ROS 2.
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use super::{McapWriter, Times, invalid};
-use crate::container::{Channel, Encoding};
 use crate::message::{Definition, Value, known};
 
 /// A topic of a known type, to which messages are sent.
@@ -21,17 +19,11 @@ impl<W: Write> McapWriter<W> {
     /// # Errors
     /// `InvalidInput` for a type that is not known.
     pub fn topic(&mut self, topic: &str, type_name: &str) -> io::Result<Topic> {
-        let text = known::definition(type_name).ok_or_else(|| invalid("the type is not known"))?;
+        let channel =
+            known::channel(topic, type_name).ok_or_else(|| invalid("the type is not known"))?;
+        let text = String::from_utf8_lossy(&channel.definition);
         let definition = Definition::parse(type_name, &text).map_err(io::Error::other)?;
-        let id = self.channel(&Channel {
-            topic: topic.to_owned(),
-            type_name: known::ros2_name(type_name),
-            encoding: Encoding::Cdr,
-            encoding_name: "cdr".to_owned(),
-            definition_language: "ros2msg".to_owned(),
-            definition: text.into_bytes().into(),
-            metadata: BTreeMap::new(),
-        })?;
+        let id = self.channel(&channel)?;
         Ok(Topic {
             id,
             definition,

@@ -17,7 +17,7 @@ const MAX_PASSES: usize = 6;
 /// bound, computed anew, confirms it.
 const TRIM_MARGIN: f64 = 0.02;
 /// A box is divided here: off the middle, so that optima at round numbers do not lie on the faces of many boxes.
-const DIVISION: f64 = 0.487;
+const DIVISION_SHARE: f64 = 0.487;
 /// What an objective without a multiplier counts beside the others in the choice of the side to divide.
 const IDLE_SHARE: f64 = 0.05;
 
@@ -450,7 +450,7 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
     };
     let splits = |d: usize| {
         let side = examined.rest[d];
-        let at = side.low() + DIVISION * (side.high() - side.low());
+        let at = side.low() + DIVISION_SHARE * (side.high() - side.low());
         (side.low() < at && at < side.high()).then_some(at)
     };
     let score = |d: usize| {

@@ -5,9 +5,9 @@ use super::qp::{Qp, RowKind, Rows};
 
 /// Curvature of the subproblem as a share of the rows' variation over the box: its multipliers are those of the
 /// linear problem but for this much.
-const CURVATURE: f64 = 1e-4;
+const CURVATURE_SHARE: f64 = 1e-4;
 /// What a unit of a constraint's violation costs, in units of the objectives' variation.
-const PENALTY: f64 = 1e4;
+const VIOLATION_WEIGHT: f64 = 1e4;
 
 /// What a row of the linear problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +48,12 @@ pub(crate) fn linear_multipliers(
             .iter()
             .map(|kind| match kind {
                 LinearKind::Objective => RowKind::Objective,
-                LinearKind::AtMost => RowKind::Inequality { cap: PENALTY },
-                LinearKind::Equal => RowKind::Equality { cap: PENALTY },
+                LinearKind::AtMost => RowKind::Inequality {
+                    cap: VIOLATION_WEIGHT,
+                },
+                LinearKind::Equal => RowKind::Equality {
+                    cap: VIOLATION_WEIGHT,
+                },
             })
             .collect(),
         gradients: gradients
@@ -65,7 +69,7 @@ pub(crate) fn linear_multipliers(
     };
     let mut curvature = vec![0.0; n * n];
     for d in 0..n {
-        curvature[d * n + d] = CURVATURE;
+        curvature[d * n + d] = CURVATURE_SHARE;
     }
     let qp = Qp {
         factor: &Factor::new(&curvature, n)?,

@@ -246,14 +246,14 @@ impl Interval {
     #[must_use]
     pub fn sinc(self) -> Self {
         /// Its minimum, −0.2172…, near 4.49: up to there it falls.
-        const LEAST: f64 = -0.2173;
+        const MIN_SINC: f64 = -0.2173;
         if self.is_empty() {
             return self;
         }
         let size = self.abs();
         if !(size.high <= core::f64::consts::PI) {
             return Self {
-                low: LEAST,
+                low: MIN_SINC,
                 high: 1.0,
             };
         }

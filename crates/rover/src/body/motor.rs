@@ -59,7 +59,7 @@ impl Motor {
         self.constant * self.gear * self.current * self.efficiency
     }
 
-    /// The motor asked for `torque` (N m on the wheel) at the wheel's rate `rate` (rad/s against its link).
+    /// The motor with the setpoint `torque` (N m on the wheel) at the wheel's rate `rate` (rad/s against its link).
     ///
     /// ```
     /// use grouser_rover::body::Motor;

@@ -12,7 +12,7 @@ use grouser_slip::control::ControlSettings;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Pilot {
-    /// Every rim runs at the asked speed, whatever the ground does; only the heading is held.
+    /// Every rim runs at the requested speed, whatever the ground does; only the heading is held.
     OpenLoop,
     /// The slip loop at a fixed slip, without decisions.
     FixedSlip,

@@ -80,9 +80,9 @@ impl Referee {
             self.anchor = (time, place);
             return (self.leg == self.legs.len()).then_some(Outcome::Arrived);
         }
-        let asked = leg.speed.abs();
+        let requested = leg.speed.abs();
         let moved = (place - self.anchor.1).length();
-        if asked == 0.0 || moved > STUCK_SHARE * STUCK_TIME_S * asked {
+        if requested == 0.0 || moved > STUCK_SHARE * STUCK_TIME_S * requested {
             self.anchor = (time, place);
         } else if time - self.anchor.0 > STUCK_TIME_S {
             return Some(Outcome::Immobilised);

@@ -3,19 +3,24 @@
 use std::path::PathBuf;
 
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{ShearLaw, Soil, SoilParams};
+use grouser_terra::{Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use crate::ground::{Ground, HeightFile, HeightMap, Packing, Place, Rocks, Shape, read_heights};
 use crate::robot::RobotModel;
 use crate::sensors::{Schedule, SensorSettings};
 
+/// Limits of a setpoint that is computed. Below, the wheels' own scatter of slip is larger than the setpoint; above, a
+/// wheel digs in faster than a controller can react.
+const MIN_SETPOINT_SLIP: f64 = 0.01;
+const MAX_SETPOINT_SLIP: f64 = 0.8;
+
 /// One stretch of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
-    /// Asked speed, m/s; negative: backwards.
+    /// Requested speed, m/s; negative: backwards.
     pub speed: f64,
-    /// Asked heading, rad.
+    /// Requested heading, rad.
     pub heading: f64,
     /// It ends after this progress along the heading, m.
     pub distance: Option<f64>,
@@ -207,7 +212,7 @@ impl Scenario {
         self.control.check().map_err(Error::from)
     }
 
-    /// The whole progress that its legs ask for, m; legs that only last have none.
+    /// The total progress of its legs, m; legs that only last have none.
     #[must_use]
     pub fn asked_distance(&self) -> f64 {
         self.legs.iter().filter_map(|leg| leg.distance).sum()
@@ -230,5 +235,45 @@ impl Scenario {
         let first = *powered.first()?;
         let sum: f64 = powered.iter().map(|index| loads.loads[*index]).sum();
         Some((first, sum / powered.len() as f64))
+    }
+
+    /// The slip that the controller runs at: the scenario's `optimum`; without one that of the greatest tractive
+    /// efficiency of the [typical wheel](Self::typical_wheel) on the first soil, within 0.01 to 0.8.
+    ///
+    /// ```
+    /// use grouser_rover::drive::read_scenario;
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+    /// let slip = read_scenario(file.as_ref())?.slip_setpoint()?;
+    /// assert!(0.2 < slip && slip < 0.6);
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Missing`] where the robot has no powered wheel, [`Error::NoSlipSetpoint`] where no slip gives any pull.
+    pub fn slip_setpoint(&self) -> Result<f64> {
+        if let Some(slip) = self.optimum {
+            return Ok(slip);
+        }
+        let (wheel, load) = self.typical_wheel().ok_or_else(|| Error::Missing {
+            of: "the robot".to_owned(),
+            what: "a powered wheel".to_owned(),
+        })?;
+        let (mount, ground) = (&self.robot.wheels[wheel], &self.ground.soils[0]);
+        let best = WheelOnSoil::new(mount.wheel, ground.soil, Settings::default())
+            .and_then(|contact| contact.slip_of_maximum_efficiency(load))
+            .map_err(|source| Error::Law {
+                of: format!("wheel \"{}\"", mount.name),
+                source,
+            })?
+            .ok_or_else(|| Error::NoSlipSetpoint {
+                wheel: mount.name.clone(),
+                soil: ground.name.clone(),
+                load,
+            })?;
+        Ok(best
+            .slip
+            .value()
+            .clamp(MIN_SETPOINT_SLIP, MAX_SETPOINT_SLIP))
     }
 }

@@ -145,7 +145,7 @@ impl Vehicle {
             pairs.push(row?);
         }
         let spot = ground.at(x, y);
-        // the pose that the ground's slope under the origin asks for
+        // the pose that follows the ground's slope under the origin
         let (sin, cos) = heading.sin_cos();
         let along = spot.slope[0] * cos + spot.slope[1] * sin;
         let across = spot.slope[1] * cos - spot.slope[0] * sin;

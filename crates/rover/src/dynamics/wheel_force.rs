@@ -5,7 +5,7 @@
 //! - *Shear* needs travel to build up. With u the mean shear displacement of the contact of length L,
 //!   `u̇ = (r ω − v) − max(|r ω|, |v|) u/L`, whose steady state is u/L = s, driving and braking alike. At rest
 //!   nothing is forgotten: u is a spring, the wheel holds a slope without creeping, and no speed is ever
-//!   divided by. The same for the drift sideways. The laws are asked at s = (u + τ u̇)/L: the τ damps and
+//!   divided by. The same for the drift sideways. The laws are evaluated at s = (u + τ u̇)/L: the τ damps and
 //!   vanishes in every steady state.
 //! - *Direction*: the shear turns round with the direction of rolling d, the resistance of the soil in front with the
 //!   direction of travel; either needs half a contact length of way to do so. A wheel that spins in its hole is thus
@@ -116,7 +116,7 @@ pub struct WheelLoad {
     pub along: f64,
     /// To the left, N.
     pub across: f64,
-    /// What the soil asks of the motor, N m.
+    /// The torque with which the soil loads the motor, N m.
     pub torque: f64,
     /// Sinkage to which the soil is pressed, m.
     pub pressed: f64,

@@ -44,7 +44,7 @@ struct Pulled {
 /// ([`RobotModel::under_gravity`]).
 ///
 /// All powered wheels slip alike (their rims turn equally fast, and a rigid robot that drives straight moves them
-/// alike). Free wheels roll at the skid that their bearing asks for. Loads follow the slope.
+/// alike). Free wheels roll at the skid at which the soil turns their bearing. Loads follow the slope.
 ///
 /// # Errors
 /// [`Error::Law`](crate::Error::Law) for a wheel that the laws refuse on this soil.

@@ -54,7 +54,7 @@ pub struct Posture {
 /// (rad) less half the unevenness of the loads is greatest.
 ///
 /// A pattern search within the limits: each variable in turn by steps that halve, from no adjustment; it never ends
-/// worse than it began. Five variables and a function of microseconds ask for no more.
+/// worse than it began. Five variables and a function of microseconds need no more.
 ///
 /// ```
 /// use grouser_rover::robot::RobotModel;

@@ -19,7 +19,7 @@ impl Switch {
         !self.on && self.since_ns.is_some()
     }
 
-    /// `on` and `off` are asked for at `time_ns`; neither leaves it as it is. Gives the new state when it changes, and
+    /// `on` and `off` are the conditions at `time_ns`; neither leaves it as it is. Gives the new state when it changes, and
     /// the time since when its condition has held.
     pub(super) fn take(
         &mut self,
@@ -27,12 +27,12 @@ impl Switch {
         (on, off): (bool, bool),
         (after_on, after_off): (f64, f64),
     ) -> Option<(bool, i64)> {
-        let (asked, patience) = if self.on {
+        let (holds, patience) = if self.on {
             (off, after_off)
         } else {
             (on, after_on)
         };
-        if !asked {
+        if !holds {
             self.since_ns = None;
             return None;
         }

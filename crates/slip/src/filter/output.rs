@@ -48,6 +48,8 @@ pub struct BodyEstimate {
     pub left: Measured,
     /// Yaw rate, rad/s, positive to the left.
     pub yaw_rate: Measured,
+    /// Covariance of the three.
+    pub velocity_covariance: [[f64; 3]; 3],
     /// The powered wheels' common slip, 1.
     pub common_slip: Measured,
     /// The way of the powered rims since the start; `None` with a free wheel, and before the first absolute position.
@@ -148,6 +150,7 @@ impl Core {
             variance: self.state.covariance(i, i),
         };
         let time_ns = self.now_ns.unwrap_or(0);
+        let speeds = [FORWARD, LEFT, YAW];
         let place = [PLACE[0], PLACE[1], HEADING];
         FilterOutput {
             time_ns,
@@ -162,6 +165,7 @@ impl Core {
                 forward: known(FORWARD),
                 left: known(LEFT),
                 yaw_rate: known(YAW),
+                velocity_covariance: speeds.map(|i| speeds.map(|j| self.state.covariance(i, j))),
                 common_slip: known(COMMON_SLIP),
                 rim_path: self.ground.as_ref().and_then(|ground| ground.rim_path()),
                 odometry: Odometry {

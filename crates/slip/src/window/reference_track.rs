@@ -28,7 +28,7 @@ pub(crate) struct ReferenceTrack {
     has_hole: bool,
     yaw: Track<1>,
     last_rate: f64,
-    /// Unit vector of the last command that asked for motion.
+    /// Unit vector of the last command of motion.
     pub(crate) command: Option<[f64; 2]>,
     command_clock: Clock,
 }

@@ -83,7 +83,7 @@ impl<R: Scalar> Nodes<R> for OneByOne {
 }
 
 impl<R: Scalar> Contact<R> {
-    /// Integrates with the rule that `order` and the stiffness of the shear ask for; `rules` are those
+    /// Integrates with the rule that `order` and the stiffness of the shear require; `rules` are those
     /// of this contact's exponent, if it is a constant.
     pub(crate) fn integrals(
         &self,

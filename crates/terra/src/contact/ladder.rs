@@ -12,7 +12,7 @@ use crate::quadrature::{
 /// and 100.
 pub(crate) const LIMITS: [f64; 5] = [1.2, 4.5, 16.0, 40.0, 90.0];
 
-/// Entry angle (rad) up to which the first step is good; beyond it the sines ask for the second.
+/// Entry angle (rad) up to which the first step is good; beyond it the sines require the second.
 const SHALLOW_ENTRY_RAD: f64 = 1.048;
 
 /// A step of the ladder of smooth rules.

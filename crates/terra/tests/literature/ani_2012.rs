@@ -125,7 +125,7 @@ fn what_cannot_be_mobilised_is_an_outcome_and_the_pole_an_error() {
     let theta_1 = entry_angle(0.02, 0.1);
     let most = 1.0 - (-0.1 * (theta_1 - 10_f64.to_radians()) / 0.025_f64).exp();
     match outcome {
-        ModelOutcome::Unreachable { most: got } => assert!((got - most).abs() < 1e-15),
+        ModelOutcome::Unreachable { max_share: got } => assert!((got - most).abs() < 1e-15),
         other => panic!("{other:?}"),
     }
     let beyond = slip_model(Angle::from_deg(60.0), 0.02, 0.1, Some(all));

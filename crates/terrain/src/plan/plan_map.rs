@@ -65,15 +65,7 @@ impl PlanMap {
             reason,
         };
         let file = regular::open(path)?;
-        let length = file
-            .metadata()
-            .map_err(|source| Error::File {
-                action: "read",
-                file: path.to_owned(),
-                source,
-            })?
-            .len();
-        let mut tiff = GeoTiff::open(BufReader::new(file), length).map_err(of_file)?;
+        let mut tiff = GeoTiff::open(BufReader::new(file)).map_err(of_file)?;
         let metadata = tiff
             .text(METADATA_TAG)
             .ok_or_else(|| no_map("it has no metadata (tag 42112)".to_owned()))?;
@@ -81,7 +73,7 @@ impl PlanMap {
         let layout = MapLayout::parse(&metadata, tiff.size(), georeference).map_err(no_map)?;
         if usize::from(tiff.bands()) != layout.bands() {
             return Err(no_map(format!(
-                "it has {} bands, but {} headings ask for {}",
+                "it has {} bands, but {} headings require {}",
                 tiff.bands(),
                 layout.headings.count(),
                 layout.bands()

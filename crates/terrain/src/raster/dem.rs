@@ -105,15 +105,7 @@ impl Dem {
         };
         let dem = if matches!(ending.as_str(), "tif" | "tiff") {
             let file = regular::open(path)?;
-            let length = file
-                .metadata()
-                .map_err(|source| Error::File {
-                    action: "read",
-                    file: path.to_owned(),
-                    source,
-                })?
-                .len();
-            let tiff = GeoTiff::open(BufReader::new(file), length).map_err(of_file)?;
+            let tiff = GeoTiff::open(BufReader::new(file)).map_err(of_file)?;
             Self::of_tiff(path, tiff, cell).map_err(of_file)?
         } else {
             let file = HeightFile {

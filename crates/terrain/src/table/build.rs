@@ -7,7 +7,7 @@ use grouser_terra::Slip;
 use super::{Beyond, CHECK_FACTOR, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
 use crate::demand::{Demand, DemandSolver, Driving, MAX_SLIP, Posed};
 use crate::error::{Error, Result};
-use crate::root::{Bracket, root};
+use crate::root::{Bracket, golden_section, root};
 use crate::table::cubic::Stencil;
 
 /// Nodes over roll and over t of the coarsest grid, and how often both are doubled at most.
@@ -17,8 +17,6 @@ const MAX_DOUBLINGS: u32 = 2;
 const SAMPLES: u32 = 6;
 /// Golden-section search for a peak ends at this width in slip; a parabola gives the rest, because the pitch is flat there.
 const PEAK_WIDTH: f64 = 4e-3;
-/// The golden section, (√5 − 1)/2.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// A pitch is found to this accuracy, rad.
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
@@ -189,8 +187,7 @@ fn limit(
         }
     }
     let (mut low, mut high) = (best.0 - step, if is_last { last } else { best.0 + step });
-    let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let [mut a, mut b] = inner(low, high);
+    let [mut a, mut b] = golden_section(low, high);
     let (Some(mut at_a), Some(mut at_b)) = (pitch(a)?, pitch(b)?) else {
         return Ok(capped);
     };
@@ -198,10 +195,10 @@ fn limit(
         let left_is_better = at_a * sense > at_b * sense;
         if left_is_better {
             (high, b, at_b) = (b, a, at_a);
-            a = inner(low, high)[0];
+            a = golden_section(low, high)[0];
         } else {
             (low, a, at_a) = (a, b, at_b);
-            b = inner(low, high)[1];
+            b = golden_section(low, high)[1];
         }
         let Some(at_new) = pitch(if left_is_better { a } else { b })? else {
             return Ok(capped);

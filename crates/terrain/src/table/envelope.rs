@@ -5,8 +5,8 @@ use grouser_rover::statics::wheel_loads;
 
 use crate::error::{Error, Result};
 
-/// Steps in which an envelope shrinks until the robot stands in it.
-const SHRINK: f64 = 0.95;
+/// The share of its size that an envelope keeps at each step until the robot can stand in all of it.
+const SHRINK_SHARE: f64 = 0.95;
 /// Points a side of the rectangle at which standing is checked.
 const CHECKS: i32 = 16;
 /// Least load of a wheel, as a share of the mean one: near zero loads vary too fast for a table.
@@ -46,8 +46,8 @@ impl Envelope {
             max_roll,
         };
         while !out.stands(model) {
-            out.max_pitch *= SHRINK;
-            out.max_roll *= SHRINK;
+            out.max_pitch *= SHRINK_SHARE;
+            out.max_roll *= SHRINK_SHARE;
             if out.max_pitch < LIMITS_RAD.0 {
                 let loads = wheel_loads(model, 0.0, 0.0).loads;
                 return Err(Error::DoesNotStand {

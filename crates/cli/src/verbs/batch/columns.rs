@@ -1,4 +1,4 @@
-//! The columns of `batch`: what a row asks for, and the row with its answer.
+//! The columns of `batch`: the operating point of a row, and the row with its result.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::csv_line::{content, field, split};
 use crate::error::{Error, Result};
 use crate::lines::Line;
-use crate::operation::Asked;
+use crate::operation::Prescribed;
 use grouser_report::number::{parse_finite, push_exact};
 
 /// The columns that are added, in order; the side force only beside a column of slip angles.
@@ -115,7 +115,7 @@ pub(super) struct Columns {
     grouser_thickness: Option<usize>,
 }
 
-/// What a row asks for.
+/// The operating point of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Point {
     pub(super) soil: String,
@@ -127,10 +127,10 @@ pub(super) struct Point {
     pub(super) rebound: Option<f64>,
     pub(super) slip: f64,
     pub(super) slip_angle_deg: f64,
-    pub(super) asked: Asked,
+    pub(super) prescribed: Prescribed,
 }
 
-/// A row: its fields as they stand, as many as the header has, and what it asks for or what is wrong.
+/// A row: its fields as they stand, as many as the header has, and its operating point or what is wrong.
 #[derive(Debug)]
 pub(super) struct Row<'a> {
     fields: Vec<Cow<'a, str>>,
@@ -290,9 +290,9 @@ impl Columns {
         let filled = |index: &usize| !content(fields[*index]).is_empty();
         let sinkage = self.sinkage.filter(filled);
         let load = self.load.filter(filled);
-        let asked = match (sinkage, load) {
-            (Some(index), None) => Asked::Sinkage(number(index, "sinkage_m")?),
-            (None, Some(index)) => Asked::Load(number(index, "load_n")?),
+        let prescribed = match (sinkage, load) {
+            (Some(index), None) => Prescribed::Sinkage(number(index, "sinkage_m")?),
+            (None, Some(index)) => Prescribed::Load(number(index, "load_n")?),
             (Some(_), Some(_)) => {
                 return Err(
                     "both `sinkage_m` and `load_n` are filled, but exactly one must be".to_owned(),
@@ -335,7 +335,7 @@ impl Columns {
             rebound: rebound.transpose()?,
             slip: number(self.slip, "slip")?,
             slip_angle_deg: slip_angle.transpose()?.unwrap_or(0.0),
-            asked,
+            prescribed,
         })
     }
 

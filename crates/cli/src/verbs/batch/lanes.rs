@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
 
 use super::columns::{Point, Row};
-use crate::operation::Asked;
+use crate::operation::Prescribed;
 
-/// The points of one soil that ask the same: side by side.
+/// The points of one soil that are solved alike, side by side.
 #[derive(Default)]
 struct Columns {
     places: Vec<usize>,
@@ -95,9 +95,9 @@ pub(super) fn solve(
             .or_insert_with(|| kernel_of(&point.soil));
         let Some(kernel) = kernel else { continue };
         let rebound = point.rebound.unwrap_or(kernel.soil().params().rebound);
-        let (load, given) = match point.asked {
-            Asked::Load(load) => (true, load),
-            Asked::Sinkage(sinkage) => (false, sinkage),
+        let (load, given) = match point.prescribed {
+            Prescribed::Load(load) => (true, load),
+            Prescribed::Sinkage(sinkage) => (false, sinkage),
         };
         sorted
             .entry((&point.soil, load))

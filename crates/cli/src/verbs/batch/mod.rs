@@ -316,7 +316,7 @@ fn solve(
         let angle = Angle::from_deg(point.slip_angle_deg);
         Kinematics::with_slip_angle(slip, angle).map_err(refuse)?
     };
-    operation::solve(&pair, point.asked, &kinematics).map_err(refuse)
+    operation::solve(&pair, point.prescribed, &kinematics).map_err(refuse)
 }
 
 impl Counts {

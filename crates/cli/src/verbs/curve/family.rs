@@ -2,11 +2,11 @@
 
 use grouser_terra::BestSlip;
 
-use crate::operation::{Answer, Asked};
+use crate::operation::{Answer, Prescribed};
 
 /// One curve: its load, and its points.
 pub(super) struct Family {
-    pub(super) asked: Asked,
+    pub(super) prescribed: Prescribed,
     pub(super) points: Vec<(f64, Answer)>,
     pub(super) most_pull: Option<BestSlip>,
     pub(super) most_efficient: Option<BestSlip>,

@@ -3,7 +3,7 @@
 use grouser_terra::OperatingPoint;
 
 use super::family::Family;
-use crate::operation::Asked;
+use crate::operation::Prescribed;
 use grouser_figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
 use grouser_report::number::rounded;
 
@@ -20,7 +20,7 @@ pub(super) fn draw(soil: &str, families: &[Family]) -> Figure {
     });
     let by_sinkage = families
         .iter()
-        .any(|family| matches!(family.asked, Asked::Sinkage(_)));
+        .any(|family| matches!(family.prescribed, Prescribed::Sinkage(_)));
     let third = if by_sinkage {
         panel("Vertical force *W* (N)", families, |point| {
             Some(point.forces.vertical_force)
@@ -59,9 +59,9 @@ fn panel(title: &str, families: &[Family], quantity: Quantity) -> Chart {
             let value = answer.point.as_ref().and_then(quantity);
             [*slip, value.unwrap_or(f64::NAN)]
         });
-        let label = match family.asked {
-            Asked::Load(load) => format!("*W* = {} N", rounded(load, 4)),
-            Asked::Sinkage(sinkage) => format!("*z* = {} mm", rounded(1e3 * sinkage, 4)),
+        let label = match family.prescribed {
+            Prescribed::Load(load) => format!("*W* = {} N", rounded(load, 4)),
+            Prescribed::Sinkage(sinkage) => format!("*z* = {} mm", rounded(1e3 * sinkage, 4)),
         };
         chart = chart.curve(
             Curve::new(points)

@@ -14,7 +14,7 @@ use self::output::Frame;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
-use crate::operation::{self, Asked};
+use crate::operation::{self, Prescribed};
 use crate::output_choice::Output;
 use crate::session::Session;
 use crate::verb_report::Report;
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     wheel: WheelArguments,
     #[command(flatten)]
-    asked: LoadsOrSinkages,
+    prescribed: LoadsOrSinkages,
     #[command(flatten)]
     gravity: GravityArgument,
     /// First slip
@@ -70,8 +70,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let outputs = Output::begin(&arguments.output)?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
     let slips = slips(arguments)?;
-    let families: Vec<Family> = asked(&arguments.asked, arguments.gravity.or_earth())
-        .map(|asked| family(arguments, &pair, asked, &slips))
+    let families: Vec<Family> = prescribed(&arguments.prescribed, arguments.gravity.or_earth())
+        .map(|prescribed| family(arguments, &pair, prescribed, &slips))
         .collect::<Result<_>>()?;
 
     let mut text = format!(
@@ -116,17 +116,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
-fn asked(given: &LoadsOrSinkages, gravity: f64) -> impl Iterator<Item = Asked> {
-    let loads = given.load_n.iter().map(|load| Asked::Load(*load));
+fn prescribed(given: &LoadsOrSinkages, gravity: f64) -> impl Iterator<Item = Prescribed> {
+    let loads = given.load_n.iter().map(|load| Prescribed::Load(*load));
     let weights = given
         .mass_kg
         .iter()
-        .map(move |mass| Asked::Load(mass * gravity));
+        .map(move |mass| Prescribed::Load(mass * gravity));
     loads.chain(weights).chain(
         given
             .sinkage_m
             .iter()
-            .map(|sinkage| Asked::Sinkage(*sinkage)),
+            .map(|sinkage| Prescribed::Sinkage(*sinkage)),
     )
 }
 
@@ -148,7 +148,7 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
     }
     let last = arguments.points - 1;
     let share = |i: u32| f64::from(i) / f64::from(last);
-    // The last point is exactly the one that was asked for.
+    // The last point is exactly the requested end.
     Ok((0..=last)
         .map(|i| {
             if i == last {
@@ -175,7 +175,7 @@ fn most_at_spin(family: &Family) -> Option<String> {
 fn family(
     arguments: &Arguments,
     pair: &WheelOnSoil,
-    asked: Asked,
+    prescribed: Prescribed,
     slips: &[f64],
 ) -> Result<Family> {
     let refuse = |error| Names::Flags.error(&error);
@@ -183,20 +183,20 @@ fn family(
         .par_iter()
         .map(|slip| {
             let kinematics = arguments.wheel.kinematics(*slip)?;
-            let answer = operation::solve(pair, asked, &kinematics).map_err(refuse)?;
+            let answer = operation::solve(pair, prescribed, &kinematics).map_err(refuse)?;
             Ok((*slip, answer))
         })
         .collect::<Result<_>>()?;
     let straight = arguments.wheel.slip_angle_deg == 0.0;
-    let (most_pull, most_efficient) = match asked {
-        Asked::Load(load) if straight => (
+    let (most_pull, most_efficient) = match prescribed {
+        Prescribed::Load(load) if straight => (
             pair.slip_of_maximum_pull(load).map_err(refuse)?,
             pair.slip_of_maximum_efficiency(load).map_err(refuse)?,
         ),
         _ => (None, None),
     };
     Ok(Family {
-        asked,
+        prescribed,
         points,
         most_pull,
         most_efficient,

@@ -6,7 +6,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_terra::{BestSlip, Caution, WheelOnSoil};
 
 use super::family::Family;
-use crate::operation::{self, Answer, Asked};
+use crate::operation::{self, Answer, Prescribed};
 use crate::wheel_choice::WheelArguments;
 use grouser_report::number::shown;
 use grouser_report::{Fields, fields};
@@ -14,9 +14,11 @@ use grouser_report::{Fields, fields};
 /// What is worth knowing of a curve, in a line.
 pub(super) fn summary(family: &Family) -> String {
     let mut text = String::new();
-    let _ = match family.asked {
-        Asked::Load(load) => write!(text, "under {} N:", shown(load)),
-        Asked::Sinkage(sinkage) => write!(text, "at a sinkage of {} mm:", shown(1e3 * sinkage)),
+    let _ = match family.prescribed {
+        Prescribed::Load(load) => write!(text, "under {} N:", shown(load)),
+        Prescribed::Sinkage(sinkage) => {
+            write!(text, "at a sinkage of {} mm:", shown(1e3 * sinkage))
+        }
     };
     let solved = family
         .points
@@ -103,7 +105,7 @@ impl<'a> Frame<'a> {
             let carried = || Some(point.answer.point?.forces.vertical_force);
             point
                 .family
-                .asked
+                .prescribed
                 .load()
                 .or_else(carried)
                 .map_or_else(|| "–".to_owned(), shown)
@@ -147,7 +149,7 @@ fn wheel<'a>() -> Fields<'a, Frame<'a>> {
 fn points<'a>() -> Fields<'a, Point<'a>> {
     fields! { |point: Point<'a>|
         "slip" "slip" .shown("").given() = point.slip;
-        "load_n" "load" .given() = point.family.asked.load();
+        "load_n" "load" .given() = point.family.prescribed.load();
         join(operation::fields()) = point.answer;
     }
 }
@@ -172,8 +174,8 @@ fn curve<'a>() -> Fields<'a, &'a Family> {
         "tractive_efficiency" "tractive efficiency" = best.value;
     };
     fields! { |family: &'a Family|
-        "load_n" "load" = family.asked.load();
-        "sinkage_m" "sinkage" = family.asked.sinkage();
+        "load_n" "load" = family.prescribed.load();
+        "sinkage_m" "sinkage" = family.prescribed.sinkage();
         "most_pull" "where the drawbar pull is greatest" group(pull) = family.most_pull;
         "most_efficient" "where the tractive efficiency is greatest" group(efficiency) = family.most_efficient;
     }

@@ -17,8 +17,8 @@ pub(super) const SEEN: Style = Style {
     dash: Dash::Dashed,
     width: 1.0,
 };
-/// What was asked.
-pub(super) const ASKED: Style = Style {
+/// The requested value.
+pub(super) const REQUESTED: Style = Style {
     colour: Colour::GREY,
     dash: Dash::Dotted,
     width: 1.2,
@@ -71,17 +71,17 @@ pub(super) fn torque(track: &Track, wheel: usize, name: &str) -> Figure {
     figure(format!("Torque of the motor of {name} against time"), chart)
 }
 
-/// Speed of the robot: asked, true, estimated.
+/// Speed of the robot: requested, true, estimated.
 pub(super) fn speed(track: &Track) -> Figure {
     let all = track.points.iter();
-    let all = all.flat_map(|p| [Some(p.speed), p.speed_seen, Some(p.asked_speed)]);
+    let all = all.flat_map(|p| [Some(p.speed), p.speed_seen, Some(p.requested_speed)]);
     let range = spread(all.flatten(), 0.02);
     let chart = over_time(track, "Forward speed *v* (m/s)", range)
-        .curve(Curve::new(track.line(|p| Some(p.asked_speed))).style(ASKED))
+        .curve(Curve::new(track.line(|p| Some(p.requested_speed))).style(REQUESTED))
         .curve(Curve::new(track.line(|p| Some(p.speed))).style(TRUE))
         .curve(Curve::new(track.line(|p| p.speed_seen)).style(SEEN));
     figure(
-        "Forward speed against time: asked, true and estimated".to_owned(),
+        "Forward speed against time: requested, true and estimated".to_owned(),
         chart,
     )
 }

@@ -89,10 +89,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     session.used_file(&scenario.robot_file)?;
     let first = arguments.seed.unwrap_or(scenario.seed);
     session.used_seed(first);
-    let optimum = match scenario.optimum {
-        Some(slip) => slip,
-        None => optimum::running_slip(&scenario)?,
-    };
+    let optimum = scenario.slip_setpoint()?;
     let log = match &arguments.output {
         Some(path) => Some(Log::begin(path, &scenario)?),
         None => None,

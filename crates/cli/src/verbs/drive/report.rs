@@ -133,10 +133,10 @@ fn section(scenario: &Scenario, run: &Run, track: &Track, out: &mut String) {
     out.push_str("</div>\n<h3>Speed and energy</h3>\n");
     let _ = writeln!(
         out,
-        "<p class=\"key\">{} true &ensp; {} estimated &ensp; {} asked</p>\n<div class=\"grid\">",
+        "<p class=\"key\">{} true &ensp; {} estimated &ensp; {} requested</p>\n<div class=\"grid\">",
         swatch(charts::TRUE),
         swatch(charts::SEEN),
-        swatch(charts::ASKED)
+        swatch(charts::REQUESTED)
     );
     picture("", &charts::speed(track), out);
     picture("", &charts::energy(track), out);

@@ -22,7 +22,7 @@ pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Outcome) -> usize {
         .count()
 }
 
-/// The drivers in the order that they were asked for, each once.
+/// The drivers in the order of the command line, each once.
 pub(super) fn pilots(runs: &[Run]) -> Vec<Pilot> {
     let mut pilots: Vec<Pilot> = Vec::new();
     for run in runs {

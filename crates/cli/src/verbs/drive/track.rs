@@ -28,10 +28,10 @@ pub(super) struct Point {
     pub(super) place: [f64; 3],
     /// Progress along the legs, m.
     pub(super) distance: f64,
-    /// True, estimated and asked forward speed, m/s.
+    /// True, estimated and requested forward speed, m/s.
     pub(super) speed: f64,
     pub(super) speed_seen: Option<f64>,
-    pub(super) asked_speed: f64,
+    pub(super) requested_speed: f64,
     /// Electrical, J.
     pub(super) energy: f64,
     pub(super) wheels: Vec<WheelPoint>,
@@ -68,7 +68,7 @@ impl Track {
             distance: frame.distance,
             speed: frame.speed,
             speed_seen: frame.estimated_speed,
-            asked_speed: frame.requested_speed,
+            requested_speed: frame.requested_speed,
             energy: frame.energy,
             wheels: wheels.collect(),
         });

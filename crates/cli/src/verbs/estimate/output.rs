@@ -15,7 +15,7 @@ use crate::figure_file::{self, Target};
 use crate::output::OutputFile;
 use grouser_report::number::exact;
 
-/// All files that were asked for, fed while the log is read.
+/// The output files, written while the log is read.
 pub(super) struct Outputs {
     tables: Vec<OutputFile>,
     figures: Vec<Target>,

@@ -98,7 +98,7 @@ fn soil_output(path: &Path) -> Result<OutputFile> {
     OutputFile::create(path)
 }
 
-/// The soil file's text; what nobody told is asked for by name.
+/// The soil file's text; an error names the numbers that are missing.
 fn soil_text(job: &Job, found: &Identification) -> Result<String> {
     let missing = found.missing();
     if !missing.is_empty() {

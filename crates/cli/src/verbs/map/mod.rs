@@ -1,4 +1,4 @@
-//! `map`: what every cell of an elevation model asks of a robot.
+//! `map`: slip, energy and risk of a robot on every cell of an elevation model.
 
 mod costmap;
 mod object;
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .collect();
     if envelope.max_pitch < max_pitch {
         warnings.push(format!(
-            "a wheel loses the ground within the asked pitch and roll: the map ends at {:.1}° and {:.1}°",
+            "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",
             envelope.max_pitch.to_degrees(),
             envelope.max_roll.to_degrees()
         ));

@@ -13,7 +13,7 @@ use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
 use crate::output::OutputFile;
 
-/// The files that were asked for.
+/// The outputs of `map`, by format.
 pub(super) struct Outputs {
     map: PathBuf,
     shard: Option<Shard>,

@@ -209,14 +209,14 @@ impl Summary {
 
 /// The cost of a cell for planners that know no headings, by its worst one: 100 where one cannot be driven, 255 unknown.
 fn cost(worst: &Worst) -> u8 {
-    const LETHAL: f32 = 100.0;
+    const LETHAL_COST: f32 = 100.0;
     const MAX_DRIVEN: f32 = 99.0;
     if worst.is_unknown() {
         return u8::MAX;
     }
     let slip = worst.slip.abs();
     let cost = if worst.blocked > 0 {
-        LETHAL
+        LETHAL_COST
     } else {
         (MAX_DRIVEN * slip.max(worst.risk)).clamp(0.0, MAX_DRIVEN)
     };

@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         arguments.points,
     )?;
     let points: Vec<Point> = axes.points().map(|at| evaluate(at, mobilised)).collect();
-    // A sweep may run out of the model; a job that is outside as a whole was asked wrongly.
+    // A sweep may leave the model's range; a job that lies outside as a whole is bad input.
     if let [first, ..] = points.as_slice()
         && let Err(error) = &first.outcome
         && points.iter().all(|point| point.outcome.is_err())
@@ -159,7 +159,10 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
 }
 
 fn failure(points: &[Point], share: f64) -> String {
-    let most = points.iter().filter_map(Point::most).fold(0.0, f64::max);
+    let most = points
+        .iter()
+        .filter_map(Point::max_share)
+        .fold(0.0, f64::max);
     format!(
         "`--mobilised` is {}, but even a wheel that spins on the spot mobilises at most {} there",
         grouser_report::number::in_message(share),

@@ -36,7 +36,7 @@ fn point<'a>() -> Fields<'a, &'a Point> {
         "slip_ratio" "as a slip ratio s" .shown("") = point.slip().map(|slip| slip.slip.value());
         "theta_1_deg" "entry angle" .shown("deg") = point.slip().map(|slip| slip.theta_1.deg());
         "in_contact" "whether the angle lies in the contact" = point.slip().map(|slip| slip.in_contact);
-        "most_mobilised" "the greatest share that can be mobilised" = point.most();
+        "most_mobilised" "the greatest share that can be mobilised" = point.max_share();
         "cautions" "cautions" = point.cautions();
     }
 }

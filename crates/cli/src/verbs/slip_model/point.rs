@@ -33,10 +33,10 @@ impl Point {
         }
     }
 
-    /// The greatest share that can be mobilised, where that asked for cannot.
-    pub(super) fn most(&self) -> Option<f64> {
+    /// The greatest share that can be mobilised, where the requested one cannot.
+    pub(super) fn max_share(&self) -> Option<f64> {
         match self.outcome {
-            Ok(ModelOutcome::Unreachable { most }) => Some(most),
+            Ok(ModelOutcome::Unreachable { max_share }) => Some(max_share),
             _ => None,
         }
     }

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
-use crate::operation::{self, Answer, Asked};
+use crate::operation::{self, Answer, Prescribed};
 use crate::session::Session;
 use crate::verb_report::Report;
 use crate::wheel_choice::{GravityArgument, WheelArguments};
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "slope_deg")]
     slip: Option<f64>,
     #[command(flatten)]
-    asked: LoadOrSinkage,
+    prescribed: LoadOrSinkage,
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
@@ -55,7 +55,7 @@ struct LoadOrSinkage {
     sinkage_m: Option<f64>,
 }
 
-/// What a slope asks and gets.
+/// The pull that a slope requires, and the slip that provides it.
 struct OnSlope {
     degrees: f64,
     /// W sin α, N.
@@ -71,8 +71,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .map(figure_file::Target::of)
         .transpose()?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
-    let weight = arguments.asked.load_n.or(arguments
-        .asked
+    let weight = arguments.prescribed.load_n.or(arguments
+        .prescribed
         .mass_kg
         .map(|mass| mass * arguments.gravity.or_earth()));
     let slope = match (arguments.slope_deg, weight) {
@@ -84,14 +84,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         return Ok(immobilised(arguments, &pair, &chosen.name, slope.as_ref()));
     };
     let kinematics = arguments.wheel.kinematics(slip)?;
-    let asked = match (weight, arguments.asked.sinkage_m, &slope) {
+    let prescribed = match (weight, arguments.prescribed.sinkage_m, &slope) {
         (Some(weight), _, Some(slope)) => {
-            Asked::Load(weight * Angle::from_deg(slope.degrees).cos())
+            Prescribed::Load(weight * Angle::from_deg(slope.degrees).cos())
         }
-        (Some(load), _, None) => Asked::Load(load),
-        (None, sinkage, _) => Asked::Sinkage(sinkage.unwrap_or(f64::NAN)),
+        (Some(load), _, None) => Prescribed::Load(load),
+        (None, sinkage, _) => Prescribed::Sinkage(sinkage.unwrap_or(f64::NAN)),
     };
-    let answer = operation::solve(&pair, asked, &kinematics).map_err(refuse)?;
+    let answer = operation::solve(&pair, prescribed, &kinematics).map_err(refuse)?;
 
     let lugs = answer
         .point
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     } else {
         Outcome::NoResult
     };
-    let failure = answer.status.complaint(asked);
+    let failure = answer.status.complaint(prescribed);
     Ok(Report {
         outcome,
         object: fields().object(solved),
@@ -177,7 +177,7 @@ impl OnSlope {
 impl OnSlope {
     fn fields<'a>() -> Fields<'a, &'a Self> {
         fields! { |slope: &'a Self|
-            "slope_pull_n" "pull that the slope asks for" .shown("N") = slope.pull;
+            "slope_pull_n" "pull that the slope requires" .shown("N") = slope.pull;
             "slip_demand" "slip that holds the slope" .shown("").missing("none") = slope.demand();
         }
     }

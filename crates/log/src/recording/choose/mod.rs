@@ -12,7 +12,7 @@ use grouser_files::topics::Topics;
 pub(super) use super::job::Job;
 use super::preview::{Preview, Seen};
 use crate::error::{Error, Result};
-use crate::message::known::TRUTH;
+use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
 pub(crate) use names::{is_command, is_over_ground};
 
@@ -108,6 +108,7 @@ impl<'a> Choosing<'a> {
             seen.view.is_some()
                 && !topics.ignore.contains(name)
                 && !name.starts_with(TRUTH)
+                && !name.contains(OUTPUT)
                 && !topics.named().any(|other| other == name)
         })
     }

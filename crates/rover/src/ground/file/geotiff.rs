@@ -3,7 +3,7 @@
 //! Source: the OGC GeoTIFF standard 1.1 for keys and tags; GDAL's documentation for no-data and missing tiles.
 
 use grouser_terra::OutOfRange;
-use std::io::{BufRead, Cursor, Seek};
+use std::io::{BufRead, Cursor, Seek, SeekFrom};
 
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -23,9 +23,9 @@ const WANTED: &str = "one band of whole numbers up to 32 bits or of floats of 32
 type Fault<T> = Result<T, TerrainFault>;
 
 /// One band of whole numbers or floats, as a whole. The cell comes from the file's own scale where its coordinates are
-/// metres; geographic ones (degrees), or none at all, ask for `cell_m`.
+/// metres; geographic ones (degrees), or none at all, require `cell_m`.
 pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Fault<Raster> {
-    let mut file = GeoTiff::open(Cursor::new(bytes), bytes.len() as u64)?;
+    let mut file = GeoTiff::open(Cursor::new(bytes))?;
     let (columns, rows) = file.size();
     check_size(u64::from(columns), u64::from(rows))?;
     if file.bands() != 1 {
@@ -66,7 +66,7 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Fault<Raster> {
 /// use grouser_rover::ground::GeoTiff;
 ///
 /// // no TIFF: refused before anything is allocated
-/// assert!(GeoTiff::open(Cursor::new(b"no TIFF".to_vec()), 7).is_err());
+/// assert!(GeoTiff::open(Cursor::new(b"no TIFF".to_vec())).is_err());
 /// ```
 pub struct GeoTiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
@@ -99,11 +99,15 @@ impl PiecePlace {
 }
 
 impl<R: BufRead + Seek> GeoTiff<R> {
-    /// Opens a file of `length` bytes: every tag that reading depends on is checked, no cell is decoded.
+    /// Opens a file: every tag that reading depends on is checked, no cell is decoded.
     ///
     /// # Errors
     /// What the file lacks or lies about. Its size alone is no error: nothing of that size is allocated.
-    pub fn open(reader: R, length: u64) -> Fault<Self> {
+    pub fn open(mut reader: R) -> Fault<Self> {
+        let length = reader
+            .seek(SeekFrom::End(0))
+            .and_then(|length| reader.rewind().map(|()| length))
+            .map_err(TerrainFault::damaged)?;
         let mut limits = Limits::default();
         limits.decoding_buffer_size = 1 << 28;
         limits.ifd_value_size = 1 << 24;

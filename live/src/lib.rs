@@ -1,0 +1,26 @@
+//! The slip estimator beside a running ROS 2 robot: a node without a ROS installation.
+//!
+//! ```text
+//! transport ─► first messages choose the topics ─► Intake ─► Engine ─► slip, odometry, events, diagnostics
+//! ```
+//!
+//! Topic choice, codec and estimator are those of recorded logs (`grouser_log::Preview`, `Intake`, `grouser_replay::Engine`):
+//! a bag that is replayed through a transport gives the bits of `grouser estimate`.
+//!
+//! The primary types are [`Node`](node::Node) and the trait [`Transport`](transport::Transport).
+#![forbid(unsafe_code)]
+
+pub mod arguments;
+mod environment;
+mod error;
+mod latency;
+mod look;
+pub mod node;
+mod outputs;
+mod recorder;
+mod senders;
+mod state_file;
+pub mod transport;
+pub mod type_hash;
+
+pub use error::{Error, Result};

@@ -1,0 +1,17 @@
+//! `grouser-live`: what `grouser live` runs.
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use grouser_live::arguments::Arguments;
+use grouser_live::node;
+
+fn main() -> ExitCode {
+    match node::run(&Arguments::parse()) {
+        Ok(outcome) => ExitCode::from(outcome.exit_code()),
+        Err(error) => {
+            node::complain(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,473 @@
+//! The node: from the first message to the summary.
+
+use std::io::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use grouser_files::robot;
+use grouser_log::Intake;
+use grouser_log::container::Channel;
+use grouser_replay::messages::diagnostic_status;
+use grouser_replay::{Engine, Inputs, Options, RobotSamples, Status, Summary};
+use grouser_slip::detect::{Change, Event};
+
+use crate::arguments::Arguments;
+use crate::environment::Environment;
+use crate::error::Result;
+use crate::latency::Latency;
+use crate::look::{Subscriptions, look};
+use crate::outputs::{Frames, Outputs, record};
+use crate::recorder::Recorder;
+use crate::senders::Senders;
+use crate::state_file;
+use crate::transport::{self, Arrival, Inbox};
+
+/// The loop looks at least this often whether it is to end.
+const TURN: Duration = Duration::from_millis(50);
+/// Diagnostics come this often.
+const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
+/// Wheels from which nothing came for so long are silent: as the filter's own limit for a reference.
+const SILENCE: Duration = Duration::from_millis(500);
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// With slips.
+    Done,
+    /// Without a slip.
+    NoSlip,
+    /// With doubts.
+    Doubtful,
+}
+
+impl Outcome {
+    /// The exit code, as of the other verbs.
+    #[must_use]
+    pub const fn exit_code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::NoSlip => 1,
+            Self::Doubtful => 3,
+        }
+    }
+}
+
+/// A line on standard output.
+pub(crate) fn say(line: &str) {
+    let mut out = std::io::stdout().lock();
+    // a closed terminal does not end the node
+    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+}
+
+/// A warning on standard error.
+pub(crate) fn warn(line: &str) {
+    let _ = writeln!(std::io::stderr(), "warning: {line}");
+}
+
+/// An error on standard error.
+pub fn complain(line: &str) {
+    let _ = writeln!(std::io::stderr(), "error: {line}");
+}
+
+/// Runs the node until Ctrl-C, SIGTERM, or the end of its time.
+///
+/// # Errors
+/// Bad options, files and topics; a transport that does not open.
+pub fn run(arguments: &Arguments) -> Result<Outcome> {
+    let environment = Environment::read()?;
+    let robot = robot::read(&arguments.robot)?;
+    let (look_for, hold, duration) = (arguments.look()?, arguments.hold()?, arguments.duration()?);
+    let learnt = match &arguments.state {
+        Some(path) => state_file::read(path, &robot.robot)?,
+        None => None,
+    };
+    let recorder = arguments
+        .record
+        .as_deref()
+        .map(Recorder::create)
+        .transpose()?;
+    let node = arguments.full_name("grouser")?;
+    let kind = arguments.transport.unwrap_or(environment.transport);
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // without a handler, Ctrl-C ends the process at once
+    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    let ends = duration.map(|duration| Instant::now() + duration);
+    let stop =
+        || interrupted.load(Ordering::Relaxed) || ends.is_some_and(|end| Instant::now() >= end);
+
+    let mut transport = transport::open(kind, &environment, &node)?;
+    let (inbox, arrivals) = transport::inbox();
+    let mut subscriptions = Subscriptions::new(&robot);
+    if !arguments.quiet {
+        say(&format!(
+            "{node} listens on {}, domain {}",
+            kind.name(),
+            environment.domain
+        ));
+    }
+    let queue = (&inbox, &arrivals);
+    let looked = look(
+        transport.as_mut(),
+        (&robot, look_for),
+        queue,
+        &mut subscriptions,
+        &stop,
+    )?;
+    let Some(looked) = looked else {
+        transport.close();
+        complain("it ended before any topic was chosen");
+        return Ok(Outcome::NoSlip);
+    };
+    if transport.graph().nodes.contains(&node) {
+        warn(&format!(
+            "another node `{node}` is running: both publish the same topics; `--namespace` separates them"
+        ));
+    }
+    let hold = hold.unwrap_or(looked.hold);
+    let intake = looked.intake.with_hold(hold);
+    let inputs = Inputs::of(&intake, &robot, &Options::default())?;
+    let samples = RobotSamples::new(&intake, &robot)?;
+    let mut engine = Engine::new(&robot, inputs, &Options::default())?;
+    if let Some(learnt) = &learnt {
+        engine.restore(learnt)?;
+    }
+    if !arguments.quiet {
+        for topic in intake.topics() {
+            say(&format!(
+                "{} ({}): {}",
+                topic.topic, topic.type_name, topic.used_for
+            ));
+        }
+        for note in intake.notes() {
+            say(note);
+        }
+        say(&format!(
+            "reference: {}; messages are held back for {:.1} ms",
+            inputs.reference.name(),
+            1e3 * hold.as_secs_f64()
+        ));
+    }
+    let names: Vec<String> = robot
+        .robot
+        .wheels()
+        .iter()
+        .map(|wheel| wheel.name.clone())
+        .collect();
+    let frames = Frames {
+        base: arguments.base_frame.clone(),
+        odom: arguments.odom_frame.clone(),
+    };
+    let full_name = |name: &str| arguments.full_name(name);
+    let mut outputs = Outputs::announce(
+        transport,
+        names.clone(),
+        frames,
+        arguments.publish_tf,
+        full_name,
+    )?;
+    outputs.recorder = recorder;
+    let mut node = Node {
+        senders: looked.channels.iter().map(Senders::new).collect(),
+        record_ids: vec![None; looked.channels.len()],
+        last_heard: vec![None; looked.channels.len()],
+        channels: looked.channels,
+        intake,
+        samples,
+        engine,
+        outputs,
+        inbox,
+        hold,
+        latency: Latency::new(),
+        messages: 0,
+        problems: Vec::new(),
+        is_quiet: arguments.quiet,
+        names,
+        subscriptions,
+    };
+    for arrival in looked.backlog {
+        node.take(&arrival, false)?;
+    }
+    node.turn(&arrivals, &stop)?;
+    node.finish(arguments, &robot.robot)
+}
+
+/// The parts of a running node.
+struct Node {
+    channels: Vec<Channel>,
+    senders: Vec<Senders>,
+    record_ids: Vec<Option<u16>>,
+    last_heard: Vec<Option<Instant>>,
+    intake: Intake,
+    samples: RobotSamples,
+    engine: Engine,
+    outputs: Outputs,
+    inbox: Inbox,
+    hold: Duration,
+    latency: Latency,
+    messages: u64,
+    /// What was wrong when the diagnostics were last made.
+    problems: Vec<String>,
+    is_quiet: bool,
+    names: Vec<String>,
+    subscriptions: Subscriptions,
+}
+
+impl Node {
+    /// Uses a message; `is_timed` where its latency counts: not where it waited for the choice of topics.
+    fn take(&mut self, arrival: &Arrival, is_timed: bool) -> Result<()> {
+        let Some(channel) = self.channels.get(arrival.subscription) else {
+            return Ok(());
+        };
+        let Some(number) = self.intake.channel(channel) else {
+            return Ok(());
+        };
+        let index = arrival.subscription;
+        self.last_heard[index] = Some(arrival.received);
+        if !self.senders[index].accepts(arrival, &channel.type_name) {
+            return Ok(());
+        }
+        self.messages += 1;
+        let recorder = &mut self.outputs.recorder;
+        record(
+            recorder,
+            &mut self.record_ids[index],
+            channel,
+            arrival.received_ns,
+            &arrival.bytes,
+        );
+        self.intake
+            .push(Some(number), &arrival.bytes, arrival.received_ns);
+        let steps = self.outputs.steps;
+        let mut popped = false;
+        while let Some(sample) = self.intake.pop() {
+            popped = true;
+            self.engine
+                .push(self.samples.convert(sample), &mut self.outputs)?;
+        }
+        if popped {
+            self.engine.flush(&mut self.outputs)?;
+        }
+        if is_timed && self.outputs.steps > steps {
+            self.latency.add(arrival.received);
+        }
+        self.report_changes();
+        Ok(())
+    }
+
+    /// Nothing came for as long as messages are held back.
+    fn release(&mut self) -> Result<()> {
+        let mut popped = false;
+        while let Some(sample) = self.intake.pop_held() {
+            popped = true;
+            self.engine
+                .push(self.samples.convert(sample), &mut self.outputs)?;
+        }
+        if popped {
+            self.engine.flush(&mut self.outputs)?;
+            self.report_changes();
+        }
+        Ok(())
+    }
+
+    /// The loop.
+    fn turn(&mut self, arrivals: &Receiver<Arrival>, stop: &dyn Fn() -> bool) -> Result<()> {
+        let mut diagnostics_due = Instant::now() + DIAGNOSTICS_PERIOD;
+        while !stop() {
+            let wait = if self.hold.is_zero() {
+                TURN
+            } else {
+                TURN.min(self.hold)
+            };
+            match arrivals.recv_timeout(wait) {
+                Ok(arrival) => self.take(&arrival, true)?,
+                Err(RecvTimeoutError::Timeout) => self.release()?,
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            let now = Instant::now();
+            if now >= diagnostics_due {
+                diagnostics_due = now + DIAGNOSTICS_PERIOD;
+                self.diagnose(now)?;
+            }
+        }
+        // what has arrived by now still counts
+        while let Ok(arrival) = arrivals.try_recv() {
+            self.take(&arrival, true)?;
+        }
+        self.intake.finish();
+        self.release()
+    }
+
+    /// Once a second: what is wrong, in diagnostics and, where it is new, in words.
+    fn diagnose(&mut self, now: Instant) -> Result<()> {
+        let now_ns = system_ns();
+        let mut problems: Vec<String> = self
+            .senders
+            .iter()
+            .filter_map(|senders| senders.problem(now))
+            .collect();
+        let mut is_silent = false;
+        for (channel, heard) in self.channels.iter().zip(&self.last_heard) {
+            if let Some(silence) = heard
+                .map(|heard| now.saturating_duration_since(heard))
+                .filter(|s| *s >= SILENCE)
+            {
+                is_silent = true;
+                problems.push(format!("`{}` is silent", channel.topic));
+                let _ = silence;
+            }
+        }
+        let left_out = self.intake.left_out();
+        if let Some(problem) = &left_out.problem {
+            problems.push(format!("messages cannot be decoded: {problem}"));
+        }
+        if self.inbox.dropped() > 0 {
+            problems.push("messages were dropped: the machine is too slow".to_owned());
+        }
+        let transport = self.outputs.transport.as_mut();
+        for topic in self.subscriptions.unknown(transport) {
+            problems.push(format!(
+                "`{topic}` appeared after the topics were chosen and is not used"
+            ));
+        }
+        problems.extend(transport.warnings());
+        let late = left_out.late;
+        let undecoded = left_out.undecoded;
+        for problem in problems
+            .iter()
+            .filter(|problem| !self.problems.contains(problem))
+        {
+            warn(problem);
+        }
+        let [median, high, longest] = self.latency.microseconds().unwrap_or_default();
+        let level = u64::from(!problems.is_empty());
+        let words = if problems.is_empty() {
+            "running".to_owned()
+        } else {
+            problems.join("; ")
+        };
+        let status = diagnostic_status(
+            level,
+            "grouser: live",
+            &words,
+            "grouser",
+            [
+                ("messages", self.messages.to_string()),
+                ("messages_late", late.to_string()),
+                ("messages_undecoded", undecoded.to_string()),
+                ("messages_dropped", self.inbox.dropped().to_string()),
+                ("hold_ms", format!("{:.1}", 1e3 * self.hold.as_secs_f64())),
+                ("latency_median_us", format!("{median:.0}")),
+                ("latency_p999_us", format!("{high:.0}")),
+                ("latency_longest_us", format!("{longest:.0}")),
+            ],
+        );
+        self.problems = problems;
+        if is_silent {
+            self.outputs
+                .publish_silence(now_ns)
+                .map_err(grouser_replay::Error::Sink)?;
+        }
+        self.outputs
+            .publish_diagnostics(now_ns, status)
+            .map_err(grouser_replay::Error::Sink)?;
+        if !self.is_quiet {
+            self.print_wheels();
+        }
+        Ok(())
+    }
+
+    fn print_wheels(&self) {
+        let wheels = self
+            .names
+            .iter()
+            .zip(&self.outputs.latest)
+            .map(|(name, wheel)| match (wheel.slip, wheel.sigma) {
+                (Some(slip), Some(sigma)) => {
+                    format!("{name} {:.3} ± {sigma:.3} {}", slip.value(), wheel.health)
+                }
+                _ => format!("{name} – {}", wheel.health),
+            });
+        let wheels: Vec<String> = wheels.collect();
+        say(&wheels.join(", "));
+    }
+
+    fn report_changes(&mut self) {
+        for change in std::mem::take(&mut self.outputs.changes) {
+            if !self.is_quiet {
+                say(&event_line(&change, &self.names));
+            }
+        }
+    }
+
+    fn finish(mut self, arguments: &Arguments, robot: &grouser_slip::Robot) -> Result<Outcome> {
+        if let (Some(path), Some(learnt)) = (&arguments.state, self.engine.learnt()) {
+            state_file::write(path, robot, &learnt)?;
+        }
+        let latency = self.latency.microseconds();
+        let summary = self.engine.finish(&mut self.outputs)?;
+        let recorded = self
+            .outputs
+            .recorder
+            .take()
+            .map(Recorder::finish)
+            .transpose()?;
+        self.outputs.transport.close();
+        if !arguments.quiet {
+            say(&summary_line(&summary, self.messages, self.outputs.steps));
+            if let Some([median, high, longest]) = latency {
+                say(&format!(
+                    "from a message to its slip: median {median:.0} µs, 99.9 % {high:.0} µs, longest {longest:.0} µs"
+                ));
+            }
+            if let Some(path) = recorded {
+                say(&format!("wrote {}", path.display()));
+            }
+        }
+        let doubts = summary.doubts();
+        for doubt in &doubts {
+            warn(&doubt.to_string());
+        }
+        Ok(match summary.status {
+            _ if !doubts.is_empty() => Outcome::Doubtful,
+            Status::Done => Outcome::Done,
+            _ => Outcome::NoSlip,
+        })
+    }
+}
+
+fn event_line(change: &Change, names: &[String]) -> String {
+    let wheel = |index: usize| names.get(index).map_or("", String::as_str);
+    let what = match change.event {
+        Event::HighSlip { wheel: i } => format!("high slip of {}", wheel(i)),
+        Event::Stall { wheel: i } => format!("stall of {}", wheel(i)),
+        Event::LiftOff { wheel: i } => format!("lift-off of {}", wheel(i)),
+        Event::DigIn => "the wheels dig in".to_owned(),
+        Event::Immobilised => "the robot is immobilised".to_owned(),
+    };
+    format!(
+        "event: {what} {}",
+        if change.begins { "begins" } else { "ends" }
+    )
+}
+
+fn summary_line(summary: &Summary, messages: u64, steps: u64) -> String {
+    let wheels = summary
+        .wheels
+        .iter()
+        .filter_map(|wheel| Some(format!("{} {:.3}", wheel.name, wheel.slip.median?)));
+    let wheels: Vec<String> = wheels.collect();
+    format!(
+        "{messages} messages, {steps} estimates; median slip: {}",
+        wheels.join(", ")
+    )
+}
+
+fn system_ns() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| {
+        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
+    })
+}

@@ -1,0 +1,236 @@
+//! What the node publishes.
+
+use std::io;
+
+use grouser_log::container::Channel;
+use grouser_log::message::{Definition, Value, build, known};
+use grouser_replay::messages::{
+    odometry_message, slip_event, twist_message, wheel_slip, wheel_statuses,
+};
+use grouser_replay::{Odometry, Row, Sink, Step};
+use grouser_slip::detect::Change;
+use grouser_slip::{Health, Invalid, WheelEstimate};
+
+use crate::error::{Error, Result};
+use crate::recorder::Recorder;
+use crate::transport::Transport;
+
+/// Frames of the messages.
+pub(crate) struct Frames {
+    pub(crate) base: String,
+    pub(crate) odom: String,
+}
+
+/// A topic of the node's own.
+struct Topic {
+    publisher: usize,
+    channel: Channel,
+    definition: Definition,
+    record: Option<u16>,
+}
+
+/// The topics of the node.
+pub(crate) struct Outputs {
+    pub(crate) transport: Box<dyn Transport>,
+    pub(crate) recorder: Option<Recorder>,
+    names: Vec<String>,
+    frames: Frames,
+    slip: Topic,
+    odometry: Topic,
+    twist: Topic,
+    events: Topic,
+    diagnostics: Topic,
+    transform: Option<Topic>,
+    /// What was published last.
+    pub(crate) latest: Vec<WheelEstimate>,
+    pub(crate) latest_ns: Option<i64>,
+    pub(crate) last_odometry: Option<Odometry>,
+    /// Events that began or ended, for the terminal.
+    pub(crate) changes: Vec<Change>,
+    pub(crate) steps: u64,
+}
+
+impl Outputs {
+    /// Announces the topics; `name` gives a topic's full name.
+    pub(crate) fn announce(
+        mut transport: Box<dyn Transport>,
+        names: Vec<String>,
+        frames: Frames,
+        publishes_tf: bool,
+        name: impl Fn(&str) -> Result<String>,
+    ) -> Result<Self> {
+        let mut topic = |topic: String, type_name: &str| {
+            let unknown = || Error::UnknownType {
+                type_name: type_name.to_owned(),
+            };
+            let channel = known::channel(&topic, type_name).ok_or_else(unknown)?;
+            let text = String::from_utf8_lossy(&channel.definition);
+            Ok::<_, Error>(Topic {
+                publisher: transport.advertise(&topic, type_name)?,
+                definition: Definition::parse(type_name, &text)?,
+                channel,
+                record: None,
+            })
+        };
+        let tf = publishes_tf.then(|| topic("/tf".to_owned(), "tf2_msgs/TFMessage"));
+        Ok(Self {
+            slip: topic(name("grouser/slip")?, known::WHEEL_SLIP)?,
+            odometry: topic(name("grouser/odom")?, "nav_msgs/Odometry")?,
+            twist: topic(
+                name("grouser/twist")?,
+                "geometry_msgs/TwistWithCovarianceStamped",
+            )?,
+            events: topic(name("grouser/events")?, known::SLIP_EVENT)?,
+            diagnostics: topic("/diagnostics".to_owned(), "diagnostic_msgs/DiagnosticArray")?,
+            transform: tf.transpose()?,
+            transport,
+            recorder: None,
+            names,
+            frames,
+            latest: Vec::new(),
+            latest_ns: None,
+            last_odometry: None,
+            changes: Vec::new(),
+            steps: 0,
+        })
+    }
+
+    /// Publishes diagnostics: the node's own status first, then the wheels'.
+    pub(crate) fn publish_diagnostics(&mut self, time_ns: i64, node: Value) -> io::Result<()> {
+        let mut statuses = vec![node];
+        statuses.extend(wheel_statuses(&self.names, &self.latest));
+        let message = build::message([
+            ("header", build::header(time_ns, "")),
+            ("status", Value::Array(statuses)),
+        ]);
+        send(
+            &mut self.diagnostics,
+            &mut self.transport,
+            &mut self.recorder,
+            time_ns,
+            &message,
+        )
+    }
+
+    /// The wheels are silent: no slip is claimed any more.
+    pub(crate) fn publish_silence(&mut self, time_ns: i64) -> io::Result<()> {
+        for wheel in &mut self.latest {
+            (wheel.slip, wheel.sigma, wheel.motion) = (None, None, None);
+            wheel.health = Health::Invalid(Invalid::Dropout);
+        }
+        self.publish_slip(time_ns)
+    }
+
+    fn publish_slip(&mut self, time_ns: i64) -> io::Result<()> {
+        let header = build::header(time_ns, &self.frames.base);
+        let message = wheel_slip(header, &self.names, &self.latest);
+        send(
+            &mut self.slip,
+            &mut self.transport,
+            &mut self.recorder,
+            time_ns,
+            &message,
+        )
+    }
+
+    fn publish_odometry(&mut self, time_ns: i64, odometry: &Odometry) -> io::Result<()> {
+        let Frames { base, odom } = &self.frames;
+        let message = odometry_message(build::header(time_ns, odom), base, odometry);
+        let twist = twist_message(build::header(time_ns, base), odometry);
+        let (transport, recorder) = (&mut self.transport, &mut self.recorder);
+        send(&mut self.odometry, transport, recorder, time_ns, &message)?;
+        send(&mut self.twist, transport, recorder, time_ns, &twist)?;
+        if let Some(topic) = &mut self.transform {
+            let [x, y, yaw] = odometry.pose;
+            let transform = build::message([
+                ("header", build::header(time_ns, odom)),
+                ("child_frame_id", Value::Text(base.clone())),
+                (
+                    "transform",
+                    build::message([
+                        ("translation", build::vector([x, y, 0.0])),
+                        ("rotation", build::turn(yaw)),
+                    ]),
+                ),
+            ]);
+            let message = build::message([("transforms", Value::Array(vec![transform]))]);
+            send(topic, transport, recorder, time_ns, &message)?;
+        }
+        Ok(())
+    }
+}
+
+/// Encodes, publishes and records a message. A recording that fails ends, with a warning, and the node goes on.
+fn send(
+    topic: &mut Topic,
+    transport: &mut Box<dyn Transport>,
+    recorder: &mut Option<Recorder>,
+    time_ns: i64,
+    message: &Value,
+) -> io::Result<()> {
+    let bytes = topic.definition.encode(message).map_err(io::Error::other)?;
+    record(
+        recorder,
+        &mut topic.record,
+        &topic.channel,
+        u64::try_from(time_ns).unwrap_or(0),
+        &bytes,
+    );
+    transport.publish(topic.publisher, bytes)?;
+    Ok(())
+}
+
+/// Records a message; `id` is the channel's number once it is entered.
+pub(crate) fn record(
+    recorder: &mut Option<Recorder>,
+    id: &mut Option<u16>,
+    channel: &Channel,
+    time_ns: u64,
+    bytes: &[u8],
+) {
+    let Some(open) = recorder else { return };
+    let entered = match *id {
+        Some(id) => Ok(id),
+        None => open.channel(channel),
+    };
+    let written = entered.and_then(|entered| {
+        *id = Some(entered);
+        open.message(entered, time_ns, bytes)
+    });
+    if let Err(error) = written {
+        crate::node::warn(&format!("the recording ends here: {error}"));
+        *recorder = None;
+    }
+}
+
+impl Sink for Outputs {
+    fn row(&mut self, _row: &Row<'_>) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.steps += 1;
+        self.latest.clear();
+        self.latest.extend_from_slice(step.wheels);
+        self.latest_ns = Some(step.time_ns);
+        self.publish_slip(step.time_ns)?;
+        if let Some(odometry) = step.odometry {
+            self.last_odometry = Some(odometry);
+            self.publish_odometry(step.time_ns, &odometry)?;
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, change: &Change) -> io::Result<()> {
+        self.changes.push(*change);
+        let header = build::header(change.time_ns, &self.frames.base);
+        let message = slip_event(header, &self.names, change);
+        send(
+            &mut self.events,
+            &mut self.transport,
+            &mut self.recorder,
+            change.time_ns,
+            &message,
+        )
+    }
+}
