@@ -22,7 +22,7 @@ use crate::outputs::{Frames, Outputs, record};
 use crate::recorder::Recorder;
 use crate::senders::Senders;
 use crate::state_file;
-use crate::transport::{self, Arrival, Inbox};
+use crate::transport::{self, Arrival, Inbox, Transport};
 
 /// The loop looks at least this often whether it is to end.
 const TURN: Duration = Duration::from_millis(50);
@@ -121,11 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         complain("it ended before any topic was chosen");
         return Ok(Outcome::NoSlip);
     };
-    if transport.graph().nodes.contains(&node) {
-        warn(&format!(
-            "another node `{node}` is running: both publish the same topics; `--namespace` separates them"
-        ));
-    }
+    warn_of_others(transport.as_mut(), &arguments.full_name("grouser/slip")?);
     let hold = hold.unwrap_or(looked.hold);
     let intake = looked.intake.with_hold(hold);
     let inputs = Inputs::of(&intake, &robot, &Options::default())?;
@@ -135,20 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         engine.restore(learnt)?;
     }
     if !arguments.quiet {
-        for topic in intake.topics() {
-            say(&format!(
-                "{} ({}): {}",
-                topic.topic, topic.type_name, topic.used_for
-            ));
-        }
-        for note in intake.notes() {
-            say(note);
-        }
-        say(&format!(
-            "reference: {}; messages are held back for {:.1} ms",
-            inputs.reference.name(),
-            1e3 * hold.as_secs_f64()
-        ));
+        say_choice(&intake, &inputs, hold);
     }
     let names: Vec<String> = robot
         .robot
@@ -192,6 +175,37 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     node.turn(&arrivals, &stop)?;
     node.finish(arguments, &robot.robot)
+}
+
+/// Another node that publishes `slip` would be mixed up with this one.
+fn warn_of_others(transport: &mut dyn Transport, slip: &str) {
+    let others = transport.graph().endpoints;
+    if others
+        .iter()
+        .any(|other| other.is_publisher && other.topic == slip)
+    {
+        warn(&format!(
+            "another node publishes `{slip}` too; `--namespace` separates the two"
+        ));
+    }
+}
+
+/// Prints what is used, and how.
+fn say_choice(intake: &Intake, inputs: &Inputs, hold: Duration) {
+    for topic in intake.topics() {
+        say(&format!(
+            "{} ({}): {}",
+            topic.topic, topic.type_name, topic.used_for
+        ));
+    }
+    for note in intake.notes() {
+        say(note);
+    }
+    say(&format!(
+        "reference: {}; messages are held back for {:.1} ms",
+        inputs.reference.name(),
+        1e3 * hold.as_secs_f64()
+    ));
 }
 
 /// The parts of a running node.
@@ -310,13 +324,9 @@ impl Node {
             .collect();
         let mut is_silent = false;
         for (channel, heard) in self.channels.iter().zip(&self.last_heard) {
-            if let Some(silence) = heard
-                .map(|heard| now.saturating_duration_since(heard))
-                .filter(|s| *s >= SILENCE)
-            {
+            if heard.is_some_and(|heard| now.saturating_duration_since(heard) >= SILENCE) {
                 is_silent = true;
                 problems.push(format!("`{}` is silent", channel.topic));
-                let _ = silence;
             }
         }
         let left_out = self.intake.left_out();

@@ -12,8 +12,11 @@ pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
         3,
         "a result was written, but it is incomplete or doubtful: rows failed, a check failed, data were lost",
     ),
-    (130, "interrupted"),
+    (INTERRUPTED, "interrupted"),
 ];
+
+/// What a shell reports of a program ended by Ctrl-C.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// The exit code of every bad usage and input.
 pub(crate) const BAD_INPUT: u8 = 2;
@@ -27,6 +30,8 @@ pub(crate) enum Outcome {
     NoResult,
     /// With a result that is incomplete or doubtful.
     Doubtful,
+    /// By Ctrl-C, with what was found until then.
+    Interrupted,
 }
 
 impl Outcome {
@@ -36,6 +41,7 @@ impl Outcome {
             Self::Done => 0,
             Self::NoResult => 1,
             Self::Doubtful => 3,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 }

@@ -1,25 +1,60 @@
-//! Ctrl-C and SIGTERM: half-written files are removed, then the program ends.
+//! Ctrl-C and SIGTERM: half-written files are removed, then the program ends; a search that keeps its best result so far
+//! is ended by the first and the program by the second.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The files being written.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// What a shell reports of a program ended by Ctrl-C.
-const EXIT_INTERRUPTED: i32 = 130;
+/// Does a search run that ends by itself when it is interrupted?
+static SEARCHES: AtomicBool = AtomicBool::new(false);
+/// Was it interrupted?
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// A search that watches [`Search::is_interrupted`] and then ends with what it has found.
+#[derive(Debug)]
+pub(crate) struct Search(());
+
+impl Search {
+    /// From now on the first signal is left to the search.
+    pub(crate) fn begin() -> Self {
+        INTERRUPTED.store(false, Ordering::SeqCst);
+        SEARCHES.store(true, Ordering::SeqCst);
+        Self(())
+    }
+
+    /// Has a signal come since it began?
+    #[allow(
+        clippy::unused_self,
+        reason = "the question is about a search that runs"
+    )]
+    pub(crate) fn is_interrupted(&self) -> bool {
+        INTERRUPTED.load(Ordering::SeqCst)
+    }
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        SEARCHES.store(false, Ordering::SeqCst);
+    }
+}
 
 /// Handles the signals from now on. A second call changes nothing.
 pub(crate) fn install() {
     // Without a handler the program still runs; a half-written file may then stay behind under its
     // temporary name.
     let _ = ctrlc::set_handler(|| {
+        if SEARCHES.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
+            return;
+        }
         // The list stays locked until the end, so no file is finished or begun any more.
         let files = unfinished();
         for path in files.iter() {
             let _ = std::fs::remove_file(path);
         }
-        std::process::exit(EXIT_INTERRUPTED);
+        std::process::exit(i32::from(crate::exit::INTERRUPTED));
     });
 }
 

@@ -204,6 +204,12 @@ impl Functions for InWorld {
 struct WorldModel(Exact<InWorld>);
 
 impl Model for WorldModel {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        let Exact(InWorld { program, fixed }) = &self.0;
+        let (quantity, reason) = program.scope.no_value(x, fixed, &program.quantities)?;
+        Some(format!("`{quantity}` has no value: {reason}"))
+    }
+
     fn values(&self, x: &[f64], values: &mut [f64]) {
         self.0.values(x, values);
     }
@@ -340,22 +346,6 @@ impl Design {
         check_derivatives(inner, &at, tolerance).map_err(|source| Error::Problem {
             file: self.file.clone(),
             source,
-        })
-    }
-
-    /// Why the functions have no value at `x`: the quantity, the world and the reason.
-    #[must_use]
-    pub fn no_value(&self, x: &[f64]) -> Option<String> {
-        self.worlds.iter().find_map(|world| {
-            let (quantity, reason) =
-                self.program
-                    .scope
-                    .no_value(x, &world.fixed, &self.program.quantities)?;
-            Some(if self.worlds.len() > 1 {
-                format!("`{quantity}` has no value in {}: {reason}", world.name)
-            } else {
-                format!("`{quantity}` has no value: {reason}")
-            })
         })
     }
 }

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Progress, Solution, Status,
-    multi_start, pareto, solve_with,
+    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Solution, Status, multi_start_with,
+    pareto_with, solve_with,
 };
 
 use crate::design::{Design, Slot, SolverProblem, Task};
@@ -167,7 +167,8 @@ impl Design {
         grouser_opt::evaluate(problem.problem(), &method, x).map_err(|e| self.refuse(e))
     }
 
-    /// Solves it; `callback` is called once an iteration of a single solve, and may stop it.
+    /// Solves it; `callback` is called on this thread once an iteration of each solve and once a generation, and may
+    /// stop it: the answer is then the best point or the front so far.
     ///
     /// # Errors
     /// [`Error::Problem`] for what the solver refuses, such as a search over an unbounded box. A solve
@@ -175,23 +176,19 @@ impl Design {
     pub fn solve_with(&self, callback: &mut Callback<'_>) -> Result<Answer> {
         let problem = self.problem()?;
         if self.task == Task::Pareto {
-            let front = pareto(problem.problem(), &self.pareto).map_err(|e| self.refuse(e))?;
+            let front = pareto_with(problem.problem(), &self.pareto, callback)
+                .map_err(|e| self.refuse(e))?;
             return Ok(Answer::Trade(Box::new(self.trade(&problem, front))));
         }
         let method = self.method(&problem);
         let optimum = if self.starts > 1 {
-            let found = multi_start(
-                problem.problem(),
-                &method,
-                &self.settings,
-                self.starts,
-                self.seed,
-            )
-            .map_err(|e| self.refuse(e))?;
+            let starts = (self.starts, self.seed);
+            let inner = problem.problem();
+            let found = multi_start_with(inner, &method, &self.settings, starts, callback)
+                .map_err(|e| self.refuse(e))?;
             self.optimum_of_many(&problem, &found)
         } else {
-            let own = &mut |progress: &Progress<'_>| callback(progress);
-            let solution = solve_with(problem.problem(), &method, &self.settings, own)
+            let solution = solve_with(problem.problem(), &method, &self.settings, callback)
                 .map_err(|e| self.refuse(e))?;
             let start = self.start(&problem, &solution);
             self.optimum(&problem, &solution, vec![start])

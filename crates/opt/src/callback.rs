@@ -2,7 +2,36 @@
 
 use core::ops::ControlFlow;
 
-/// The state of a solve after an iteration.
+/// What a solver is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stage {
+    /// One solve.
+    Solve,
+    /// Solves from several starts, of which `done` are done.
+    Starts {
+        /// Starts that are done.
+        done: usize,
+        /// All of them.
+        of: usize,
+    },
+    /// The evolutionary search for a front: `done` generations are.
+    Generations {
+        /// Generations that are done.
+        done: usize,
+        /// All of them.
+        of: usize,
+    },
+    /// The points of a front are made exact.
+    Polishing {
+        /// Points that are done.
+        done: usize,
+        /// All of them.
+        of: usize,
+    },
+}
+
+/// The state of a solve after an iteration, or of a front after a generation.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -21,17 +50,21 @@ use core::ops::ControlFlow;
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Progress<'a> {
-    /// Iterations done.
+    /// What the solver is at.
+    pub stage: Stage,
+    /// Iterations done of this solve, or generations.
     pub iteration: usize,
-    /// The current point.
+    /// The current point; of a generation the one that violates least, then the one whose greatest objective is least.
     pub x: &'a [f64],
-    /// The current level γ: what is being minimised.
+    /// The current level γ: what is being minimised. Of a generation the greatest objective at `x`.
     pub utility: f64,
-    /// The greatest violation of a nonlinear constraint.
+    /// The greatest violation of a nonlinear constraint; of a generation their sum.
     pub violation: f64,
-    /// ‖∇L‖∞ with the latest multipliers.
-    pub stationarity: f64,
+    /// ‖∇L‖∞ with the latest multipliers; a generation has none.
+    pub stationarity: Option<f64>,
 }
 
-/// Called once an iteration; `Break` ends the solve with [`Status::Stopped`](crate::Status::Stopped).
+/// Called once an iteration or generation; `Break` ends the search with what it has found so far
+/// ([`Status::Stopped`](crate::Status::Stopped), [`MultiStart::stopped`](crate::MultiStart::stopped),
+/// [`Front::stopped`](crate::Front::stopped)).
 pub type Callback<'c> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'c;

@@ -50,9 +50,10 @@ mod solve;
 mod sqp;
 mod status;
 mod tape;
+mod watched;
 mod weighted;
 
-pub use callback::{Callback, Progress};
+pub use callback::{Callback, Progress, Stage};
 pub use certify::{
     Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink, certify,
     certify_with,
@@ -64,9 +65,10 @@ pub use error::{Error, Result};
 pub use jacobian::Jacobian;
 pub use method::Method;
 pub use model::Model;
-pub use multi_start::{MultiStart, Optimum, multi_start};
+pub use multi_start::{MultiStart, Optimum, multi_start, multi_start_with};
 pub use pareto::{
     Algorithm, Crossover, Front, FrontPoint, Mutation, ParetoSettings, das_dennis, knee, pareto,
+    pareto_with,
 };
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
 pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};

@@ -41,6 +41,12 @@ pub trait Model: Sync {
     /// Writes the value and the gradient of every function at `x`.
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian);
 
+    /// Why a function has no value at `x`, in words for the user; `None` where every function has one or nothing is
+    /// known. Asked for once, where a solve must end for it ([`Status::NotFinite`](crate::Status::NotFinite)).
+    fn failure(&self, _x: &[f64]) -> Option<String> {
+        None
+    }
+
     /// All functions as operations on a tape, for bounds over boxes ([`certify`](crate::certify())); `None` where
     /// they are not known as such.
     fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
@@ -87,6 +93,9 @@ fn middle(x: Interval) -> f64 {
 }
 
 impl<M: Model + ?Sized> Model for &M {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        (**self).failure(x)
+    }
     fn values(&self, x: &[f64], values: &mut [f64]) {
         (**self).values(x, values);
     }
@@ -99,6 +108,9 @@ impl<M: Model + ?Sized> Model for &M {
 }
 
 impl<M: Model + ?Sized> Model for Box<M> {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        (**self).failure(x)
+    }
     fn values(&self, x: &[f64], values: &mut [f64]) {
         (**self).values(x, values);
     }

@@ -1,14 +1,17 @@
 //! One solver, many starts: how many different optima there are, and which is best.
 
-use rayon::prelude::*;
+use core::ops::ControlFlow;
 
+use crate::callback::{Callback, Stage};
 use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
 use crate::sobol::Sobol;
 use crate::solution::{Counts, Solution};
-use crate::solve::solve;
+use crate::solve::solve_with;
+use crate::status::Status;
+use crate::watched::watched;
 
 /// Two solutions nearer than this share of the box in every variable are the same optimum.
 const SAME_POINT: f64 = 1e-4;
@@ -29,7 +32,7 @@ pub struct Optimum {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MultiStart {
-    /// The starts: the problem's own, then points spread evenly over the box.
+    /// The starts: the problem's own, then points spread evenly over the box; without those that a stop came before.
     pub starts: Vec<Vec<f64>>,
     /// One solution per start.
     pub runs: Vec<Solution>,
@@ -38,12 +41,28 @@ pub struct MultiStart {
     pub optima: Vec<Optimum>,
     /// What all runs cost together.
     pub counts: Counts,
+    /// Did the caller stop it? Then some runs are [`Status::Stopped`] or are not there.
+    pub stopped: bool,
 }
 
+/// A stopped run that violates no constraint by more is as good as its utility.
+const FEASIBLE: f64 = 1e-6;
+
 impl MultiStart {
-    /// The best solution; if no run was solved, the run with the least violation.
+    /// The best solution; if no run was solved, the run with the least violation. Of a search that was stopped, the best
+    /// point so far.
     #[must_use]
     pub fn best(&self) -> &Solution {
+        let so_far = |run: &&Solution| {
+            run.status.is_solved()
+                || (run.status == Status::Stopped && run.kkt.violation <= FEASIBLE)
+        };
+        let by_utility = |a: &&Solution, b: &&Solution| a.utility.total_cmp(&b.utility);
+        if self.stopped
+            && let Some(best) = self.runs.iter().filter(so_far).min_by(by_utility)
+        {
+            return best;
+        }
         let index = self.optima.first().map_or_else(
             || {
                 let violation = |i: &usize| self.runs[*i].kkt.violation;
@@ -97,6 +116,41 @@ pub fn multi_start(
     starts: usize,
     seed: u64,
 ) -> Result<MultiStart> {
+    multi_start_with(problem, method, settings, (starts, seed), &mut |_| {
+        ControlFlow::Continue(())
+    })
+}
+
+/// As [`multi_start`], calling `callback` on this thread for each iteration of each run: to show progress, or to stop all
+/// of them. `starts` and their seed as there.
+///
+/// # Errors
+/// As [`multi_start`].
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use grouser_opt::{
+///     Differences, Method, Problem, ProblemParams, Settings, Variable, multi_start_with,
+/// };
+///
+/// let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = (x[0] * x[0] - 1.0).powi(2));
+/// let params = ProblemParams::new(&[0.9], 1, model)
+///     .variables([Variable::bounded("x", 0.9, -2.0, 2.0)]);
+/// let problem = Problem::new(params)?;
+/// let (method, settings) = (Method::Minimax, Settings::default());
+/// let stop = &mut |_: &grouser_opt::Progress<'_>| ControlFlow::Break(());
+/// let found = multi_start_with(&problem, &method, &settings, (100, 1), stop)?;
+/// assert!(found.stopped && !found.runs.is_empty()); // the best so far is there
+/// assert!(found.best().utility <= 1.0 + 9.0);
+/// # Ok::<(), grouser_opt::Error>(())
+/// ```
+pub fn multi_start_with(
+    problem: &Problem<'_>,
+    method: &Method,
+    settings: &Settings,
+    (starts, seed): (usize, u64),
+    callback: &mut Callback<'_>,
+) -> Result<MultiStart> {
     if starts == 0 {
         return Err(Error::Empty { what: "starts" });
     }
@@ -104,10 +158,15 @@ pub fn multi_start(
     let mut sobol = Sobol::new(lower.len(), Some(seed))?;
     let mut points: Vec<Vec<f64>> = vec![problem.variables().iter().map(|v| v.start).collect()];
     points.extend((1..starts).map(|_| sobol.next_in(&lower, &upper)));
-    let runs = points
-        .par_iter()
-        .map(|start| solve(&problem.from_start(start)?, method, settings))
-        .collect::<Result<Vec<Solution>>>()?;
+    let (runs, stopped) = watched(
+        &points,
+        |done| Stage::Starts { done, of: starts },
+        callback,
+        |start, own| solve_with(&problem.from_start(start)?, method, settings, own),
+    );
+    let begun = points.into_iter().zip(runs);
+    let begun = begun.filter_map(|(start, run)| Some(run?.map(|run| (start, run))));
+    let (points, runs): (Vec<_>, Vec<_>) = begun.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     let mut counts = Counts::default();
     for run in &runs {
         counts += run.counts;
@@ -117,6 +176,7 @@ pub fn multi_start(
         starts: points,
         runs,
         counts,
+        stopped,
     })
 }
 

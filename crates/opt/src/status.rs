@@ -53,6 +53,8 @@ pub enum Status {
     NotFinite {
         /// The function's name.
         function: String,
+        /// Why, where the model says it ([`Model::failure`](crate::Model::failure)).
+        reason: Option<String>,
     },
     /// The objective falls without limit.
     Unbounded,

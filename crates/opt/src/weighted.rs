@@ -52,6 +52,11 @@ impl Sum<'_> {
 }
 
 impl Model for Sum<'_> {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        let n = self.problem.variables().len();
+        self.problem.model().failure(&x[..n])
+    }
+
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let n = self.problem.variables().len();
         let mut old = vec![f64::NAN; self.problem.function_count()];

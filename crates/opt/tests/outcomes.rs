@@ -175,7 +175,13 @@ fn a_function_without_a_value_at_the_start_is_named() {
     });
     let solution = minimax(ProblemParams::new(&[-1.0], 2, model));
     let function = "f2".to_owned();
-    assert_eq!(solution.status, Status::NotFinite { function });
+    assert_eq!(
+        solution.status,
+        Status::NotFinite {
+            function,
+            reason: None,
+        }
+    );
 }
 
 #[test]

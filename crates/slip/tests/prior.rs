@@ -8,11 +8,13 @@
 mod noise;
 mod world;
 
+use std::time::Instant;
+
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::prior::{FreeWheelSkid, SlipDemand, SoilDoubt};
 use grouser_terra::{
-    Angle, Bekker, Pressure, RigidWheel, Settings, SlopeOutcome, Soil, SoilParams, WheelOnSoil,
-    catalogue,
+    Angle, Bekker, Pressure, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams,
+    WheelOnSoil, catalogue,
 };
 use world::World;
 
@@ -152,4 +154,117 @@ fn a_soil_thirty_percent_wrong_is_within_the_interval() {
         }
     }
     println!("greatest error {worst:.2} sigma");
+}
+
+/// The tables trace each soil from place to place; whole searches at each place give the same.
+#[test]
+fn tables_are_those_of_whole_searches() {
+    let share = 0.2;
+    for key in ["dry-sand", "lunar"] {
+        let soil = catalogue::find(key).unwrap().soil().unwrap();
+        let p = *soil.params();
+        let Pressure::Bekker(bekker) = p.pressure else {
+            panic!("Bekker's soils")
+        };
+        // moduli, cohesion, tan φ and K in turn greater and smaller
+        let neighbours: Vec<Soil> = [1.0 + share, 1.0 - share]
+            .into_iter()
+            .flat_map(|f| {
+                let (k_c, k_phi) = (f * bekker.k_c, f * bekker.k_phi);
+                [
+                    SoilParams {
+                        pressure: Pressure::Bekker(Bekker { k_c, k_phi }),
+                        ..p
+                    },
+                    SoilParams {
+                        cohesion: f * p.cohesion,
+                        ..p
+                    },
+                    SoilParams {
+                        phi: Angle::from_rad((f * p.phi.rad().tan()).atan()),
+                        ..p
+                    },
+                    SoilParams {
+                        k_shear: f * p.k_shear,
+                        ..p
+                    },
+                ]
+            })
+            .map(|params| Soil::new(params).unwrap())
+            .collect();
+        let prior = |end: f64, of: &dyn Fn(&Soil) -> Option<f64>| {
+            let mean = of(&soil)?;
+            let squares: f64 = neighbours
+                .iter()
+                .map(|soil| of(soil).map_or(0.5 * (end - mean), |slip| slip - mean))
+                .map(|off| 0.5 * off * off)
+                .sum();
+            Some((mean, squares.sqrt()))
+        };
+        let wheel = RigidWheel::new(0.15, 0.12).unwrap();
+        let on = |soil: &Soil| WheelOnSoil::new(wheel, *soil, Settings::default()).unwrap();
+        let limit = Angle::from_deg(24.0);
+        let limits = (Angle::from_rad(-limit.rad()), limit);
+        let demand = SlipDemand::new(wheel, &soil, 45.0, limits, SoilDoubt::of(share)).unwrap();
+        let mut held = 0;
+        for place in 0..17 {
+            let slope = Angle::from_deg(-24.0 + 3.0 * f64::from(place));
+            let end = if slope.rad() < 0.0 { -1.0 } else { 1.0 };
+            let truth = prior(
+                end,
+                &|soil| match on(soil).slip_demand(45.0, slope).unwrap() {
+                    SlopeOutcome::Holds { slip } => Some(slip.value()),
+                    _ => None,
+                },
+            );
+            let point = demand
+                .points()
+                .iter()
+                .find(|point| (point.0 - slope.rad()).abs() < 1e-9);
+            assert_eq!(point.is_some(), truth.is_some(), "{key} {}°", slope.deg());
+            if let (Some((_, found)), Some((mean, sigma))) = (point, truth) {
+                held += 1;
+                let off = (found.mean - mean).abs().max((found.sigma - sigma).abs());
+                assert!(
+                    off < 1e-10,
+                    "{key} {}°: {found:?} {mean} {sigma}",
+                    slope.deg()
+                );
+            }
+        }
+        assert!((8..17).contains(&held), "{held} slopes are held");
+        let free = RigidWheel::new(0.08, 0.05).unwrap();
+        let skid = FreeWheelSkid::new(free, &soil, 0.01, (10.0, 10.0), SoilDoubt::of(share));
+        let found = skid.unwrap().at(10.0).unwrap();
+        let (mean, sigma) = prior(-1.0, &|soil| {
+            let pair = WheelOnSoil::new(free, *soil, Settings::default()).unwrap();
+            pair.free_slip(10.0, 0.01).unwrap().map(Slip::value)
+        })
+        .unwrap();
+        assert!((found.mean - mean).abs() < 1e-10 && (found.sigma - sigma).abs() < 1e-10);
+    }
+}
+
+/// How long the tables of a drive take: `cargo test --release -p grouser-slip --test prior -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn time_of_the_tables() {
+    for key in ["dry-sand", "sandy-loam", "lunar"] {
+        let soil = catalogue::find(key).unwrap().soil().unwrap();
+        let slopes = [-0.35, 0.35].map(Angle::from_rad);
+        let mut least = [f64::INFINITY; 2];
+        for _ in 0..10 {
+            let wheel = RigidWheel::new(0.15, 0.12).unwrap();
+            let begun = Instant::now();
+            let doubt = SoilDoubt::default();
+            SlipDemand::new(wheel, &soil, 45.0, (slopes[0], slopes[1]), doubt).unwrap();
+            least[0] = begun.elapsed().as_secs_f64().min(least[0]);
+            let wheel = RigidWheel::new(0.08, 0.05).unwrap();
+            let begun = Instant::now();
+            FreeWheelSkid::over_laws(wheel, &soil, 0.0, (10.0, 10.0), doubt).unwrap();
+            least[1] = begun.elapsed().as_secs_f64().min(least[1]);
+        }
+        let [demand, skid] = least.map(|seconds| 1e3 * seconds);
+        println!("{key}: slip demand {demand:.1} ms, skid {skid:.1} ms");
+    }
 }

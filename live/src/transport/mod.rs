@@ -1,5 +1,7 @@
 //! What carries messages: bytes by topic, and the graph of who sends and receives them.
 
+#[cfg(feature = "dds")]
+mod dds;
 mod inbox;
 mod names;
 #[cfg(feature = "zenoh")]
@@ -43,7 +45,9 @@ pub struct Endpoint {
     pub node: String,
     /// Does it publish?
     pub is_publisher: bool,
-    /// Does it request what was sent before it began (transient local)?
+    /// Is it reliable?
+    pub is_reliable: bool,
+    /// Does it keep or request what was sent before (transient local)?
     pub is_transient_local: bool,
 }
 
@@ -52,8 +56,6 @@ pub struct Endpoint {
 pub struct Graph {
     /// Publishers and subscribers of other programs.
     pub endpoints: Vec<Endpoint>,
-    /// Full names of other programs' nodes.
-    pub nodes: Vec<String>,
 }
 
 /// Carries bytes. A number that `subscribe` and `advertise` take or return is the caller's handle.
@@ -98,6 +100,8 @@ pub fn open(kind: Kind, environment: &Environment, node: &str) -> Result<Box<dyn
     match kind {
         #[cfg(feature = "zenoh")]
         Kind::Zenoh => Ok(Box::new(zenoh::ZenohTransport::open(environment, node)?)),
+        #[cfg(feature = "dds")]
+        Kind::Dds => Ok(Box::new(dds::DdsTransport::open(environment)?)),
         #[allow(
             unreachable_patterns,
             reason = "reached where a transport is not built in"

@@ -31,6 +31,8 @@ const SLASH: &str = "%";
 const QOS: &str = "::,10:,:,:,,";
 /// The durability of a QoS that requests what was sent before.
 const TRANSIENT_LOCAL: &str = "1";
+/// The reliability of a QoS that may lose messages.
+const BEST_EFFORT: &str = "2";
 const NODE: u32 = 0;
 
 /// A session with what it announced.
@@ -175,8 +177,8 @@ fn mangled_node(node: &str) -> String {
     format!("{SLASH}/{}/{name}", namespace.replace('/', SLASH))
 }
 
-/// What a token of another session announces: a node, or an endpoint.
-fn read_token(token: &str, own_session: &str) -> Option<(String, Option<Endpoint>)> {
+/// The endpoint that a token of another session announces.
+fn read_token(token: &str, own_session: &str) -> Option<Endpoint> {
     let mut parts = token.split('/').skip(2);
     let session = parts.next()?;
     if session == own_session {
@@ -186,9 +188,6 @@ fn read_token(token: &str, own_session: &str) -> Option<(String, Option<Endpoint
     let mut parts = parts.skip(1);
     let namespace = parts.next()?.replace(SLASH, "/");
     let node = format!("{}/{}", namespace.trim_end_matches('/'), parts.next()?);
-    if kind == "NN" {
-        return Some((node, None));
-    }
     let is_publisher = match kind {
         "MP" => true,
         "MS" => false,
@@ -198,15 +197,15 @@ fn read_token(token: &str, own_session: &str) -> Option<(String, Option<Endpoint
     let type_name = ros_type(parts.next()?)?;
     let hash = parts.next().map(str::to_owned);
     let qos = parts.next().unwrap_or_default();
-    let endpoint = Endpoint {
+    Some(Endpoint {
         topic,
         type_name,
         type_hash: hash,
-        node: node.clone(),
+        node,
         is_publisher,
+        is_reliable: qos.split(':').next() != Some(BEST_EFFORT),
         is_transient_local: qos.split(':').nth(1) == Some(TRANSIENT_LOCAL),
-    };
-    Some((node, Some(endpoint)))
+    })
 }
 
 /// The publisher's id of a message's attachment: the last 16 bytes.
@@ -225,12 +224,8 @@ impl Transport for ZenohTransport {
         let own = self.session.zid().to_string();
         let tokens = self.tokens.lock().unwrap_or_else(PoisonError::into_inner);
         let mut graph = Graph::default();
-        for (node, endpoint) in tokens.iter().filter_map(|token| read_token(token, &own)) {
-            match endpoint {
-                Some(endpoint) => graph.endpoints.push(endpoint),
-                None => graph.nodes.push(node),
-            }
-        }
+        let others = tokens.iter().filter_map(|token| read_token(token, &own));
+        graph.endpoints.extend(others);
         graph
     }
 
@@ -339,14 +334,12 @@ mod tests {
     #[test]
     fn tokens_of_others_are_read_and_ours_left_out() {
         let token = "@ros2_lv/0/aa/0/11/MS/%/%robot/listener/%joint_states/sensor_msgs::msg::dds_::JointState_/RIHS01_x/:1:,10:,:,:,,";
-        let (node, endpoint) = read_token(token, "bb").unwrap();
-        let endpoint = endpoint.unwrap();
-        assert_eq!(node, "/robot/listener");
+        let endpoint = read_token(token, "bb").unwrap();
+        assert_eq!(endpoint.node, "/robot/listener");
         assert_eq!(endpoint.topic, "/joint_states");
         assert_eq!(endpoint.type_name, "sensor_msgs/JointState");
         assert!(endpoint.is_transient_local && !endpoint.is_publisher);
         assert!(read_token(token, "aa").is_none());
-        let (node, none) = read_token("@ros2_lv/0/aa/0/0/NN/%/%/talker", "bb").unwrap();
-        assert!(node == "/talker" && none.is_none());
+        assert!(read_token("@ros2_lv/0/aa/0/0/NN/%/%/talker", "bb").is_none());
     }
 }

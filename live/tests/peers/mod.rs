@@ -39,7 +39,7 @@ pub(crate) struct Place {
     pub(crate) transport: &'static str,
     pub(crate) domain: u32,
     pub(crate) folder: PathBuf,
-    endpoint: String,
+    pub(crate) endpoint: String,
 }
 
 impl Place {

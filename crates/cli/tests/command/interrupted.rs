@@ -41,3 +41,49 @@ fn an_interrupted_job_leaves_nothing() {
         assert!(folder.names().is_empty(), "{:?}", folder.names());
     }
 }
+
+/// A front that takes minutes: the first Ctrl-C ends it with what it has.
+#[test]
+fn an_interrupted_search_keeps_the_best_so_far() {
+    let folder = Folder::new();
+    let problem = folder.path("slow.toml");
+    let example = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/problems/pull-against-torque.toml"
+    );
+    let text = std::fs::read_to_string(example).unwrap();
+    let text: String = text
+        .lines()
+        .filter(|line| !line.starts_with("generations") && !line.starts_with("population"))
+        .map(|line| match line {
+            "[pareto]" => "[pareto]\ngenerations = 100000\npopulation = 40\n".to_owned(),
+            line => format!("{line}\n"),
+        })
+        .collect();
+    assert!(text.contains("100000"), "{text}");
+    std::fs::write(&problem, text).unwrap();
+    let output = folder.path("front.csv");
+    let child = start(
+        [
+            "optimize".into(),
+            problem,
+            "--json".into(),
+            "-o".into(),
+            output.clone(),
+        ],
+        Stdio::null(),
+    );
+    thread::sleep(Duration::from_secs(3));
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    let said = wait(child);
+    assert_eq!(said.code, Some(130), "{said:?}");
+    assert!(said.err.contains("best that was found so far"), "{said:?}");
+    let points = said.json()["front"].as_array().map_or(0, Vec::len);
+    assert!(points > 3, "{points} points");
+    let rows = std::fs::read_to_string(output).unwrap().lines().count();
+    assert_eq!(rows, points + 1);
+}

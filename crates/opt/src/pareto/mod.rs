@@ -14,6 +14,9 @@ mod population;
 mod sbx;
 mod settings;
 
+use core::ops::ControlFlow;
+
+use crate::callback::{Callback, Progress, Stage};
 use crate::error::{Error, Result};
 use crate::problem::Problem;
 use crate::random::Random;
@@ -57,6 +60,8 @@ pub struct Front {
     pub violation: f64,
     /// What the search and the polishing cost.
     pub counts: Counts,
+    /// Did the caller stop it? Then it is the front so far.
+    pub stopped: bool,
 }
 
 impl Front {
@@ -94,6 +99,19 @@ impl Front {
 /// # Ok::<(), grouser_opt::Error>(())
 /// ```
 pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front> {
+    pareto_with(problem, settings, &mut |_| ControlFlow::Continue(()))
+}
+
+/// As [`pareto`], calling `callback` after each generation and for each iteration of the polishing solves: to show
+/// progress, or to stop with the front so far.
+///
+/// # Errors
+/// As [`pareto`].
+pub fn pareto_with(
+    problem: &Problem<'_>,
+    settings: &ParetoSettings,
+    callback: &mut Callback<'_>,
+) -> Result<Front> {
     let m = problem.objectives().len();
     Error::check_range("the number of objectives", m as f64, 2.0, 20.0)?;
     settings.check()?;
@@ -106,13 +124,16 @@ pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front>
         mutation: settings.mutation_for(m),
         random: Random::new(settings.seed),
         counts: Counts::default(),
+        callback,
+        stopped: false,
     };
     let directions = das_dennis(m, settings.divisions_for(m));
     let population = match settings.algorithm_for(m) {
         Algorithm::NsgaII => search.nsga2()?,
         Algorithm::NsgaIII => search.nsga3(&directions)?,
     };
-    let mut counts = search.counts;
+    let (mut counts, mut stopped) = (search.counts, search.stopped);
+    let callback = search.callback;
     let violation = population
         .iter()
         .map(|i| i.violation)
@@ -126,12 +147,17 @@ pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front>
             best.push(candidate.clone());
         }
     }
-    let mut points: Vec<FrontPoint> = if settings.polish {
+    let mut points: Vec<FrontPoint> = if settings.polish && !stopped {
         let spread = match settings.algorithm_for(m) {
             Algorithm::NsgaII => None,
             Algorithm::NsgaIII => Some(directions.as_slice()),
         };
-        polish::polish(problem, &settings.solve, &best, spread, &mut counts)?
+        let watch = polish::Watch {
+            callback,
+            stopped: &mut stopped,
+            counts: &mut counts,
+        };
+        polish::polish(problem, &settings.solve, &best, spread, watch)?
     } else {
         best.into_iter()
             .map(|i| FrontPoint {
@@ -162,10 +188,11 @@ pub fn pareto(problem: &Problem<'_>, settings: &ParetoSettings) -> Result<Front>
         points,
         violation,
         counts,
+        stopped,
     })
 }
 
-struct Search<'a> {
+struct Search<'a, 'c, 'f> {
     problem: &'a Problem<'a>,
     settings: &'a ParetoSettings,
     bounds: (&'a [f64], &'a [f64]),
@@ -173,9 +200,39 @@ struct Search<'a> {
     mutation: Mutation,
     random: Random,
     counts: Counts,
+    callback: &'c mut Callback<'f>,
+    stopped: bool,
 }
 
-impl Search<'_> {
+impl Search<'_, '_, '_> {
+    /// A generation is done; is the search to go on?
+    fn goes_on(&mut self, population: &[Individual]) -> bool {
+        self.counts.iterations += 1;
+        let greatest = |of: &Individual| {
+            let all = of.objectives.iter().copied();
+            all.fold(f64::NEG_INFINITY, f64::max)
+        };
+        let best = population.iter().min_by(|a, b| {
+            let by_violation = a.violation.total_cmp(&b.violation);
+            by_violation.then(greatest(a).total_cmp(&greatest(b)))
+        });
+        if let Some(best) = best {
+            let progress = Progress {
+                stage: Stage::Generations {
+                    done: self.counts.iterations,
+                    of: self.settings.generations,
+                },
+                iteration: self.counts.iterations,
+                x: &best.x,
+                utility: greatest(best),
+                violation: best.violation,
+                stationarity: None,
+            };
+            self.stopped = (self.callback)(&progress).is_break();
+        }
+        !self.stopped
+    }
+
     /// The first population: the problem's start, and an even cover of the box.
     fn seeded(&mut self, count: usize) -> Result<Vec<Individual>> {
         let (lower, upper) = self.bounds;
@@ -239,7 +296,9 @@ impl Search<'_> {
             let born = self.evaluate(offspring);
             population.extend(born);
             (population, fitness) = nsga2::survive(population, count);
-            self.counts.iterations += 1;
+            if !self.goes_on(&population) {
+                break;
+            }
         }
         Ok(population)
     }
@@ -260,7 +319,9 @@ impl Search<'_> {
             population.extend(born);
             population =
                 nsga3::survive(population, count, directions, &mut memory, &mut self.random);
-            self.counts.iterations += 1;
+            if !self.goes_on(&population) {
+                break;
+            }
         }
         Ok(population)
     }

@@ -4,29 +4,38 @@
 //! the directions are the given ones; without them each point keeps its own, w_i = f_i − ideal_i, after
 //! the ends of the front have been made exact.
 
-use rayon::prelude::*;
-
 use super::FrontPoint;
 use super::nsga3::nearest;
 use super::population::Individual;
+use crate::callback::{Callback, Progress, Stage};
 use crate::error::Result;
 use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
 use crate::solution::{Counts, Multipliers, Solution};
-use crate::solve::solve;
+use crate::solve::solve_with;
+use crate::status::Status;
+use crate::watched::watched;
 
 /// So many iterations for one point.
 const LONGEST: usize = 200;
 /// A direction's least component: along 0 a goal would be a hard limit that nothing can move.
 const LEAST_WEIGHT: f64 = 1e-6;
 
+/// The caller, and what is counted for it.
+pub(super) struct Watch<'w, 'c, 'f> {
+    pub(super) callback: &'c mut Callback<'f>,
+    pub(super) stopped: &'w mut bool,
+    pub(super) counts: &'w mut Counts,
+}
+
+/// The front with its points made exact; those that a stop came before stay as they are.
 pub(super) fn polish(
     problem: &Problem<'_>,
     settings: &Settings,
     front: &[Individual],
     directions: Option<&[Vec<f64>]>,
-    counts: &mut Counts,
+    mut watch: Watch<'_, '_, '_>,
 ) -> Result<Vec<FrontPoint>> {
     let m = problem.objectives().len();
     if front.is_empty() {
@@ -39,7 +48,7 @@ pub(super) fn polish(
         probes: 0,
         ..settings.clone()
     };
-    let ends = ends(problem, settings, front, counts)?;
+    let ends = ends(problem, settings, front, &mut watch)?;
     let ideal: Vec<f64> = (0..m).map(|k| ends[k][k]).collect();
     // The ends alone do not span the front: an objective's best may be reached at several of them.
     let scale: Vec<f64> = (0..m)
@@ -68,9 +77,12 @@ pub(super) fn polish(
             })
             .collect(),
     };
-    let polished = targets
-        .par_iter()
-        .map(|(point, direction)| {
+    let of = targets.len();
+    let (polished, stopped) = watched(
+        if *watch.stopped { &[] } else { &targets },
+        |done| Stage::Polishing { done, of },
+        watch.callback,
+        |(point, direction), own| {
             let weights: Vec<f64> = direction
                 .iter()
                 .zip(&scale)
@@ -80,29 +92,33 @@ pub(super) fn polish(
                 goals: ideal.clone(),
                 weights: weights.clone(),
             };
-            let mut solution = solve(&problem.from_start(&point.x)?, &method, settings)?;
+            let mut solution = solve_with(&problem.from_start(&point.x)?, &method, settings, own)?;
             per_objective(&mut solution.multipliers, &weights);
-            Ok((*point, solution))
-        })
-        .collect::<Result<Vec<(&Individual, Solution)>>>()?;
+            Ok::<_, crate::error::Error>(solution)
+        },
+    );
+    *watch.stopped |= stopped;
+    let polished = polished.into_iter().chain(std::iter::repeat_with(|| None));
     let mut points: Vec<FrontPoint> = Vec::new();
-    for (point, solution) in polished {
-        *counts += solution.counts;
-        let exact = solution.status.is_solved();
-        let candidate = if exact {
-            FrontPoint {
-                objectives: magnitudes(problem, &solution.objectives),
-                x: solution.x,
-                multipliers: Some(solution.multipliers),
-            }
-        } else {
-            FrontPoint {
-                x: point.x.clone(),
-                objectives: point.objectives.clone(),
-                multipliers: None,
-            }
-        };
-        points.push(candidate);
+    for ((point, _), solution) in targets.iter().zip(polished) {
+        let solution: Option<Solution> = solution.transpose()?;
+        if let Some(solution) = &solution {
+            *watch.counts += solution.counts;
+        }
+        points.push(
+            match solution.filter(|solution| solution.status.is_solved()) {
+                Some(solution) => FrontPoint {
+                    objectives: magnitudes(problem, &solution.objectives),
+                    x: solution.x,
+                    multipliers: Some(solution.multipliers),
+                },
+                None => FrontPoint {
+                    x: point.x.clone(),
+                    objectives: point.objectives.clone(),
+                    multipliers: None,
+                },
+            },
+        );
     }
     Ok(nondominated(&points))
 }
@@ -143,7 +159,7 @@ fn ends(
     problem: &Problem<'_>,
     settings: &Settings,
     front: &[Individual],
-    counts: &mut Counts,
+    watch: &mut Watch<'_, '_, '_>,
 ) -> Result<Vec<Vec<f64>>> {
     let m = problem.objectives().len();
     let mut ends = Vec::with_capacity(m);
@@ -154,12 +170,25 @@ fn ends(
         let Some(best) = best else { continue };
         // A whisper of the others picks, among equally good ends, the one that costs them least.
         let weights = (0..m).map(|i| if i == k { 1.0 } else { 1e-6 }).collect();
-        let solution = solve(
+        if *watch.stopped {
+            ends.push(best.objectives.clone());
+            continue;
+        }
+        let own = &mut |progress: &Progress<'_>| {
+            let stage = Stage::Polishing {
+                done: 0,
+                of: front.len(),
+            };
+            (watch.callback)(&Progress { stage, ..*progress })
+        };
+        let solution = solve_with(
             &problem.from_start(&best.x)?,
             &Method::Weighted { weights },
             settings,
+            own,
         )?;
-        *counts += solution.counts;
+        *watch.stopped |= solution.status == Status::Stopped;
+        *watch.counts += solution.counts;
         let reached = magnitudes(problem, &solution.objectives);
         let better = solution.status.is_solved() && reached[k] <= best.objectives[k];
         ends.push(if better {

@@ -61,6 +61,10 @@ impl Cvar<'_> {
 }
 
 impl Model for Cvar<'_> {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        self.worlds.failure(x)
+    }
+
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let worlds = self.worlds.values(x);
         let worlds: Vec<&[f64]> = worlds.iter().map(Vec::as_slice).collect();

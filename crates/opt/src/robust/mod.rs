@@ -116,6 +116,14 @@ impl Worlds<'_> {
         self.list.len()
     }
 
+    /// Why a function has no value at `x`, in the first world where it has none.
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        self.list.iter().find_map(|world| {
+            let reason = world.model.failure(&x[..self.n])?;
+            Some(format!("in {}, {reason}", world.name))
+        })
+    }
+
     /// One list of function values per world.
     fn values(&self, x: &[f64]) -> Vec<Vec<f64>> {
         self.list

@@ -39,6 +39,10 @@ impl Spread<'_> {
 }
 
 impl Model for Spread<'_> {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        self.worlds.failure(x)
+    }
+
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let worlds = self.worlds.values(x);
         let m = self.worlds.m;

@@ -10,6 +10,10 @@ use crate::tape::TapedFunctions;
 struct WorstCase<'a>(Worlds<'a>);
 
 impl Model for WorstCase<'_> {
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        self.0.failure(x)
+    }
+
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let worlds = self.0.values(x);
         for (slot, (function, world)) in values.iter_mut().zip(order(&self.0)) {

@@ -22,7 +22,7 @@ mod report;
 mod search;
 mod subspace;
 
-use crate::callback::{Callback, Progress};
+use crate::callback::{Callback, Progress, Stage};
 use crate::jacobian::Jacobian;
 use crate::method::Method;
 use crate::problem::Problem;
@@ -224,11 +224,12 @@ impl Sqp<'_, '_, '_> {
             let stationarity = self.stationarity(&rows);
             let violation = model.point.worst_violation(self.program);
             let progress = Progress {
+                stage: Stage::Solve,
                 iteration,
                 x: &model.point.x,
                 utility: model.point.level(self.program),
                 violation,
-                stationarity,
+                stationarity: Some(stationarity),
             };
             if (self.callback)(&progress).is_break() {
                 return Status::Stopped;
@@ -374,8 +375,12 @@ impl Sqp<'_, '_, '_> {
                 .map(|row| row.function)
                 .find(|&f| model.jacobian.row(f).iter().any(|g| !g.is_finite()))
         })?;
+        let problem = self.program.problem;
         Some(Status::NotFinite {
-            function: self.program.problem.function_name(function).to_owned(),
+            function: problem.function_name(function).to_owned(),
+            reason: problem
+                .model()
+                .failure(&model.point.x[..problem.variables().len()]),
         })
     }
 

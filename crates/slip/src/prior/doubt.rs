@@ -1,7 +1,12 @@
 //! How well a soil is known, and what that does to a slip.
 
+use alloc::vec;
+use alloc::vec::Vec;
+
 use grouser_real::Real;
-use grouser_terra::{Angle, Bekker, Pressure, Reece, Soil, SoilParams};
+use grouser_terra::{
+    Angle, Bekker, Pressure, Reece, Result, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil,
+};
 
 use crate::filter::SlipPrior;
 
@@ -35,7 +40,7 @@ impl Default for SoilDoubt {
 }
 
 /// A soil with each parameter greater and smaller by its doubt.
-pub(super) type Neighbours = [[Option<Soil>; 2]; 5];
+type Neighbours = [[Option<Soil>; 2]; 5];
 
 impl SoilDoubt {
     /// The same share for all of them but n.
@@ -57,7 +62,7 @@ impl SoilDoubt {
     }
 
     /// `soil` with each parameter in turn greater and smaller by its doubt; what leaves the laws' ranges is left out.
-    pub(super) fn neighbours(&self, soil: &Soil) -> Neighbours {
+    fn neighbours(&self, soil: &Soil) -> Neighbours {
         let p = *soil.params();
         let vary = |share: f64, with: fn(SoilParams, f64) -> SoilParams| {
             [1.0 + share, 1.0 - share].map(|factor| Soil::new(with(p, factor)).ok())
@@ -94,25 +99,92 @@ impl SoilDoubt {
     }
 }
 
-/// The slip that `of` gives on `soil`, with the doubt in it; `None` where the soil itself gives none. A neighbour that
-/// gives none adds half of what lies between the slip and `end`. `of` receives a slip that is nearly right, where one is
-/// known: `near`, and for the neighbours the soil's own.
-pub(super) fn spread(
-    (soil, neighbours): (&Soil, &Neighbours),
-    (end, near): (f64, Option<f64>),
-    of: impl Fn(&Soil, Option<f64>) -> Option<f64>,
-) -> Option<SlipPrior> {
-    let mean = of(soil, near)?;
-    let mut variance = 0.0;
-    for pair in neighbours {
-        let off = pair.each_ref().map(|soil| {
-            let slip = soil.as_ref().and_then(|soil| of(soil, Some(mean)));
-            slip.map_or(0.5 * (end - mean), |slip| slip - mean)
-        });
-        variance += 0.5 * (off[0] * off[0] + off[1] * off[1]);
+/// A wheel on a soil and on its neighbours; `None` where the laws refuse one.
+pub(super) struct Family {
+    own: WheelOnSoil,
+    neighbours: Vec<Option<WheelOnSoil>>,
+}
+
+/// What is known of the family at the place before.
+pub(super) struct Traced {
+    /// Each member's slip there, and whether it has none from there on.
+    slips: Vec<Option<f64>>,
+    ended: Vec<bool>,
+    /// The soil's own slips at the last two places.
+    before: [Option<f64>; 2],
+}
+
+impl Family {
+    pub(super) fn new(wheel: RigidWheel, soil: &Soil, doubt: &SoilDoubt) -> Result<Self> {
+        let on = |soil| WheelOnSoil::new(wheel, soil, Settings::default());
+        let neighbours = doubt.neighbours(soil).into_iter().flatten();
+        Ok(Self {
+            own: on(*soil)?,
+            neighbours: neighbours
+                .map(|soil| soil.and_then(|soil| on(soil).ok()))
+                .collect(),
+        })
     }
-    Some(SlipPrior {
-        mean,
-        sigma: Real::sqrt(variance).max(1e-4),
-    })
+
+    /// The soil itself.
+    pub(super) const fn own(&self) -> &WheelOnSoil {
+        &self.own
+    }
+
+    /// Nothing is traced yet; the soil's own slip at the first place is known, if it has one.
+    pub(super) fn traced(&self, first: Option<f64>) -> Traced {
+        Traced {
+            slips: vec![None; self.neighbours.len() + 1],
+            ended: vec![false; self.neighbours.len() + 1],
+            before: [first, None],
+        }
+    }
+
+    /// The slip that `of` gives on the soil, with the doubt in it; `None` where the soil itself gives none. A neighbour
+    /// that gives none adds half of what lies between the slip and `end`. `of` receives a slip that is nearly right,
+    /// where one is known: that of the place before, moved by what the soil's own slip has moved.
+    ///
+    /// Where `ends`, a member without a slip is not asked any more: the places that follow demand more.
+    pub(super) fn spread(
+        &self,
+        traced: &mut Traced,
+        (end, ends): (f64, bool),
+        of: impl Fn(&WheelOnSoil, Option<f64>) -> Option<f64>,
+    ) -> Option<SlipPrior> {
+        let near = match traced.before {
+            [Some(last), Some(before)] => Some((2.0 * last - before).clamp(-1.0, 1.0)),
+            [last, _] => last,
+        };
+        let known: Vec<Option<f64>> = traced.slips.clone();
+        let Traced { slips, ended, .. } = traced;
+        let mut slip = |member: usize, near: Option<f64>| {
+            if ended[member] {
+                return None;
+            }
+            let found = match member {
+                0 => Some(&self.own),
+                _ => self.neighbours[member - 1].as_ref(),
+            };
+            let found = found.and_then(|pair| of(pair, near));
+            slips[member] = found;
+            ended[member] = ends && found.is_none();
+            found
+        };
+        let mean = slip(0, near)?;
+        let moved = known[0].map(|last| mean - last);
+        let mut variance = 0.0;
+        for pair in 0..self.neighbours.len() / 2 {
+            let off = [2 * pair + 1, 2 * pair + 2].map(|member| {
+                let traced = known[member].zip(moved).map(|(last, moved)| last + moved);
+                let near = traced.map_or(mean, |near| near.clamp(-1.0, 1.0));
+                slip(member, Some(near)).map_or(0.5 * (end - mean), |slip| slip - mean)
+            });
+            variance += 0.5 * (off[0] * off[0] + off[1] * off[1]);
+        }
+        traced.before = [Some(mean), traced.before[0]];
+        Some(SlipPrior {
+            mean,
+            sigma: Real::sqrt(variance).max(1e-4),
+        })
+    }
 }

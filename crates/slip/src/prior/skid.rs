@@ -3,7 +3,7 @@
 use grouser_real::{OutOfRange, Real};
 use grouser_terra::{Result, RigidWheel, Settings, ShearLaw, Slip, Soil, SoilParams, WheelOnSoil};
 
-use super::doubt::{SoilDoubt, spread};
+use super::doubt::{Family, SoilDoubt};
 use super::table::Table;
 use crate::filter::SlipPrior;
 
@@ -58,26 +58,26 @@ impl FreeWheelSkid {
         ] {
             OutOfRange::check(field, load, (low, 1e6), "N")?;
         }
-        // what is wrong with the wheel, the soil or the bearing shows at once
-        WheelOnSoil::new(wheel, *soil, Settings::default())?.free_slip(loads.0, bearing_torque)?;
-        let slip = |soil: &Soil, load: f64, near: Option<f64>| {
-            let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
+        let family = Family::new(wheel, soil, &doubt)?;
+        // what is wrong with the bearing or the load shows at once
+        let first = family.own().free_slip(loads.0, bearing_torque)?;
+        let slip = |pair: &WheelOnSoil, load: f64, near: Option<f64>| {
             let found = match near.and_then(|near| Slip::new(near).ok()) {
                 Some(near) => pair.free_slip_near(load, bearing_torque, near),
                 None => pair.free_slip(load, bearing_torque),
             };
             Some(found.ok()??.value())
         };
-        let neighbours = doubt.neighbours(soil);
-        let mut near = None;
+        let mut traced = family.traced(first.map(Slip::value));
         let (from, to) = (Real::sqrt(loads.0), Real::sqrt(loads.1));
-        let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
+        // one load is one point
+        let last = if from < to { POINTS - 1 } else { 0 };
+        let places = (0..=last).map(|i| from + (to - from) * f64::from(i) / f64::from(last.max(1)));
         Ok(Self {
             table: Table::new(places.map(|place| {
-                let prior = spread((soil, &neighbours), (-1.0, near), |soil, near| {
-                    slip(soil, place * place, near)
+                let prior = family.spread(&mut traced, (-1.0, false), |pair, near| {
+                    slip(pair, place * place, near)
                 });
-                near = prior.map(|prior| prior.mean);
                 (place, prior)
             })),
         })
@@ -112,7 +112,12 @@ impl FreeWheelSkid {
         doubt: SoilDoubt,
     ) -> Result<Self> {
         let own = Self::new(wheel, soil, bearing_torque, loads, doubt)?;
+        let own_law = soil.params().laws.shear;
+        let own_law = own_law.unwrap_or(Settings::default().shear);
         let tables = LAWS.map(|law| {
+            if law == own_law {
+                return Some(own.clone());
+            }
             let mut laws = soil.params().laws;
             laws.shear = Some(law);
             let soil = Soil::new(SoilParams {

@@ -1,14 +1,16 @@
 //! The slip that holds a slope, over the slope.
 
 use grouser_real::OutOfRange;
-use grouser_terra::{Angle, Result, RigidWheel, Settings, Slip, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Kinematics, Result, RigidWheel, Slip, SlopeOutcome, Soil, WheelOnSoil};
 
-use super::doubt::{SoilDoubt, spread};
+use super::doubt::{Family, SoilDoubt};
 use super::table::Table;
 use crate::filter::SlipPrior;
 
 /// Points of the table.
 const POINTS: u32 = 17;
+/// No table reaches steeper, rad: the limit of [`WheelOnSoil::slip_demand`].
+const MAX_SLOPE_RAD: f64 = 89.9 * core::f64::consts::PI / 180.0;
 
 /// The slip that a powered wheel needs on a slope: what the filter may believe before it has measured.
 ///
@@ -49,11 +51,19 @@ impl SlipDemand {
             (from, core::f64::consts::FRAC_PI_2),
             "rad",
         )?;
-        let pair = WheelOnSoil::new(wheel, *soil, Settings::default())?;
-        pair.slip_demand(weight, slopes.0)?;
-        pair.slip_demand(weight, slopes.1)?;
-        let slip = |soil: &Soil, slope: f64, near: Option<f64>| {
-            let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).ok()?;
+        let family = Family::new(wheel, soil, &doubt)?;
+        // what is wrong with weight, slopes or the exponent n(s) shows at once
+        let first = match family.own().slip_demand(weight, slopes.0)? {
+            SlopeOutcome::Holds { slip } => Some(slip.value()),
+            _ => None,
+        };
+        OutOfRange::check("slope", to, (-MAX_SLOPE_RAD, MAX_SLOPE_RAD), "rad")?;
+        let (load, spinning) = (
+            weight * slopes.1.cos(),
+            Kinematics::straight(Slip::new(1.0)?),
+        );
+        family.own().sinkage_under(load, &spinning)?;
+        let slip = |pair: &WheelOnSoil, slope: f64, near: Option<f64>| {
             let slope = Angle::from_rad(slope);
             let found = match near.and_then(|near| Slip::new(near).ok()) {
                 Some(near) => pair.slip_demand_near(weight, slope, near),
@@ -64,16 +74,15 @@ impl SlipDemand {
                 _ => None,
             }
         };
-        let neighbours = doubt.neighbours(soil);
-        let mut near = None;
+        let mut traced = family.traced(first);
         let places = (0..POINTS).map(|i| from + (to - from) * f64::from(i) / f64::from(POINTS - 1));
         Ok(Self {
             table: Table::new(places.map(|place| {
                 let end = if place < 0.0 { -1.0 } else { 1.0 };
-                let prior = spread((soil, &neighbours), (end, near), |soil, near| {
-                    slip(soil, place, near)
+                // uphill, what holds no slope holds no steeper one: the load falls and the pull that is needed grows
+                let prior = family.spread(&mut traced, (end, place >= 0.0), |pair, near| {
+                    slip(pair, place, near)
                 });
-                near = prior.map(|prior| prior.mean);
                 (place, prior)
             })),
         })

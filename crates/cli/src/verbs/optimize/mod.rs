@@ -6,17 +6,20 @@ mod figure;
 mod object;
 mod text;
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
-use grouser_opt::{Limit, Status};
+use grouser_opt::{Limit, Stage, Status};
 
 use self::certificate::Certification;
 use self::object::Solved;
 use crate::error::Result;
 use crate::exit::Outcome;
+use crate::interrupt::Search;
 use crate::output_choice::Output;
+use crate::progress::Progress;
 use crate::session::Session;
 use crate::verb_report::Report;
 use grouser_report::number::{in_message, shown};
@@ -55,12 +58,29 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(key) = &design.soil {
         session.used_catalogue_soil(key);
     }
-    let mut answer = design.solve()?;
-    let mut certified = arguments.certification.run(&design, &answer)?;
+    let search = Search::begin();
+    let mut stage = ShownStage::default();
+    let mut answer = design.solve_with(&mut |progress| {
+        stage.reach(progress);
+        if search.is_interrupted() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })?;
+    drop(stage);
+    let is_interrupted = search.is_interrupted();
+    drop(search);
+    let mut certified = if is_interrupted {
+        None
+    } else {
+        arguments.certification.run(&design, &answer)?
+    };
     if let Some(better) = certified.as_mut().and_then(|c| c.better.take()) {
         answer = better;
     }
     let failure = match &answer {
+        Answer::Optimum(optimum) if optimum.status == Status::Stopped => None,
         Answer::Optimum(optimum) => complaint(&design, optimum),
         Answer::Trade(trade) => no_front(trade),
         _ => None,
@@ -79,10 +99,15 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Answer::Optimum(optimum) => warnings(optimum),
         _ => Vec::new(),
     };
+    if is_interrupted {
+        warnings
+            .push("interrupted: this is the best that was found so far, not an optimum".to_owned());
+    }
     let doubt = certified.as_ref().and_then(certificate::Certified::doubt);
     warnings.extend(doubt.clone());
     Ok(Report {
         outcome: match (&failure, &doubt) {
+            _ if is_interrupted => Outcome::Interrupted,
             (Some(_), _) => Outcome::NoResult,
             (None, Some(_)) => Outcome::Doubtful,
             (None, None) => Outcome::Done,
@@ -99,6 +124,28 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
+/// How far a search is, as a bar for each stage that has an end.
+#[derive(Default)]
+struct ShownStage(Option<(&'static str, Progress)>);
+
+impl ShownStage {
+    fn reach(&mut self, progress: &grouser_opt::Progress<'_>) {
+        let (name, done, of) = match progress.stage {
+            Stage::Starts { done, of } => ("starts", done, of),
+            Stage::Generations { done, of } => ("generations", done, of),
+            Stage::Polishing { done, of } => ("points made exact", done, of),
+            _ => return,
+        };
+        if self.0.as_ref().is_none_or(|(shown, _)| *shown != name) {
+            self.0 = None; // the bar before ends first
+            self.0 = Some((name, Progress::of_items(of as u64, name)));
+        }
+        if let Some((_, bar)) = &self.0 {
+            bar.reach(done as u64);
+        }
+    }
+}
+
 /// Why there is no solution; `None` where there is one.
 fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
     match &optimum.status {
@@ -113,7 +160,7 @@ fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
                 list.join(", ")
             ))
         }
-        Status::NotFinite { function } => Some(match design.no_value(&optimum.x) {
+        Status::NotFinite { function, reason } => Some(match reason {
             Some(reason) => format!("`{function}` has no value where the search must go: {reason}"),
             None => {
                 format!("`{function}` or its derivative is not finite where the search must go")

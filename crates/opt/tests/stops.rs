@@ -1,0 +1,183 @@
+//! Callers hear of every solver's progress and may stop it; models say why they fail.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use grouser_opt::{
+    Differences, Front, Jacobian, Method, Model, MultiStart, ParetoSettings, Problem,
+    ProblemParams, Progress, Settings, Stage, Status, Variable, multi_start, multi_start_with,
+    pareto, pareto_with, solve,
+};
+
+/// Two valleys in each of two variables.
+fn valleys() -> Problem<'static> {
+    let model = Differences::new(|x: &[f64], f: &mut [f64]| {
+        f[0] = x
+            .iter()
+            .map(|x| (x * x - 1.0).powi(2) + 0.1 * x)
+            .sum::<f64>();
+    });
+    let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.9, -2.0, 2.0));
+    Problem::new(ProblemParams::new(&[0.9, 0.9], 1, model).variables(variables)).unwrap()
+}
+
+/// Does the model below take its time?
+static SLOW: AtomicBool = AtomicBool::new(false);
+
+/// Two objectives whose front is √f_1 + √f_2 = 2.
+fn two_ends() -> Problem<'static> {
+    let model = Differences::new(|x: &[f64], f: &mut [f64]| {
+        if SLOW.load(Ordering::Relaxed) {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        f[0] = x[0] * x[0] + x[1] * x[1];
+        f[1] = (x[0] - 2.0).powi(2) + x[1] * x[1];
+    });
+    let variables = ["x", "y"].map(|name| Variable::bounded(name, 1.0, -1.0, 3.0));
+    Problem::new(ProblemParams::new(&[1.0, 1.0], 2, model).variables(variables)).unwrap()
+}
+
+fn many(goes_on: impl FnMut(&Progress<'_>) -> bool) -> MultiStart {
+    let mut goes_on = goes_on;
+    let callback = &mut |progress: &Progress<'_>| {
+        if goes_on(progress) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    let (method, settings) = (Method::Minimax, Settings::default());
+    multi_start_with(&valleys(), &method, &settings, (40, 3), callback).unwrap()
+}
+
+#[test]
+fn a_watched_search_from_many_starts_finds_the_same() {
+    let plain = multi_start(&valleys(), &Method::Minimax, &Settings::default(), 40, 3).unwrap();
+    assert!(!plain.stopped && plain.optima.len() == 4);
+    let (mut heard, mut last) = (0, 0);
+    let watched = many(|progress| {
+        let Stage::Starts { done, of } = progress.stage else {
+            panic!("{progress:?}");
+        };
+        assert!(done >= last && of == 40 && progress.x.len() == 2);
+        (heard, last) = (heard + 1, done);
+        true
+    });
+    assert_eq!(watched, plain);
+    assert!(
+        heard >= plain.counts.iterations,
+        "{heard} {:?}",
+        plain.counts
+    );
+    // on a pool of one thread, which must do the work and listen
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    assert_eq!(pool.install(|| many(|_| true)), plain);
+}
+
+#[test]
+fn a_stopped_search_has_the_best_so_far() {
+    let mut heard = 0;
+    let mut least = f64::INFINITY;
+    let found = many(|progress| {
+        heard += 1;
+        least = least.min(progress.utility);
+        heard < 30
+    });
+    assert!(found.stopped && heard == 30);
+    assert!(!found.runs.is_empty() && found.runs.len() == found.starts.len());
+    assert!(found.best().utility <= least, "{least} {:?}", found.best());
+    // a first iteration that is stopped leaves its start
+    let at_once = many(|_| false);
+    assert!(at_once.stopped && at_once.best().utility.is_finite());
+}
+
+fn front(settings: &ParetoSettings, goes_on: impl FnMut(&Progress<'_>) -> bool) -> Front {
+    let mut goes_on = goes_on;
+    let callback = &mut |progress: &Progress<'_>| {
+        if goes_on(progress) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    };
+    pareto_with(&two_ends(), settings, callback).unwrap()
+}
+
+#[test]
+fn a_stopped_front_is_that_of_its_last_generation() {
+    let mut settings = ParetoSettings::default();
+    (settings.population, settings.generations) = (20, 12);
+    let whole = pareto(&two_ends(), &settings).unwrap();
+    let mut stages = [0, 0];
+    let watched = front(&settings, |progress| {
+        match progress.stage {
+            Stage::Generations { done, of } => {
+                stages[0] += 1;
+                assert!(done == stages[0] && of == 12 && progress.stationarity.is_none());
+            }
+            Stage::Polishing { .. } => stages[1] += 1,
+            other => panic!("{other:?}"),
+        }
+        true
+    });
+    assert_eq!(watched, whole);
+    assert!(stages[0] == 12 && stages[1] > 20, "{stages:?}");
+
+    let third =
+        |progress: &Progress<'_>| !matches!(progress.stage, Stage::Generations { done: 3, .. });
+    let stopped = front(&settings, third);
+    let (mut short, mut unpolished) = (settings.clone(), stopped.clone());
+    (short.generations, short.polish) = (3, false);
+    assert!(stopped.stopped && stopped.counts.iterations == 3);
+    unpolished.stopped = false;
+    assert_eq!(unpolished, pareto(&two_ends(), &short).unwrap());
+
+    // stopped while points are made exact, which takes a while: those that are not stay as the search left them
+    let half = front(&settings, |progress| match progress.stage {
+        Stage::Polishing { done, .. } => {
+            SLOW.store(true, Ordering::Relaxed);
+            done < 3
+        }
+        _ => true,
+    });
+    SLOW.store(false, Ordering::Relaxed);
+    let exact = half.points.iter().filter(|p| p.multipliers.is_some());
+    let exact = exact.count();
+    assert!(
+        half.stopped && exact < 20,
+        "{exact} of {}",
+        half.points.len()
+    );
+}
+
+/// √x, which says why it has no value.
+struct Root;
+
+impl Model for Root {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        values[0] = x[0].sqrt();
+    }
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.values(x, values);
+        jacobian.set(0, 0, 0.5 / x[0].sqrt());
+    }
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        (x[0] < 0.0).then(|| format!("the root of {} is not real", x[0]))
+    }
+}
+
+#[test]
+fn a_model_says_why_it_fails() {
+    for method in [Method::Minimax, Method::Weighted { weights: vec![1.0] }] {
+        let problem = Problem::new(ProblemParams::new(&[-4.0], 1, Root)).unwrap();
+        let found = solve(&problem, &method, &Settings::default()).unwrap();
+        let Status::NotFinite { reason, .. } = &found.status else {
+            panic!("{:?}", found.status);
+        };
+        assert_eq!(reason.as_deref(), Some("the root of -4 is not real"));
+    }
+}

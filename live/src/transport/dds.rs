@@ -1,0 +1,298 @@
+//! DDS under ROS 2's conventions: topics begin with `rt/`, and a publisher's user data holds the hash of its type.
+//!
+//! A reader requests what its publisher offers: reliability, and for `/tf_static` what was sent before. The writers are
+//! reliable and volatile.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::convert::Infallible;
+
+use futures::StreamExt as _;
+use futures::executor::block_on;
+use futures::future::{AbortHandle, abortable};
+use rustdds::bytes::Bytes;
+use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
+use rustdds::no_key::{DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter};
+use rustdds::policy::{Durability, History};
+use rustdds::{
+    DataWriterStatus, DomainParticipant, Duration, GUID, Publisher, QosPolicies, QosPolicyBuilder,
+    RTPSEntity as _, RepresentationIdentifier, StatusEvented as _, Subscriber, Topic, TopicKind,
+};
+
+use super::names::{dds_type, ros_type};
+use super::{Endpoint, Graph, Inbox, Transport};
+use crate::environment::Environment;
+use crate::error::{Error, Result};
+
+/// The messages that a reader or writer keeps: half a second at 2 kHz. The estimates of the first seconds are written at once.
+const DEPTH: i32 = 1000;
+/// A writer waits for a slow reader at most so long, ms: less than a period of a control loop.
+const MAX_BLOCKING_MS: i64 = 5;
+/// What stands before a topic's name.
+const TOPIC: &str = "rt/";
+/// What stands before the hash in a publisher's user data.
+const HASH: &str = "typehash=";
+
+/// A message as it is sent: encapsulation and body.
+struct Raw(Vec<u8>);
+
+/// Takes and gives messages as they are.
+struct RawAdapter;
+
+#[derive(Clone)]
+struct RawDecoder;
+
+impl Decode<'_, Raw> for RawDecoder {
+    type Error = Infallible;
+
+    fn decode_bytes(
+        self,
+        bytes: &[u8],
+        encoding: RepresentationIdentifier,
+    ) -> std::result::Result<Raw, Infallible> {
+        let kind = u8::from(encoding == RepresentationIdentifier::CDR_LE);
+        let mut message = Vec::with_capacity(bytes.len() + 4);
+        message.extend_from_slice(&[0, kind, 0, 0]);
+        message.extend_from_slice(bytes);
+        Ok(Raw(message))
+    }
+}
+
+impl DeserializerAdapter<Raw> for RawAdapter {
+    type Error = Infallible;
+    type Decoded = Raw;
+
+    fn supported_encodings() -> &'static [RepresentationIdentifier] {
+        &[
+            RepresentationIdentifier::CDR_LE,
+            RepresentationIdentifier::CDR_BE,
+        ]
+    }
+
+    fn transform_decoded(decoded: Raw) -> Raw {
+        decoded
+    }
+}
+
+impl DefaultDecoder<Raw> for RawAdapter {
+    type Decoder = RawDecoder;
+    const DECODER: RawDecoder = RawDecoder;
+}
+
+impl SerializerAdapter<Raw> for RawAdapter {
+    type Error = Infallible;
+
+    fn output_encoding() -> RepresentationIdentifier {
+        RepresentationIdentifier::CDR_LE
+    }
+
+    fn to_bytes(value: &Raw) -> std::result::Result<Bytes, Infallible> {
+        // the encapsulation is added by the writer
+        Ok(Bytes::copy_from_slice(value.0.get(4..).unwrap_or_default()))
+    }
+}
+
+/// A participant with what it announced.
+pub(super) struct DdsTransport {
+    participant: DomainParticipant,
+    publisher: Publisher,
+    subscriber: Subscriber,
+    readers: BTreeMap<usize, AbortHandle>,
+    writers: Vec<(String, DataWriter<Raw, RawAdapter>)>,
+    warned: BTreeSet<(String, GUID)>,
+}
+
+fn failed(error: impl std::fmt::Display) -> Error {
+    Error::Transport {
+        name: "dds",
+        what: error.to_string(),
+    }
+}
+
+fn writer_qos() -> QosPolicies {
+    QosPolicyBuilder::new()
+        .reliable(Duration::from_millis(MAX_BLOCKING_MS))
+        .durability(Durability::Volatile)
+        .history(History::KeepLast { depth: DEPTH })
+        .build()
+}
+
+/// What the publisher offers is requested, so that every publisher fits.
+fn reader_qos(publisher: &Endpoint) -> QosPolicies {
+    let qos = QosPolicyBuilder::new().history(History::KeepLast { depth: DEPTH });
+    let qos = if publisher.is_reliable {
+        qos.reliable(Duration::from_millis(MAX_BLOCKING_MS))
+    } else {
+        qos.best_effort()
+    };
+    let durability = if publisher.is_transient_local {
+        Durability::TransientLocal
+    } else {
+        Durability::Volatile
+    };
+    qos.durability(durability).build()
+}
+
+impl DdsTransport {
+    pub(super) fn open(environment: &Environment) -> Result<Self> {
+        let domain = u16::try_from(environment.domain).map_err(failed)?;
+        let participant = DomainParticipant::new(domain).map_err(failed)?;
+        let none = QosPolicies::qos_none();
+        Ok(Self {
+            publisher: participant.create_publisher(&none).map_err(failed)?,
+            subscriber: participant.create_subscriber(&none).map_err(failed)?,
+            participant,
+            readers: BTreeMap::new(),
+            writers: Vec::new(),
+            warned: BTreeSet::new(),
+        })
+    }
+
+    fn topic(&self, topic: &str, type_name: &str, qos: &QosPolicies) -> Result<Topic> {
+        let name = format!("{TOPIC}{}", topic.trim_start_matches('/'));
+        let topic = self
+            .participant
+            .create_topic(name, dds_type(type_name), qos, TopicKind::NoKey);
+        topic.map_err(failed)
+    }
+}
+
+/// An endpoint of another participant; `None` for what belongs to no message of ROS 2.
+fn endpoint(
+    topic: &str,
+    type_name: &str,
+    user_data: &[u8],
+    qos: &QosPolicies,
+    is_publisher: bool,
+) -> Option<Endpoint> {
+    let text = String::from_utf8_lossy(user_data);
+    let hash = text
+        .split_once(HASH)
+        .map(|(_, rest)| rest.split([';', '\0']).next().unwrap_or(rest));
+    Some(Endpoint {
+        topic: format!("/{}", topic.strip_prefix(TOPIC)?),
+        type_name: ros_type(type_name)?,
+        type_hash: hash.map(str::to_owned),
+        // DDS names no nodes
+        node: "a DDS participant".to_owned(),
+        is_publisher,
+        is_reliable: qos.is_reliable(),
+        is_transient_local: qos.durability() == Some(Durability::TransientLocal),
+    })
+}
+
+fn of_writer(writer: &DiscoveredWriterData) -> Option<Endpoint> {
+    let (data, text) = (&writer.publication_topic_data, &writer.user_data);
+    endpoint(&data.topic_name, &data.type_name, text, &data.qos(), true)
+}
+
+fn of_reader(reader: &DiscoveredReaderData) -> Option<Endpoint> {
+    let (data, text) = (&reader.subscription_topic_data, &reader.user_data);
+    endpoint(
+        data.topic_name(),
+        data.type_name(),
+        text,
+        &data.qos(),
+        false,
+    )
+}
+
+impl Transport for DdsTransport {
+    fn graph(&mut self) -> Graph {
+        let own = self.participant.guid().prefix;
+        let writers = self.participant.discovered_writers();
+        let writers = writers
+            .iter()
+            .filter(|writer| writer.writer_proxy.remote_writer_guid.prefix != own);
+        let readers = self.participant.discovered_readers();
+        let readers = readers
+            .iter()
+            .filter(|reader| reader.reader_proxy.remote_reader_guid.prefix != own);
+        Graph {
+            endpoints: writers
+                .filter_map(of_writer)
+                .chain(readers.filter_map(of_reader))
+                .collect(),
+        }
+    }
+
+    fn subscribe(
+        &mut self,
+        subscription: usize,
+        publisher: &Endpoint,
+        inbox: &Inbox,
+    ) -> Result<()> {
+        let qos = reader_qos(publisher);
+        let topic = self.topic(&publisher.topic, &publisher.type_name, &qos)?;
+        let reader = self
+            .subscriber
+            .create_datareader_no_key::<Raw, RawAdapter>(&topic, Some(qos))
+            .map_err(failed)?;
+        let inbox = inbox.clone();
+        let mut samples = reader.async_sample_stream();
+        let (receiving, handle) = abortable(async move {
+            while let Some(sample) = samples.next().await {
+                // what the reader cannot take apart is lost, as on a bad network
+                if let Ok(sample) = sample {
+                    let writer = sample.sample_info().writer_guid().to_bytes();
+                    inbox.put(subscription, writer, sample.into_value().0);
+                }
+            }
+        });
+        std::thread::spawn(move || block_on(receiving));
+        self.readers.insert(subscription, handle);
+        Ok(())
+    }
+
+    fn unsubscribe(&mut self, subscription: usize) {
+        if let Some(reader) = self.readers.remove(&subscription) {
+            reader.abort();
+        }
+    }
+
+    fn advertise(&mut self, topic: &str, type_name: &str) -> Result<usize> {
+        let qos = writer_qos();
+        let dds_topic = self.topic(topic, type_name, &qos)?;
+        let writer = self
+            .publisher
+            .create_datawriter_no_key::<Raw, RawAdapter>(&dds_topic, Some(qos))
+            .map_err(failed)?;
+        self.writers.push((topic.to_owned(), writer));
+        Ok(self.writers.len() - 1)
+    }
+
+    fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()> {
+        let Some((_, writer)) = self.writers.get(publisher) else {
+            return Ok(());
+        };
+        writer.write(Raw(bytes), None).map_err(failed)
+    }
+
+    fn warnings(&mut self) -> Vec<String> {
+        let mut words = Vec::new();
+        for (topic, writer) in &self.writers {
+            while let Some(status) = writer.try_recv_status() {
+                if let DataWriterStatus::OfferedIncompatibleQos {
+                    last_policy_id,
+                    reader,
+                    ..
+                } = status
+                    && self.warned.insert((topic.clone(), reader))
+                {
+                    words.push(format!(
+                        "QoS: a subscriber of `{topic}` requests another {last_policy_id:?} than reliable, volatile, \
+                         keep last: it gets no messages"
+                    ));
+                }
+            }
+        }
+        words
+    }
+
+    fn close(mut self: Box<Self>) {
+        for reader in self.readers.values() {
+            reader.abort();
+        }
+        self.readers.clear();
+        self.writers.clear();
+    }
+}
