@@ -5,7 +5,7 @@ use std::time::Instant;
 use grouser_replay::Quantiles;
 
 /// Longer ones count as this, s; the longest is kept beside the quantiles.
-const MAX_LATENCY_S: f64 = 0.01;
+const MAX_LATENCY_S: f64 = 0.1;
 
 /// Quantiles of the time from the arrival of a message to the end of what it causes.
 #[derive(Debug)]
