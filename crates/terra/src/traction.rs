@@ -89,7 +89,7 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn slip_of_maximum_pull(&self, load: f64) -> Result<Option<BestSlip>> {
-        self.best_slip(|slip| self.forces_under(load, slip, |forces| forces.drawbar_pull))
+        Self::best_slip(|slip| self.forces_under(load, slip, |forces| forces.drawbar_pull))
     }
 
     /// The slip in [0, 1] of the greatest tractive efficiency under `load` (N); `None` where no slip
@@ -98,7 +98,7 @@ impl WheelOnSoil {
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
     pub fn slip_of_maximum_efficiency(&self, load: f64) -> Result<Option<BestSlip>> {
-        self.best_slip(|slip| {
+        Self::best_slip(|slip| {
             let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
             let point = solution.point();
             Ok(point.as_ref().and_then(OperatingPoint::tractive_efficiency))
@@ -325,7 +325,7 @@ impl WheelOnSoil {
             let pull = self.forces_under(weight * angle.cos(), slip, |f| f.drawbar_pull)?;
             Ok(pull.map(|pull| pull - weight * angle.sin()))
         };
-        let Some((mut slip, mut left)) = self.best_of_scan(|slip| surplus(0.0, slip))? else {
+        let Some((mut slip, mut left)) = Self::best_of_scan(|slip| surplus(0.0, slip))? else {
             return Ok(None);
         };
         if left < 0.0 {
@@ -336,7 +336,7 @@ impl WheelOnSoil {
             }
         }
         let held =
-            |slip, from, precision| self.slope_held(slip, from, (weight, precision), surplus);
+            |slip, from, precision| Self::slope_held(slip, from, (weight, precision), surplus);
         let mut slope = held(slip, (0.0, left), FIRST_ROUND.2)?;
         let mut round = FIRST_ROUND;
         for _ in 0..SLOPE_ROUNDS {
@@ -358,7 +358,6 @@ impl WheelOnSoil {
 
     /// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.
     fn slope_held(
-        &self,
         slip: f64,
         from: (f64, f64),
         (weight, precision): (f64, f64),
@@ -383,7 +382,7 @@ impl WheelOnSoil {
     }
 
     /// The best of some samples in [0, 1], with its slip first; `None` where there is no value at all.
-    fn best_of_scan(&self, of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
+    fn best_of_scan(of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
         let mut best: Option<(f64, f64)> = None;
         for i in 0..=SCAN_STEPS {
             let slip = f64::from(i) * SCAN_STEP;
@@ -397,7 +396,7 @@ impl WheelOnSoil {
     }
 
     /// The greatest of `quantity` over slip in [0, 1] by samples and golden section.
-    fn best_slip(&self, quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
+    fn best_slip(quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
         let at = |slip: f64| -> Result<f64> { Ok(quantity(slip)?.unwrap_or(f64::NEG_INFINITY)) };
         let step = 1.0 / f64::from(SAMPLES - 1);
         let mut best = (0.0, f64::NEG_INFINITY);
@@ -525,12 +524,11 @@ fn maximum(
                 parabola = Some(wish);
             }
         }
-        (before, step) = match parabola {
-            Some(wish) => (step, wish),
-            None => {
-                let side = if x.0 < middle { b - x.0 } else { a - x.0 };
-                (side, golden * side)
-            }
+        (before, step) = if let Some(wish) = parabola {
+            (step, wish)
+        } else {
+            let side = if x.0 < middle { b - x.0 } else { a - x.0 };
+            (side, golden * side)
         };
         let moved = if step.abs() >= least {
             step
