@@ -16,6 +16,7 @@ use crate::transport::Kind;
     name = "grouser live",
     bin_name = "grouser live",
     version,
+    allow_negative_numbers = true,
     after_help = "Environment: RMW_IMPLEMENTATION selects the transport, ROS_DOMAIN_ID the domain, \
         ZENOH_SESSION_CONFIG_URI the file of Zenoh's session.\n\n\
         Examples:\n  grouser live --robot robot.toml\n  \

@@ -203,10 +203,14 @@ pub(crate) fn look(
         }
         if reported.elapsed() >= REPORT_PERIOD {
             reported = Instant::now();
-            say(&format!(
-                "waiting for {}",
-                missing(robot, &subscriptions.channels, &backlog)
-            ));
+            if transport.graph().endpoints.is_empty() {
+                say(
+                    "waiting: no topic is seen; are domain and transport those of the robot, and does Zenoh's router run?",
+                );
+            } else {
+                let what = missing(robot, &subscriptions.channels, &backlog);
+                say(&format!("waiting for {what}"));
+            }
         }
     }
     let intake = preview.into_intake()?;

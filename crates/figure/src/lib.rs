@@ -31,6 +31,7 @@
 
 mod chart;
 mod choose;
+mod colour_scale;
 mod draw_chart;
 mod draw_scene;
 mod error;
@@ -38,6 +39,7 @@ mod figure;
 mod geometry;
 mod labels;
 mod layout;
+mod map;
 mod page;
 mod page_text;
 mod panel;
@@ -57,8 +59,10 @@ mod ticks;
 mod typeface;
 
 pub use chart::{Area, Axis, Chart, Curve, Mark, Measured, Points, Rule};
+pub use colour_scale::ColourScale;
 pub use error::Error;
 pub use figure::Figure;
+pub use map::MapFrame;
 pub use page_text::{escaped, png_address};
 pub use panel::Panel;
 pub use picture::Picture;

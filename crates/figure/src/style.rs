@@ -1,5 +1,7 @@
 //! Colours, dashes and markers. Every curve is told apart by its dash as well as by its colour.
 
+use std::fmt;
+
 /// An opaque colour, red, green and blue.
 ///
 /// ```
@@ -31,6 +33,14 @@ impl Colour {
     pub const SLATE: Self = Self(0x4e, 0x58, 0x66);
     /// The seventh.
     pub const ROSE: Self = Self(0xb3, 0x4a, 0x7d);
+}
+
+impl fmt::Display for Colour {
+    /// As in SVG and CSS: `#rrggbb`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(red, green, blue) = self;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
+    }
 }
 
 /// How a line is broken.

@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use super::geometry::Rect;
 use super::page::{Item, Page};
 use super::path::{Path, Step};
-use super::style::Colour;
 use crate::page_text::escaped;
 
 /// Writes the page.
@@ -39,7 +38,7 @@ pub(super) fn write(page: &Page) -> String {
                 svg,
                 "<path d=\"{}\" fill=\"{}\"{}{}/>",
                 data(path),
-                hex(*colour),
+                colour,
                 if *opacity < 1.0 {
                     format!(" fill-opacity=\"{}\"", number(*opacity))
                 } else {
@@ -58,7 +57,7 @@ pub(super) fn write(page: &Page) -> String {
                 "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" \
                  stroke-linejoin=\"round\"{}{}/>",
                 data(path),
-                hex(*colour),
+                colour,
                 number(*width),
                 dashes(dash),
                 reference(*clip)
@@ -71,7 +70,7 @@ pub(super) fn write(page: &Page) -> String {
                 svg,
                 "<path d=\"{}\" fill=\"{}\" role=\"img\" aria-label=\"{}\"/>",
                 data(path),
-                hex(*colour),
+                colour,
                 escaped(words)
             ),
         };
@@ -150,8 +149,4 @@ fn number(value: f64) -> String {
     } else {
         text.to_owned()
     }
-}
-
-fn hex(Colour(red, green, blue): Colour) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }

@@ -1,5 +1,7 @@
 //! What sensors give: one sample is one reading of one sensor.
 
+use crate::fault::Fault;
+
 /// One reading of one sensor.
 ///
 /// Times are nanoseconds on one clock with any zero: integers, so that a clock that counts from 1970
@@ -210,6 +212,58 @@ impl Measurement {
                 | Self::WheelAngle { .. }
                 | Self::WheelRate { .. }
         )
+    }
+
+    /// Refuses a reading that holds NaN or an infinity.
+    pub(crate) fn check_finite(&self) -> Result<(), Fault> {
+        let check = Fault::check_finite;
+        match *self {
+            // integers, and raw readings, which are checked where they are processed
+            Self::WheelCount { .. }
+            | Self::WheelEdge { .. }
+            | Self::Inertial { .. }
+            | Self::JointAngle { .. }
+            | Self::Steering { .. }
+            | Self::MotorCurrent { .. } => Ok(()),
+            Self::WheelAngle { angle, .. } => check("angle", angle, "rad"),
+            Self::WheelRate { rate, .. } => check("rate", rate, "rad/s"),
+            Self::YawRate { rate } => check("yaw rate", rate, "rad/s"),
+            Self::Displacement {
+                forward,
+                left,
+                turn,
+            } => {
+                check("displacement forward", forward, "m")?;
+                check("displacement left", left, "m")?;
+                check("displacement turn", turn.unwrap_or(0.0), "rad")
+            }
+            Self::Pose { x, y, yaw } => {
+                check("pose x", x, "m")?;
+                check("pose y", y, "m")?;
+                check("pose yaw", yaw, "rad")
+            }
+            Self::Speed { forward, left } => {
+                check("speed forward", forward, "m/s")?;
+                check("speed left", left.unwrap_or(0.0), "m/s")
+            }
+            Self::Acceleration { forward, left } => {
+                check("acceleration forward", forward, "m/s²")?;
+                check("acceleration left", left, "m/s²")
+            }
+            Self::SteeringAngle { angle, .. } => check("steering angle", angle, "rad"),
+            Self::Carrier {
+                turn, forward, up, ..
+            } => {
+                check("carrier turn", turn, "rad/s")?;
+                check("carrier forward", forward, "m/s")?;
+                check("carrier up", up, "m/s")
+            }
+            Self::WheelTorque { torque, .. } => check("torque", torque, "N m"),
+            Self::Command { forward, left } => {
+                check("command forward", forward, "m/s")?;
+                check("command left", left, "m/s")
+            }
+        }
     }
 
     /// Is it raw, so that an estimator takes only what [`OnBoard`](crate::onboard::OnBoard) makes of it?

@@ -12,7 +12,7 @@ mod sane;
 mod world;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{Health, Measurement, Sample};
+use grouser_slip::{Fault, Health, Measurement, Sample};
 use proptest::prelude::*;
 use sane::is_sane;
 use world::World;
@@ -191,6 +191,71 @@ fn r6_each_refusal_is_counted_under_its_reason() {
     }
     let rejected = say(26 * row, Measurement::YawRate { rate: 0.0 });
     assert_eq!((rejected.bad_value, rejected.total()), (1, 3));
+}
+
+/// A NaN is refused by the call that brings it, of whatever sensor, not when the sample's turn in the buffer comes.
+#[test]
+fn a_nan_is_refused_at_once() {
+    let nan = f64::NAN;
+    for measurement in [
+        Measurement::WheelAngle {
+            wheel: 0,
+            angle: nan,
+        },
+        Measurement::WheelRate {
+            wheel: 0,
+            rate: nan,
+        },
+        Measurement::WheelTorque {
+            wheel: 0,
+            torque: nan,
+        },
+        Measurement::SteeringAngle {
+            wheel: 0,
+            angle: nan,
+        },
+        Measurement::YawRate { rate: nan },
+        Measurement::Acceleration {
+            forward: 0.0,
+            left: nan,
+        },
+        Measurement::Displacement {
+            forward: 0.0,
+            left: 0.0,
+            turn: Some(nan),
+        },
+        Measurement::Pose {
+            x: 0.0,
+            y: nan,
+            yaw: 0.0,
+        },
+        Measurement::Speed {
+            forward: 0.0,
+            left: Some(nan),
+        },
+        Measurement::Carrier {
+            wheel: 0,
+            turn: 0.0,
+            forward: 0.0,
+            up: nan,
+        },
+        Measurement::Command {
+            forward: nan,
+            left: 0.0,
+        },
+    ] {
+        let mut filter =
+            SlipFilter::new(&World::default().robot(), FilterSettings::default()).unwrap();
+        let sample = Sample {
+            time_ns: 0,
+            measurement,
+        };
+        assert!(
+            matches!(filter.update(sample), Err(Fault::NotFinite { .. })),
+            "{measurement:?}"
+        );
+        assert_eq!(filter.latest().rejected.bad_value, 1);
+    }
 }
 
 /// All sensors but the counters of the powered wheels fail for three seconds: sigma grows meanwhile (R9), and two seconds

@@ -59,19 +59,20 @@ struct OwnPublisher {
 }
 
 fn failed(error: impl std::fmt::Display) -> Error {
+    let text = error.to_string();
+    // without the place in Zenoh's source
+    let what = text.split(" at /").next().unwrap_or(&text).to_owned();
     Error::Transport {
         name: "zenoh",
-        what: error.to_string(),
+        what,
     }
 }
 
 /// rmw_zenoh's session by default: a peer that knows the router of this machine.
 fn configuration(environment: &Environment) -> Result<zenoh::Config> {
     if let Some(path) = &environment.zenoh_config {
-        return zenoh::Config::from_file(path).map_err(|error| Error::Transport {
-            name: "zenoh",
-            what: format!("{}: {error}", path.display()),
-        });
+        return zenoh::Config::from_file(path)
+            .map_err(|error| failed(format!("{}: {error}", path.display())));
     }
     let mut config = zenoh::Config::default();
     for (key, value) in [

@@ -300,6 +300,7 @@ impl SlipFilter {
             self.input.clear();
             self.core.restart_clock();
         }
+        sample.measurement.check_finite()?;
         if self.input.is_late(&sample) {
             // A measured motion carries its time of capture: it is applied through the history.
             return self.core.update_late(&sample, &self.input);

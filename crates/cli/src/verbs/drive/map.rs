@@ -2,117 +2,86 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_figure::{Colour, ColourScale, MapFrame, escaped};
 use grouser_rover::drive::Scenario;
 use grouser_rover::ground::Ground;
 
 use super::decisions::notable;
-use super::relief::{Window, byte, contours, relief};
+use super::relief::{contours, relief};
 use super::run::Run;
 use super::track::{Point, Track};
-use grouser_figure::even_ticks;
-use grouser_figure::{escaped, png_address};
 
-/// The frame: its greatest width and height, and what stands around it.
-const MOST: [f64; 2] = [800.0, 560.0];
-const LEFT_MARGIN_PT: f64 = 58.0;
-const TOP_MARGIN_PT: f64 = 12.0;
-const RIGHT_MARGIN_PT: f64 = 22.0;
-/// Below the frame: ticks and title, then the key.
-const BOTTOM_MARGIN_PT: f64 = 100.0;
+/// The greatest width and height of the frame.
+const MAX_SIZE_PT: [f64; 2] = [800.0, 560.0];
+/// Width and height of the key.
+const KEY_PT: [f64; 2] = [560.0, 40.0];
+/// The bar of colours in it.
+const BAR_WIDTH_PT: f64 = 260.0;
 /// The track is drawn to this many units.
 const MIN_TRACK_STEP_PT: f64 = 1.5;
 /// Colours of slip from −1 to 1: blue brakes, pale rolls, red spins. They differ in lightness as well.
-const SCALE: [(f64, [u8; 3]); 7] = [
-    (-1.0, [0x0b, 0x2a, 0x5c]),
-    (-0.4, [0x2d, 0x6f, 0xb3]),
-    (0.0, [0xf7, 0xf4, 0xea]),
-    (0.2, [0xf9, 0xd2, 0x6b]),
-    (0.4, [0xee, 0x96, 0x3a]),
-    (0.6, [0xcf, 0x4a, 0x32]),
-    (1.0, [0x5e, 0x0d, 0x22]),
-];
+const SCALE: ColourScale<'_> = ColourScale(&[
+    (-1.0, Colour(0x0b, 0x2a, 0x5c)),
+    (-0.4, Colour(0x2d, 0x6f, 0xb3)),
+    (0.0, Colour(0xf7, 0xf4, 0xea)),
+    (0.2, Colour(0xf9, 0xd2, 0x6b)),
+    (0.4, Colour(0xee, 0x96, 0x3a)),
+    (0.6, Colour(0xcf, 0x4a, 0x32)),
+    (1.0, Colour(0x5e, 0x0d, 0x22)),
+]);
+/// Where there is no slip.
+const NO_SLIP: Colour = Colour(0x9a, 0x9a, 0x9e);
 
 /// An SVG picture; nothing for ground that cannot be built, which the drive would have said.
 pub(super) fn map(scenario: &Scenario, run: &Run, track: &Track) -> String {
     let Ok(ground) = scenario.ground.build(run.seed) else {
         return String::new();
     };
-    let view = View::around(track);
-    let [width, height] = view.size;
+    let frame = around(track);
+    let [width, height] = frame.page(KEY_PT);
     let mut out = format!(
-        "<svg viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" class=\"map\">\n\
+        "<svg viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" class=\"map\">\n\
          <title>Map: relief of the ground, the track coloured by slip</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-        LEFT_MARGIN_PT + width + RIGHT_MARGIN_PT,
-        TOP_MARGIN_PT + height + BOTTOM_MARGIN_PT
+         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
     );
-    let contour = shape(&view, &ground, &mut out);
-    way(&view, scenario, track, &mut out);
-    marks(&view, run, track, &mut out);
-    axes(&view, &mut out);
-    key(&view, scenario, contour, &mut out);
+    let contour = shape(&frame, &ground, &mut out);
+    way(&frame, scenario, track, &mut out);
+    marks(&frame, run, track, &mut out);
+    out.push_str(&frame.axes());
+    key(&frame, scenario, contour, &mut out);
     out.push_str("</svg>\n");
     out
 }
 
-/// From the ground to the picture.
-struct View {
-    window: Window,
-    /// Units per metre.
-    scale: f64,
-    size: [f64; 2],
-}
-
-impl View {
-    fn around(track: &Track) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for place in track.points.iter().map(|point| point.place) {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(place[axis]);
-                high[axis] = high[axis].max(place[axis]);
-            }
-        }
-        if !(low[0] <= high[0]) {
-            (low, high) = ([0.0; 2], [1.0; 2]);
-        }
-        let margin = 1.0 + 0.05 * (high[0] - low[0]).max(high[1] - low[1]);
+/// The ground around a track.
+fn around(track: &Track) -> MapFrame {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for place in track.points.iter().map(|point| point.place) {
         for axis in 0..2 {
-            low[axis] -= margin;
-            high[axis] += margin;
-        }
-        let extent = [high[0] - low[0], high[1] - low[1]];
-        let scale = (MOST[0] / extent[0]).min(MOST[1] / extent[1]);
-        Self {
-            window: Window { low, high },
-            scale,
-            size: extent.map(|length| length * scale),
+            low[axis] = low[axis].min(place[axis]);
+            high[axis] = high[axis].max(place[axis]);
         }
     }
-
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let Window { low, high } = self.window;
-        [
-            LEFT_MARGIN_PT + (x - low[0]) * self.scale,
-            TOP_MARGIN_PT + (high[1] - y) * self.scale,
-        ]
+    if !(low[0] <= high[0]) {
+        (low, high) = ([0.0; 2], [1.0; 2]);
     }
+    let margin = 1.0 + 0.05 * (high[0] - low[0]).max(high[1] - low[1]);
+    MapFrame::new(
+        low.map(|side| side - margin),
+        high.map(|side| side + margin),
+        MAX_SIZE_PT,
+    )
 }
 
 /// Relief and contours; gives their distance in height.
-fn shape(view: &View, ground: &Ground, out: &mut String) -> Option<f64> {
-    let [width, height] = view.size;
-    if let Ok(picture) = relief(ground, view.window, view.size).png() {
-        let _ = writeln!(
-            out,
-            "<image x=\"{LEFT_MARGIN_PT}\" y=\"{TOP_MARGIN_PT}\" width=\"{width:.2}\" height=\"{height:.2}\" \
-             preserveAspectRatio=\"none\" href=\"{}\"/>",
-            png_address(&picture)
-        );
+fn shape(frame: &MapFrame, ground: &Ground, out: &mut String) -> Option<f64> {
+    if let Ok(picture) = relief(ground, frame).png() {
+        out.push_str(&frame.ground(&picture, ""));
     }
-    let (step, lines) = contours(ground, view.window)?;
+    let (step, lines) = contours(ground, frame)?;
     let mut path = String::new();
     for [from, to] in lines {
-        let ([x1, y1], [x2, y2]) = (view.at(from), view.at(to));
+        let ([x1, y1], [x2, y2]) = (frame.at(from), frame.at(to));
         let _ = write!(path, "M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}");
     }
     let _ = writeln!(
@@ -123,11 +92,11 @@ fn shape(view: &View, ground: &Ground, out: &mut String) -> Option<f64> {
 }
 
 /// The track, dark below so that every colour stands out.
-fn way(view: &View, scenario: &Scenario, track: &Track, out: &mut String) {
+fn way(frame: &MapFrame, scenario: &Scenario, track: &Track, out: &mut String) {
     let mut stretches: Vec<([f64; 2], [f64; 2], Option<f64>)> = Vec::new();
     let mut from: Option<[f64; 2]> = None;
     for point in &track.points {
-        let to = view.at([point.place[0], point.place[1]]);
+        let to = frame.at([point.place[0], point.place[1]]);
         let Some(start) = from else {
             from = Some(to);
             continue;
@@ -163,99 +132,28 @@ fn way(view: &View, scenario: &Scenario, track: &Track, out: &mut String) {
 }
 
 /// Start, end, and the numbered decisions about the whole robot.
-fn marks(view: &View, run: &Run, track: &Track, out: &mut String) {
-    let mut disc = |place: [f64; 2], radius: f64, word: &str| {
-        let [x, y] = view.at(place);
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"#ffffff\" stroke=\"#1a1a1e\" \
-             stroke-width=\"1.6\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{word}</text>",
-            y + 4.5
-        );
-    };
+fn marks(frame: &MapFrame, run: &Run, track: &Track, out: &mut String) {
     let ends = [track.points.first(), track.points.last()];
     for (end, word) in ends.into_iter().flatten().zip(["A", "B"]) {
-        disc([end.place[0], end.place[1]], 9.0, word);
+        out.push_str(&frame.mark([end.place[0], end.place[1]], word));
     }
     for (number, decision) in notable(run) {
         let (x, y) = decision.place;
-        disc([x, y], 9.0, &number.to_string());
+        out.push_str(&frame.mark([x, y], &number.to_string()));
     }
-}
-
-fn axes(view: &View, out: &mut String) {
-    let Window { low, high } = view.window;
-    let [width, height] = view.size;
-    let bottom = TOP_MARGIN_PT + height;
-    let _ = writeln!(
-        out,
-        "<rect x=\"{LEFT_MARGIN_PT}\" y=\"{TOP_MARGIN_PT}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"none\" \
-         stroke=\"#1a1a1e\" stroke-width=\"1.2\"/>"
-    );
-    let most = |length: f64| if length < 200.0 { 3 } else { 8 };
-    for (value, label) in even_ticks(low[0], high[0], most(width)) {
-        let [x, _] = view.at([value, low[1]]);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{x:.1} {bottom:.1}v-6\" stroke=\"#1a1a1e\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
-            bottom + 19.0
-        );
-    }
-    for (value, label) in even_ticks(low[1], high[1], most(height)) {
-        let [_, y] = view.at([low[0], value]);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{LEFT_MARGIN_PT} {y:.1}h6\" stroke=\"#1a1a1e\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            LEFT_MARGIN_PT - 7.0,
-            y + 4.5
-        );
-    }
-    let _ = writeln!(
-        out,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\"><tspan font-style=\"italic\">x</tspan> (m)</text>\
-         <text x=\"14\" y=\"{middle:.1}\" text-anchor=\"middle\" transform=\"rotate(-90 14 {middle:.1})\">\
-         <tspan font-style=\"italic\">y</tspan> (m)</text>",
-        LEFT_MARGIN_PT + 0.5 * width,
-        bottom + 40.0,
-        middle = TOP_MARGIN_PT + 0.5 * height,
-    );
 }
 
 /// What colours, lines and letters mean.
-fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String) {
-    const MAX_BAR_WIDTH_PT: f64 = 260.0;
-    let top = TOP_MARGIN_PT + view.size[1] + 60.0;
-    out.push_str("<defs><linearGradient id=\"slip-scale\">");
-    for (slip, [red, green, blue]) in SCALE {
-        let _ = write!(
-            out,
-            "<stop offset=\"{}\" stop-color=\"#{red:02x}{green:02x}{blue:02x}\"/>",
-            0.5 * (slip + 1.0)
-        );
-    }
-    let _ = writeln!(
-        out,
-        "</linearGradient></defs>\n<rect x=\"{LEFT_MARGIN_PT}\" y=\"{top:.1}\" width=\"{MAX_BAR_WIDTH_PT}\" height=\"11\" \
-         fill=\"url(#slip-scale)\" stroke=\"#1a1a1e\" stroke-width=\".8\"/>"
-    );
-    for (slip, label) in [
+fn key(frame: &MapFrame, scenario: &Scenario, contour: Option<f64>, out: &mut String) {
+    let [left, top] = frame.key();
+    let labels = [
         (-1.0, "−1"),
         (-0.5, "−0.5"),
         (0.0, "0"),
         (0.5, "0.5"),
         (1.0, "1"),
-    ] {
-        let x = LEFT_MARGIN_PT + MAX_BAR_WIDTH_PT * 0.5 * (slip + 1.0);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{x:.1} {:.1}v4\" stroke=\"#1a1a1e\"/><text x=\"{x:.1}\" y=\"{:.1}\" \
-             text-anchor=\"middle\">{label}</text>",
-            top + 11.0,
-            top + 30.0
-        );
-    }
+    ];
+    out.push_str(&SCALE.bar("slip-scale", [left, top], BAR_WIDTH_PT, &labels));
     let mut words = vec!["true slip, mean of the powered wheels".to_owned()];
     if let Some(step) = contour {
         words.push(format!("contours every {} m", short(step)));
@@ -277,7 +175,7 @@ fn key(view: &View, scenario: &Scenario, contour: Option<f64>, out: &mut String)
         let _ = writeln!(
             out,
             "<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            LEFT_MARGIN_PT + MAX_BAR_WIDTH_PT + 26.0,
+            left + BAR_WIDTH_PT + 26.0,
             top + 10.0 + 20.0 * line as f64,
             part.join("; ")
         );
@@ -301,28 +199,9 @@ fn mean_slip(scenario: &Scenario, point: &Point) -> Option<f64> {
     (!slips.is_empty()).then(|| slips.iter().sum::<f64>() / slips.len() as f64)
 }
 
-/// The colour of a slip; grey where there is none.
-fn colour(slip: Option<f64>) -> String {
-    let Some(slip) = slip.filter(|slip| slip.is_finite()) else {
-        return "#9a9a9e".to_owned();
-    };
-    let slip = slip.clamp(-1.0, 1.0);
-    let next = SCALE
-        .iter()
-        .position(|(at, _)| *at >= slip)
-        .unwrap_or(SCALE.len() - 1);
-    let ((from, low), (to, high)) = (SCALE[next.saturating_sub(1)], SCALE[next]);
-    let share = if to > from {
-        (slip - from) / (to - from)
-    } else {
-        0.0
-    };
-    let mut out = String::from("#");
-    for (low, high) in low.into_iter().zip(high) {
-        let mixed = f64::from(low) + share * (f64::from(high) - f64::from(low));
-        let _ = write!(out, "{:02x}", byte(mixed));
-    }
-    out
+fn colour(slip: Option<f64>) -> Colour {
+    slip.filter(|slip| slip.is_finite())
+        .map_or(NO_SLIP, |slip| SCALE.at(slip))
 }
 
 #[cfg(test)]
@@ -331,12 +210,12 @@ mod tests {
 
     #[test]
     fn colours_of_slip_meet_the_scale_and_stay_in_it() {
-        assert_eq!(colour(Some(0.0)), "#f7f4ea");
-        assert_eq!(colour(Some(1.0)), "#5e0d22");
+        assert_eq!(colour(Some(0.0)).to_string(), "#f7f4ea");
+        assert_eq!(colour(Some(1.0)).to_string(), "#5e0d22");
         assert_eq!(colour(Some(7.0)), colour(Some(1.0)));
-        assert_eq!(colour(Some(-1.0)), "#0b2a5c");
+        assert_eq!(colour(Some(-1.0)).to_string(), "#0b2a5c");
         assert_eq!(colour(Some(f64::NAN)), colour(None));
         // half of the way between 0.2 and 0.4
-        assert_eq!(colour(Some(0.3)), "#f4b453");
+        assert_eq!(colour(Some(0.3)).to_string(), "#f4b453");
     }
 }

@@ -1,14 +1,7 @@
 //! The shape of the ground as a picture: light and shade by its slope, contours by its height.
 
-use grouser_figure::{Colour, Picture, even_ticks};
+use grouser_figure::{Colour, MapFrame, Picture, even_ticks};
 use grouser_rover::ground::Ground;
-
-/// The part of the ground that is shown, m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
-    pub(super) low: [f64; 2],
-    pub(super) high: [f64; 2],
-}
 
 /// Pixels per unit of the picture.
 const PIXELS_PER_UNIT: f64 = 0.8;
@@ -29,12 +22,12 @@ const TINTS: [[f64; 3]; 5] = [
 /// Where the map knows nothing.
 const UNKNOWN: [f64; 3] = [205.0, 205.0, 205.0];
 
-/// The relief, lit from the upper left; `size` in units of the page.
-pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Picture {
-    let [columns, rows] = size.map(|length| side(length * PIXELS_PER_UNIT));
+/// The relief of the ground in a frame, lit from the upper left.
+pub(super) fn relief(ground: &Ground, frame: &MapFrame) -> Picture {
+    let [columns, rows] = frame.size().map(|length| side(length * PIXELS_PER_UNIT));
     let light = [-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2];
     let level = light[2];
-    let Window { low, high } = window;
+    let [low, high] = frame.corners();
     Picture::new([columns, rows], |column, row| {
         let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
         let x = low[0] + (high[0] - low[0]) * column / f64::from(columns);
@@ -55,8 +48,8 @@ pub(super) fn relief(ground: &Ground, window: Window, size: [f64; 2]) -> Picture
 }
 
 /// Contours: their distance in height (m), and their segments (m). Nothing for level ground.
-pub(super) fn contours(ground: &Ground, window: Window) -> Option<(f64, Vec<[[f64; 2]; 2]>)> {
-    let Window { low, high } = window;
+pub(super) fn contours(ground: &Ground, frame: &MapFrame) -> Option<(f64, Vec<[[f64; 2]; 2]>)> {
+    let [low, high] = frame.corners();
     let cell = (high[0] - low[0]).max(high[1] - low[1]) / MAX_CELLS;
     let [columns, rows] = [0, 1].map(|axis| side((high[axis] - low[axis]) / cell));
     let node = |column: u32, row: u32| {
@@ -127,7 +120,7 @@ fn crossing(corners: [([f64; 2], f64); 3], level: f64) -> Option<[[f64; 2]; 2]> 
     clippy::cast_sign_loss,
     reason = "rounded and within a byte's range"
 )]
-pub(super) fn byte(value: f64) -> u8 {
+fn byte(value: f64) -> u8 {
     value.round().clamp(0.0, 255.0) as u8
 }
 

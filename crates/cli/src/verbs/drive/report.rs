@@ -11,7 +11,7 @@ use super::run::{Run, pilots};
 use super::text::summary;
 use super::track::Track;
 use grouser_figure::escaped;
-use grouser_figure::{Colour, Figure, Style};
+use grouser_figure::{Figure, Style};
 use grouser_report::Object;
 
 const STYLE: &str = include_str!("report.css");
@@ -160,7 +160,6 @@ fn picture(name: &str, figure: &Figure, out: &mut String) {
 
 /// A short line in a style, for the key.
 fn swatch(style: Style) -> String {
-    let Colour(red, green, blue) = style.colour;
     let dash = match style.dash {
         grouser_figure::Dash::Solid => "",
         grouser_figure::Dash::Dotted => " stroke-dasharray=\"2 2.4\"",
@@ -168,7 +167,8 @@ fn swatch(style: Style) -> String {
     };
     format!(
         "<svg class=\"swatch\" viewBox=\"0 0 34 8\" aria-hidden=\"true\"><path d=\"M0 4h34\" \
-         stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{:.1}\"{dash}/></svg>",
+         stroke=\"{}\" stroke-width=\"{:.1}\"{dash}/></svg>",
+        style.colour,
         1.5 * style.width
     )
 }

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_figure::MapFrame;
 use grouser_terrain::plan::{PlanMap, Route};
 
 use crate::error::Result;
-use crate::verbs::map::picture::{self, Frame};
+use crate::verbs::map::picture;
 use crate::verbs::map::summary::Shades;
 
 /// The way, the others thin and broken, on the slip of the worst heading.
@@ -21,7 +22,7 @@ pub(super) fn draw(map: &PlanMap, route: &Route, others: &[Route]) -> Result<Str
                 .map(|pose| (map.slip[pose], map.risk[pose])),
         );
     }
-    let frame = Frame::of(&map.layout);
+    let frame = picture::frame(&map.layout);
     let mut over = String::new();
     for other in others {
         let _ = writeln!(
@@ -38,21 +39,15 @@ pub(super) fn draw(map: &PlanMap, route: &Route, others: &[Route]) -> Result<Str
     );
     let ends = [route.waypoints.first(), route.waypoints.last()];
     for (end, word) in ends.into_iter().flatten().zip(["A", "B"]) {
-        let [x, y] = frame.at(end.x, end.y);
-        let _ = writeln!(
-            over,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\" fill=\"#ffffff\" stroke=\"#1a1a1e\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{word}</text>",
-            y + 4.5
-        );
+        over.push_str(&frame.mark([end.x, end.y], word));
     }
     picture::figure(&map.layout, &shades, &over)
 }
 
-fn line(frame: &Frame, route: &Route) -> String {
+fn line(frame: &MapFrame, route: &Route) -> String {
     let mut out = String::new();
     for (index, point) in route.waypoints.iter().enumerate() {
-        let [x, y] = frame.at(point.x, point.y);
+        let [x, y] = frame.at([point.x, point.y]);
         let _ = write!(out, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
     }
     out
