@@ -99,6 +99,6 @@ pub use slip_velocity::{SlipNorm, SlipVelocity};
 pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
 pub use soil_history::SoilHistory;
 pub use status::SolveStatus;
-pub use traction::{BestSlip, SlopeOutcome};
+pub use traction::{BestSlip, SlopeOutcome, SteepestSlope};
 pub use wheel::{GrouserRule, Grousers, RigidWheel};
 pub use wheel_on_soil::WheelOnSoil;

@@ -20,6 +20,21 @@ const SLIP_PRECISION: f64 = 1e-9;
 /// How closely a root is found: far below what forces at standard accuracy can tell.
 const ROOT_PRECISION: f64 = 1e-13;
 
+/// Samples of the pull over slip before the steepest slope is sought, less one: the pull has one maximum, or rises to slip 1.
+const SCAN_STEPS: u32 = 8;
+const SCAN_STEP: f64 = 1.0 / 8.0;
+
+/// The first round of the search for the steepest slope, and all others: reach and precision of the slip, precision of the
+/// slope (rad). What the slip lacks counts in the slope by its square, and forces at standard accuracy tell no more.
+const FIRST_ROUND: (f64, f64, f64) = (SCAN_STEP, 3e-3, 1e-4);
+const LAST_ROUND: (f64, f64, f64) = (0.02, 1e-5, ROOT_PRECISION);
+
+/// Slope and slip are found in turn at most so often; two rounds are enough.
+const SLOPE_ROUNDS: u32 = 12;
+
+/// No slope is steeper than this, rad (85°).
+const MAX_GRADE_RAD: f64 = 85.0 * core::f64::consts::PI / 180.0;
+
 /// The slip at which a quantity is greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -28,6 +43,16 @@ pub struct BestSlip {
     pub slip: Slip,
     /// How great: N for a pull, a pure number for an efficiency.
     pub value: f64,
+}
+
+/// The steepest slope that a wheel holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SteepestSlope {
+    /// The slope.
+    pub slope: Angle,
+    /// The slip that holds it, and no other.
+    pub slip: Slip,
 }
 
 /// What a slope requires of a wheel.
@@ -64,7 +89,7 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn slip_of_maximum_pull(&self, load: f64) -> Result<Option<BestSlip>> {
-        self.best_slip(load, |point| Some(point.forces.drawbar_pull))
+        Self::best_slip(|slip| self.forces_under(load, slip, |forces| forces.drawbar_pull))
     }
 
     /// The slip in [0, 1] of the greatest tractive efficiency under `load` (N); `None` where no slip
@@ -73,7 +98,11 @@ impl WheelOnSoil {
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
     pub fn slip_of_maximum_efficiency(&self, load: f64) -> Result<Option<BestSlip>> {
-        self.best_slip(load, OperatingPoint::tractive_efficiency)
+        Self::best_slip(|slip| {
+            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+            let point = solution.point();
+            Ok(point.as_ref().and_then(OperatingPoint::tractive_efficiency))
+        })
     }
 
     /// The smallest slip at which a wheel of `weight` (N) holds the slope `slope`: W cos α is carried and
@@ -99,11 +128,12 @@ impl WheelOnSoil {
             max_pull = Some(max_pull.map_or(now, |m| m.max(now)));
             if now >= required {
                 let slip = match before {
-                    Some((low, at_low)) => {
-                        root((low, at_low - required), (slip, now - required), |s| {
-                            Ok(pull(s)?.map(|pull| pull - required))
-                        })?
-                    }
+                    Some((low, at_low)) => root(
+                        (low, at_low - required),
+                        (slip, now - required),
+                        ROOT_PRECISION,
+                        |s| Ok(pull(s)?.map(|pull| pull - required)),
+                    )?,
                     None => slip,
                 };
                 return Ok(SlopeOutcome::Holds {
@@ -118,7 +148,7 @@ impl WheelOnSoil {
                 let low = (best.slip.value() - 1.0 / f64::from(SAMPLES)).max(-1.0);
                 if let Some(at_low) = pull(low)? {
                     let high = (best.slip.value(), best.value - required);
-                    let slip = root((low, at_low - required), high, |s| {
+                    let slip = root((low, at_low - required), high, ROOT_PRECISION, |s| {
                         Ok(pull(s)?.map(|pull| pull - required))
                     })?;
                     return Ok(SlopeOutcome::Holds {
@@ -162,7 +192,12 @@ impl WheelOnSoil {
             let Some(now) = surplus(slip)? else { continue };
             if now >= 0.0 {
                 return match before {
-                    Some(low) => Ok(Some(Slip::new(root(low, (slip, now), surplus)?)?)),
+                    Some(low) => Ok(Some(Slip::new(root(
+                        low,
+                        (slip, now),
+                        ROOT_PRECISION,
+                        surplus,
+                    )?)?)),
                     None => Ok(None),
                 };
             }
@@ -262,44 +297,107 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn gradeability(&self, weight: f64) -> Result<Option<Angle>> {
-        let surplus = |alpha: f64| -> Result<Option<f64>> {
+        Ok(self.steepest_slope(weight)?.map(|steepest| steepest.slope))
+    }
+
+    /// [`WheelOnSoil::gradeability`] with the slip of the greatest pull on that slope.
+    ///
+    /// Slope and slip are found in turn: at a fixed slip the pull that is left falls with the slope, and at a fixed slope
+    /// the slip of the greatest pull is sought beside the last one. Since the pull is flat there, what the slip lacks
+    /// counts in the slope by its square.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`].
+    ///
+    /// ```
+    /// use grouser_terra::{RigidWheel, Settings, WheelOnSoil, catalogue};
+    ///
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
+    /// let steepest = contact.steepest_slope(80.0)?.expect("it pulls on the level");
+    /// let best = contact.slip_of_maximum_pull(80.0 * steepest.slope.cos())?.expect("it is carried");
+    /// assert!((best.value - 80.0 * steepest.slope.sin()).abs() < 1e-8);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn steepest_slope(&self, weight: f64) -> Result<Option<SteepestSlope>> {
+        let surplus = |alpha: f64, slip: f64| -> Result<Option<f64>> {
             let angle = Angle::from_rad(alpha);
-            let best = self.slip_of_maximum_pull(weight * angle.cos())?;
-            Ok(best.map(|best| best.value - weight * angle.sin()))
+            let pull = self.forces_under(weight * angle.cos(), slip, |f| f.drawbar_pull)?;
+            Ok(pull.map(|pull| pull - weight * angle.sin()))
         };
-        let Some(level) = surplus(0.0)? else {
+        let Some((mut slip, mut left)) = Self::best_of_scan(|slip| surplus(0.0, slip))? else {
             return Ok(None);
         };
-        if level < 0.0 {
-            return Ok(None);
-        }
-        // The load falls and the demand grows with the slope: one root, well below the vertical.
-        let (mut low, mut high) = (0.0, 85_f64.to_radians());
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if surplus(middle)?.is_some_and(|s| s >= 0.0) {
-                low = middle;
-            } else {
-                high = middle;
+        if left < 0.0 {
+            // between two samples the wheel may still pull
+            (slip, left) = maximum(slip, (SCAN_STEP, LAST_ROUND.1), |slip| surplus(0.0, slip))?;
+            if left < 0.0 {
+                return Ok(None);
             }
         }
-        Ok(Some(Angle::from_rad(low)))
+        let held =
+            |slip, from, precision| Self::slope_held(slip, from, (weight, precision), surplus);
+        let mut slope = held(slip, (0.0, left), FIRST_ROUND.2)?;
+        let mut round = FIRST_ROUND;
+        for _ in 0..SLOPE_ROUNDS {
+            let (reach, slip_precision, slope_precision) = round;
+            let best = maximum(slip, (reach, slip_precision), |slip| surplus(slope, slip))?;
+            let moved = (best.0 - slip).abs();
+            slip = best.0;
+            slope = held(slip, (slope, best.1.max(0.0)), slope_precision)?;
+            if round == LAST_ROUND && moved < FIRST_ROUND.1 {
+                break;
+            }
+            round = LAST_ROUND;
+        }
+        Ok(Some(SteepestSlope {
+            slope: Angle::from_rad(slope),
+            slip: Slip::new(slip)?,
+        }))
+    }
+
+    /// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.
+    fn slope_held(
+        slip: f64,
+        from: (f64, f64),
+        (weight, precision): (f64, f64),
+        surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
+    ) -> Result<f64> {
+        // no slope takes less pull than its sine
+        let (mut low, mut step) = (from, (from.1 / weight).max(precision).max(1e-9));
+        loop {
+            let alpha = (low.0 + step).min(MAX_GRADE_RAD);
+            let Some(left) = surplus(alpha, slip)? else {
+                return Ok(low.0);
+            };
+            if left < 0.0 {
+                let mirrored = |x: f64| surplus(-x, slip);
+                return Ok(-root((-alpha, left), (-low.0, low.1), precision, mirrored)?);
+            }
+            if alpha >= MAX_GRADE_RAD {
+                return Ok(alpha);
+            }
+            (low, step) = ((alpha, left), 2.0 * step);
+        }
+    }
+
+    /// The best of some samples in [0, 1], with its slip first; `None` where there is no value at all.
+    fn best_of_scan(of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
+        let mut best: Option<(f64, f64)> = None;
+        for i in 0..=SCAN_STEPS {
+            let slip = f64::from(i) * SCAN_STEP;
+            if let Some(value) = of(slip)?
+                && best.is_none_or(|best| value > best.1)
+            {
+                best = Some((slip, value));
+            }
+        }
+        Ok(best)
     }
 
     /// The greatest of `quantity` over slip in [0, 1] by samples and golden section.
-    fn best_slip(
-        &self,
-        load: f64,
-        quantity: impl Fn(&OperatingPoint) -> Option<f64>,
-    ) -> Result<Option<BestSlip>> {
-        let at = |slip: f64| -> Result<f64> {
-            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
-            Ok(solution
-                .point()
-                .as_ref()
-                .and_then(&quantity)
-                .unwrap_or(f64::NEG_INFINITY))
-        };
+    fn best_slip(quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
+        let at = |slip: f64| -> Result<f64> { Ok(quantity(slip)?.unwrap_or(f64::NEG_INFINITY)) };
         let step = 1.0 / f64::from(SAMPLES - 1);
         let mut best = (0.0, f64::NEG_INFINITY);
         for i in 0..SAMPLES {
@@ -337,19 +435,24 @@ impl WheelOnSoil {
     }
 }
 
-/// The root of `f` between two points of opposite sign, to [`ROOT_PRECISION`], where it is not negative: the secant with
+/// The root of `f` between two points of opposite sign, to `precision`, where it is not negative: the secant with
 /// Illinois' weight, which moves both ends, and a bisection now and then; a point where `f` has no value counts as below.
-fn root(low: (f64, f64), high: (f64, f64), f: impl Fn(f64) -> Result<Option<f64>>) -> Result<f64> {
+fn root(
+    low: (f64, f64),
+    high: (f64, f64),
+    precision: f64,
+    f: impl Fn(f64) -> Result<Option<f64>>,
+) -> Result<f64> {
     let ((mut a, mut f_a), (mut b, mut f_b)) = (low, high);
     let mut moved_b = None;
     for i in 1..200 {
-        if b - a <= ROOT_PRECISION || f_b == 0.0 {
+        if b - a <= precision || f_b == 0.0 {
             break;
         }
         let secant = b - f_b * (b - a) / (f_b - f_a);
         // past the root by less than the precision, so that the last step moves the other end
         let past = if moved_b == Some(true) { -1.0 } else { 1.0 };
-        let secant = secant + past * 0.4 * ROOT_PRECISION;
+        let secant = secant + past * 0.4 * precision;
         let c = if i % 6 > 0 && secant > a && secant < b {
             secant
         } else {
@@ -379,6 +482,95 @@ fn root(low: (f64, f64), high: (f64, f64), f: impl Fn(f64) -> Result<Option<f64>
     Ok(b)
 }
 
+/// The greatest value of `f` over slips within `reach` of `near` and in [0, 1], and where: Brent's method, parabolas through
+/// the best three points and golden section where they do not serve. Where the best lies at an end of the reach that is no
+/// end of [0, 1], the reach moves on.
+///
+/// Source: Brent, *Algorithms for Minimization without Derivatives* (1973), chapter 5.
+fn maximum(
+    near: f64,
+    (reach, precision): (f64, f64),
+    f: impl Fn(f64) -> Result<Option<f64>>,
+) -> Result<(f64, f64)> {
+    let value = |slip: f64| -> Result<f64> { Ok(f(slip)?.unwrap_or(f64::NEG_INFINITY)) };
+    let golden = 0.5 * (3.0 - Real::sqrt(5.0_f64));
+    let (mut a, mut b) = ((near - reach).max(0.0), (near + reach).min(1.0));
+    // best, second and third point
+    let mut x = (near, value(near)?);
+    let (mut w, mut v) = (x, x);
+    let (mut step, mut before) = (0.0_f64, 0.0_f64);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        let least = 0.3 * precision;
+        if (x.0 - middle).abs() <= 2.0 * least - 0.5 * (b - a) {
+            let end = if x.0 > middle { b } else { a };
+            let is_at_end = (x.0 - end).abs() <= 3.0 * least;
+            let was_reach = end > 0.0 && end < 1.0 && ((end - near).abs() - reach).abs() < 1e-12;
+            if is_at_end && was_reach {
+                // the maximum lies further on
+                return maximum(x.0, (2.0 * reach, precision), f);
+            }
+            break;
+        }
+        let mut parabola = None;
+        if before.abs() > least {
+            let r = (x.0 - w.0) * (x.1 - v.1);
+            let q = (x.0 - v.0) * (x.1 - w.1);
+            let p = (x.0 - v.0) * q - (x.0 - w.0) * r;
+            let q = 2.0 * (q - r);
+            let wish = if q == 0.0 { f64::NAN } else { -p / q };
+            let inside = x.0 + wish > a && x.0 + wish < b;
+            if inside && wish.abs() < 0.5 * before.abs() {
+                parabola = Some(wish);
+            }
+        }
+        (before, step) = if let Some(wish) = parabola {
+            (step, wish)
+        } else {
+            let side = if x.0 < middle { b - x.0 } else { a - x.0 };
+            (side, golden * side)
+        };
+        let moved = if step.abs() >= least {
+            step
+        } else if step < 0.0 {
+            -least
+        } else {
+            least
+        };
+        let u = x.0 + moved;
+        let u = (u, value(u.clamp(0.0, 1.0))?);
+        if u.1 >= x.1 {
+            if u.0 >= x.0 {
+                a = x.0;
+            } else {
+                b = x.0;
+            }
+            (v, w, x) = (w, x, u);
+        } else {
+            if u.0 < x.0 {
+                a = u.0;
+            } else {
+                b = u.0;
+            }
+            if u.1 >= w.1 || w.0 == x.0 {
+                (v, w) = (w, u);
+            } else if u.1 >= v.1 || v.0 == x.0 || v.0 == w.0 {
+                v = u;
+            }
+        }
+    }
+    // a maximum at the end of all slips is approached by golden section only
+    for end in [0.0, 1.0] {
+        if (x.0 - end).abs() <= precision {
+            let there = value(end)?;
+            if there >= x.1 {
+                x = (end, there);
+            }
+        }
+    }
+    Ok((x.0.clamp(0.0, 1.0), x.1))
+}
+
 /// The root of a growing `f` beside a slip that is nearly right; `None` where there is none within a few tenths.
 fn root_near(near: f64, f: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<f64>> {
     for reach in [0.02, 0.06, 0.2] {
@@ -387,7 +579,7 @@ fn root_near(near: f64, f: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option
             && at_low < 0.0
             && at_high >= 0.0
         {
-            return root((low, at_low), (high, at_high), f).map(Some);
+            return root((low, at_low), (high, at_high), ROOT_PRECISION, f).map(Some);
         }
     }
     Ok(None)

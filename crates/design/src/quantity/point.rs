@@ -200,17 +200,12 @@ impl<R: Scalar> Inputs<R> {
     pub(super) fn greatest_slope(&self) -> Result<R, NoValue> {
         let weight = self.get(Parameter::Load);
         let wheel_on_soil = self.plain().wheel_on_soil()?;
-        let Some(steepest) = wheel_on_soil.gradeability(weight.value())? else {
+        let Some(steepest) = wheel_on_soil.steepest_slope(weight.value())? else {
             return Err(NoValue::Undefined(
                 "the wheel cannot pull itself on the level",
             ));
         };
-        let alpha = steepest.rad();
-        let carried = weight.value() * alpha.cos();
-        let Some(best) = wheel_on_soil.slip_of_maximum_pull(carried)? else {
-            return Err(NoValue::NotCarried(carried));
-        };
-        let slip = best.slip.value();
+        let (alpha, slip) = (steepest.slope.rad(), steepest.slip.value());
         // DP(W cos α) − W sin α = 0 at the best slip; by its parameters, and by α.
         let (sin, cos) = alpha.sin_cos();
         let here = self.loaded(R::from_f64(slip), weight * R::from_f64(cos))?;
