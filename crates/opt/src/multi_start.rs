@@ -94,7 +94,7 @@ impl MultiStart {
 /// The result does not depend on the number of threads.
 ///
 /// # Errors
-/// `starts` is 0, a variable lacks a finite bound, or what [`solve`] refuses.
+/// `starts` is 0, a variable lacks a finite bound, or what [`solve`](crate::solve) refuses.
 ///
 /// ```
 /// use grouser_opt::{Differences, Method, Problem, ProblemParams, Settings, Variable, multi_start};
