@@ -205,7 +205,7 @@ typedef struct GrouserSettings {
   uint32_t start_policy; /* GROUSER_START_*. */
   /* For this long after the first sample the filter waits while the attitude is found, s. */
   double warm_up_s;
-  double gravity_m_per_s2; /* Gravity, m/s^2. */
+  double gravity_m_per_s2; /* Gravity, m/s^2; 0: that of the robot file, without one the Earth's. */
   double heading_rad; /* Heading at the start, rad. */
   const GrouserFilterSetting *filter; /* Settings of the filter; may be NULL where there are none. */
   size_t filter_count; /* How many. */

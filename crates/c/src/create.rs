@@ -52,7 +52,7 @@ pub unsafe extern "C" fn grouser_default_settings(out: *mut GrouserSettings) -> 
             size: 0,
             start_policy: GROUSER_START_REPORT,
             warm_up_s: settings.warm_up,
-            gravity_m_per_s2: settings.gravity,
+            gravity_m_per_s2: 0.0,
             heading_rad: settings.heading,
             filter: core::ptr::null(),
             filter_count: 0,
@@ -147,6 +147,7 @@ pub unsafe extern "C" fn grouser_new_from_toml(
             .map_err(|error| refuse(&mut message, GROUSER_ERROR_DESCRIPTION, error))?;
         let mut on_board = OnBoardSettings::new(&file.robot);
         on_board.filter = file.filter;
+        on_board.gravity = file.gravity.unwrap_or(on_board.gravity);
         // SAFETY: by this function's own condition
         unsafe { finish(&file.robot, on_board, settings, out, &mut message) }
     })
@@ -279,7 +280,9 @@ unsafe fn finish(
             }
         };
         on_board.warm_up = given.warm_up_s;
-        on_board.gravity = given.gravity_m_per_s2;
+        if given.gravity_m_per_s2 != 0.0 {
+            on_board.gravity = given.gravity_m_per_s2;
+        }
         on_board.heading = given.heading_rad;
         // SAFETY: by this function's own condition
         unsafe { set_filter(&mut on_board.filter, &given, message) }?;

@@ -322,6 +322,50 @@ fn null_and_wrong_sizes_are_refused_and_nothing_is_written() {
     }
 }
 
+/// The start's check of the accelerometer, at rest under the gravity of Mars.
+#[test]
+fn gravity_is_the_settings_then_the_files_then_the_earths() {
+    let wheel = "[[wheel]]\nname = \"left\"\nx_m = 0\ny_m = 0\ndrive = \"powered\"\nradius_m = 0.1\n\
+                 ticks_per_turn = 1000\n";
+    let faults = |gravity: &str, setting: f64| {
+        let text = format!("format = 1\nname = \"rover\"\n{gravity}\n{wheel}");
+        let settings = GrouserSettings {
+            gravity_m_per_s2: setting,
+            ..settings()
+        };
+        let mut robot = null_mut();
+        // SAFETY: all of it is alive
+        let code = unsafe {
+            grouser_new_from_toml(
+                text.as_ptr().cast(),
+                text.len(),
+                &raw const settings,
+                &raw mut robot,
+                null_mut(),
+                0,
+            )
+        };
+        assert_eq!(code, GROUSER_OK, "{text}");
+        for step in 0..500 {
+            let sample = GrouserSample {
+                kind: GROUSER_INERTIAL,
+                time_ns: step * 10_000_000,
+                values: [0.0, 0.0, 3.72, 0.0, 0.0, 0.0],
+                ..GrouserSample::default()
+            };
+            assert_eq!(push(robot, sample), GROUSER_OK);
+        }
+        let fault = body(robot).start_fault;
+        // SAFETY: it was made above
+        unsafe { grouser_free(robot) };
+        fault
+    };
+    assert_eq!(faults("gravity_m_per_s2 = \"mars\"", 0.0), 0);
+    assert_eq!(faults("", 3.72), 0);
+    assert_eq!(faults("", 0.0), 1);
+    assert_eq!(faults("gravity_m_per_s2 = \"mars\"", 9.81), 1);
+}
+
 #[test]
 fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite() {
     let robot = robot();

@@ -19,19 +19,19 @@ const HEADING: &str = "Soil (completes or overrides what --soil gives)";
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub(crate) struct Overrides {
     /// Shear deformation modulus K in m
-    #[arg(long, help_heading = HEADING, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, help_heading = HEADING, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) k_shear_m: Option<f64>,
     /// Place of the greatest stress without slip, θ_m = (c_1 + c_2 s) θ_1
     #[arg(long = "c-1",
-        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) c_1: Option<f64>,
     /// Growth of that place with slip
     #[arg(long = "c-2",
-        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+        help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) c_2: Option<f64>,
     /// Unit weight γ = ρ g in N/m³; only the side force needs it
     #[arg(long = "unit-weight-n-per-m3",
-        help_heading = HEADING, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
+        help_heading = HEADING, value_name = "N", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) unit_weight: Option<f64>,
 }
 

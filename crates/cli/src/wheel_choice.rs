@@ -19,18 +19,18 @@ pub(crate) struct WheelArguments {
     #[command(flatten)]
     soil: SoilArguments,
     /// Radius of the wheel in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) radius_m: f64,
     /// Width of the wheel in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) width_m: f64,
     #[command(flatten)]
     pub(crate) grousers: GrouserArguments,
     /// Rebound ratio λ: the soil behind the wheel rises by λ times the sinkage [default: the soil's, or 0]
-    #[arg(long, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = parse_finite, allow_hyphen_values = true)]
     rebound: Option<f64>,
     /// Slip angle in degrees, positive when the wheel drifts to its left
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, default_value_t = 0.0)]
     pub(crate) slip_angle_deg: f64,
 }
 
@@ -39,13 +39,13 @@ pub(crate) struct WheelArguments {
 #[allow(clippy::struct_field_names, reason = "the flags' names")]
 pub(crate) struct GrouserArguments {
     /// Height of the lugs (grousers) on the rim in m; needs `--grouser-count`
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, requires = "grouser_count")]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, requires = "grouser_count")]
     pub(crate) grouser_height_m: Option<f64>,
     /// How many lugs there are around the rim
     #[arg(long, value_name = "N", requires = "grouser_height_m")]
     pub(crate) grouser_count: Option<u32>,
     /// Thickness of a lug along the rim in m [default: 0]
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, requires = "grouser_count")]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, requires = "grouser_count")]
     pub(crate) grouser_thickness_m: Option<f64>,
 }
 

@@ -46,18 +46,18 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["radius_m", "width_m", "load_n", "mass_kg", "grouser_height_m"])]
     robot: Option<PathBuf>,
     /// Radius of the wheel in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "robot")]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, required_unless_present = "robot")]
     radius_m: Option<f64>,
     /// Width of the wheel in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "robot")]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, required_unless_present = "robot")]
     width_m: Option<f64>,
     #[command(flatten)]
     grousers: GrouserArguments,
     /// Weight on the wheel in N
-    #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "mass_kg")]
+    #[arg(long, value_name = "N", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "mass_kg")]
     load_n: Option<f64>,
     /// Mass on the wheel in kg, instead of its weight
-    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_hyphen_values = true)]
     mass_kg: Option<f64>,
     #[command(flatten)]
     gravity: GravityArgument,

@@ -143,6 +143,11 @@ fn negative_values_are_values() {
         .assert_done()
         .json();
     assert_eq!(json["theta_deg"], -5.0);
+    let json =
+        line("wheel --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --slip -1e-6 --json")
+            .assert_done()
+            .json();
+    assert_eq!(json["slip"], -1e-6);
 }
 
 #[test]

@@ -38,10 +38,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     gravity: GravityArgument,
     /// First slip
-    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_finite, allow_hyphen_values = true)]
     slip_from: f64,
     /// Last slip
-    #[arg(long, value_name = "S", default_value = "0.9", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "0.9", value_parser = parse_finite, allow_hyphen_values = true)]
     slip_to: f64,
     /// Number of points, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MOST_POINTS))]
@@ -56,13 +56,13 @@ pub(crate) struct Arguments {
 #[group(required = true)]
 struct LoadsOrSinkages {
     /// Load that the wheel carries in N; several times for several curves
-    #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
+    #[arg(long, value_name = "N", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "sinkage_m")]
     load_n: Vec<f64>,
     /// Mass on the wheel in kg, instead of its load; several times for several curves
-    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "sinkage_m")]
     mass_kg: Vec<f64>,
     /// Sinkage in m; several times for several curves
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     sinkage_m: Vec<f64>,
 }
 

@@ -75,13 +75,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
     /// Take means over this time in s; the robot file's unless told
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
     from_s: Option<f64>,
     /// Leave out what comes after this time in s
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
     to_s: Option<f64>,
     /// Check units, signs and axes of the sensors against each other; exit code 3 where they disagree
     #[arg(long)]

@@ -55,10 +55,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "J", value_parser = parse_finite, default_value = "0")]
     turn_energy_j: f64,
     /// Heading at the start in degrees from x towards y; whichever serves best unless given
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     start_heading_deg: Option<f64>,
     /// Heading at the goal in degrees
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     goal_heading_deg: Option<f64>,
     /// Other ways that are looked for
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u8).range(0..=20))]

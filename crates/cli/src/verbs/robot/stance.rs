@@ -22,13 +22,13 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with = "output")]
     stance: bool,
     /// Slope under the robot in degrees, nose up positive
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, default_value = "0", requires = "stance")]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, default_value = "0", requires = "stance")]
     pitch_deg: f64,
     /// Slope across the robot in degrees, left side up positive
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, default_value = "0", requires = "stance")]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, default_value = "0", requires = "stance")]
     roll_deg: f64,
     /// Height of the ground under each wheel in m, in the robot file's order: how its links lie on uneven ground
-    #[arg(long, value_name = "M,…", value_parser = parse_finite, allow_negative_numbers = true, value_delimiter = ',', requires = "stance")]
+    #[arg(long, value_name = "M,…", value_parser = parse_finite, allow_hyphen_values = true, value_delimiter = ',', requires = "stance")]
     heights_m: Vec<f64>,
     #[command(flatten)]
     gravity: GravityArgument,

@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 101, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
     /// Share of the soil's strength that is mobilised, from 0 to less than 1; above 0 it needs K
-    #[arg(long, value_name = "X", value_parser = parse_finite, allow_negative_numbers = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "X", value_parser = parse_finite, allow_hyphen_values = true, default_value_t = 0.0)]
     mobilised: f64,
     /// A soil, for its K: a key of the catalogue, or a file when it contains `/` or `.`
     #[arg(long, value_name = "KEY|FILE")]

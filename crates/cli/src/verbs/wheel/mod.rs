@@ -26,12 +26,12 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     wheel: WheelArguments,
     /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot); with `--slope-deg` the default is the slip that holds the slope
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_negative_numbers = true, required_unless_present = "slope_deg")]
+    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true, required_unless_present = "slope_deg")]
     slip: Option<f64>,
     #[command(flatten)]
     prescribed: LoadOrSinkage,
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
-    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_negative_numbers = true, conflicts_with = "sinkage_m")]
+    #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
     #[command(flatten)]
     gravity: GravityArgument,
@@ -45,13 +45,13 @@ pub(crate) struct Arguments {
 #[group(required = true, multiple = false)]
 struct LoadOrSinkage {
     /// Load that the wheel carries in N
-    #[arg(long, value_name = "N", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = parse_finite, allow_hyphen_values = true)]
     load_n: Option<f64>,
     /// Mass on the wheel in kg, instead of its load
-    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG", value_parser = parse_finite, allow_hyphen_values = true)]
     mass_kg: Option<f64>,
     /// Sinkage in m
-    #[arg(long, value_name = "M", value_parser = parse_finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     sinkage_m: Option<f64>,
 }
 
