@@ -4,6 +4,10 @@
 ci:
     bash .ci/run
 
+# the same with all of packages, page and node, of which a commit tests one
+ci-full:
+    CI_FULL=1 bash .ci/run
+
 # format, lint, document
 check:
     cargo fmt --all --check

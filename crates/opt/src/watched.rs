@@ -53,6 +53,8 @@ pub(crate) fn watched<T: Sync, R: Send>(
         *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
         done.fetch_add(1, Ordering::Relaxed);
     };
+    // the pool begins with its first use; where no thread can be started (WebAssembly), this one becomes its only one
+    let _ = rayon::current_num_threads();
     let in_pool = rayon::current_thread_index().is_some();
     rayon::in_place_scope(|scope| {
         for (item, slot) in items.iter().zip(&results) {
