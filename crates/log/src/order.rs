@@ -23,7 +23,7 @@ pub(crate) struct Ordered<T> {
 /// How long a row is held back.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Limit {
-    /// Until so many others have come.
+    /// Until this number of later rows is there.
     Rows(usize),
     /// Until the newest is later by this, ns.
     Time(i64),

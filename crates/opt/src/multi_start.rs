@@ -45,8 +45,9 @@ pub struct MultiStart {
     pub stopped: bool,
 }
 
-/// A stopped run that violates no constraint by more is as good as its utility.
-const FEASIBLE: f64 = 1e-6;
+/// A stopped run that violates no constraint by more counts as feasible: a hundred times the default tolerance of a solved
+/// run, which has more iterations to reach it.
+const MAX_STOPPED_VIOLATION: f64 = 1e-6;
 
 impl MultiStart {
     /// The best solution; if no run was solved, the run with the least violation. Of a search that was stopped, the best
@@ -55,7 +56,7 @@ impl MultiStart {
     pub fn best(&self) -> &Solution {
         let so_far = |run: &&Solution| {
             run.status.is_solved()
-                || (run.status == Status::Stopped && run.kkt.violation <= FEASIBLE)
+                || (run.status == Status::Stopped && run.kkt.violation <= MAX_STOPPED_VIOLATION)
         };
         let by_utility = |a: &&Solution, b: &&Solution| a.utility.total_cmp(&b.utility);
         if self.stopped

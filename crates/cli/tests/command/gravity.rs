@@ -4,8 +4,8 @@ use std::fs;
 
 use super::program::{Folder, Said, grouser};
 
-const MOON: f64 = 1.62;
-const EARTH: f64 = 9.806_65;
+const MOON_M_PER_S2: f64 = 1.62;
+const EARTH_M_PER_S2: f64 = 9.806_65;
 
 const WHEEL: [&str; 6] = [
     "--soil",
@@ -38,7 +38,7 @@ fn with(verb: &str, more: &[&str]) -> Said {
 
 #[test]
 fn a_mass_under_a_gravity_is_its_load_in_wheel_curve_and_climb() {
-    let load = (20.0 * MOON).to_string();
+    let load = (20.0 * MOON_M_PER_S2).to_string();
     for (verb, more) in [
         ("wheel", vec!["--slip", "0.3"]),
         ("curve", vec!["--points", "3"]),
@@ -73,9 +73,9 @@ fn a_flag_precedes_the_robot_file() {
     let folder = Folder::new();
     let plain = robot(&folder, "");
     let earth = weight(&[&plain]);
-    assert!((earth / EARTH - 15.2).abs() < 1e-6);
+    assert!((earth / EARTH_M_PER_S2 - 15.2).abs() < 1e-6);
     let moon = robot(&folder, "gravity_m_per_s2 = \"moon\"");
-    assert!((weight(&[&moon]) / MOON - 15.2).abs() < 1e-6);
+    assert!((weight(&[&moon]) / MOON_M_PER_S2 - 15.2).abs() < 1e-6);
     let flag = weight(&[&moon, "--gravity-m-per-s2", "mars"]);
     assert!((flag / 3.71 - 15.2).abs() < 1e-6);
     let climb = |words: &[&str]| {
@@ -83,8 +83,11 @@ fn a_flag_precedes_the_robot_file() {
         let run = grouser([&fixed, words, &["--json"]].concat());
         run.assert_done().json()["gravity_m_per_s2"].clone()
     };
-    assert_eq!(climb(&[&moon]), MOON);
-    assert_eq!(climb(&[&moon, "--gravity-m-per-s2", "earth"]), EARTH);
+    assert_eq!(climb(&[&moon]), MOON_M_PER_S2);
+    assert_eq!(
+        climb(&[&moon, "--gravity-m-per-s2", "earth"]),
+        EARTH_M_PER_S2
+    );
 }
 
 #[test]
@@ -100,7 +103,7 @@ fn a_map_keeps_its_gravity_for_the_scenario_of_a_plan() {
         "map", &dem, "--robot", &moon, "--soil", "dry-sand", "-o", &map, "--json",
     ];
     let made = grouser(fixed).assert_done().json();
-    assert_eq!(made["gravity_m_per_s2"], MOON);
+    assert_eq!(made["gravity_m_per_s2"], MOON_M_PER_S2);
     let to = [
         "plan",
         &map,

@@ -9,8 +9,9 @@ use super::tree::{Kind, Tree};
 const MIN_EDGE_COSINE: f64 = 0.99;
 /// A lug reaches over this share of the wheel's width at least; what is narrower is a bolt or a spoke.
 const MIN_WIDTH_SHARE: f64 = 0.5;
-/// Lugs are alike, and their spacings, to this share.
-const LIKENESS: f64 = 0.05;
+/// Lugs and their spacings are equal to this share: a length rounded to a
+/// millimetre is off by 5 % of a lug of 10 mm at most.
+const SAME_SIZE_SHARE: f64 = 0.05;
 /// Fewer boxes are no lugs.
 const MIN_COUNT: usize = 3;
 
@@ -69,7 +70,7 @@ pub(super) fn lugs(tree: &Tree, wheel: usize, rim: &Rim) -> Found {
     bars.sort_by(|a, b| a.place.total_cmp(&b.place));
     let spacing = TAU / bars.len() as f64;
     let first = bars[0];
-    let alike = |a: f64, b: f64| (a - b).abs() <= LIKENESS * b.abs();
+    let alike = |a: f64, b: f64| (a - b).abs() <= SAME_SIZE_SHARE * b.abs();
     let even = bars.iter().enumerate().all(|(index, bar)| {
         let next = bars[(index + 1) % bars.len()].place;
         let gap = (next - bar.place).rem_euclid(TAU);
@@ -127,7 +128,7 @@ fn bar(frame: &Frame, edges: Vector, rim: &Rim, basis: &[Vector; 2]) -> Option<B
         distance - 0.5 * edges[height],
         distance + 0.5 * edges[height],
     );
-    let is_bar = foot <= rim.radius * (1.0 + LIKENESS)
+    let is_bar = foot <= rim.radius * (1.0 + SAME_SIZE_SHARE)
         && tip > rim.radius
         && edges[width] >= MIN_WIDTH_SHARE * rim.width;
     is_bar.then_some(Bar {

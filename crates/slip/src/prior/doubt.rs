@@ -144,7 +144,7 @@ impl Family {
     /// that gives none adds half of what lies between the slip and `end`. `of` receives a slip that is nearly right,
     /// where one is known: that of the place before, moved by what the soil's own slip has moved.
     ///
-    /// Where `ends`, a member without a slip is not asked any more: the places that follow demand more.
+    /// Where `ends` is set, a member without a slip is left out of the places that follow, since they demand more.
     pub(super) fn spread(
         &self,
         traced: &mut Traced,
