@@ -11,10 +11,8 @@ mod measured_data;
 
 use std::path::Path;
 
-use grouser_campaign::validate::plate_tests;
-use grouser_identify::plate::{
-    BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,
-};
+use grouser_campaign::validate::{plate_tests, read_press};
+use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
 use measured_data::measured_data;
 
 /// A modulus of pressure against sinkage (m).
@@ -30,31 +28,9 @@ const SURFACES_M: (f64, f64) = (-0.005, 0.03);
 
 /// A wheel pressed like a plate; the surface is where the force begins.
 fn pressed(data: &Path, name: &str) -> PlateTest {
-    let file = |ending: &str| {
-        data.join(format!(
-            "cmu-lugs/f-d-large-box__force-displacement_{name}.{ending}"
-        ))
-    };
-    let record = read_bag(
-        name,
-        Plate::disc(2.0 * RADIUS_M).unwrap(),
-        &BagSource {
-            bag: file("bag"),
-            topic: None,
-            force: "wrench.wrench.force.z".to_owned(),
-            stamp: Some("wrench.header.stamp".to_owned()),
-            sign: -1.0,
-        },
-        &DepthColumn {
-            file: file("txt"),
-            height: 5,
-            height_unit: 1e-3,
-            clock: 7,
-            controller: Some((6, 1e-3)),
-            surface: None,
-        },
-    )
-    .unwrap();
+    let stem = format!("cmu-lugs/f-d-large-box__force-displacement_{name}");
+    let contact = Plate::disc(2.0 * RADIUS_M).unwrap();
+    let record = read_press(data, &stem, (name, contact), None).unwrap();
     // an offset at the end of what is searched is none: such a record would need another surface at each speed
     assert!(
         record.offset_s.abs() < 0.9,

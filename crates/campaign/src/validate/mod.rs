@@ -15,5 +15,5 @@ mod text;
 pub use rows::{
     FitReport, Found, MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation,
 };
-pub use run::{MAX_SLIP, PLATES, plate_tests, validate};
+pub use run::{MAX_SLIP, PLATES, plate_tests, read_press, validate};
 pub use score::Score;

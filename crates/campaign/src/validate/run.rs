@@ -6,7 +6,7 @@ use super::rows::Validation;
 use super::{cmu, ding};
 use grouser_identify::Result;
 use grouser_identify::plate::{
-    BagSource, DepthColumn, Plate, PlateSettings, PlateTest, fit_plates, read_bag,
+    BagSource, DepthColumn, Plate, PlateRecord, PlateSettings, PlateTest, fit_plates, read_bag,
 };
 
 /// Beyond this stated slip a trial is not fitted and has rows of its own: locked and nearly spinning wheels are no
@@ -72,27 +72,43 @@ pub fn plate_tests(data: &Path) -> Result<Vec<PlateTest>> {
     PLATES
         .iter()
         .map(|(name, diameter, surface)| {
-            let file = |ending: &str| data.join(format!("{name}.{ending}"));
-            let record = read_bag(
-                &format!("{} mm disc", (1e3 * diameter).round()),
-                Plate::disc(*diameter)?,
-                &BagSource {
-                    bag: file("bag"),
-                    topic: None,
-                    force: "wrench.wrench.force.z".to_owned(),
-                    stamp: Some("wrench.header.stamp".to_owned()),
-                    sign: -1.0,
-                },
-                &DepthColumn {
-                    file: file("txt"),
-                    height: 5,
-                    height_unit: 1e-3,
-                    clock: 7,
-                    controller: Some((6, 1e-3)),
-                    surface: Some(*surface),
-                },
-            )?;
+            let of = format!("{} mm disc", (1e3 * diameter).round());
+            let plate = Plate::disc(*diameter)?;
+            let record = read_press(data, name, (&of, plate), Some(*surface))?;
             Ok(record.test)
         })
         .collect()
+}
+
+/// One record of the press of the measured data: force from `stem.bag`, height from `stem.txt`; `name` and `plate` are
+/// what is pressed. The surface of the soil is a height (m), or where the force begins.
+///
+/// # Errors
+/// What a file lacks.
+pub fn read_press(
+    data: &Path,
+    stem: &str,
+    (name, plate): (&str, Plate),
+    surface: Option<f64>,
+) -> Result<PlateRecord> {
+    let file = |ending: &str| data.join(format!("{stem}.{ending}"));
+    read_bag(
+        name,
+        plate,
+        &BagSource {
+            bag: file("bag"),
+            topic: None,
+            force: "wrench.wrench.force.z".to_owned(),
+            stamp: Some("wrench.header.stamp".to_owned()),
+            sign: -1.0,
+        },
+        &DepthColumn {
+            file: file("txt"),
+            height: 5,
+            height_unit: 1e-3,
+            clock: 7,
+            controller: Some((6, 1e-3)),
+            surface,
+        },
+    )
 }
