@@ -100,6 +100,11 @@ impl Footprint {
         offsets.map(|offset| offset.abs()).max().unwrap_or(0)
     }
 
+    /// The cells under the wheels, as offsets in rows down and columns to the right.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = [i64; 2]> + '_ {
+        self.terms.iter().map(|(offset, _)| *offset)
+    }
+
     /// The pose by the heights around, as offsets in rows and columns; `None` where one is unknown.
     pub(crate) fn pose(&self, height: impl Fn(i64, i64) -> Option<f32>) -> Option<SurfacePose> {
         let own = f64::from(height(0, 0)?);

@@ -12,5 +12,5 @@ pub use assemble::write_map;
 pub use bands::{Band, Quantity, State};
 pub use journal::Journal;
 pub use layout::{MapLayout, MapSettings};
-pub use maker::MapMaker;
+pub use maker::{MapMaker, MapSoil};
 pub use strip::Strip;

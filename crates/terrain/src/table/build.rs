@@ -110,6 +110,7 @@ fn built(
         climbing,
         braking,
         error: TableError::default(),
+        is_closed: false,
     };
     check(&mut table, solver, &roll_of)?;
     Ok(table)
