@@ -9,7 +9,9 @@
 mod demand;
 mod error;
 mod headings;
+pub mod learn;
 mod map;
+pub mod mission;
 pub mod plan;
 mod pose;
 pub mod raster;

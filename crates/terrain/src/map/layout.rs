@@ -258,7 +258,7 @@ fn escaped(text: &str) -> String {
 ///
 /// The centre of the turn lies on the common axle line of the wheels that do not steer, or, where all steer, abreast of
 /// their middle; every steered wheel stays within its range.
-fn turning_radius(model: &RobotModel) -> f64 {
+pub(crate) fn turning_radius(model: &RobotModel) -> f64 {
     let carries = model.wheels.iter().filter(|mount| mount.motor.is_some());
     let (steered, fixed): (Vec<_>, Vec<_>) = carries.partition(|mount| mount.steer_range > 0.0);
     if steered.is_empty() {

@@ -11,6 +11,8 @@ mod tip_over;
 pub use assemble::write_map;
 pub use bands::{Band, Quantity, State};
 pub use journal::Journal;
+pub(crate) use layout::turning_radius;
 pub use layout::{MapLayout, MapSettings};
 pub use maker::{MapMaker, MapSoil};
 pub use strip::Strip;
+pub(crate) use tip_over::TipOverTable;

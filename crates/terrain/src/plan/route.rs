@@ -132,14 +132,7 @@ pub fn plan(
     settings: &PlanSettings,
     alternatives: usize,
 ) -> Result<Plan> {
-    settings.check(map)?;
-    let last = (map.cells() - 1) as f64;
-    for cell in [from, to] {
-        Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
-    }
-    let mut lattice = Lattice::new(map, settings)?;
-    check_place("the start", &lattice, from)?;
-    check_place("the goal", &lattice, to)?;
+    let mut lattice = checked(map, (from, to), settings)?;
     let task = Task {
         from,
         to,
@@ -170,6 +163,42 @@ pub fn plan(
         route,
         alternatives: others,
     })
+}
+
+/// The way of least energy within the bounds, without alternatives and without the search for a bound that some way keeps:
+/// for planning anew while the robot drives.
+///
+/// # Errors
+/// As [`plan`].
+pub fn route_within(
+    map: &PlanMap,
+    (from, to): (usize, usize),
+    settings: &PlanSettings,
+) -> Result<Option<Route>> {
+    let lattice = checked(map, (from, to), settings)?;
+    let task = Task {
+        from,
+        to,
+        max_risk: settings.max_risk,
+    };
+    bounded(&lattice, settings, &task)
+}
+
+/// The lattice of a plan whose settings and ends are usable.
+fn checked<'a>(
+    map: &'a PlanMap,
+    (from, to): (usize, usize),
+    settings: &'a PlanSettings,
+) -> Result<Lattice<'a>> {
+    settings.check(map)?;
+    let last = (map.cells() - 1) as f64;
+    for cell in [from, to] {
+        Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
+    }
+    let lattice = Lattice::new(map, settings)?;
+    check_place("the start", &lattice, from)?;
+    check_place("the goal", &lattice, to)?;
+    Ok(lattice)
 }
 
 /// The cheapest way whose risk, summed over its soils, keeps the bound. Where the way of the whole bound for each soil does

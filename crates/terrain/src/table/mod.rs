@@ -183,6 +183,18 @@ impl SlipTable {
         build::refined(solver, envelope, with_costs)
     }
 
+    /// A table of everything on the coarsest grid, without a check, or a closed one where the robot does not move: for
+    /// learning, whose own doubt is far greater. [`SlipTable::error`] has NaN in its slip.
+    ///
+    /// # Errors
+    /// As [`SlipTable::new`], but for [`Error::DoesNotMove`](crate::Error::DoesNotMove).
+    pub fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<Self> {
+        match build::coarse(solver, envelope) {
+            Err(Error::DoesNotMove { .. }) => Ok(Self::closed(envelope)),
+            other => other,
+        }
+    }
+
     /// How well it agrees with the exact solver.
     #[must_use]
     pub const fn error(&self) -> &TableError {
