@@ -2,6 +2,8 @@
 
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
 
+use grouser_terrain::mission::PlannedDrive;
+
 use super::track::Track;
 
 /// One finished drive.
@@ -11,6 +13,8 @@ pub(super) struct Run {
     pub(super) result: DriveResult,
     /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.
     pub(super) own_laws: Option<SlipScore>,
+    /// How it planned and what it learnt, for a scenario that plans its way.
+    pub(super) planned: Option<PlannedDrive>,
     /// What was seen on the way, of the first seed.
     pub(super) track: Option<Track>,
 }
