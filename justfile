@@ -65,6 +65,10 @@ soak first="0":
 terrain:
     cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture
 
+# five ways to a goal over hidden patches of soil on the relief of Mars ($GROUSER_DATA/mars-dem), 50 missions; minutes
+mission:
+    GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
+
 # the Python package: build the wheel, install it in a fresh environment, run its tests
 python:
     bash python/ci

@@ -52,7 +52,8 @@ fn world_soils(
         params.laws.shear = Some(law);
         let soil = Soil::new(SoilParams { ..params }).unwrap();
         let solver = DemandSolver::new(model.clone(), soil).unwrap();
-        let table = SlipTable::new_or_closed(&solver, envelope, true).unwrap();
+        // 9 x 17 nodes: the world is its own, whatever its tables' error
+        let table = SlipTable::coarse(&solver, envelope).unwrap();
         println!(
             "  {key:<16} {:<22} climbs {:5.1}°",
             law.key(),
@@ -321,9 +322,9 @@ fn policies_on_the_relief_of_mars() {
 #[test]
 fn learning_arrives_where_the_prior_plan_is_turned_back() {
     let shape = Shape::Fractal {
-        height: 5.0,
-        length: 20.0,
-        roughness: 0.4,
+        height: 0.9,
+        length: 16.0,
+        roughness: 0.3,
     };
     let relief = HeightMap::from_shape((60.0, 60.0), 1.0, |x, y| shape.height(5, x, y)).unwrap();
     let model = robot("skid-steer");
