@@ -19,6 +19,7 @@ pub use grouser_terrain as terrain;
 // function that runs it in a session and returns a report. What verbs share is in the other modules.
 #[cfg(feature = "command")]
 mod command;
+#[cfg(feature = "command")]
 mod companion;
 #[cfg(feature = "command")]
 mod csv_line;
@@ -48,6 +49,8 @@ mod output_choice;
 mod parquet_table;
 #[cfg(feature = "command")]
 mod progress;
+#[cfg(feature = "command")]
+mod report_file;
 #[cfg(feature = "command")]
 mod run;
 #[cfg(feature = "command")]

@@ -13,3 +13,4 @@ mod program;
 mod schemas;
 mod stance;
 mod terrain;
+mod viewers;
