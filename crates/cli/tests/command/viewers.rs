@@ -8,7 +8,8 @@ use super::program::{Folder, grouser};
 
 /// What stands between two marks of quotation, from `/` on.
 fn paths(text: &str) -> BTreeSet<String> {
-    let quoted = text.split('"').filter(|part| part.starts_with('/'));
+    let quoted = text.split('"');
+    let quoted = quoted.filter(|part| part.starts_with('/') && !part.contains(char::is_whitespace));
     quoted.map(str::to_owned).collect()
 }
 
