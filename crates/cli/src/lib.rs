@@ -30,6 +30,8 @@ mod exit;
 #[cfg(feature = "command")]
 mod figure_file;
 #[cfg(feature = "command")]
+mod files_in_use;
+#[cfg(feature = "command")]
 mod input;
 #[cfg(feature = "command")]
 mod interrupt;
@@ -48,6 +50,8 @@ mod output_choice;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 #[cfg(feature = "command")]
+mod partial_file;
+#[cfg(feature = "command")]
 mod progress;
 #[cfg(feature = "command")]
 mod report_file;
@@ -59,6 +63,8 @@ mod session;
 mod soil_choice;
 #[cfg(feature = "command")]
 mod terminal;
+#[cfg(feature = "command")]
+mod thread_pool;
 #[cfg(feature = "command")]
 mod usage;
 #[cfg(feature = "command")]

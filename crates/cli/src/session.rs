@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
+use crate::files_in_use;
 use crate::input::{self, Input};
 use crate::terminal;
 use crate::verb_report::Report;
@@ -53,6 +54,7 @@ impl Session {
     /// A file was read as a whole.
     pub(crate) fn used_document(&mut self, document: &Document) {
         let digest = input::digest(document.text().as_bytes());
+        files_in_use::reads(Path::new(document.name()));
         self.input_sha256
             .insert(document.name().to_owned(), Value::from(digest));
     }
@@ -92,7 +94,7 @@ impl Session {
         } = report;
         if self.json {
             object.insert("provenance".to_owned(), Value::Object(self.provenance()));
-            terminal::print(&format!("{:#}\n", Value::Object(object)))?;
+            terminal::print_json(&Value::Object(object))?;
         } else if is_aside {
             terminal::remark(&text);
         } else {
