@@ -83,7 +83,9 @@ fn place(target: &Path) -> PathBuf {
         _ => Path::new("."),
     };
     let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
-    target.file_name().map_or(whole.clone(), |name| whole.join(name))
+    target
+        .file_name()
+        .map_or(whole.clone(), |name| whole.join(name))
 }
 
 #[cfg(unix)]

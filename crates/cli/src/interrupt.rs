@@ -72,8 +72,7 @@ fn meet_limits() {
     let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     // without memory (`ulimit -v`) nothing is left to do but to end; the standard library has said why on standard error
     let always = Arc::new(AtomicBool::new(true));
-    let _ =
-        flag::register_conditional_shutdown(SIGABRT, i32::from(crate::exit::BAD_INPUT), always);
+    let _ = flag::register_conditional_shutdown(SIGABRT, i32::from(crate::exit::BAD_INPUT), always);
 }
 
 /// Runs `create`, and has the file that it made removed should the program be interrupted before [`finish`].

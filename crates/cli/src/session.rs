@@ -115,7 +115,7 @@ impl Session {
     }
 }
 
-/// Version, commit, seed, inputs and soil.
+/// Version, commit, instruction set, seed, inputs and soil.
 pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
     let soil = fields! { |soil: &'a Object|
         "key" "key of the catalogue, or the file" = soil["key"].clone();
@@ -125,6 +125,8 @@ pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
     fields! { |session: &'a Session|
         "version" "version of the program" = env!("CARGO_PKG_VERSION");
         "commit" "commit that it was built from" = option_env!("GROUSER_COMMIT");
+        "instructions" "the processor's instructions that it was computed with: `avx512`, `avx2` or `portable`; between \
+            them last digits differ" = grouser_terra::instructions();
         "seed" "seed of random numbers" = session.seed;
         "input_sha256" "files that were read, with their SHA-256" values = Some(session.input_sha256.clone());
         "soil" "the soil" group(soil) = session.soil.as_ref();

@@ -9,6 +9,8 @@ mod gravity;
 mod help;
 mod hostile;
 mod interrupted;
+mod limits;
+mod outputs;
 mod program;
 mod schemas;
 mod stance;
