@@ -16,7 +16,13 @@ fn root() -> PathBuf {
 fn packages() -> Vec<Value> {
     let output = Command::new(env!("CARGO"))
         .current_dir(root())
-        .args(["metadata", "--locked", "--all-features", "--format-version", "1"])
+        .args([
+            "metadata",
+            "--locked",
+            "--all-features",
+            "--format-version",
+            "1",
+        ])
         .output()
         .unwrap();
     assert!(
@@ -60,7 +66,10 @@ fn licences_sources_and_names_are_those_that_the_rules_allow() {
         assert!(is_allowed(licence, &allowed), "{name}: {licence}");
         assert!(!banned.contains(name), "{name} is banned");
         let source = package["source"].as_str();
-        assert!(source.is_none_or(|source| source == registry), "{name}: {source:?}");
+        assert!(
+            source.is_none_or(|source| source == registry),
+            "{name}: {source:?}"
+        );
     }
 }
 
@@ -70,7 +79,10 @@ fn no_crate_is_there_twice_but_those_that_the_rules_name() {
     let mut versions: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for package in packages() {
         let text = |key: &str| package[key].as_str().unwrap().to_owned();
-        versions.entry(text("name")).or_default().insert(text("version"));
+        versions
+            .entry(text("name"))
+            .or_default()
+            .insert(text("version"));
     }
     let twice: BTreeSet<String> = versions
         .into_iter()
