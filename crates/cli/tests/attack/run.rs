@@ -54,6 +54,13 @@ enum Stdout {
 pub(crate) fn run(shared: &Shared, verb: &str, mischief: Mischief, random: &mut Random) -> Ended {
     let mut case = Case::new(shared, verb, random);
     case.play(mischief, random);
+    // what comes from outside may come on top
+    if random.below(4) == 0 {
+        case.play(
+            [Mischief::Signal, Mischief::Limit, Mischief::Closed][random.below(3)],
+            random,
+        );
+    }
     case.run()
 }
 
@@ -310,6 +317,7 @@ impl Case {
             Some(status) => Some(status),
             None => {
                 asked = true;
+                println!("over {PATIENCE:?}: {:?} {:?}", self.limit, self.words);
                 send(&child, "-INT");
                 wait(&mut child, END).or_else(|| {
                     // a search is ended by the second
