@@ -132,7 +132,7 @@ impl Case {
                 let some = random.below(1000);
                 self.limit = Some(match random.below(4) {
                     0 => format!("ulimit -f {}", some % 40),
-                    1 => format!("ulimit -n {}", 6 + some % 8),
+                    1 => format!("ulimit -n {}", 12 + some % 8),
                     2 => format!("ulimit -v {}", 30_000 + 300 * some),
                     _ => "export RUST_MIN_STACK=68719476736; ulimit -v 4000000".to_owned(),
                 });
