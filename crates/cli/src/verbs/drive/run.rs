@@ -1,10 +1,8 @@
 //! One finished drive, and several.
 
+use grouser_page::run::DriveRecorder;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
-
 use grouser_terrain::mission::PlannedDrive;
-
-use super::track::Track;
 
 /// One finished drive.
 pub(super) struct Run {
@@ -16,7 +14,7 @@ pub(super) struct Run {
     /// How it planned and what it learnt, for a scenario that plans its way.
     pub(super) planned: Option<PlannedDrive>,
     /// What was seen on the way, of the first seed.
-    pub(super) track: Option<Track>,
+    pub(super) seen: Option<DriveRecorder>,
 }
 
 /// How many of the runs of a driver ended so.
