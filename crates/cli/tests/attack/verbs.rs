@@ -7,7 +7,7 @@ use super::program::{Folder, grouser};
 use super::random::Random;
 
 /// Words of a command: `@NAME` is a file to read, `>NAME` one to write. The number is how often it is chosen.
-const VERBS: [(u32, &str); 33] = [
+const VERBS: [(u32, &str); 36] = [
     (
         3,
         "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40",
@@ -92,6 +92,12 @@ const VERBS: [(u32, &str); 33] = [
     (3, "log convert @log.bag >x.mcap"),
     (3, "log convert @log.mcap >x.csv --topic /imu"),
     (6, "log recover @log.mcap >x.mcap"),
+    (2, "estimate @log.mcap --robot @robot.toml --report >x.html"),
+    (2, "optimize @problem.toml --report >x.html"),
+    (
+        2,
+        "map @dem.asc --robot @skid-steer.toml --soil @soil.toml --headings 4 -o >x.tif -o x.yaml",
+    ),
 ];
 
 /// The words of a verb, by how often each is chosen.
