@@ -132,7 +132,7 @@ impl DemandSolver {
         const LIMITS_RAD: (f64, f64) = (-1.05, 1.05);
         Error::check("plane", "pitch", pitch, LIMITS_RAD, "rad")?;
         Error::check("plane", "roll", roll, LIMITS_RAD, "rad")?;
-        self.demand_of(self.posed(pitch, roll)?)
+        Self::demand_of(self.posed(pitch, roll)?)
     }
 
     /// As [`DemandSolver::demand`] for a robot that drives backwards: where it climbs with its nose up, it now rolls
@@ -146,10 +146,10 @@ impl DemandSolver {
             // the laws of a wheel are the same either way; the slope is not
             posed.needed -= 2.0 * self.weight * pitch.sin();
         }
-        self.demand_of(posed)
+        Self::demand_of(posed)
     }
 
-    fn demand_of(&self, posed: Option<Posed<'_>>) -> Result<Demand> {
+    fn demand_of(posed: Option<Posed<'_>>) -> Result<Demand> {
         let Some(posed) = posed else {
             return Ok(Demand::Lifts);
         };

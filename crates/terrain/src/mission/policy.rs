@@ -120,7 +120,7 @@ impl Mission<'_> {
         let ended = match policy {
             Policy::Straight => {
                 let moved = robot.drive_to(world, self.goal, |_| Ok(()))?;
-                self.ended(world, &mut robot, moved, &mut blocked)?
+                Self::ended(world, &mut robot, moved, &mut blocked)?
             }
             Policy::Reactive => self.reactive(world, &mut robot, &mut blocked)?,
             Policy::PlanPrior => {
@@ -129,7 +129,7 @@ impl Mission<'_> {
                         .route()
                         .map(|route| places(navigator.plan_map(), route));
                     let moved = along(world, &mut robot, &route.unwrap_or_default())?;
-                    self.ended(world, &mut robot, moved, &mut blocked)?
+                    Self::ended(world, &mut robot, moved, &mut blocked)?
                 } else {
                     Ended::Stopped
                 }
@@ -153,7 +153,6 @@ impl Mission<'_> {
 
     /// The end of a drive that does not go on after it was held.
     fn ended(
-        &self,
         world: &mut World<'_>,
         robot: &mut Robot,
         moved: Moved,
