@@ -1,4 +1,5 @@
 //! The wheel of a mission against searches that share nothing with it: a grid over radius and width in the exact solver.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::ops::ControlFlow;
 
@@ -135,16 +136,16 @@ fn one_wheel_is_evaluated_as_by_the_laws_alone() {
     }
 }
 
-/// 35 x 33 wheels: no one of them is better than the front, and beside each point of the front there is one nearly as good.
+/// 35 x 17 wheels: no one of them is better than the front, and beside each point of the front there is one nearly as good.
 #[test]
 fn no_wheel_of_a_grid_beats_the_front() {
     let mission = mission(SoilMeasure::Worst, smooth());
-    let front = front(&mission, Choice::Knee, 9);
-    assert!(front.points.len() >= 8 && front.unsolved == 0, "{front:?}");
+    let front = front(&mission, Choice::Knee, 7);
+    assert!(front.points.len() >= 6 && front.unsolved == 0, "{front:?}");
     let mut grid = Vec::new();
     for i in 0..=34 {
-        for j in 0..=32 {
-            let (radius, width) = (0.08 + 0.005 * f64::from(i), 0.04 + 0.005 * f64::from(j));
+        for j in 0..=16 {
+            let (radius, width) = (0.08 + 0.005 * f64::from(i), 0.04 + 0.01 * f64::from(j));
             if let Some((energies, reserve)) = by_one_wheel(radius, width)
                 && reserve >= mission.params().min_reserve
             {
@@ -152,7 +153,7 @@ fn no_wheel_of_a_grid_beats_the_front() {
             }
         }
     }
-    assert!(grid.len() > 300);
+    assert!(grid.len() > 150);
     let mut closest = Vec::new();
     for point in &front.points {
         let (limit, energy) = (point.wheel_mass * (1.0 + 1e-6), point.energy.unwrap());
@@ -166,7 +167,7 @@ fn no_wheel_of_a_grid_beats_the_front() {
     // The lightest wheels lie between the nodes of the grid; the others are met to its step.
     let met: Vec<f64> = closest.into_iter().filter(|off| off.is_finite()).collect();
     assert!(met.len() + 2 >= front.points.len(), "{met:?}");
-    assert!(met.iter().all(|off| *off < 0.02), "{met:?}");
+    assert!(met.iter().all(|off| *off < 0.03), "{met:?}");
     let lightest = grid
         .iter()
         .map(|(mass, _)| *mass)

@@ -1,5 +1,7 @@
 //! Proofs about slopes against the laws themselves, at random soils and slips.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
+#[allow(dead_code, reason = "shared with searches from random starts")]
 #[path = "../../opt/tests/support/random_starts.rs"]
 mod random_starts;
 
