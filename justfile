@@ -65,6 +65,14 @@ soak first="0":
 terrain:
     cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture
 
+# 6000 black-box cases against the program, with overflow checks; minutes. Another first case draws others
+attack cases="6000" first="0":
+    GROUSER_ATTACK_CASES={{cases}} GROUSER_ATTACK_FIRST={{first}} cargo test --package grouser --test attack -- --nocapture
+
+# the bill of materials of a release, CycloneDX in JSON (needs `cargo install cargo-cyclonedx`)
+sbom:
+    cargo cyclonedx --format json --manifest-path crates/cli/Cargo.toml --target all
+
 # the Python package: build the wheel, install it in a fresh environment, run its tests
 python:
     bash python/ci

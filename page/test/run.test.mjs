@@ -170,3 +170,49 @@ test('an exported page opens with its run, from a file', async () => {
     assert.deepEqual(await seriousFindings(page), []);
   });
 });
+
+test('a report of the command opens from a file: drives on one map, a log, a front', async () => {
+  const report = (name, line) => {
+    const out = join(folder, name);
+    execFileSync('bash', ['-c', `"${GROUSER}" ${line} --report "${out}"`], { cwd: ROOT, stdio: 'ignore' });
+    assert.ok(statSync(out).size < 1_500_000, `${name}: ${statSync(out).size} bytes`);
+    return `file://${out}`;
+  };
+  const drives = report('drives.html', 'drive examples/scenarios/soft-patch.toml --compare open-loop,controller');
+  for (const options of [{ width: 390, height: 844, dark: true }, {}]) {
+    await withPage({ address: drives, ...options }, async (page) => {
+      await shown(page);
+      assert.equal((await runOf(page)).controller, 'controller');
+      assert.equal(await page.locator('.other-way').count(), 1);
+      assert.ok(await page.locator('.relief').getAttribute('href').then((href) => href.startsWith('data:image/png')));
+      assert.ok(await page.locator('.contour-label').count() > 0, 'a contour has its height');
+      assert.match(await page.locator('.soil-name').textContent(), /\S/);
+      assert.match(await page.locator('[aria-label="Provenance"]').textContent(), /SHA-256/);
+      await page.getByRole('button', { name: 'open-loop' }).click();
+      assert.equal((await runOf(page)).controller, 'open-loop');
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= (options.width ?? 1400));
+      assert.deepEqual(await seriousFindings(page), []);
+      assert.ok(!(await page.locator('main').textContent()).includes('NaN'));
+    });
+  }
+  const log = report('log.html', 'estimate examples/five-wheel/log.csv --robot examples/five-wheel/robot.toml');
+  await withPage({ address: log }, async (page) => {
+    await shown(page);
+    assert.equal((await runOf(page)).wheels.length, 5);
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+  const front = report('front.html', 'optimize examples/problems/pull-against-torque.toml');
+  await withPage({ address: front, width: 390, height: 844 }, async (page) => {
+    assert.ok(await page.locator('.front-dot').count() > 10);
+    assert.ok(!(await page.getByRole('button', { name: 'Solve' }).isVisible()));
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});
+
+test('a report that holds no run is refused in words', async () => {
+  await withPage({ hash: '#run' }, async (page) => {
+    const file = { name: 'bad.json', mimeType: 'application/json', buffer: Buffer.from('{"runs": [{"time_s": [0, 1], "wheels": [{"name": "a", "slip": [0]}]}]}') };
+    await page.setInputFiles('#run-files', file);
+    await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('holds no run'));
+  });
+});

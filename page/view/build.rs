@@ -1,7 +1,7 @@
-//! Puts the page's files and modules into the program.
+//! Puts the page's modules into the program.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::{env, fs};
 
 /// The modules that `page/build` makes.
@@ -11,15 +11,6 @@ fn main() {
     let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let page = here.parent().expect("in the folder of the page");
     let mut table = String::from("&[\n");
-    let mut names: Vec<PathBuf> = fs::read_dir(page.join("web"))
-        .expect("page/web")
-        .map(|entry| entry.expect("page/web").path())
-        .filter(|path| path.is_file())
-        .collect();
-    names.sort();
-    for path in &names {
-        add(&mut table, path);
-    }
     for module in MODULES {
         let path = page.join("dist").join(format!("{module}.wasm.gz"));
         println!("cargo::rerun-if-changed={}", path.display());
@@ -30,19 +21,13 @@ fn main() {
             );
             return;
         }
-        add(&mut table, &path);
+        let _ = writeln!(
+            table,
+            "    (\"{module}\", include_bytes!({:?})),",
+            path.to_string_lossy()
+        );
     }
     table.push(']');
-    println!("cargo::rerun-if-changed={}", page.join("web").display());
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets it"));
-    fs::write(out.join("assets.rs"), table).expect("the build folder");
-}
-
-fn add(table: &mut String, path: &Path) {
-    let name = path.file_name().expect("a file").to_string_lossy();
-    let _ = writeln!(
-        table,
-        "    (\"{name}\", include_bytes!({:?})),",
-        path.to_string_lossy()
-    );
+    fs::write(out.join("modules.rs"), table).expect("the build folder");
 }

@@ -7,6 +7,7 @@ use grouser_files::regular;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::Result;
+use crate::files_in_use;
 
 /// The name that stands for standard input or standard output.
 pub(crate) const STANDARD: &str = "-";
@@ -32,6 +33,7 @@ impl Input {
             (Box::new(io::stdin()), None)
         } else {
             let file = regular::open(path)?;
+            files_in_use::reads(path);
             let length = file.metadata().ok().map(|found| found.len());
             (Box::new(file), length)
         };

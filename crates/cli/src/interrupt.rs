@@ -43,6 +43,8 @@ impl Drop for Search {
 
 /// Handles the signals from now on. A second call changes nothing.
 pub(crate) fn install() {
+    #[cfg(unix)]
+    meet_limits();
     // Without a handler the program still runs; a half-written file may then stay behind under its
     // temporary name.
     let _ = ctrlc::set_handler(|| {
@@ -58,15 +60,29 @@ pub(crate) fn install() {
     });
 }
 
-/// Runs `create` and has `path` removed should the program be interrupted before [`finish`].
+/// Limits of the system end the job as an error, not as a crash.
+#[cfg(unix)]
+fn meet_limits() {
+    use std::sync::Arc;
+
+    use signal_hook::consts::{SIGABRT, SIGXFSZ};
+    use signal_hook::flag;
+
+    // a write beyond the limit of a file's size (`ulimit -f`) then fails as one on a full disk does
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    // without memory (`ulimit -v`) nothing is left to do but to end; the standard library has said why on standard error
+    let always = Arc::new(AtomicBool::new(true));
+    let _ = flag::register_conditional_shutdown(SIGABRT, i32::from(crate::exit::BAD_INPUT), always);
+}
+
+/// Runs `create`, and has the file that it made removed should the program be interrupted before [`finish`].
 pub(crate) fn begin<T>(
-    path: &Path,
-    create: impl FnOnce() -> std::io::Result<T>,
-) -> std::io::Result<T> {
+    create: impl FnOnce() -> std::io::Result<(T, PathBuf)>,
+) -> std::io::Result<(T, PathBuf)> {
     let mut files = unfinished();
-    let made = create()?;
-    files.push(path.to_owned());
-    Ok(made)
+    let (made, path) = create()?;
+    files.push(path.clone());
+    Ok((made, path))
 }
 
 /// Runs `end`, which renames or removes `path`, undisturbed by signals.

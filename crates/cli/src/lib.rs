@@ -19,6 +19,7 @@ pub use grouser_terrain as terrain;
 // function that runs it in a session and returns a report. What verbs share is in the other modules.
 #[cfg(feature = "command")]
 mod command;
+#[cfg(feature = "command")]
 mod companion;
 #[cfg(feature = "command")]
 mod csv_line;
@@ -28,6 +29,8 @@ mod error;
 mod exit;
 #[cfg(feature = "command")]
 mod figure_file;
+#[cfg(feature = "command")]
+mod files_in_use;
 #[cfg(feature = "command")]
 mod input;
 #[cfg(feature = "command")]
@@ -47,7 +50,11 @@ mod output_choice;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 #[cfg(feature = "command")]
+mod partial_file;
+#[cfg(feature = "command")]
 mod progress;
+#[cfg(feature = "command")]
+mod report_file;
 #[cfg(feature = "command")]
 mod run;
 #[cfg(feature = "command")]
@@ -56,6 +63,8 @@ mod session;
 mod soil_choice;
 #[cfg(feature = "command")]
 mod terminal;
+#[cfg(feature = "command")]
+mod thread_pool;
 #[cfg(feature = "command")]
 mod usage;
 #[cfg(feature = "command")]

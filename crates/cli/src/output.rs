@@ -5,7 +5,11 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result, shown};
-use crate::interrupt;
+use crate::files_in_use::{self, Conflict};
+use crate::{interrupt, partial_file};
+
+/// Links that are followed, as the system does.
+const MAX_LINKS: u32 = 40;
 
 /// A file that appears under its name only when [`OutputFile::finish`] is called; dropped before, or
 /// interrupted, it leaves nothing.
@@ -21,61 +25,49 @@ impl OutputFile {
     /// Begins the file `path`.
     pub(crate) fn create(path: &Path) -> Result<Self> {
         let refuse = |error: io::Error| Error::file("write", path, &error);
-        // A link stays a link: the file it points to is replaced.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        match fs::metadata(&target) {
-            Ok(found) if found.is_dir() => Err(Error::refused_file(
-                "write",
-                path,
-                "it is a directory",
-                Some(format!(
-                    "give a file name in it, such as {}",
-                    shown(&path.join("out.csv"))
-                )),
-            )),
-            Ok(found) if is_character_device(&found) => {
-                let file = OpenOptions::new()
-                    .write(true)
-                    .open(&target)
-                    .map_err(refuse)?;
-                Ok(Self {
-                    writer: Some(BufWriter::new(file)),
-                    beside: None,
-                    target,
-                })
+        let target = followed(path).map_err(refuse)?;
+        let found = match fs::metadata(&target) {
+            Ok(found) => Some(found),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(refuse(error)),
+        };
+        if let Some(found) = &found {
+            if is_character_device(found) {
+                return Self::to_device(target).map_err(refuse);
             }
-            // A pipe nobody reads would hang, and a disk would be overwritten.
-            Ok(found) if !found.is_file() => Err(Error::refused_file(
-                "write",
-                path,
-                "it is not a regular file",
-                None,
-            )),
-            _ => {
-                let Some(name) = target.file_name() else {
-                    return Err(Error::usage_without_hint(format!(
-                        "{} names no file",
-                        shown(path)
-                    )));
-                };
-                let mut hidden = std::ffi::OsString::from(".");
-                hidden.push(name);
-                hidden.push(format!(".{}.partial", std::process::id()));
-                let beside = target.with_file_name(hidden);
-                let file = interrupt::begin(&beside, || {
-                    OpenOptions::new()
-                        .write(true)
-                        .create_new(true)
-                        .open(&beside)
-                })
+            check_replaceable(found, path)?;
+            // The system's own reasons: another owner, a file that must not change. Nothing is written.
+            OpenOptions::new()
+                .write(true)
+                .open(&target)
                 .map_err(refuse)?;
-                Ok(Self {
-                    writer: Some(BufWriter::new(file)),
-                    beside: Some(beside),
-                    target,
-                })
+        } else if target.file_name().is_none() {
+            return Err(Error::usage_without_hint(format!(
+                "{} names no file",
+                shown(path)
+            )));
+        }
+        files_in_use::begins(&target).map_err(|conflict| in_use(conflict, path))?;
+        match interrupt::begin(|| partial_file::create(&target, found.as_ref())) {
+            Ok((file, beside)) => Ok(Self {
+                writer: Some(BufWriter::new(file)),
+                beside: Some(beside),
+                target,
+            }),
+            Err(error) => {
+                files_in_use::gives_up(&target);
+                Err(refuse(error))
             }
         }
+    }
+
+    fn to_device(target: PathBuf) -> io::Result<Self> {
+        let file = OpenOptions::new().write(true).open(&target)?;
+        Ok(Self {
+            writer: Some(BufWriter::new(file)),
+            beside: None,
+            target,
+        })
     }
 
     /// Writes all of a file and puts it in its place; gives a line that says so.
@@ -98,39 +90,96 @@ impl OutputFile {
     pub(crate) fn finish(mut self) -> Result<()> {
         let written = self.close();
         let Some(beside) = self.beside.take() else {
-            return written.map_err(|error| Error::file("write", &self.target, &error));
+            return match written {
+                Ok(_) => Ok(()),
+                Err(error) => Err(Error::file("write", &self.target, &error)),
+            };
         };
         interrupt::finish(&beside, || {
-            written
-                .and_then(|()| fs::rename(&beside, &self.target))
-                .map_err(|error| {
-                    let _ = fs::remove_file(&beside);
-                    Error::file("write", &self.target, &error)
-                })
+            let named = match (written, files_in_use::ends(&self.target)) {
+                (Ok(_), Err(conflict)) => Err(in_use(conflict, &self.target)),
+                // the file is closed, and unlocked, after it has its name
+                (written, _) => written
+                    .and_then(|_file| fs::rename(&beside, &self.target))
+                    .map_err(|error| Error::file("write", &self.target, &error)),
+            };
+            if named.is_err() {
+                let _ = fs::remove_file(&beside);
+            }
+            named
         })
     }
 
-    fn close(&mut self) -> io::Result<()> {
-        match self.writer.take() {
-            Some(writer) => {
-                let file = writer
-                    .into_inner()
-                    .map_err(io::IntoInnerError::into_error)?;
-                // A disk that is full may say so only here; devices cannot be synced.
-                if self.beside.is_some() {
-                    file.sync_all()
-                } else {
-                    Ok(())
-                }
-            }
-            None => Ok(()),
+    /// Writes what is buffered; the file stays open, and with it its lock.
+    fn close(&mut self) -> io::Result<Option<File>> {
+        let Some(writer) = self.writer.take() else {
+            return Ok(None);
+        };
+        let file = writer
+            .into_inner()
+            .map_err(io::IntoInnerError::into_error)?;
+        // A disk that is full may say so only here; devices cannot be synced.
+        if self.beside.is_some() {
+            file.sync_all()?;
         }
+        Ok(Some(file))
     }
 
     /// Where the file will stand.
     pub(crate) fn path(&self) -> &Path {
         &self.target
     }
+}
+
+/// Where the links of `path` lead, also where nothing is there yet: a link stays a link.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match fs::symlink_metadata(&target) {
+            Ok(found) if found.file_type().is_symlink() => {
+                let to = fs::read_link(&target)?;
+                target = target.parent().unwrap_or(Path::new("")).join(to);
+            }
+            _ => return Ok(target),
+        }
+    }
+    Err(io::Error::other("too many links lead from one to another"))
+}
+
+/// Refuses what a rename would replace without leave.
+fn check_replaceable(found: &fs::Metadata, path: &Path) -> Result<()> {
+    let refuse = |reason, hint| Err(Error::refused_file("write", path, reason, hint));
+    if found.is_dir() {
+        let example = shown(&path.join("out.csv"));
+        return refuse(
+            "it is a directory",
+            Some(format!("give a file name in it, such as {example}")),
+        );
+    }
+    // A pipe nobody reads would hang, and a disk would be overwritten.
+    if !found.is_file() {
+        return refuse("it is not a regular file", None);
+    }
+    // The system lets an administrator write it all the same.
+    if found.permissions().readonly() {
+        let hint = "make it writable, or give the output another name";
+        return refuse("it is read-only", Some(hint.to_owned()));
+    }
+    Ok(())
+}
+
+fn in_use(conflict: Conflict, path: &Path) -> Error {
+    let (reason, hint) = match conflict {
+        Conflict::Input => (
+            "it is read by the same command",
+            "give the output another name: the input stays as it is",
+        ),
+        Conflict::Output => (
+            "it is another output of the same command",
+            "give each output a name of its own",
+        ),
+    };
+    Error::refused_file("write", path, reason, Some(hint.to_owned()))
 }
 
 /// `/dev/null` or a terminal.
@@ -177,6 +226,7 @@ impl Drop for OutputFile {
                 }
                 let _ = fs::remove_file(&beside);
             });
+            files_in_use::gives_up(&self.target);
         }
     }
 }

@@ -6,7 +6,7 @@ use clap::{CommandFactory as _, Parser as _};
 
 use crate::command::Command;
 use crate::session::Session;
-use crate::{interrupt, terminal, usage, verbs};
+use crate::{files_in_use, interrupt, terminal, usage, verbs};
 
 /// Runs the command `grouser` with `arguments`, the program's name first: results go to standard output,
 /// messages to standard error, and signals are handled until the process ends. Returns the exit code.
@@ -15,6 +15,7 @@ use crate::{interrupt, terminal, usage, verbs};
 /// the libraries. An interrupt (Ctrl-C, SIGTERM) ends the process with exit code 130.
 pub fn run_command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     interrupt::install();
+    files_in_use::clear();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let command = match Command::try_parse_from(&arguments) {
         Ok(command) => command,

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
+use crate::files_in_use;
 use crate::input::{self, Input};
 use crate::terminal;
 use crate::verb_report::Report;
@@ -53,6 +54,7 @@ impl Session {
     /// A file was read as a whole.
     pub(crate) fn used_document(&mut self, document: &Document) {
         let digest = input::digest(document.text().as_bytes());
+        files_in_use::reads(Path::new(document.name()));
         self.input_sha256
             .insert(document.name().to_owned(), Value::from(digest));
     }
@@ -92,7 +94,7 @@ impl Session {
         } = report;
         if self.json {
             object.insert("provenance".to_owned(), Value::Object(self.provenance()));
-            terminal::print(&format!("{:#}\n", Value::Object(object)))?;
+            terminal::print_json(&Value::Object(object))?;
         } else if is_aside {
             terminal::remark(&text);
         } else {
@@ -113,7 +115,7 @@ impl Session {
     }
 }
 
-/// Version, commit, seed, inputs and soil.
+/// Version, commit, instruction set, seed, inputs and soil.
 pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
     let soil = fields! { |soil: &'a Object|
         "key" "key of the catalogue, or the file" = soil["key"].clone();
@@ -123,6 +125,8 @@ pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
     fields! { |session: &'a Session|
         "version" "version of the program" = env!("CARGO_PKG_VERSION");
         "commit" "commit that it was built from" = option_env!("GROUSER_COMMIT");
+        "instructions" "the processor's instructions that it was computed with: `avx512`, `avx2` or `portable`; between \
+            them last digits differ" = grouser_terra::instructions();
         "seed" "seed of random numbers" = session.seed;
         "input_sha256" "files that were read, with their SHA-256" values = Some(session.input_sha256.clone());
         "soil" "the soil" group(soil) = session.soil.as_ref();

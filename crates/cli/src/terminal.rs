@@ -3,11 +3,33 @@
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 
+use serde_json::Value;
+
 use crate::error::{Error, Result};
 use crate::exit::BAD_INPUT;
 
-/// Writes `text` to standard output at once. A reader that has gone away is no error.
+/// Writes `text` to standard output at once. A reader that has gone away is no error. Control characters, which names in
+/// files may hold, are shown and not sent.
 pub(crate) fn print(text: &str) -> Result<()> {
+    print_raw(&printable(text))
+}
+
+/// Writes an object to standard output as JSON. JSON leaves the controls from U+007F to U+009F as they are, which
+/// terminals obey as well: they are escaped.
+pub(crate) fn print_json(object: &Value) -> Result<()> {
+    use std::fmt::Write as _; // writing to a string cannot fail
+    let mut text = String::new();
+    for letter in format!("{object:#}\n").chars() {
+        if letter.is_control() && letter != '\n' {
+            let _ = write!(text, "\\u{:04x}", u32::from(letter));
+        } else {
+            text.push(letter);
+        }
+    }
+    print_raw(&text)
+}
+
+fn print_raw(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -22,7 +44,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
 pub(crate) fn complain(error: &Error, json: bool) -> u8 {
     if json {
         // Where standard output fails, standard error still says what is wrong.
-        let _ = print(&format!("{:#}\n", error.object()));
+        let _ = print_json(&error.object());
     }
     say("error", RED, &error.to_string());
     if let Some(hint) = error.hint() {
@@ -34,7 +56,7 @@ pub(crate) fn complain(error: &Error, json: bool) -> u8 {
 /// Text on standard error.
 pub(crate) fn remark(text: &str) {
     // Where standard error fails, nobody reads it.
-    let _ = io::stderr().lock().write_all(text.as_bytes());
+    let _ = io::stderr().lock().write_all(printable(text).as_bytes());
 }
 
 /// `error: …` on standard error, for a job that ended without its result.
@@ -62,11 +84,11 @@ fn say(label: &str, colour: &str, message: &str) {
     };
 }
 
-/// A file name or a flag's value may hold escape sequences: they are shown, not obeyed.
-fn printable(message: &str) -> String {
+/// A file name, a flag's value or a name in a file may hold escape sequences: they are shown, not obeyed.
+pub(crate) fn printable(message: &str) -> String {
     let mut shown = String::with_capacity(message.len());
     for letter in message.chars() {
-        if letter.is_control() && letter != '\n' {
+        if letter.is_control() && !matches!(letter, '\n' | '\t') {
             shown.extend(letter.escape_default());
         } else {
             shown.push(letter);

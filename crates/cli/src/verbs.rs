@@ -29,6 +29,7 @@ use serde_json::Value;
 
 use crate::error::Result;
 use crate::session::{self, Session};
+use crate::thread_pool;
 use crate::verb_report::Report;
 
 /// What the command can do.
@@ -58,8 +59,30 @@ pub(crate) enum Verb {
     Completions(completions::Arguments),
 }
 
+impl Verb {
+    /// May it compute in loops over all processors?
+    fn has_loops(&self) -> bool {
+        matches!(
+            self,
+            Self::Curve(_)
+                | Self::Climb(_)
+                | Self::Estimate(_)
+                | Self::Drive(_)
+                | Self::Map(_)
+                | Self::Plan(_)
+                | Self::Optimize(_)
+                | Self::Paper(_)
+                | Self::Identify(_)
+                | Self::Validate(_)
+        )
+    }
+}
+
 /// Runs the verb; `command` is the whole command line, for those that explain it.
 pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> Result<Report> {
+    if verb.has_loops() {
+        thread_pool::start();
+    }
     match verb {
         Verb::Soils(arguments) => soils::run(&arguments, session),
         Verb::Wheel(arguments) => wheel::run(&arguments, session),

@@ -75,6 +75,17 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("grouser-figure", &[]),
     ("grouser-report", &[]),
     (
+        "grouser-page",
+        &[
+            "grouser-terra",
+            "grouser-opt",
+            "grouser-slip",
+            "grouser-replay",
+            "grouser-design",
+            "grouser-rover",
+        ],
+    ),
+    (
         "grouser",
         &[
             "grouser-figure",
@@ -89,6 +100,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-design",
             "grouser-identify",
             "grouser-campaign",
+            "grouser-page",
             "grouser-rover",
             "grouser-terrain",
         ],

@@ -67,8 +67,8 @@ pub use method::Method;
 pub use model::Model;
 pub use multi_start::{MultiStart, Optimum, multi_start, multi_start_with};
 pub use pareto::{
-    Algorithm, Crossover, Front, FrontPoint, Mutation, ParetoSettings, das_dennis, knee, pareto,
-    pareto_with,
+    Algorithm, Crossover, Front, FrontPoint, MAX_POPULATION, Mutation, ParetoSettings, das_dennis,
+    knee, pareto, pareto_with,
 };
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
 pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};

@@ -75,6 +75,7 @@ mod tally;
 mod truth;
 mod turn_watch;
 mod unreferenced;
+mod way_marker;
 mod ways;
 
 pub use axes::AxisCheck;

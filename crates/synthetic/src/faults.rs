@@ -14,6 +14,14 @@ pub enum Fault {
     WheelStuck(usize),
     /// A wheel's encoder misses this share of its pulses at random.
     PulsesLost(usize, f64),
+    /// A wheel's counter counts this many ticks where it should count one, evenly: a wrong number of ticks a turn.
+    CountsScaled(usize, f64),
+    /// The counters of two wheels are exchanged.
+    Exchanged(usize, usize),
+    /// The first wheel shows the second's counter.
+    Copies(usize, usize),
+    /// A wheel's clock gains this many seconds a second.
+    ClockRate(usize, f64),
     /// One slot in this many of a wheel's encoder is broken.
     SlotBroken(usize, i64),
     /// A wheel's two tracks are swapped: it counts the other way.
@@ -89,6 +97,8 @@ pub fn inject(
         bits,
         last: None,
         shown: 0,
+        scaled: 0.0,
+        copied: None,
         done: false,
         imu: [None; 2],
         camera: None,
@@ -126,6 +136,10 @@ struct State {
     /// The last true reading of the wheel at fault, and what its counter shows.
     last: Option<u64>,
     shown: i64,
+    /// Ticks of a scaled counter since the beginning of the fault.
+    scaled: f64,
+    /// The last reading of the counter that is copied.
+    copied: Option<u64>,
     done: bool,
     imu: [Option<Measurement>; 2],
     camera: Option<Measurement>,
@@ -185,6 +199,7 @@ impl State {
                 fault,
                 Fault::PulsesLost(..)
                     | Fault::SlotBroken(..)
+                    | Fault::CountsScaled(..)
                     | Fault::Swapped(_)
                     | Fault::CounterReset(_)
             );
@@ -228,8 +243,40 @@ impl State {
                 let off = whole((self.noise.uniform() - 0.5) * most as f64);
                 out.push(at(sample, sample.time_ns.saturating_add(off)));
             }
+            Fault::ClockRate(of, gain) => out.push(self.gained(sample, of, gain)),
+            Fault::Exchanged(..) | Fault::Copies(..) => out.push(self.confused(sample, fault)),
             _ => out.extend(self.read(sample, fault)),
         }
+    }
+
+    /// A sample whose wheel has a clock that gains.
+    fn gained(&mut self, sample: Sample, of: usize, gain: f64) -> Sample {
+        match sample.measurement {
+            Measurement::WheelCount { wheel, .. } if wheel == of => {
+                let begun = *self.first_row.get_or_insert(sample.time_ns);
+                let off = whole(gain * sample.time_ns.wrapping_sub(begun) as f64);
+                at(sample, sample.time_ns.saturating_add(off))
+            }
+            _ => sample,
+        }
+    }
+
+    /// A sample whose counter's name or number is another wheel's.
+    fn confused(&mut self, sample: Sample, fault: Fault) -> Sample {
+        let Measurement::WheelCount { wheel, raw } = sample.measurement else {
+            return sample;
+        };
+        let (wheel, raw) = match fault {
+            Fault::Exchanged(a, b) if wheel == a => (b, raw),
+            Fault::Exchanged(a, b) if wheel == b => (a, raw),
+            Fault::Copies(a, _) if wheel == a => (a, self.copied.unwrap_or(raw)),
+            Fault::Copies(_, b) if wheel == b => {
+                self.copied = Some(raw);
+                (b, raw)
+            }
+            _ => (wheel, raw),
+        };
+        with(sample, Measurement::WheelCount { wheel, raw })
     }
 
     /// What the sensor at fault reads.
@@ -278,6 +325,11 @@ impl State {
                         self.shown = self.shown.wrapping_add(step.signum());
                     }
                 }
+            }
+            Fault::CountsScaled(_, factor) => {
+                let before = whole(self.scaled.floor());
+                self.scaled += factor * step as f64;
+                self.shown = self.shown.wrapping_add(whole(self.scaled.floor()) - before);
             }
             Fault::SlotBroken(_, slots) => {
                 let from = before.unwrap_or(raw).cast_signed();
@@ -366,6 +418,7 @@ const fn wheel_of(fault: Fault) -> Option<usize> {
         | Fault::WheelStuck(wheel)
         | Fault::PulsesLost(wheel, _)
         | Fault::SlotBroken(wheel, _)
+        | Fault::CountsScaled(wheel, _)
         | Fault::Swapped(wheel)
         | Fault::CounterReset(wheel)
         | Fault::CounterJumps(wheel, _) => Some(wheel),
@@ -406,7 +459,7 @@ fn other(sample: Sample) -> Sample {
 
 #[allow(
     clippy::cast_possible_truncation,
-    reason = "a time of less than a second in ns"
+    reason = "a time of seconds in ns, or some ticks"
 )]
 fn whole(value: f64) -> i64 {
     value as i64

@@ -34,10 +34,13 @@ pub enum Caution {
     LugSpacing,
     /// Slip, slip angle, width or load lie outside the tests that the soil's numbers were fitted on.
     OutsideFit,
+    /// The load is smaller than the search for the sinkage resolves: the vertical force misses it by more than a
+    /// millionth. Stresses that nearly cancel leave no more digits.
+    LoadBelowResolution,
 }
 
 impl Caution {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -48,6 +51,7 @@ impl Caution {
         Self::WorkGained,
         Self::LugSpacing,
         Self::OutsideFit,
+        Self::LoadBelowResolution,
     ];
 
     /// Its name in files and on the wire.
@@ -64,6 +68,7 @@ impl Caution {
             Self::WorkGained => "work-gained",
             Self::LugSpacing => "lug-spacing",
             Self::OutsideFit => "outside-fit",
+            Self::LoadBelowResolution => "load-below-resolution",
         }
     }
 }
@@ -89,6 +94,9 @@ impl fmt::Display for Caution {
             Self::WorkGained => "the contact gives energy back, which soil cannot",
             Self::LugSpacing => {
                 "lugs are so far apart that the rim between them pushes soil forwards"
+            }
+            Self::LoadBelowResolution => {
+                "the load is smaller than the search for the sinkage resolves: the vertical force differs from it"
             }
             Self::OutsideFit => {
                 "slip, slip angle, width or load lie outside the tests that the soil was fitted on"

@@ -85,14 +85,16 @@ pub use gravity::{
 };
 pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
-pub use lanes::{BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes};
+pub use lanes::{
+    BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes, instructions,
+};
 pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
-pub use sinkage::{LoadOutcome, LoadSolution, Sinkage, SinkageSolution};
+pub use sinkage::{LoadOutcome, LoadSolution, MAX_MISS, Sinkage, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
 pub use slip_velocity::{SlipNorm, SlipVelocity};

@@ -15,6 +15,10 @@ use crate::wheel_on_soil::WheelOnSoil;
 /// error of a step is of the order of that product, and ln W is nearly straight in ln θ_1.
 const LAST_STEP: f64 = 1e-14;
 
+/// Share of the load that the vertical force may miss it by without a caution. The search ends within 1e-9, except
+/// where large stresses cancel to a load below 1e-7 N (`tests/small_loads.rs`).
+pub const MAX_MISS: f64 = 1e-6;
+
 /// Secant steps and bisections before giving up. The secant takes 4 to 7; 80 halvings reach rounding anyway.
 const STEPS: u32 = 80;
 
@@ -161,6 +165,10 @@ impl WheelOnSoil {
             point
                 .cautions
                 .insert_if(found.several, Caution::SeveralSinkages);
+            let missed = (point.forces.vertical_force - load).abs();
+            point
+                .cautions
+                .insert_if(!(missed <= MAX_MISS * load), Caution::LoadBelowResolution);
             point
         });
         let last = u32::from(matches!(outcome, LoadOutcome::Solved(_)));

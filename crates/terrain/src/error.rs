@@ -92,6 +92,26 @@ pub enum Error {
         /// How often it was tried.
         tries: u32,
     },
+    /// A raster of soils has a class that its legend does not list.
+    #[error("{}: row {row}, column {column} (from 0) has class {value}, which the legend does not list", .file.display())]
+    NoClass {
+        /// The raster.
+        file: PathBuf,
+        /// The class.
+        value: f32,
+        /// From the upper edge.
+        row: u32,
+        /// From the left edge.
+        column: u32,
+    },
+    /// A legend gives one class to two soils.
+    #[error("soil map: class {class} is given to \"{}\" and to \"{}\"", .names[0], .names[1])]
+    TwoSoils {
+        /// The class.
+        class: u32,
+        /// The soils.
+        names: [String; 2],
+    },
     /// The laws of wheel and soil refuse a number.
     #[error("{of}: {source}")]
     Law {

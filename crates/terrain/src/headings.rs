@@ -78,4 +78,22 @@ impl Headings {
         let (right, up) = self.step(heading);
         f64::from(up).atan2(f64::from(right)).rem_euclid(TAU)
     }
+
+    /// The heading nearest to an angle (rad).
+    ///
+    /// ```
+    /// let headings = grouser_terrain::Headings::new(8)?;
+    /// assert_eq!(headings.nearest(-0.7), 7);
+    /// # Ok::<(), grouser_terrain::Error>(())
+    /// ```
+    #[must_use]
+    pub fn nearest(self, angle: f64) -> usize {
+        let off = |heading: usize| {
+            let difference = (self.angle(heading) - angle).rem_euclid(TAU);
+            difference.min(TAU - difference)
+        };
+        (0..self.count())
+            .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+            .unwrap_or(0)
+    }
 }

@@ -9,18 +9,24 @@
 mod demand;
 mod error;
 mod headings;
+pub mod learn;
 mod map;
+pub mod mission;
 pub mod plan;
 mod pose;
 pub mod raster;
 mod root;
 mod soil_draws;
+mod soil_map;
 mod table;
 
 pub use demand::{Demand, DemandSolver, Driving, MAX_SLIP};
 pub use error::{Error, Result};
 pub use headings::Headings;
-pub use map::{Band, Journal, MapLayout, MapMaker, MapSettings, Quantity, State, Strip, write_map};
+pub use map::{
+    Band, Journal, MapLayout, MapMaker, MapSettings, MapSoil, Quantity, State, Strip, write_map,
+};
 pub use pose::SurfacePose;
 pub use soil_draws::SoilIntervals;
+pub use soil_map::{LegendSoil, SoilMap};
 pub use table::{Envelope, SLIP_BOUND, SlipTable, TableError};

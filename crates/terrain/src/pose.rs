@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use grouser_rover::ground::HeightMap;
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::wheel_loads;
 
@@ -100,6 +101,11 @@ impl Footprint {
         offsets.map(|offset| offset.abs()).max().unwrap_or(0)
     }
 
+    /// The cells under the wheels, as offsets in rows down and columns to the right.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = [i64; 2]> + '_ {
+        self.terms.iter().map(|(offset, _)| *offset)
+    }
+
     /// The pose by the heights around, as offsets in rows and columns; `None` where one is unknown.
     pub(crate) fn pose(&self, height: impl Fn(i64, i64) -> Option<f32>) -> Option<SurfacePose> {
         let own = f64::from(height(0, 0)?);
@@ -111,6 +117,65 @@ impl Footprint {
         }
         // heights are finite or unknown; beyond 1e30 their sum may be neither
         (ahead.is_finite() && left.is_finite()).then(|| SurfacePose::on_plane(ahead, left))
+    }
+}
+
+/// The wheels of a robot that stands anywhere, at any heading: the same plane as a [`Footprint`]'s.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WheelPlane {
+    /// Where each wheel is beside the robot's middle, m.
+    wheels: Vec<[f64; 2]>,
+    /// Weights of the height under each in the slopes ahead and to the left, per m.
+    slopes: Vec<[f64; 2]>,
+}
+
+impl WheelPlane {
+    pub(crate) fn new(model: &RobotModel) -> Self {
+        let loads = wheel_loads(model, 0.0, 0.0).loads;
+        let mounts = model.wheels.iter().zip(&loads);
+        let wheels: Vec<_> = mounts
+            .map(|(mount, load)| ([mount.centre.x, mount.centre.y], load.max(0.0)))
+            .collect();
+        Self {
+            slopes: plane_weights(&wheels),
+            wheels: wheels.into_iter().map(|(at, _)| at).collect(),
+        }
+    }
+
+    /// How far the foremost wheel is ahead of the middle, m.
+    pub(crate) fn front(&self) -> f64 {
+        self.wheels.iter().map(|at| at[0]).fold(0.0, f64::max)
+    }
+
+    /// The places of the wheels of a robot at (x, y) with a heading (rad), m.
+    pub(crate) fn places(
+        &self,
+        (x, y): (f64, f64),
+        heading: f64,
+    ) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let (sin, cos) = heading.sin_cos();
+        self.wheels
+            .iter()
+            .map(move |[ahead, left]| (x + ahead * cos - left * sin, y + ahead * sin + left * cos))
+    }
+
+    /// The pose on the relief; `None` where a wheel stands on unknown ground.
+    pub(crate) fn pose(
+        &self,
+        relief: &HeightMap,
+        place: (f64, f64),
+        heading: f64,
+    ) -> Option<SurfacePose> {
+        let (mut ahead, mut left) = (0.0, 0.0);
+        for ((x, y), [a, l]) in self.places(place, heading).zip(&self.slopes) {
+            if !relief.known(x, y) {
+                return None;
+            }
+            let height = relief.height(x, y);
+            ahead += a * height;
+            left += l * height;
+        }
+        Some(SurfacePose::on_plane(ahead, left))
     }
 }
 

@@ -1,35 +1,39 @@
-//! The page's files, which are part of the program: nothing is read from the disk while it serves.
+//! What the server serves: the page's files and modules, which are part of the program.
 
-use crate::error::{Error, Result};
+use grouser_page::{Document, files};
 
-static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/assets.rs"));
+/// The modules that compute in the page, compressed, the explorer first.
+static MODULES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
-/// The modules that a page carries, in the order in which they are embedded: the explorer first, without which no page
-/// starts.
-pub const MODULES: [&str; 4] = ["explore", "drive", "log", "optimize"];
+/// The page with all its modules; with a `file` that it opens it has the explorer alone: a report stays small.
+#[must_use]
+pub fn page<'a>(file: Option<(&'a str, &'a [u8])>) -> Document<'a> {
+    let (page, modules) = match file {
+        Some((name, bytes)) => (Document::of_file(name, bytes), &MODULES[..1]),
+        None => (Document::new(), MODULES),
+    };
+    modules
+        .iter()
+        .fold(page, |page, (name, bytes)| page.module(name, bytes))
+}
 
 /// The names of all files.
-pub fn names() -> impl Iterator<Item = &'static str> {
-    FILES.iter().map(|(name, _)| *name)
+pub fn names() -> impl Iterator<Item = String> {
+    let modules = MODULES.iter().map(|(name, _)| format!("{name}.wasm.gz"));
+    files::ALL
+        .iter()
+        .map(|(name, _)| (*name).to_owned())
+        .chain(modules)
 }
 
 /// A file by its name; `None` for any other name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static [u8]> {
-    let (_, bytes) = FILES.iter().find(|(own, _)| *own == name)?;
-    Some(bytes)
-}
-
-/// A file that the page cannot do without.
-///
-/// # Errors
-/// [`Error::Missing`] if it is not there, or no text where one is expected.
-pub fn text(name: &str) -> Result<&'static str> {
-    find(name)
-        .and_then(|bytes| std::str::from_utf8(bytes).ok())
-        .ok_or_else(|| Error::Missing {
-            name: name.to_owned(),
-        })
+    if let Some(module) = name.strip_suffix(".wasm.gz") {
+        let (_, bytes) = MODULES.iter().find(|(own, _)| *own == module)?;
+        return Some(bytes);
+    }
+    files::text(name).ok().map(str::as_bytes)
 }
 
 /// What a browser takes a file for.

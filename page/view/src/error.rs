@@ -9,26 +9,9 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A script of the page uses a form of import or export that the packer does not know.
-    #[error("{file}: `{line}` is no import or export that the page's packer reads")]
-    Script {
-        /// The script.
-        file: String,
-        /// Its line.
-        line: String,
-    },
-    /// Two scripts import each other.
-    #[error("{file} imports itself by way of others")]
-    Circle {
-        /// One of the scripts.
-        file: String,
-    },
-    /// A part of the page is not in the program.
-    #[error("the page's `{name}` is missing")]
-    Missing {
-        /// The part.
-        name: String,
-    },
+    /// The page is not complete.
+    #[error(transparent)]
+    Page(#[from] grouser_page::Error),
     /// The server cannot listen.
     #[error("the server cannot listen: {source}")]
     Server {

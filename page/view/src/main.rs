@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use grouser_view::pack::{self, Embedded};
+use grouser_view::assets;
 use grouser_view::server::{Server, Shown};
 use grouser_view::{Error, Result};
 
@@ -40,11 +40,10 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<()> {
     let shown = arguments.file.as_deref().map(read).transpose()?;
     if let Some(path) = &arguments.export {
-        let embedded = shown.as_ref().map(|shown| Embedded {
-            name: &shown.name,
-            bytes: &shown.bytes,
-        });
-        return std::fs::write(path, pack::page(embedded.as_ref())?)
+        let file = shown
+            .as_ref()
+            .map(|shown| (shown.name.as_str(), shown.bytes.as_slice()));
+        return std::fs::write(path, assets::page(file).html()?)
             .map_err(|source| file_error(path, source));
     }
     let runtime = tokio::runtime::Builder::new_current_thread()

@@ -21,9 +21,10 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 use tokio::time::{sleep, timeout};
 
+use grouser_page::{attribute, files, server_policy};
+
 use crate::assets;
 use crate::gate::{COOKIE_NAME, Gate, Refused, same};
-use crate::pack::{attribute, server_policy};
 
 /// Longest body of a request, bytes.
 const MAX_BODY_BYTES: usize = 1 << 20;
@@ -261,7 +262,7 @@ fn exchange(shared: &Shared, query: &str) -> Result<Response<Body>, Refused> {
 }
 
 fn index(shared: &Shared) -> Result<Response<Body>, Refused> {
-    let html = assets::text("index.html")
+    let html = files::text("index.html")
         .map_err(|_| (StatusCode::INTERNAL_SERVER_ERROR, "the page is missing"))?;
     let file = shared.shown.as_ref().map_or_else(String::new, |shown| {
         format!(" data-file=\"{}\"", attribute(&shown.name))

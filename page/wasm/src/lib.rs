@@ -26,8 +26,6 @@ mod examples;
 #[cfg(feature = "optimize")]
 mod optimize;
 mod request;
-#[cfg(any(feature = "drive", feature = "log"))]
-mod run;
 #[cfg(feature = "explore")]
 mod wheel;
 

@@ -1,9 +1,8 @@
-//! A problem file through the optimiser: the numbers of `grouser optimize --json`.
+//! A problem file through the optimiser, as `grouser optimize` solves it.
 
-use grouser_design::{Answer, Compromise, Design, Optimum, Trade, parse};
+use grouser_design::parse;
 use grouser_files::Document;
-use grouser_opt::Status;
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 
 use crate::request::{Problem, Request};
 
@@ -13,97 +12,6 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         .map_err(Problem::of)?;
     let design = parse(&document).map_err(Problem::of)?;
     let answer = design.solve().map_err(Problem::of)?;
-    let mut out = json!({
-        "title": design.title,
-        "method": design.task.name(),
-        "variables": design.variables.iter().enumerate().map(|(i, variable)| json!({
-            "name": variable.name,
-            "unit": design.units.get(i),
-            "lower": finite(variable.lower),
-            "upper": finite(variable.upper),
-        })).collect::<Vec<_>>(),
-        "objectives": design.objectives.iter().map(|objective| json!({
-            "name": objective.name,
-            "text": objective.text,
-        })).collect::<Vec<_>>(),
-    });
-    match &answer {
-        Answer::Optimum(optimum) => add_optimum(&mut out, &design, optimum),
-        Answer::Trade(trade) => add_front(&mut out, &design, trade),
-        _ => {
-            return Err(Problem::of(
-                "the answer is of a kind that the page does not know",
-            ));
-        }
-    }
-    Ok(out)
-}
-
-fn finite(bound: f64) -> Option<f64> {
-    bound.is_finite().then_some(bound)
-}
-
-fn named<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> Value {
-    let object: Map<String, Value> = values
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), json!(value)))
-        .collect();
-    object.into()
-}
-
-fn pairs(values: &[(String, f64)]) -> Value {
-    named(values.iter().map(|(name, value)| (name.as_str(), *value)))
-}
-
-fn variables(design: &Design, x: &[f64]) -> Value {
-    let names = design
-        .variables
-        .iter()
-        .map(|variable| variable.name.as_str());
-    named(names.zip(x.iter().copied()))
-}
-
-fn objectives(design: &Design, values: &[f64]) -> Value {
-    let names = design
-        .objectives
-        .iter()
-        .map(|objective| objective.name.as_str());
-    named(names.zip(values.iter().copied()))
-}
-
-fn add_optimum(out: &mut Value, design: &Design, optimum: &Optimum) {
-    out["status"] = json!(optimum.status.name());
-    out["is_solved"] = json!(optimum.status.is_solved());
-    out["x"] = variables(design, &optimum.x);
-    out["values"] = pairs(&optimum.objectives);
-    out["max"] = json!(optimum.maximum);
-    out["objective_multipliers"] = pairs(&optimum.objective_multipliers);
-    out["constraint_multipliers"] = pairs(&optimum.constraint_multipliers);
-    out["active"] = json!(optimum.active);
-    out["iterations"] = json!(optimum.counts.iterations);
-    out["starts"] = json!(optimum.starts.len());
-    out["is_ambiguous"] = json!(optimum.is_ambiguous);
-    if let Status::NoFeasiblePoint(violations) = &optimum.status {
-        out["violated"] = named(violations.iter().map(|v| (v.name.as_str(), v.amount)));
-    }
-}
-
-fn add_front(out: &mut Value, design: &Design, trade: &Trade) {
-    let point = |point: &Compromise| {
-        let multipliers = point.multipliers.as_ref();
-        json!({
-            "x": variables(design, &point.x),
-            "objectives": objectives(design, &point.objectives),
-            "objective_multipliers": multipliers.map(|shares| objectives(design, shares)),
-        })
-    };
-    out["status"] = json!(if trade.points.is_empty() {
-        "no_feasible_point"
-    } else {
-        "converged"
-    });
-    out["is_solved"] = json!(!trade.points.is_empty());
-    out["front"] = trade.points.iter().map(point).collect();
-    out["knee"] = json!(trade.knee);
-    out["violation"] = json!(trade.violation);
+    grouser_page::answer::object(&design, &answer)
+        .ok_or_else(|| Problem::of("the answer is of a kind that the page does not know"))
 }

@@ -1,6 +1,7 @@
 //! `drive`: its report stands alone and takes no markup from a file; its logs say what the drive was.
 
-use std::collections::BTreeMap;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 
 use super::program::{Folder, grouser, line};
 
@@ -41,50 +42,114 @@ fn a_report_stands_alone_and_takes_no_markup() {
     ])
     .assert_done();
     let page = std::fs::read_to_string(page).unwrap();
-    for shown in [
-        "&lt;script&gt;a()&lt;/script&gt;",
-        "&lt;img src=x onerror=b()&gt;",
-        "&lt;/title&gt;&lt;img src=&#39;x&#39; onerror=&#39;c()&#39;&gt; &amp; more",
+    // names are data: none is in the page's text, and what is embedded has them as they are
+    for name in ["onerror", "a()", "<img"] {
+        assert!(!page.contains(name), "{name}");
+    }
+    let report = embedded(&page);
+    assert_eq!(
+        report["title"],
+        "</title><img src='x' onerror='c()'> & more"
+    );
+    let run = &report["runs"][1];
+    assert_eq!(run["robot"], "<script>a()</script>");
+    assert_eq!(run["wheels"][0]["name"], "<img src=x onerror=b()>");
+    // nothing is fetched, and only the page's own script runs
+    for address in [
+        "http:",
+        "https:",
+        " src=\"",
+        "url(",
+        "@import",
+        "<link rel=\"stylesheet",
     ] {
-        assert!(page.contains(shown), "{shown}");
-    }
-    for markup in ["<script", "<img"] {
-        assert!(!page.contains(markup), "{markup}");
-    }
-    // nothing is fetched: the only address with a scheme is the name of SVG's own language
-    let mut rest = page.replace("http://www.w3.org/2000/svg", "");
-    rest.retain(|letter| letter != '\n');
-    for address in ["http:", "https:", "src=\"", "url(//", "@import", "<link"] {
+        let mut rest = page.replace("http://www.w3.org/2000/svg", "");
+        rest.retain(|letter| letter != '\n');
         assert!(!rest.contains(address), "{address}");
     }
-    let policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+    let policy = "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'; \
+                  object-src 'none'; script-src 'sha256-";
     assert!(page.contains(policy));
-    // what is named twice is the same twice: figures share a page without taking each other's clips
-    let mut shapes: BTreeMap<&str, &str> = BTreeMap::new();
-    let mut named = 0;
-    for part in page.split("<clipPath id=\"").skip(1) {
-        let (name, rest) = part.split_once('"').unwrap();
-        let (shape, _) = rest.split_once("</clipPath>").unwrap();
-        assert_eq!(*shapes.entry(name).or_insert(shape), shape, "{name}");
-        named += 1;
+    assert!(!page.contains("unsafe-inline"));
+    let drivers: Vec<_> = [0, 1].map(|i| &report["drives"][i]["controller"]).into();
+    assert_eq!(drivers, ["open-loop", "controller"]);
+    let said = report.to_string();
+    for known in ["SHA-256", "dry-sand", "2012", "heat of motors and gears"] {
+        assert!(said.contains(known), "{known}");
     }
-    assert!(
-        named > shapes.len(),
-        "no clip was shared: nothing was compared"
+    // the columns of a run are of one length, and its numbers are those of the command
+    let columns = ["x_m", "y_m", "used_energy_j", "speed_m_per_s"];
+    let moments = run["time_s"].as_array().unwrap().len();
+    assert!(moments >= 29, "{moments}");
+    for column in columns {
+        assert_eq!(run[column].as_array().unwrap().len(), moments, "{column}");
+    }
+    let ground = &run["ground"];
+    let heights = ground["height_m"].as_array().unwrap().len() as u64;
+    assert_eq!(heights % ground["columns"].as_u64().unwrap(), 0);
+    assert_eq!(ground["soil"].as_array().unwrap().len() as u64, heights);
+    let went: f64 = run["energy_went_into"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row[1].as_f64().unwrap())
+        .sum();
+    assert!((went - run["energy_j"].as_f64().unwrap()).abs() < 1e-9 * went);
+}
+
+/// The report in a page.
+fn embedded(page: &str) -> serde_json::Value {
+    let (_, block) = page.split_once("id=\"embedded\"").unwrap();
+    let (_, block) = block.split_once('>').unwrap();
+    let (block, _) = block.split_once("</script>").unwrap();
+    let packed = STANDARD.decode(block).unwrap();
+    serde_json::from_reader(flate2::read::GzDecoder::new(&packed[..])).unwrap()
+}
+
+/// The rows of a log's table and of its report are the same numbers; an answer's report has the command's numbers.
+#[test]
+fn reports_of_a_log_and_of_a_problem_have_the_numbers_of_the_command() {
+    let folder = Folder::new();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let [page, table] = ["log.html", "log.csv"].map(|name| folder.path(name).display().to_string());
+    let log = format!("{root}/five-wheel/log.csv");
+    let robot = format!("{root}/five-wheel/robot.toml");
+    let arguments = [
+        "estimate", &log, "--robot", &robot, "--to-s", "18", "-o", &table, "--report", &page,
+    ];
+    grouser(arguments).assert_done();
+    let report = embedded(&std::fs::read_to_string(&page).unwrap());
+    let run = &report["runs"][0];
+    let times = run["time_s"].as_array().unwrap();
+    let rows = std::fs::read_to_string(&table).unwrap();
+    let mut compared = 0;
+    for row in rows.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let time: f64 = cells[0].parse().unwrap();
+        // the reader of JSON is exact to the last digit but one
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * b.abs();
+        let is_time = |other: &serde_json::Value| near(other.as_f64().unwrap(), time);
+        let place = times.iter().position(is_time).unwrap();
+        let wheels = run["wheels"].as_array().unwrap();
+        let wheel = wheels.iter().find(|wheel| wheel["name"] == cells[1]);
+        let slip = wheel.unwrap()["slip"][place].as_f64();
+        let told: Option<f64> = cells[2].parse().ok();
+        assert_eq!(slip.is_some(), told.is_some(), "{row}");
+        let same = slip.zip(told).is_none_or(|(slip, told)| near(slip, told));
+        assert!(same, "{row}: {slip:?}");
+        compared += usize::from(slip.is_some());
+    }
+    assert!(compared > 1000, "{compared}");
+
+    let page = folder.path("front.html").display().to_string();
+    let problem = format!("{root}/problems/running-slip.toml");
+    let said = grouser(["optimize", &problem, "--report", &page, "--json"]).assert_done();
+    let report = embedded(&std::fs::read_to_string(&page).unwrap());
+    assert_eq!(report["answer"]["x"], said.json()["x"]);
+    assert_eq!(
+        report["problem"],
+        std::fs::read_to_string(&problem).unwrap()
     );
-    for part in page.split("clip-path=\"url(#").skip(1) {
-        let (name, _) = part.split_once(')').unwrap();
-        assert!(shapes.contains_key(name), "{name}");
-    }
-    for said in [
-        "SHA-256",
-        "dry-sand",
-        "2012",
-        "open-loop",
-        "Energy of each driver",
-    ] {
-        assert!(page.contains(said), "{said}");
-    }
 }
 
 #[test]

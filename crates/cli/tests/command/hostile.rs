@@ -287,6 +287,61 @@ fn outputs_that_cannot_be_written_are_refused() {
     );
 }
 
+/// Controls that a terminal obeys, in the name and the source of a soil, in a column and in a file's name.
+#[test]
+fn names_never_send_controls_to_the_terminal() {
+    let folder = Folder::new();
+    let soil = folder.path("soil.toml");
+    let made = grouser(["init".into(), "soil".into(), "-o".into(), soil.clone()]);
+    made.assert_done();
+    let text = std::fs::read_to_string(&soil).unwrap();
+    let hostile: String = text
+        .lines()
+        .map(|line| match line.split_once(" = ") {
+            Some(("name" | "source", _)) => {
+                let key = line.split_once(" = ").unwrap().0;
+                format!("{key} = \"\\u001b[31mred \\u009b2J \\u007f\"\n")
+            }
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    assert!(hostile.contains("u009b"), "{text}");
+    let soil = folder.file("\u{1b}[2J\u{9b}.toml", hostile);
+    let table = folder.file(
+        "in.csv",
+        format!(
+            "soil,radius_m,width_m,slip,load_n,\u{1b}[31m\n{},0.1,0.1,0.2,40,\u{9b}\n",
+            soil.display()
+        ),
+    );
+    let wheel = "wheel --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40 --soil";
+    let with = |line: &str, rest: [&std::path::Path; 1]| {
+        let mut words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+        words.extend(rest.iter().map(|path| path.as_os_str().to_owned()));
+        words
+    };
+    let output = folder.path("out.csv").display().to_string();
+    for words in [
+        with(wheel, [&soil]),
+        with(&format!("--json {wheel}"), [&soil]),
+        with(&format!("batch --json -o {output}"), [&table]),
+        with("log info", [&table]),
+        with("log info --json", [&table]),
+        with("optimize", [&soil]),
+        with("optimize --json", [&soil]),
+    ] {
+        let said = grouser(&words);
+        said.assert_sane(&format!("{words:?}"));
+        for text in [&said.out, &said.err] {
+            let sent = text.chars().find(|c| c.is_control() && *c != '\n');
+            assert_eq!(sent, None, "{words:?}: {said:?}");
+        }
+        if words.iter().any(|word| word == "--json") {
+            said.json();
+        }
+    }
+}
+
 /// A disk that is full: what is written there fails, and a finished file is never half of one.
 #[test]
 #[cfg(target_os = "linux")]

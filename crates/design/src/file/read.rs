@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grouser_files::{Document, Section};
-use grouser_opt::{Algorithm, Measure, ParetoSettings, Settings, Variable};
+use grouser_opt::{Algorithm, MAX_POPULATION, Measure, ParetoSettings, Settings, Variable};
 
 use super::soils::{read_fixed, read_worlds};
 use super::variables::{read_constraints, read_objectives, read_variables};
@@ -117,7 +117,12 @@ fn read_pareto(section: &Section<'_>) -> Result<ParetoSettings> {
         None => None,
     };
     settings.algorithm = section.optional_choice("algorithm", &algorithms)?;
-    settings.population = whole(section, "population", settings.population, (4, 1_000_000))?;
+    settings.population = whole(
+        section,
+        "population",
+        settings.population,
+        (4, i64::from(MAX_POPULATION)),
+    )?;
     settings.generations = whole(section, "generations", settings.generations, (0, 1_000_000))?;
     settings.polish = !section.flag("keep_unpolished")?;
     Ok(settings)

@@ -166,6 +166,51 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         &["std_msgs/Header", "diagnostic_msgs/DiagnosticStatus"],
     ),
     (
+        "builtin_interfaces/Duration",
+        "int32 sec\nuint32 nanosec\n",
+        &[],
+    ),
+    (
+        "std_msgs/ColorRGBA",
+        "float32 r\nfloat32 g\nfloat32 b\nfloat32 a\n",
+        &[],
+    ),
+    (
+        "sensor_msgs/CompressedImage",
+        "std_msgs/Header header\nstring format\nuint8[] data\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        "visualization_msgs/UVCoordinate",
+        "float32 u\nfloat32 v\n",
+        &[],
+    ),
+    (
+        "visualization_msgs/MeshFile",
+        "string filename\nuint8[] data\n",
+        &[],
+    ),
+    (
+        "visualization_msgs/Marker",
+        "int32 LINE_STRIP=4\nint32 ADD=0\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
+         geometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n\
+         builtin_interfaces/Duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n\
+         std_msgs/ColorRGBA[] colors\nstring texture_resource\nsensor_msgs/CompressedImage texture\n\
+         UVCoordinate[] uv_coordinates\nstring text\nstring mesh_resource\nMeshFile mesh_file\n\
+         bool mesh_use_embedded_materials\n",
+        &[
+            "std_msgs/Header",
+            "geometry_msgs/Pose",
+            "geometry_msgs/Vector3",
+            "std_msgs/ColorRGBA",
+            "builtin_interfaces/Duration",
+            "geometry_msgs/Point",
+            "sensor_msgs/CompressedImage",
+            "visualization_msgs/UVCoordinate",
+            "visualization_msgs/MeshFile",
+        ],
+    ),
+    (
         WHEEL_TICKS,
         "# Tick counters of wheels, as the hardware shows them.\nstd_msgs/Header header\nstring[] name\n\
          uint64[] ticks\n",

@@ -27,7 +27,7 @@ pub use das_dennis::das_dennis;
 pub use knee::knee;
 pub use mutation::Mutation;
 pub use sbx::Crossover;
-pub use settings::{Algorithm, ParetoSettings};
+pub use settings::{Algorithm, MAX_POPULATION, ParetoSettings};
 
 use population::{Individual, evaluate, fronts};
 
@@ -114,7 +114,7 @@ pub fn pareto_with(
 ) -> Result<Front> {
     let m = problem.objectives().len();
     Error::check_range("the number of objectives", m as f64, 2.0, 20.0)?;
-    settings.check()?;
+    settings.check(m)?;
     let (lower, upper) = problem.finite_box("a Pareto front")?;
     let mut search = Search {
         problem,

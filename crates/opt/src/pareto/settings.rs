@@ -62,6 +62,10 @@ impl Default for ParetoSettings {
     }
 }
 
+/// Members of a population, and directions of NSGA-III, at most. To sort them compares all pairs: at this number a
+/// generation takes a second, at ten times as many two minutes.
+pub const MAX_POPULATION: u16 = 10_000;
+
 impl ParetoSettings {
     pub(super) fn algorithm_for(&self, objectives: usize) -> Algorithm {
         self.algorithm.unwrap_or(if objectives == 2 {
@@ -103,12 +107,20 @@ impl ParetoSettings {
         })
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    /// Checks them for a problem of so many objectives.
+    pub(super) fn check(&self, objectives: usize) -> Result<()> {
         let count = |n: usize| n as f64;
-        Error::check_range("population", count(self.population), 4.0, 1e6)?;
+        Error::check_range(
+            "population",
+            count(self.population),
+            4.0,
+            f64::from(MAX_POPULATION),
+        )?;
         Error::check_range("generations", count(self.generations), 0.0, 1e9)?;
         if let Some(divisions) = self.divisions {
-            Error::check_range("divisions", count(divisions), 1.0, 1000.0)?;
+            let fits = |d: &usize| simplex_size(objectives, *d) <= usize::from(MAX_POPULATION);
+            let most = (1..=1000).take_while(fits).last().unwrap_or(1);
+            Error::check_range("divisions", count(divisions), 1.0, count(most))?;
         }
         if let Some(crossover) = self.crossover {
             Error::check_range("crossover.eta", crossover.eta, 0.0, 1e3)?;

@@ -70,7 +70,16 @@ impl Place {
         self
     }
 
-    fn holds(&self, at_x: f64, at_y: f64) -> bool {
+    /// Does a point lie in it?
+    ///
+    /// ```
+    /// use grouser_rover::ground::Place;
+    ///
+    /// let disc = Place::Disc { x: 1.0, y: 0.0, radius: 0.5 };
+    /// assert!(disc.holds(1.4, 0.0) && !disc.holds(1.4, 0.4));
+    /// ```
+    #[must_use]
+    pub fn holds(&self, at_x: f64, at_y: f64) -> bool {
         match *self {
             Self::Disc { x, y, radius } => (at_x - x).hypot(at_y - y) <= radius,
             Self::Box {

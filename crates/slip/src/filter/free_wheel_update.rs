@@ -79,6 +79,10 @@ impl Core {
         }
         let had_failed = self.wheels.channels[w.index].monitor.has_failed();
         self.watch_stop(w);
+        // a wheel that is known to miss pulses measures nothing beside a sensor that does not
+        if self.output.checks[w.index].misses_pulses && !self.is_alone(w.to_ns) {
+            return false;
+        }
         let wheel = &self.wheels.channels[w.index];
         let agreed = if !wheel.turns() && !wheel.rolling.stop_expected {
             false

@@ -22,7 +22,8 @@ impl Core {
     /// Updates the estimate of every wheel.
     pub(super) fn update_health(&mut self, now_ns: i64, input: &Input) {
         self.recovery.is_blocked = self.is_blocked(now_ns);
-        self.recovery.is_disputed = self.is_disputed(now_ns);
+        self.recovery.is_disputed =
+            self.is_disputed(now_ns) || self.only_reference_misses_pulses(now_ns);
         for index in 0..self.wheels.channels.len() {
             let estimate = self.wheel_estimate(index, now_ns, input);
             let last_good_ns = if estimate.health == Health::Ok {

@@ -109,6 +109,23 @@ impl Core {
         alone && free.peek().is_some() && free.all(blocked)
     }
 
+    /// Do the free wheels that measure the robot's speed miss pulses, while nothing else measures it? Then the robot seems
+    /// slower than it is, and the slips of all wheels are as wrong as the pulses are few.
+    pub(super) fn only_reference_misses_pulses(&self, now_ns: i64) -> bool {
+        let checked = self.wheels.iter().zip(&self.output.checks);
+        let mut used = checked
+            .filter(|(wheel, _)| wheel.free && !wheel.monitor.has_failed())
+            .peekable();
+        self.is_alone(now_ns) && used.peek().is_some() && used.all(|(_, check)| check.misses_pulses)
+    }
+
+    /// Does no sensor but the wheels measure the robot's speed?
+    pub(super) fn is_alone(&self, now_ns: i64) -> bool {
+        let accepted_ns = self.reference.accepted_ns;
+        !self.is_led
+            && accepted_ns.is_none_or(|then| seconds_between(then, now_ns) > REFERENCE_TIMEOUT_S)
+    }
+
     /// Restarts the motion from the fastest wheel where the robot would be much faster than that for long.
     pub(super) fn recover_from_runaway(&mut self, time_ns: i64) {
         if self.is_led {

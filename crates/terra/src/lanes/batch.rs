@@ -62,6 +62,17 @@ enum Task<'a> {
     Curve(&'a mut LoadSheet),
 }
 
+/// The instructions that this machine's lanes run on: `avx512`, `avx2` or `portable`. The last digits of forces may
+/// differ between them.
+///
+/// ```
+/// assert!(["avx512", "avx2", "portable"].contains(&grouser_terra::instructions()));
+/// ```
+#[must_use]
+pub fn instructions() -> &'static str {
+    Level::best().name()
+}
+
 impl BatchKernel {
     /// Prepares a soil. Its own rebound ratio has no effect: each point brings one.
     #[must_use]

@@ -12,7 +12,7 @@ mod portable;
 mod sheet;
 mod vector;
 
-pub use batch::BatchKernel;
+pub use batch::{BatchKernel, instructions};
 pub use columns::{BatchColumns, BatchInput, BatchPoints};
 pub(crate) use nodes::EightNodes;
 pub use portable::{LaneMask, Lanes};

@@ -24,11 +24,14 @@ pub enum Quantity {
     Pitch,
     /// A [`State`].
     State,
+    /// The weakest soil under a wheel: 0 for the soil that the map is made for, else the index in the soil map's legend
+    /// plus one. The other quantities are those of the robot with all wheels on it.
+    Soil,
 }
 
 impl Quantity {
     /// In the order of the bands.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Slip,
         Self::SlipHigh,
         Self::Sinkage,
@@ -37,6 +40,7 @@ impl Quantity {
         Self::Immobilisation,
         Self::Pitch,
         Self::State,
+        Self::Soil,
     ];
 
     /// Its name in files.
@@ -55,6 +59,7 @@ impl Quantity {
             Self::Immobilisation => "immobilisation",
             Self::Pitch => "pitch_deg",
             Self::State => "state",
+            Self::Soil => "soil",
         }
     }
 
@@ -70,7 +75,7 @@ impl Quantity {
 ///
 /// let headings = Headings::new(8)?;
 /// let band = Band { quantity: Quantity::Energy, heading: 2 };
-/// assert_eq!((band.index(headings), Band::count(headings)), (26, 64));
+/// assert_eq!((band.index(headings), Band::count(headings)), (26, 72));
 /// assert_eq!(band.name(headings), "energy_j_per_m, heading 90 deg");
 /// # Ok::<(), grouser_terrain::Error>(())
 /// ```

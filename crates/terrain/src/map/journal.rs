@@ -50,6 +50,11 @@ impl Journal {
             places: BTreeMap::new(),
             end: 0,
         };
+        if !journal.is_journal().map_err(&refuse)? {
+            return Err(refuse(io::Error::other(
+                "it is there already and holds no strips: it would be overwritten",
+            )));
+        }
         if journal.read(job).map_err(&refuse)? {
             // what follows the last whole record was being written when the job ended
             journal.file.set_len(journal.end).map_err(&refuse)?;
@@ -83,6 +88,15 @@ impl Journal {
             reason: "it holds no strips of this job: terrain, robot, soil and settings must be the same for all shards"
                 .to_owned(),
         })
+    }
+
+    /// Is it empty, or the journal of some job?
+    fn is_journal(&self) -> io::Result<bool> {
+        let mut magic = Vec::new();
+        let mut reader = &self.file;
+        reader.seek(SeekFrom::Start(0))?;
+        reader.take(MAGIC.len() as u64).read_to_end(&mut magic)?;
+        Ok(MAGIC.starts_with(&magic))
     }
 
     /// Reads all whole records; `false` where it is not this job's.

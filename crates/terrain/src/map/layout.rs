@@ -15,7 +15,7 @@ use crate::table::Envelope;
 const MAX_STRIP_BYTES: usize = 4 << 20;
 const MAX_STRIP_ROWS: usize = 64;
 /// A number of this version in every map; another one is refused.
-pub(crate) const VERSION: &str = "2";
+pub(crate) const VERSION: &str = "3";
 
 /// What a map is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +57,8 @@ pub struct MapLayout {
     pub gravity: f64,
     /// Soil draws behind the probabilities; 0: the soil is taken for exactly known.
     pub draws: u32,
+    /// The names of the soils, by [`Quantity::Soil`].
+    pub soils: Vec<String>,
     /// SHA-256 of everything that the map was computed from, as hexadecimal digits.
     pub job: String,
 }
@@ -76,6 +78,7 @@ impl MapLayout {
             turning_radius: turning_radius(model),
             gravity: model.gravity(),
             draws: u32::try_from(draws).unwrap_or(u32::MAX),
+            soils: Vec::new(),
             job: job.to_owned(),
         }
     }
@@ -93,6 +96,7 @@ impl MapLayout {
             turning_radius: 0.0,
             gravity: grouser_terra::EARTH_GRAVITY_M_PER_S2,
             draws: 0,
+            soils: Vec::new(),
             job: String::new(),
         }
     }
@@ -152,6 +156,10 @@ impl MapLayout {
             ("GROUSER_JOB_SHA256", self.job.clone()),
         ] {
             let _ = writeln!(out, "  <Item name=\"{name}\">{value}</Item>");
+        }
+        for (index, name) in self.soils.iter().enumerate() {
+            let name = escaped(name);
+            let _ = writeln!(out, "  <Item name=\"GROUSER_SOIL_{index}\">{name}</Item>");
         }
         for quantity in Quantity::ALL {
             for heading in 0..self.headings.count() {
@@ -216,6 +224,10 @@ impl MapLayout {
             turning_radius: number("GROUSER_TURNING_RADIUS_M", (0.0, 1e4))?,
             gravity: number("GROUSER_GRAVITY_M_PER_S2", (1e-3, 1e3))?,
             draws: whole(number("GROUSER_SOIL_DRAWS", (0.0, 1e6))?),
+            soils: (0..)
+                .map_while(|index| items.get(format!("GROUSER_SOIL_{index}").as_str()))
+                .map(|name| (*name).to_owned())
+                .collect(),
             job: text("GROUSER_JOB_SHA256")?.to_owned(),
         })
     }
@@ -246,7 +258,7 @@ fn escaped(text: &str) -> String {
 ///
 /// The centre of the turn lies on the common axle line of the wheels that do not steer, or, where all steer, abreast of
 /// their middle; every steered wheel stays within its range.
-fn turning_radius(model: &RobotModel) -> f64 {
+pub(crate) fn turning_radius(model: &RobotModel) -> f64 {
     let carries = model.wheels.iter().filter(|mount| mount.motor.is_some());
     let (steered, fixed): (Vec<_>, Vec<_>) = carries.partition(|mount| mount.steer_range > 0.0);
     if steered.is_empty() {

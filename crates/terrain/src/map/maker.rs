@@ -2,14 +2,17 @@
 
 use std::ops::Range;
 
+use grouser_rover::ground::Georeference;
+
 use super::bands::{Band, Quantity, State};
 use super::layout::MapSettings;
 use super::tip_over::TipOverTable;
 use crate::demand::{Demand, DemandSolver, Driving};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::headings::Headings;
 use crate::pose::{Footprint, SurfacePose};
 use crate::raster::Window;
+use crate::soil_map::SoilMap;
 use crate::table::{Lookup, SlipTable, TableError};
 
 /// Share of the soil draws that [`Quantity::SlipHigh`] covers.
@@ -18,14 +21,45 @@ const HIGH_SHARE: f64 = 0.95;
 /// One soil: exact solver and table.
 type SoilTable = (DemandSolver, SlipTable);
 
+/// A soil of a map: itself, and the soils drawn from its intervals.
+#[derive(Clone, Debug)]
+pub struct MapSoil {
+    own: SoilTable,
+    /// The strongest first.
+    draws: Vec<SoilTable>,
+}
+
+impl MapSoil {
+    /// A soil with its draws, which are ordered by the slope that they let the robot climb.
+    #[must_use]
+    pub fn new(own: SoilTable, mut draws: Vec<SoilTable>) -> Self {
+        draws.sort_by(|a, b| b.1.steepest().total_cmp(&a.1.steepest()));
+        Self { own, draws }
+    }
+
+    fn tables(&self) -> impl Iterator<Item = &SoilTable> {
+        std::iter::once(&self.own).chain(&self.draws)
+    }
+
+    /// The slopes that the robot climbs straight on: on the soil itself, on the weakest and on the strongest draw, rad.
+    #[must_use]
+    pub fn steepest(&self) -> [f64; 3] {
+        let own = self.own.1.steepest();
+        let of = |draw: Option<&SoilTable>| draw.map_or(own, |(_, table)| table.steepest());
+        [own, of(self.draws.last()), of(self.draws.first())]
+    }
+}
+
 /// Computes the cells of a map.
 #[derive(Clone, Debug)]
 pub struct MapMaker {
     headings: Headings,
     settings: MapSettings,
-    soil: SoilTable,
-    /// The strongest first.
-    draws: Vec<SoilTable>,
+    /// The map's own soil, then those of the soil map.
+    soils: Vec<MapSoil>,
+    /// The soils by strength, the weakest first.
+    by_strength: Vec<usize>,
+    place: Option<(SoilMap, Georeference)>,
     footprints: Vec<Footprint>,
     tip_over: TipOverTable,
 }
@@ -34,13 +68,7 @@ impl MapMaker {
     /// A map's maker, for cells of `cell` (m): the soil itself, and the soils drawn from its intervals, which it orders by the
     /// slope that they let the robot climb.
     #[must_use]
-    pub fn new(
-        settings: MapSettings,
-        soil: SoilTable,
-        mut draws: Vec<SoilTable>,
-        cell: f64,
-    ) -> Self {
-        draws.sort_by(|a, b| b.1.steepest().total_cmp(&a.1.steepest()));
+    pub fn new(settings: MapSettings, soil: SoilTable, draws: Vec<SoilTable>, cell: f64) -> Self {
         let headings = settings.headings;
         let model = soil.0.model();
         Self {
@@ -48,9 +76,47 @@ impl MapMaker {
             settings,
             footprints: Footprint::all(model, headings, cell),
             tip_over: TipOverTable::new(model, settings.envelope),
-            soil,
-            draws,
+            soils: vec![MapSoil::new(soil, draws)],
+            by_strength: vec![0],
+            place: None,
         }
+    }
+
+    /// The same with several soils: `soils` are those of the map's legend, in its order; the elevation model lies at
+    /// `georeference`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless there is one soil for each of the legend's.
+    pub fn with_soil_map(
+        mut self,
+        place: SoilMap,
+        soils: Vec<MapSoil>,
+        georeference: Georeference,
+    ) -> Result<Self> {
+        let count = place.soils().len() as f64;
+        Error::check("soil map", "soils", soils.len() as f64, (count, count), "1")?;
+        self.soils.truncate(1);
+        self.soils.extend(soils);
+        self.by_strength = (0..self.soils.len()).collect();
+        let weakest = |index: &usize| self.soils[*index].steepest()[0];
+        self.by_strength
+            .sort_by(|a, b| weakest(a).total_cmp(&weakest(b)));
+        self.place = Some((place, georeference));
+        Ok(self)
+    }
+
+    /// The weakest soil under a wheel of a robot in a cell.
+    fn soil_of(&self, footprint: &Footprint, (row, column): (i64, i64)) -> usize {
+        let Some((map, georeference)) = &self.place else {
+            return 0;
+        };
+        let under = footprint.cells().filter_map(|[down, right]| {
+            let row = u32::try_from(row + down).ok()?;
+            let column = u32::try_from(column + right).ok()?;
+            Some(map.soil_at(georeference.centre(column, row)?))
+        });
+        let rank = |soil: &usize| self.by_strength.iter().position(|other| other == soil);
+        under.min_by_key(rank).unwrap_or(0)
     }
 
     /// Rows above and below a cell that its numbers depend on.
@@ -65,7 +131,7 @@ impl MapMaker {
     /// How well the tables agree with the exact solver, the worst of all soils.
     #[must_use]
     pub fn table_error(&self) -> TableError {
-        let tables = std::iter::once(&self.soil).chain(&self.draws);
+        let tables = self.soils.iter().flat_map(MapSoil::tables);
         tables
             .map(|(_, table)| *table.error())
             .fold(TableError::default(), TableError::worst)
@@ -77,12 +143,10 @@ impl MapMaker {
         self.tip_over.error
     }
 
-    /// The slopes that the robot climbs straight on: on the soil itself, on the weakest and on the strongest draw, rad.
+    /// The soils: the map's own, then those of the legend.
     #[must_use]
-    pub fn steepest(&self) -> [f64; 3] {
-        let own = self.soil.1.steepest();
-        let of = |draw: Option<&SoilTable>| draw.map_or(own, |(_, table)| table.steepest());
-        [own, of(self.draws.last()), of(self.draws.first())]
+    pub fn soils(&self) -> &[MapSoil] {
+        &self.soils
     }
 
     /// All bands of the cells of `rows`, row by row, for each cell band by band.
@@ -93,7 +157,7 @@ impl MapMaker {
         let bands = Band::count(self.headings);
         let columns = window.columns() as usize;
         let mut out = vec![f32::NAN; rows.len() * columns * bands];
-        let mut slips = Vec::with_capacity(self.draws.len());
+        let mut slips = Vec::new();
         let cells = rows.flat_map(|row| {
             (0..window.columns()).map(move |column| (i64::from(row), i64::from(column)))
         });
@@ -101,7 +165,8 @@ impl MapMaker {
             for (heading, footprint) in self.footprints.iter().enumerate() {
                 let height = |down: i64, right: i64| window.height(row + down, column + right);
                 if let Some(pose) = footprint.pose(height) {
-                    self.fill(pose, heading, cell, &mut slips)?;
+                    let soil = self.soil_of(footprint, (row, column));
+                    self.fill(pose, (heading, soil), cell, &mut slips)?;
                 }
             }
         }
@@ -111,7 +176,7 @@ impl MapMaker {
     fn fill(
         &self,
         pose: SurfacePose,
-        heading: usize,
+        (heading, soil): (usize, usize),
         cell: &mut [f32],
         slips: &mut Vec<f32>,
     ) -> Result<()> {
@@ -121,6 +186,8 @@ impl MapMaker {
             cell[Band { quantity, heading }.index(self.headings)] = value;
         };
         let SurfacePose { pitch, roll } = pose;
+        set(Quantity::Soil, soil as f64);
+        let MapSoil { own, draws } = &self.soils[soil];
         set(Quantity::Pitch, pitch.to_degrees());
         if !self.settings.envelope.holds(pitch, roll) {
             set(Quantity::State, f64::from(State::Steep.code()));
@@ -131,14 +198,14 @@ impl MapMaker {
             Quantity::TipOver,
             self.tip_over.margin(pitch, roll).to_degrees(),
         );
-        let (state, driving) = self.on_soil(pitch, roll)?;
+        let (state, driving) = on_soil(own, pitch, roll)?;
         set(Quantity::State, f64::from(state.code()));
         if let Some(driving) = driving {
             set(Quantity::Slip, driving.slip);
             set(Quantity::Sinkage, driving.sinkage);
             set(Quantity::Energy, driving.energy_per_metre());
         }
-        if self.draws.is_empty() {
+        if draws.is_empty() {
             set(
                 Quantity::Immobilisation,
                 if driving.is_some() { 0.0 } else { 1.0 },
@@ -148,8 +215,8 @@ impl MapMaker {
             }
             return Ok(());
         }
-        let failing = self.draw_slips(pitch, roll, slips)?;
-        let count = self.draws.len();
+        let failing = draw_slips(draws, pitch, roll, slips)?;
+        let count = draws.len();
         set(
             Quantity::Immobilisation,
             (count - failing) as f64 / count as f64,
@@ -166,52 +233,51 @@ impl MapMaker {
         }
         Ok(())
     }
+}
 
-    /// The state on the soil itself.
-    fn on_soil(&self, pitch: f64, roll: f64) -> Result<(State, Option<Driving>)> {
-        let (solver, table) = &self.soil;
-        Ok(match table.look_up(pitch, table.across(roll)) {
-            Lookup::Drives(spot) => (State::Drives, Some(table.driving(&spot))),
-            Lookup::Immobilised => (State::Immobilised, None),
-            Lookup::Slides => (State::Slides, None),
-            Lookup::Marginal => match solver.demand(pitch, roll)? {
-                Demand::Drives(driving) => (State::Marginal, Some(driving)),
-                Demand::Slides => (State::Slides, None),
-                Demand::Immobilised | Demand::Lifts => (State::Immobilised, None),
-            },
-        })
-    }
+/// The state on the soil itself.
+fn on_soil((solver, table): &SoilTable, pitch: f64, roll: f64) -> Result<(State, Option<Driving>)> {
+    Ok(match table.look_up(pitch, table.across(roll)) {
+        Lookup::Drives(spot) => (State::Drives, Some(table.driving(&spot))),
+        Lookup::Immobilised => (State::Immobilised, None),
+        Lookup::Slides => (State::Slides, None),
+        Lookup::Marginal => match solver.demand(pitch, roll)? {
+            Demand::Drives(driving) => (State::Marginal, Some(driving)),
+            Demand::Slides => (State::Slides, None),
+            Demand::Immobilised | Demand::Lifts => (State::Immobilised, None),
+        },
+    })
+}
 
-    /// The slips on all draws, infinite where one is immobilised or slides; gives the strongest such draw, or their number
-    /// where all drive.
-    fn draw_slips(&self, pitch: f64, roll: f64, slips: &mut Vec<f32>) -> Result<usize> {
-        slips.clear();
-        let mut failing = self.draws.len();
-        let mut across = None;
-        for (index, (solver, table)) in self.draws.iter().enumerate() {
-            let nodes = table.nodes()[0];
-            let stencil = match across {
-                Some((count, stencil)) if count == nodes => stencil,
-                _ => {
-                    let stencil = table.across(roll);
-                    across = Some((nodes, stencil));
-                    stencil
-                }
-            };
-            let slip = match table.look_up(pitch, stencil) {
-                Lookup::Drives(spot) => Some(spot.slip),
-                Lookup::Immobilised | Lookup::Slides => None,
-                Lookup::Marginal => match solver.demand(pitch, roll)? {
-                    Demand::Drives(driving) => Some(driving.slip),
-                    _ => None,
-                },
-            };
-            if slip.is_none() && failing > index {
-                failing = index;
+/// The slips on all draws, infinite where one is immobilised or slides; gives the strongest such draw, or their number
+/// where all drive.
+fn draw_slips(draws: &[SoilTable], pitch: f64, roll: f64, slips: &mut Vec<f32>) -> Result<usize> {
+    slips.clear();
+    let mut failing = draws.len();
+    let mut across = None;
+    for (index, (solver, table)) in draws.iter().enumerate() {
+        let nodes = table.nodes()[0];
+        let stencil = match across {
+            Some((count, stencil)) if count == nodes => stencil,
+            _ => {
+                let stencil = table.across(roll);
+                across = Some((nodes, stencil));
+                stencil
             }
-            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-            slips.push(slip.map_or(f32::INFINITY, |slip| slip as f32));
+        };
+        let slip = match table.look_up(pitch, stencil) {
+            Lookup::Drives(spot) => Some(spot.slip),
+            Lookup::Immobilised | Lookup::Slides => None,
+            Lookup::Marginal => match solver.demand(pitch, roll)? {
+                Demand::Drives(driving) => Some(driving.slip),
+                _ => None,
+            },
+        };
+        if slip.is_none() && failing > index {
+            failing = index;
         }
-        Ok(failing)
+        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+        slips.push(slip.map_or(f32::INFINITY, |slip| slip as f32));
     }
+    Ok(failing)
 }

@@ -10,4 +10,4 @@ mod search;
 
 pub use lattice::PlanSettings;
 pub use plan_map::PlanMap;
-pub use route::{Plan, Route, Waypoint, plan};
+pub use route::{Plan, Route, Waypoint, plan, route_within};

@@ -9,7 +9,7 @@ use grouser_rover::ground::GeoTiff;
 use crate::error::{Error, Result};
 use crate::map::{Band, MapLayout, Quantity};
 
-/// Greatest number of cells times headings: six numbers of each are held.
+/// Greatest number of cells times headings: six numbers and a soil of each are held.
 const MAX_POSES: u64 = 1 << 26;
 /// GDAL's metadata.
 const METADATA_TAG: u16 = 42112;
@@ -32,6 +32,8 @@ pub struct PlanMap {
     pub tip_over: Vec<f32>,
     /// Pitch, deg.
     pub pitch: Vec<f32>,
+    /// Which soils are known independently of each other: the risks of one number belong to one unknown soil.
+    pub soil: Vec<u8>,
 }
 
 impl PlanMap {
@@ -48,6 +50,7 @@ impl PlanMap {
             risk: nothing.clone(),
             tip_over: nothing.clone(),
             pitch: nothing,
+            soil: vec![0; poses],
         }
     }
 
@@ -122,6 +125,13 @@ impl PlanMap {
             self.risk[pose] = value(Quantity::Immobilisation);
             self.tip_over[pose] = value(Quantity::TipOver);
             self.pitch[pose] = value(Quantity::Pitch);
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a float that is no soil's number saturates; the file was written with whole ones"
+            )]
+            let soil = value(Quantity::Soil) as u8;
+            self.soil[pose] = soil;
         }
     }
 

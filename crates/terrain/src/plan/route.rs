@@ -48,8 +48,8 @@ pub struct Route {
     pub time: f64,
     /// Along the ground, m.
     pub length: f64,
-    /// Probability to be immobilised anywhere on the way, at most: the greatest of its cells', because the soil draws are
-    /// ordered alike everywhere.
+    /// Probability to be immobilised anywhere on the way, at most: the greatest of its cells' on each soil, because the draws
+    /// of one soil are ordered alike everywhere, summed over the soils.
     pub risk: f64,
     /// The least tip-over margin, deg.
     pub tip_over_deg: f64,
@@ -132,34 +132,25 @@ pub fn plan(
     settings: &PlanSettings,
     alternatives: usize,
 ) -> Result<Plan> {
-    settings.check(map)?;
-    let last = (map.cells() - 1) as f64;
-    for cell in [from, to] {
-        Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
-    }
-    let mut lattice = Lattice::new(map, settings)?;
-    check_place("the start", &lattice, from)?;
-    check_place("the goal", &lattice, to)?;
+    let mut lattice = checked(map, (from, to), settings)?;
     let task = Task {
         from,
         to,
         max_risk: settings.max_risk,
     };
-    let Some(way) = search(&lattice, settings, &task)? else {
+    let Some(route) = bounded(&lattice, settings, &task)? else {
         return Ok(Plan::NoWay {
             least_risk: least_risk(&lattice, settings, task)?,
         });
     };
-    let route = measured(&lattice, settings, &way);
     let mut others: Vec<Route> = Vec::new();
     lattice.penalty = vec![1.0; map.cells()];
     for _ in 0..alternatives {
         let before = others.last().unwrap_or(&route);
         penalise(map, before, (from, to), &mut lattice.penalty);
-        let Some(way) = search(&lattice, settings, &task)? else {
+        let Some(other) = bounded(&lattice, settings, &task)? else {
             break;
         };
-        let other = measured(&lattice, settings, &way);
         let is_new = std::iter::once(&route)
             .chain(&others)
             .all(|earlier| shared(&other, earlier) <= MAX_SHARED);
@@ -172,6 +163,67 @@ pub fn plan(
         route,
         alternatives: others,
     })
+}
+
+/// The way of least energy within the bounds, without alternatives and without the search for a bound that some way keeps:
+/// for planning anew while the robot drives.
+///
+/// # Errors
+/// As [`plan`].
+pub fn route_within(
+    map: &PlanMap,
+    (from, to): (usize, usize),
+    settings: &PlanSettings,
+) -> Result<Option<Route>> {
+    let lattice = checked(map, (from, to), settings)?;
+    let task = Task {
+        from,
+        to,
+        max_risk: settings.max_risk,
+    };
+    bounded(&lattice, settings, &task)
+}
+
+/// The lattice of a plan whose settings and ends are usable.
+fn checked<'a>(
+    map: &'a PlanMap,
+    (from, to): (usize, usize),
+    settings: &'a PlanSettings,
+) -> Result<Lattice<'a>> {
+    settings.check(map)?;
+    let last = (map.cells() - 1) as f64;
+    for cell in [from, to] {
+        Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
+    }
+    let lattice = Lattice::new(map, settings)?;
+    check_place("the start", &lattice, from)?;
+    check_place("the goal", &lattice, to)?;
+    Ok(lattice)
+}
+
+/// The cheapest way whose risk, summed over its soils, keeps the bound. Where the way of the whole bound for each soil does
+/// not, every soil gets an equal share of it: such a way keeps the bound, but a cheaper one may exist.
+fn bounded(lattice: &Lattice<'_>, settings: &PlanSettings, task: &Task) -> Result<Option<Route>> {
+    let Some(way) = search(lattice, settings, task)? else {
+        return Ok(None);
+    };
+    let route = measured(lattice, settings, &way);
+    if route.risk <= task.max_risk {
+        return Ok(Some(route));
+    }
+    let map = lattice.map();
+    let risky = map
+        .soil
+        .iter()
+        .zip(&map.risk)
+        .filter(|(_, risk)| **risk > 0.0 && f64::from(**risk) <= task.max_risk);
+    let soils: std::collections::BTreeSet<u8> = risky.map(|(soil, _)| *soil).collect();
+    let shared = Task {
+        max_risk: task.max_risk / soils.len().max(1) as f64,
+        ..*task
+    };
+    let way = search(lattice, settings, &shared)?;
+    Ok(way.map(|way| measured(lattice, settings, &way)))
 }
 
 /// A start or a goal must be known ground on which some heading drives at all.
@@ -196,36 +248,35 @@ fn check_place(of: &'static str, lattice: &Lattice<'_>, cell: usize) -> Result<(
     Ok(())
 }
 
-/// The smallest bound on the risk that some way keeps.
+/// A bound on the risk that some way keeps: the smallest one where the ground is one soil.
 fn least_risk(
     lattice: &Lattice<'_>,
     settings: &PlanSettings,
     mut task: Task,
 ) -> Result<Option<f64>> {
+    // unknown ground, NaN, compares false
     let risks = lattice.map().risk.iter().copied();
-    let mut levels: Vec<f32> = risks
-        .filter(|risk| f64::from(*risk) > settings.max_risk)
-        .collect();
+    let mut levels: Vec<f32> = risks.filter(|risk| *risk >= 0.0).collect();
     levels.sort_by(f32::total_cmp);
     levels.dedup();
-    let mut reaches = |level: f32| -> Result<bool> {
+    let mut way = |level: f32| {
         task.max_risk = f64::from(level);
-        Ok(search(lattice, settings, &task)?.is_some())
+        search(lattice, settings, &task)
     };
     match levels.last() {
-        Some(greatest) if reaches(*greatest)? => {}
+        Some(greatest) if way(*greatest)?.is_some() => {}
         _ => return Ok(None),
     }
     let (mut low, mut high) = (0, levels.len() - 1);
     while low < high {
         let middle = usize::midpoint(low, high);
-        if reaches(levels[middle])? {
+        if way(levels[middle])?.is_some() {
             high = middle;
         } else {
             low = middle + 1;
         }
     }
-    Ok(Some(f64::from(levels[high])))
+    Ok(way(levels[high])?.map(|way| measured(lattice, settings, &way).risk))
 }
 
 /// The costs of a way.
@@ -241,6 +292,7 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
         turns: 0,
     };
     let mut before: Option<usize> = None;
+    let mut risks = std::collections::BTreeMap::<u8, f64>::new();
     for (cell, heading) in way.iter().copied() {
         match before {
             Some(last) if last == cell => {
@@ -257,7 +309,8 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
         before = Some(cell);
         let pose = cell * lattice.headings() + heading;
         let risk = f64::from(map.risk[pose]);
-        route.risk = route.risk.max(risk);
+        let greatest = risks.entry(map.soil[pose]).or_default();
+        *greatest = greatest.max(risk);
         route.tip_over_deg = route.tip_over_deg.min(f64::from(map.tip_over[pose]));
         let (x, y) = map.place_of(cell);
         route.waypoints.push(Waypoint {
@@ -272,6 +325,7 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
             risk,
         });
     }
+    route.risk = risks.values().sum::<f64>().min(1.0);
     route
 }
 

@@ -40,6 +40,25 @@ pub(super) fn refined(
     built(solver, envelope, [rolls, steps], with_costs)
 }
 
+/// The coarsest grid, with costs and without a check.
+pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
+    let near = Near {
+        solver,
+        skids: RefCell::default(),
+    };
+    let mut table = filled(&near, envelope, COARSEST, true)?;
+    // a table that was not checked has no marginal poses: what it reads is what it says
+    for side in [&mut table.climbing, &mut table.braking] {
+        side.limit_error = 0.0;
+        side.marginal = 0.0;
+        if side.beyond == Beyond::Unknown {
+            side.beyond = Beyond::Envelope;
+        }
+    }
+    table.error.slip = f64::NAN;
+    Ok(table)
+}
+
 /// The exact solver, with the skids of the free wheels at the pose before.
 struct Near<'a> {
     solver: &'a DemandSolver,
@@ -72,10 +91,24 @@ fn built(
     [rolls, steps]: [usize; 2],
     with_costs: bool,
 ) -> Result<SlipTable> {
-    let near = &Near {
+    let near = Near {
         solver,
         skids: RefCell::default(),
     };
+    let mut table = filled(&near, envelope, [rolls, steps], with_costs)?;
+    let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
+    check(&mut table, solver, &roll_of)?;
+    Ok(table)
+}
+
+/// The nodes.
+fn filled(
+    near: &Near<'_>,
+    envelope: Envelope,
+    [rolls, steps]: [usize; 2],
+    with_costs: bool,
+) -> Result<SlipTable> {
+    let solver = near.solver;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
     let mut rolling = Vec::with_capacity(rolls);
     let mut limits = [Vec::with_capacity(rolls), Vec::with_capacity(rolls)];
@@ -102,7 +135,7 @@ fn built(
     let (Some(braking), Some(climbing)) = (sides.pop(), sides.pop()) else {
         return Err(does_not_move(solver));
     };
-    let mut table = SlipTable {
+    Ok(SlipTable {
         envelope,
         rolls,
         steps,
@@ -110,9 +143,8 @@ fn built(
         climbing,
         braking,
         error: TableError::default(),
-    };
-    check(&mut table, solver, &roll_of)?;
-    Ok(table)
+        is_closed: false,
+    })
 }
 
 fn does_not_move(solver: &DemandSolver) -> Error {

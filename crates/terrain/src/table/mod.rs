@@ -12,7 +12,7 @@ mod envelope;
 pub use envelope::Envelope;
 
 use crate::demand::{Demand, DemandSolver};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use cubic::{Stencil, at};
 
 /// The error in slip that a table promises.
@@ -130,9 +130,50 @@ pub struct SlipTable {
     climbing: Side,
     braking: Side,
     error: TableError,
+    /// It drives nowhere, and no list above has anything in it.
+    is_closed: bool,
 }
 
 impl SlipTable {
+    /// The table of a soil on which the robot drives nowhere within the envelope, not even downhill.
+    #[must_use]
+    pub fn closed(envelope: Envelope) -> Self {
+        let nothing = Side {
+            limit: Vec::new(),
+            beyond: Beyond::Soil,
+            slip: Vec::new(),
+            work: Vec::new(),
+            sinkage: Vec::new(),
+            limit_error: 0.0,
+            marginal: 0.0,
+        };
+        Self {
+            envelope,
+            rolls: 2,
+            steps: 2,
+            rolling: Vec::new(),
+            climbing: nothing.clone(),
+            braking: nothing,
+            error: TableError::default(),
+            is_closed: true,
+        }
+    }
+
+    /// The table of a soil, or a closed one where the robot does not move on it.
+    ///
+    /// # Errors
+    /// As [`SlipTable::new`], but for [`Error::DoesNotMove`](crate::Error::DoesNotMove).
+    pub fn new_or_closed(
+        solver: &DemandSolver,
+        envelope: Envelope,
+        with_costs: bool,
+    ) -> Result<Self> {
+        match Self::new(solver, envelope, with_costs) {
+            Err(Error::DoesNotMove { .. }) => Ok(Self::closed(envelope)),
+            other => other,
+        }
+    }
+
     /// A table of everything (`with_costs`) or of slips alone, refined until its checked error keeps [`SLIP_BOUND`] or
     /// the finest grid is reached: [`SlipTable::error`] is what was reached.
     ///
@@ -140,6 +181,18 @@ impl SlipTable {
     /// As [`DemandSolver::demand`]; [`Error::DoesNotMove`](crate::Error::DoesNotMove) where the level is too much.
     pub fn new(solver: &DemandSolver, envelope: Envelope, with_costs: bool) -> Result<Self> {
         build::refined(solver, envelope, with_costs)
+    }
+
+    /// A table of everything on the coarsest grid, without a check, or a closed one where the robot does not move: for
+    /// learning, whose own doubt is far greater. [`SlipTable::error`] has NaN in its slip.
+    ///
+    /// # Errors
+    /// As [`SlipTable::new`], but for [`Error::DoesNotMove`](crate::Error::DoesNotMove).
+    pub fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<Self> {
+        match build::coarse(solver, envelope) {
+            Err(Error::DoesNotMove { .. }) => Ok(Self::closed(envelope)),
+            other => other,
+        }
     }
 
     /// How well it agrees with the exact solver.
@@ -154,9 +207,12 @@ impl SlipTable {
         [self.rolls, self.steps]
     }
 
-    /// The pitch that the robot climbs without roll, rad.
+    /// The pitch that the robot climbs without roll, rad; the end of the envelope downhill where it drives nowhere.
     #[must_use]
     pub fn steepest(&self) -> f64 {
+        if self.is_closed {
+            return -self.envelope.max_pitch;
+        }
         self.climbing.limit[self.rolls / 2]
     }
 
@@ -183,6 +239,9 @@ impl SlipTable {
     }
 
     pub(crate) fn look_up(&self, pitch: f64, across: Stencil) -> Lookup {
+        if self.is_closed {
+            return Lookup::Immobilised;
+        }
         let rolling = across.along(&self.rolling);
         let is_climbing = pitch >= rolling;
         let side = if is_climbing {

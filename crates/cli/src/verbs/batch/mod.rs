@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use grouser_terra::{
-    Angle, BatchKernel, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
+    Angle, BatchKernel, Kinematics, MAX_MISS, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
 };
 
 use self::columns::{Columns, Row};
@@ -62,6 +62,8 @@ struct Counts {
     no_solution: u64,
     not_converged: u64,
     bad_input: u64,
+    /// Solved rows whose vertical force misses the load.
+    coarse: u64,
 }
 
 /// The table and what became of its rows.
@@ -79,6 +81,8 @@ fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "no_solution" "rows whose load no sinkage carries" = solved.counts.no_solution;
         "not_converged" "rows whose search did not converge" = solved.counts.not_converged;
         "bad_input" "rows with a bad value" = solved.counts.bad_input;
+        "below_resolution" "solved rows whose load is smaller than the solver resolves: their vertical force differs from it" =
+            solved.counts.coarse;
         "soils" "the soils and their sources" values = Some(solved.soils.clone());
         "output" "the table that was written" = solved.output.display().to_string();
     }
@@ -131,15 +135,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                     let numbers = [found.sinkage, vertical_force, drawbar_pull, torque, 0.0];
                     let key = Status::Ok.key();
                     columns.push_line(&mut solved.text, row, Some(numbers), key);
+                    solved.counts.coarse += u64::from(misses(row, vertical_force));
                     Ending::Solved(Status::Ok)
                 }
-                None => complete(
-                    &mut solved.text,
-                    (&columns, row),
-                    &soils,
-                    arguments,
-                    &mut cache,
-                ),
+                None => complete(&mut solved, (&columns, row), &soils, arguments, &mut cache),
             };
             solved.counts.add(ending);
         }
@@ -172,6 +171,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut report = Report::done(fields().object(solved), text);
     report.is_aside = arguments.output == Path::new(STANDARD);
     report.warnings = columns.warnings();
+    if counts.coarse > 0 {
+        report.warnings.push(format!(
+            "{} rows have a load that is smaller than the solver resolves: compare `vertical_force_n`",
+            counts.coarse
+        ));
+    }
     if counts.ok == 0 {
         report.outcome = Outcome::NoResult;
         report.failure = Some("no row could be solved; `status` says why".to_owned());
@@ -179,6 +184,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         report.outcome = Outcome::Doubtful;
     }
     Ok(report)
+}
+
+/// Does a solved row's vertical force miss its load?
+fn misses(row: &Row<'_>, vertical_force: f64) -> bool {
+    let load = row.point.as_ref().ok().and_then(|p| p.prescribed.load());
+    load.is_some_and(|load| !((vertical_force - load).abs() <= MAX_MISS * load))
 }
 
 /// The soils that all threads have met.
@@ -240,7 +251,7 @@ type CacheKey = (String, [u64; 2], Option<[u64; 3]>, Option<u64>);
 
 /// Appends a row with its answer by the general solver, as a line.
 fn complete(
-    text: &mut String,
+    solved: &mut Chunk,
     (columns, row): (&Columns, &Row<'_>),
     soils: &Soils,
     arguments: &Arguments,
@@ -261,11 +272,18 @@ fn complete(
                     point.side_force,
                 ]
             });
-            columns.push_line(text, row, numbers, answer.status.key());
+            let force = answer.point.map(|point| point.forces.vertical_force);
+            solved.counts.coarse += u64::from(force.is_some_and(|force| misses(row, force)));
+            columns.push_line(&mut solved.text, row, numbers, answer.status.key());
             Ending::Solved(answer.status)
         }
         Err(message) => {
-            columns.push_line(text, row, None, &format!("bad-input: {message}"));
+            columns.push_line(
+                &mut solved.text,
+                row,
+                None,
+                &format!("bad-input: {message}"),
+            );
             Ending::BadInput
         }
     }
@@ -336,6 +354,7 @@ impl Counts {
         self.no_solution += other.no_solution;
         self.not_converged += other.not_converged;
         self.bad_input += other.bad_input;
+        self.coarse += other.coarse;
     }
 
     fn words(&self) -> String {

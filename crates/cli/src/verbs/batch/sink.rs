@@ -1,11 +1,12 @@
 //! Where the lines of a completed table go: a CSV file, standard output, or a Parquet file where the build has it.
 
-use std::io::{self, Stdout, Write as _};
+use std::io::{self, IsTerminal as _, Stdout, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::input::STANDARD;
 use crate::output::OutputFile;
+use crate::terminal::printable;
 
 /// A table being written.
 pub(super) struct TableSink {
@@ -56,6 +57,9 @@ impl TableSink {
     pub(super) fn lines(&mut self, text: &str) -> Result<()> {
         match &mut self.kind {
             Kind::Csv(file) => file.write_all(text.as_bytes()),
+            Kind::Standard(out) if out.get_ref().is_terminal() => {
+                out.write_all(printable(text).as_bytes())
+            }
             Kind::Standard(out) => out.write_all(text.as_bytes()),
             #[cfg(feature = "parquet")]
             Kind::Parquet(sink) => text

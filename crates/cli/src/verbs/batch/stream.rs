@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::error::Result;
@@ -35,40 +35,70 @@ struct Answered<T> {
 
 /// Feeds `solve` with chunks of the rest of `lines`, on all processors, and gives `write` each answer and the bytes of
 /// its lines, in order. Gives the lines back, read to their end.
+///
+/// Where the system grants no thread to read and one to solve (`ulimit -u`), the calling thread does all of it.
 pub(super) fn solve_lines<T: Send>(
     lines: Lines,
     solve: impl Fn(Vec<Line>) -> T + Sync,
-    write: impl FnMut(T, u64) -> Result<()>,
+    mut write: impl FnMut(T, u64) -> Result<()>,
 ) -> Result<Lines> {
-    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let wanted = thread::available_parallelism().map_or(1, usize::from);
     let (permit, permits) = channel();
     let (send, chunks) = channel();
     let (answer, answers) = channel();
     let (chunks, solve) = (&Mutex::new(chunks), &solve);
+    let lines = Mutex::new(lines);
+    let held = || lines.lock().unwrap_or_else(PoisonError::into_inner);
     thread::scope(|scope| {
-        let reader = scope.spawn(move || read(lines, &permits, &send));
-        for _ in 0..threads {
+        let start_one = |_| {
             let answer = answer.clone();
-            scope.spawn(move || solve_chunks(chunks, solve, &answer));
-        }
+            let work = move || solve_chunks(chunks, solve, &answer);
+            thread::Builder::new().spawn_scoped(scope, work).ok()
+        };
+        let threads = (0..wanted).map_while(start_one).count();
         drop(answer);
+        let work = move || read(&mut held(), &permits, &send);
+        let reader = match threads {
+            0 => None,
+            _ => thread::Builder::new().spawn_scoped(scope, work).ok(),
+        };
+        let Some(reader) = reader else {
+            return solve_alone(&mut held(), solve, write);
+        };
         for _ in 0..UNDER_WAY * threads {
             let _ = permit.send(()); // a reader that is gone needs none
         }
-        let written = write_in_order(&permit, &answers, write);
+        let written = write_in_order(&permit, &answers, &mut write);
         // without the ends of this thread the others end as well
         drop((permit, answers));
-        let lines = reader.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let read = reader.join().unwrap_or_else(|panic| resume_unwind(panic));
         written.unwrap_or_else(|panic| resume_unwind(panic))?;
-        lines
-    })
+        read
+    })?;
+    Ok(lines.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Reads, solves and writes chunk after chunk.
+fn solve_alone<T>(
+    lines: &mut Lines,
+    solve: impl Fn(Vec<Line>) -> T,
+    mut write: impl FnMut(T, u64) -> Result<()>,
+) -> Result<()> {
+    loop {
+        let before = lines.bytes();
+        let chunk = next_chunk(lines)?;
+        if chunk.is_empty() {
+            return Ok(());
+        }
+        write(solve(chunk), lines.bytes() - before)?;
+    }
 }
 
 /// Reads chunk after chunk, each by a permit.
-fn read(mut lines: Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Result<Lines> {
+fn read(lines: &mut Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Result<()> {
     for number in 0.. {
         let before = lines.bytes();
-        let chunk = next_chunk(&mut lines)?;
+        let chunk = next_chunk(lines)?;
         let bytes = lines.bytes() - before;
         // a writer that is gone has its own reason to tell
         if chunk.is_empty() || permits.recv().is_err() {
@@ -80,7 +110,7 @@ fn read(mut lines: Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Resul
             bytes,
         });
     }
-    Ok(lines)
+    Ok(())
 }
 
 /// Solves chunk after chunk until there is none.

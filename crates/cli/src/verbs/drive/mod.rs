@@ -1,32 +1,26 @@
 //! `drive`: a scenario simulated with estimator and controller in the loop.
 
-mod charts;
-mod decisions;
 mod log;
-mod map;
 mod mcap;
 mod object;
 pub(crate) mod optimum;
-mod relief;
 mod report;
 mod run;
 mod text;
-mod track;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
 
+use grouser_page::run::DriveRecorder;
 use grouser_rover::drive::{Pilot, Scenario, Simulation, SlipScore, read_scenario};
 use rayon::prelude::*;
 
 use self::log::Log;
 use self::object::Drives;
 use self::run::Run;
-use self::track::Track;
 use crate::error::{Error, Result};
-use crate::figure_file::ending;
-use crate::output::OutputFile;
 use crate::progress::Progress;
+use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::verb_report::Report;
 
@@ -60,9 +54,8 @@ pub(crate) struct Arguments {
     /// Drive with this many seeds, the first one and those after it
     #[arg(long, value_name = "N", default_value_t = 1)]
     sweep: u64,
-    /// Write a report that stands alone (.html)
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportFlag,
     /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -83,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             arguments.sweep
         )));
     }
-    let report = page(arguments)?;
+    let report = arguments.report.begin()?;
     session.used_file(&arguments.scenario)?;
     let scenario = read_scenario(&arguments.scenario)?;
     session.used_file(&scenario.robot_file)?;
@@ -112,8 +105,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&log.finish()?);
     }
     if let Some(file) = report {
-        let page = report::page(&scenario, optimum, &runs, &session.provenance());
-        text.push_str(&file.write_whole(page.as_bytes())?);
+        let shown = report::object(&scenario, optimum, &runs);
+        text.push_str(&file.write(&scenario.title, shown, session)?);
     }
     Ok(Report::done(object, text))
 }
@@ -128,19 +121,6 @@ fn pilot(name: &str) -> Result<Pilot> {
                 "drivers are `open-loop`, `fixed-slip` and `controller`",
             )
         })
-}
-
-fn page(arguments: &Arguments) -> Result<Option<OutputFile>> {
-    let Some(path) = &arguments.report else {
-        return Ok(None);
-    };
-    if !matches!(ending(path).as_deref(), Some("html" | "htm")) {
-        return Err(Error::usage_without_hint(format!(
-            "the report {} does not end in `.html`",
-            path.display()
-        )));
-    }
-    OutputFile::create(path).map(Some)
 }
 
 /// What is to be driven.
@@ -174,14 +154,14 @@ fn drive_all(
         .enumerate()
         .map(|(index, (pilot, seed))| {
             let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
-            let mut track = (seed == first).then(Track::default);
+            let mut seen = (seed == first).then(DriveRecorder::default);
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
             let mut failed = None;
             let mut told = 0.0;
             let result = drive.run(|frame| {
-                if let Some(track) = &mut track {
-                    track.add(frame);
+                if let Some(seen) = &mut seen {
+                    seen.add(frame);
                 }
                 if let Some(log) = log.as_deref_mut().and_then(Option::as_mut)
                     && let Err(error) = log.add(frame)
@@ -207,7 +187,7 @@ fn drive_all(
                     seed,
                     result,
                     own_laws: own_laws(scenario, pilot, jobs.optimum, seed)?,
-                    track,
+                    seen,
                 }),
             }
         })

@@ -1,8 +1,7 @@
 //! One finished drive, and several.
 
+use grouser_page::run::DriveRecorder;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
-
-use super::track::Track;
 
 /// One finished drive.
 pub(super) struct Run {
@@ -12,7 +11,7 @@ pub(super) struct Run {
     /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.
     pub(super) own_laws: Option<SlipScore>,
     /// What was seen on the way, of the first seed.
-    pub(super) track: Option<Track>,
+    pub(super) seen: Option<DriveRecorder>,
 }
 
 /// How many of the runs of a driver ended so.

@@ -115,7 +115,7 @@ fn decisions(scenario: &Scenario, runs: &[Run], out: &mut String) {
     let Some(run) = runs
         .iter()
         .rev()
-        .find(|run| run.track.is_some() && !run.result.decisions.is_empty())
+        .find(|run| run.seen.is_some() && !run.result.decisions.is_empty())
     else {
         return;
     };

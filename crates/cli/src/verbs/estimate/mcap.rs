@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | whenever a wheel was read |
 //! | `/grouser/odom` | `nav_msgs/Odometry`, the slip in its covariance | likewise |
+//! | `/grouser/way` | `visualization_msgs/Marker`, the way coloured by slip | every second of motion |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | every second |
 
 use std::io;
@@ -12,7 +13,7 @@ use std::path::Path;
 use grouser_log::message::{build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_replay::Step;
-use grouser_replay::messages::{diagnostics, odometry_message, wheel_slip};
+use grouser_replay::messages::{WayMarkers, diagnostics, odometry_message, wheel_slip};
 use grouser_slip::Wheel;
 
 use crate::error::{Error, Result, shown};
@@ -26,7 +27,9 @@ pub(super) struct Recording {
     writer: McapWriter<OutputFile>,
     slip: Topic,
     odometry: Topic,
+    way: Topic,
     diagnostics: Topic,
+    markers: WayMarkers,
     names: Vec<String>,
     told_ns: Option<i64>,
     path: std::path::PathBuf,
@@ -42,6 +45,8 @@ impl Recording {
         Ok(Self {
             slip: topic("/grouser/slip", known::WHEEL_SLIP)?,
             odometry: topic("/grouser/odom", "nav_msgs/Odometry")?,
+            way: topic("/grouser/way", "visualization_msgs/Marker")?,
+            markers: WayMarkers::default(),
             diagnostics: topic("/diagnostics", "diagnostic_msgs/DiagnosticArray")?,
             writer,
             names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
@@ -60,6 +65,12 @@ impl Recording {
         if let Some(odometry) = step.odometry {
             let message = odometry_message(header("odom"), "base_link", &odometry);
             self.writer.send(&mut self.odometry, time_ns, &message)?;
+            let marker = self
+                .markers
+                .add(time_ns, &odometry, wheels, || header("odom"));
+            if let Some(marker) = marker {
+                self.writer.send(&mut self.way, time_ns, &marker)?;
+            }
         }
         let due = |told: i64| time_ns.saturating_sub(told) >= DIAGNOSTICS_NS;
         if self.told_ns.is_none_or(due) {

@@ -17,6 +17,7 @@ use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
+use grouser_page::run::LogRecorder;
 use grouser_replay::{
     Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
     check_start, run_into, soil_readings, unused_currents,
@@ -31,11 +32,12 @@ use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
+use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use crate::verb_report::Report;
 use grouser_report::number::parse_finite;
-use grouser_report::printable;
+use grouser_report::{Object, printable};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -57,6 +59,8 @@ pub(crate) struct Arguments {
     /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
     #[arg(short, long, value_name = "OUT")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    report: ReportFlag,
     /// Put the slips on this soil: a key of the catalogue, or a file when it contains `/` or `.`
     #[arg(long, value_name = "KEY|FILE")]
     soil: Option<OsString>,
@@ -150,6 +154,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let log = request.log(&arguments.logs)?;
     let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
+    let report = arguments.report.begin()?;
     // Clocks are aligned in a pass of their own.
     let passes = if log.unaligned_clocks().is_empty() {
         1
@@ -161,10 +166,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         log: &log,
         progress: &progress,
         outputs: &mut outputs,
+        seen: report.as_ref().map(|_| LogRecorder::new(wheels.len())),
         compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
-    let compared = watched.compared;
+    let Watched { compared, seen, .. } = watched;
     let errors = compared.as_ref().map(Compared::errors);
     let truths = compared.as_ref().map(Compared::lines).unwrap_or_default();
     drop(progress);
@@ -194,6 +200,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     text.push_str(&topics(&log));
     text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
+    if let (Some(file), Some(seen)) = (report, seen) {
+        let title = title(&log);
+        let run = seen.object(&title, &summary);
+        let shown = Object::from_iter([("runs".to_owned(), vec![run].into())]);
+        text.push_str(&file.write(&title, shown, session)?);
+    }
     let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
     Ok(Report {
         outcome: match summary.status {
@@ -215,11 +227,21 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })
 }
 
+/// The names of a log's files, as its report is called.
+fn title(log: &Log) -> String {
+    let names = log.files().filter_map(|file| file.file_name());
+    let names: Vec<String> = names
+        .map(|name| printable(&name.to_string_lossy()))
+        .collect();
+    names.join(", ")
+}
+
 /// The outputs, with the progress shown on the way.
 struct Watched<'a> {
     log: &'a Log,
     progress: &'a Progress,
     outputs: &'a mut Outputs,
+    seen: Option<LogRecorder>,
     compared: Option<Compared>,
 }
 
@@ -229,12 +251,18 @@ impl Sink for Watched<'_> {
         if let Some(compared) = &mut self.compared {
             compared.row(row)?;
         }
+        if let Some(seen) = &mut self.seen {
+            seen.row(row)?;
+        }
         self.outputs.row(row)
     }
 
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
         if let Some(compared) = &mut self.compared {
             compared.step(step)?;
+        }
+        if let Some(seen) = &mut self.seen {
+            seen.step(step)?;
         }
         self.outputs.step(step)
     }

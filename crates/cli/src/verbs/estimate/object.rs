@@ -38,6 +38,20 @@ impl<P> Part<'_, P> {
     }
 }
 
+/// Errors that look like slip, with what measures the robot's motion.
+pub(super) fn not_observable(reference: Reference) -> &'static str {
+    match reference {
+        Reference::Grip => "no sensor measures the robot's motion: a slip common to all wheels is not observable",
+        Reference::FreeWheel => {
+            "not observable: an even error of the free wheel's counts, radius or skid looks like slip of the others; so do \
+             counters that are exchanged"
+        }
+        _ => {
+            "not observable: an even error of the reference's scale looks like slip; so do counters that are exchanged"
+        }
+    }
+}
+
 pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
     let shown = |path: &std::path::Path| path.display().to_string();
     fields! { |found: Found<'a>|
@@ -56,6 +70,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
         "ground_changes_s" "when torques or motor currents showed another ground" =
             found.summary.ground_changes_s.clone();
+        "not_observable" "errors that look like slip and that this log cannot show" =
+            not_observable(found.summary.reference);
         "doubts" "why the result is doubtful" =
             found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();

@@ -95,9 +95,8 @@ fn observability(summary: &Summary) -> String {
     let doubts = summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
     if summary.reference == Reference::Grip {
-        let differences = "no sensor measures the robot's motion: a slip common to all wheels is not observable; \
-                           differences only\n\n";
-        return doubts.chain([differences.to_owned()]).collect();
+        let differences = format!("{}; differences only\n\n", object::not_observable(summary.reference));
+        return doubts.chain([differences]).collect();
     }
     let used = summary.fused.as_ref().and_then(|fused| fused.reference);
     let used = used.map_or_else(String::new, |of| {
@@ -106,12 +105,8 @@ fn observability(summary: &Summary) -> String {
             of.used, of.readings
         )
     });
-    let lines: String = doubts.chain([used]).collect();
-    if lines.is_empty() {
-        lines
-    } else {
-        lines + "\n"
-    }
+    let hidden = format!("{}\n\n", object::not_observable(summary.reference));
+    doubts.chain([used, hidden]).collect()
 }
 
 /// The errors beside the truth.

@@ -9,9 +9,10 @@ use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
 use grouser_report::{Fields, fields};
 use serde_json::{Value, json};
 
-use super::copied::{self, Copy, copy_error, refuse_same, target};
+use super::copied::{self, Copy, copy_error, target};
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
+use crate::files_in_use;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -42,7 +43,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (file, path) = (&arguments.file, &arguments.output);
     let format = target(path)?;
-    refuse_same(file, path)?;
+    files_in_use::reads(file);
     // What is not there may be the beginning of several names, of tables.
     let kind = if file.exists() {
         Container::kind(file)?

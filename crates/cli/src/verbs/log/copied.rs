@@ -52,18 +52,6 @@ pub(super) fn target(path: &Path) -> Result<Option<Format>> {
     }
 }
 
-/// Refuses to write over the file that is read.
-pub(super) fn refuse_same(input: &Path, output: &Path) -> Result<()> {
-    let whole = |path: &Path| std::fs::canonicalize(path).ok();
-    match (whole(input), whole(output)) {
-        (Some(a), Some(b)) if a == b => Err(Error::usage(
-            format!("{} would be written over itself", shown(input)),
-            "give the output another name: the input stays as it is",
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// What an operation on a log and its copy could not do.
 pub(super) fn copy_error(error: grouser_log::Error, output: &Path) -> Error {
     match error {

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use grouser_log::container::Container;
 use grouser_log::write::{copy, verify};
 
-use super::copied::{self, Copy, copy_error, damages_text, refuse_same, target};
+use super::copied::{self, Copy, copy_error, damages_text, target};
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
+use crate::files_in_use;
 use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -42,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             shown(file)
         )));
     }
-    refuse_same(file, path)?;
+    files_in_use::reads(file);
     let mut output = OutputFile::create(path)?;
     let progress = Progress::of_bytes(std::fs::metadata(file).ok().map(|found| found.len()));
     let copied = copy(file, &mut output, format, |offset| progress.reach(offset));

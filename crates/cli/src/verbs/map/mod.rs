@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use grouser_report::number::parse_finite;
 use grouser_rover::robot::RobotModel;
 use grouser_terrain::raster::Dem;
-use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings};
+use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings, MapSoil, SoilMap};
 
 use crate::error::Result;
 use crate::exit::Outcome;
@@ -35,6 +35,7 @@ use work::Shard;
         where it ended when the same command runs again.",
     after_help = "Examples:\n  grouser map dem.tif --robot rover.toml --soil dry-sand -o map.tif -o map.svg\n  \
         grouser map dem.tif --robot rover.toml --soil sand.toml --soil-intervals intervals.toml -o map.tif -o costmap.yaml\n  \
+        grouser map dem.tif --robot rover.toml --soil dry-sand --soil-map soils.toml -o map.tif\n  \
         grouser map dem.tif --robot rover.toml --soil lunar --gravity-m-per-s2 moon --shard 1/4 -o map.tif"
 )]
 pub(crate) struct Arguments {
@@ -49,16 +50,14 @@ pub(crate) struct Arguments {
     /// 95 % intervals of the soil's numbers: soils are drawn from them
     #[arg(long, value_name = "FILE.toml")]
     soil_intervals: Option<PathBuf>,
-    /// Soils that are drawn from the intervals
-    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u16).range(1..=4096), requires = "soil_intervals")]
+    /// A legend of soils with a raster of their places; ground without a class has the soil of --soil
+    #[arg(long, value_name = "FILE.toml")]
+    soil_map: Option<PathBuf>,
+    /// Soils that are drawn from the intervals of each soil
+    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u16).range(1..=4096))]
     soil_draws: u16,
     /// Seed of the soil draws
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "1",
-        requires = "soil_intervals"
-    )]
+    #[arg(long, value_name = "N", default_value = "1")]
     seed: u64,
     /// Directions: 4, 8 or 16
     #[arg(long, value_name = "N", default_value = "8")]
@@ -112,21 +111,45 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         ));
     }
     let drawn = soils::draws(arguments, &chosen.soil, session)?;
+    let place = soils::soil_map(arguments, &dem, session)?;
+    let legend = place.as_ref().map_or(&[][..], SoilMap::soils);
+    let others = soils::legend_draws(arguments, legend, session)?;
     let job = work::job(
         arguments,
         session,
         (&chosen.soil, model.gravity()),
-        &drawn,
+        (&drawn, legend, &others),
         &envelope,
     );
-    let layout = MapLayout::of(&dem, &model, headings, drawn.len(), &job);
-    let (soil, draws) = soils::tables(&model, &chosen.soil, &drawn, envelope)?;
-    let maker = MapMaker::new(
+    let draws = others.iter().map(Vec::len).fold(drawn.len(), usize::max);
+    let mut layout = MapLayout::of(&dem, &model, headings, draws, &job);
+    layout.soils = soils::names(&chosen.name, legend);
+    let wanted: Vec<_> = std::iter::once((&chosen.soil, drawn.as_slice()))
+        .chain(
+            legend
+                .iter()
+                .map(|entry| &entry.soil)
+                .zip(others.iter().map(Vec::as_slice)),
+        )
+        .collect();
+    let mut tables = soils::tables(&model, &wanted, envelope)?.into_iter();
+    let Some((soil, draws)) = tables.next() else {
+        return Err(crate::error::Error::usage_without_hint(
+            "a map needs a soil",
+        ));
+    };
+    let mut maker = MapMaker::new(
         MapSettings::new(headings, envelope),
         soil,
         draws,
         layout.cell,
     );
+    if let Some(place) = place {
+        let others = tables
+            .map(|(own, draws)| MapSoil::new(own, draws))
+            .collect();
+        maker = maker.with_soil_map(place, others, dem.georeference().clone())?;
+    }
     let made = work::Job {
         maker: &maker,
         layout: &layout,

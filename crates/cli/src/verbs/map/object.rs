@@ -2,7 +2,7 @@
 
 use grouser_report::number::shown;
 use grouser_report::{Fields, fields};
-use grouser_terrain::{Envelope, MapLayout, MapMaker, State, TableError};
+use grouser_terrain::{Envelope, MapLayout, MapMaker, MapSoil, State, TableError};
 
 use super::summary::Summary;
 use super::work::Part;
@@ -21,6 +21,14 @@ pub(super) struct Mapped<'a> {
 impl Mapped<'_> {
     pub(super) fn error(&self) -> TableError {
         self.maker.table_error()
+    }
+
+    /// Of the map's own soil.
+    fn steepest(&self) -> [f64; 3] {
+        self.maker
+            .soils()
+            .first()
+            .map_or([f64::NAN; 3], MapSoil::steepest)
     }
 
     fn share(&self, state: State) -> Option<f64> {
@@ -47,7 +55,11 @@ impl Mapped<'_> {
             self.layout.rows,
             shown(self.layout.cell),
             self.layout.headings.count(),
-            self.soil,
+            match self.layout.soils.get(1..) {
+                Some(others) if !others.is_empty() =>
+                    format!("{} with {}", self.soil, others.join(", ")),
+                _ => self.soil.to_owned(),
+            },
             shown(self.gravity),
             percent(summary.open),
             percent(summary.closed),
@@ -67,6 +79,8 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
         "cell_m" "size of a cell" = map.layout.cell;
         "headings" "headings" = map.layout.headings.count();
         "soil" "soil" = map.soil;
+        "soils" "all soils, by their numbers in the map" rows(soil()) =
+            map.layout.soils.iter().zip(map.maker.soils()).collect::<Vec<_>>();
         "gravity_m_per_s2" "gravity" = map.gravity;
         "soil_draws" "soils drawn from the intervals; 0: the soil is taken for exactly known" = map.layout.draws;
         "turning_radius_m" "least turning radius of the robot" .shown("m") = map.layout.turning_radius;
@@ -92,10 +106,10 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
             (map.summary.driving() > 0).then_some(map.summary.tip_over_min);
         "immobilisation_mean" "mean probability of immobilisation, at most" .shown("%") =
             mean(map.summary.risk_sum, map.summary.poses());
-        "steepest_deg" "slope that is climbed straight on" .shown("deg") = map.maker.steepest()[0].to_degrees();
-        "steepest_weakest_draw_deg" "on the weakest soil draw" .shown("deg") = map.maker.steepest()[1].to_degrees();
+        "steepest_deg" "slope that is climbed straight on" .shown("deg") = map.steepest()[0].to_degrees();
+        "steepest_weakest_draw_deg" "on the weakest soil draw" .shown("deg") = map.steepest()[1].to_degrees();
         "steepest_strongest_draw_deg" "on the strongest soil draw" .shown("deg") =
-            map.maker.steepest()[2].to_degrees();
+            map.steepest()[2].to_degrees();
         "slip_error" "table against exact solver: slip" .shown("").digits(2) = map.error().slip;
         "limit_error_deg" "the slope at which it stops" .shown("deg").digits(2) = map.error().limit.to_degrees();
         "energy_error" "energy" .shown("%").digits(2) = map.error().energy;
@@ -105,6 +119,13 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
         "resumed_strips" "strips that an earlier run had computed" = map.resumed;
         "strips" "strips" = map.layout.strips();
         "job_sha256" "SHA-256 of all that the map was computed from" = map.layout.job.as_str();
+    }
+}
+
+fn soil<'a>() -> Fields<'a, (&'a String, &'a MapSoil)> {
+    fields! { |of: (&'a String, &'a MapSoil)|
+        "name" "name" = of.0.as_str();
+        "steepest_deg" "slope that is climbed straight on" = of.1.steepest()[0].to_degrees();
     }
 }
 

@@ -26,6 +26,8 @@ impl Outputs {
     pub(super) fn begin(paths: &[PathBuf], shard: Option<Shard>) -> Result<Self> {
         let mut maps = Vec::new();
         let (mut figures, mut costmaps) = (Vec::new(), Vec::new());
+        // all at once, so that no name is there twice
+        let mut begun = Vec::new();
         for path in paths {
             match ending(path).as_deref() {
                 Some("tif" | "tiff") => maps.push(path.clone()),
@@ -41,8 +43,9 @@ impl Outputs {
                     ));
                 }
             }
-            drop(OutputFile::create(path)?);
+            begun.push(OutputFile::create(path)?);
         }
+        drop(begun);
         let (Some(map), true) = (maps.pop(), maps.is_empty()) else {
             return Err(Error::usage(
                 "a map needs exactly one output that ends in `.tif`",

@@ -2,7 +2,7 @@
 
 use grouser_terra::Soil;
 use grouser_terrain::raster::Dem;
-use grouser_terrain::{Envelope, Journal, MapLayout, MapMaker, Strip};
+use grouser_terrain::{Envelope, Journal, LegendSoil, MapLayout, MapMaker, Strip};
 use rayon::prelude::*;
 
 use super::Arguments;
@@ -48,7 +48,7 @@ pub(super) fn job(
     arguments: &Arguments,
     session: &Session,
     (soil, gravity): (&Soil, f64),
-    drawn: &[Soil],
+    (drawn, legend, others): (&[Soil], &[LegendSoil], &[Vec<Soil>]),
     envelope: &Envelope,
 ) -> String {
     let provenance = session.provenance();
@@ -58,8 +58,9 @@ pub(super) fn job(
         .flat_map(|files| files.values().map(ToString::to_string))
         .collect();
     let drawn: Vec<_> = drawn.iter().map(Soil::params).collect();
+    let others: Vec<_> = others.iter().flatten().map(Soil::params).collect();
     let text = format!(
-        "{} {:?} {digests:?} {:?} {drawn:?} {} {envelope:?} {:?} {:?} {:?}",
+        "{} {:?} {digests:?} {:?} {drawn:?} {legend:?} {others:?} {} {envelope:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         option_env!("GROUSER_COMMIT"),
         soil.params(),

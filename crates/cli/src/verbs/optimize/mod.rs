@@ -20,8 +20,10 @@ use crate::exit::Outcome;
 use crate::interrupt::Search;
 use crate::output_choice::Output;
 use crate::progress::Progress;
+use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::verb_report::Report;
+use grouser_report::Object;
 use grouser_report::number::{in_message, shown};
 
 #[derive(clap::Args, Debug)]
@@ -44,6 +46,8 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     #[command(flatten)]
+    report: ReportFlag,
+    #[command(flatten)]
     certification: Certification,
 }
 
@@ -52,6 +56,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     session.used_document(&document);
     let design = parse(&document)?;
     let outputs = Output::begin(&arguments.output)?;
+    let report = arguments.report.begin()?;
     if design.draws() {
         session.used_seed(design.seed);
     }
@@ -94,6 +99,18 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             Output::Table(file) => file.write_whole(csv::csv(&design, &answer).as_bytes())?,
             Output::Figure(target) => target.write(&figure::draw(&design, &answer))?,
         });
+    }
+    if let (Some(file), Some(shown)) = (report, grouser_page::answer::object(&design, &answer)) {
+        let shown = Object::from_iter([
+            ("answer".to_owned(), shown),
+            ("problem".to_owned(), document.text().into()),
+            (
+                "proof".to_owned(),
+                certified.as_ref().map(certificate::Certified::text).into(),
+            ),
+        ]);
+        let title = design.title.as_deref().unwrap_or("Answer");
+        text.push_str(&file.write(title, shown, session)?);
     }
     let mut warnings = match &answer {
         Answer::Optimum(optimum) => warnings(optimum),

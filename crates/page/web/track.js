@@ -2,6 +2,7 @@
 
 import { svg } from './dom.js';
 import { shown } from './format.js';
+import { contours, groundAt, picture, soilNames } from './ground.js';
 import { tickLabels, ticks } from './ticks.js';
 
 /** Upper limits of the colours of slip. */
@@ -14,34 +15,41 @@ export function slipClass(slip) {
   return SLIP_CLASSES.findIndex((limit) => Math.abs(slip) < limit);
 }
 
-/** The picture. `pick(time)` is called where the track is clicked. */
+/** The picture. `pick(time)` is called where the track is clicked, `over(place)` with what lies under the pointer. */
 export class Track {
   #root = svg('svg', { class: 'track', role: 'img' });
   #pick;
   #run = null;
   #slips = [];
   #events = [];
-  #other = null;
+  #others = [];
+  #contours = [];
+  #back = null;
+  #over;
   #width = 0;
   #place = null;
   #robot = svg('g', { class: 'robot' }, svg('path', { d: 'M13 0 L-8 7.5 L-4.5 0 L-8 -7.5 Z' }));
 
-  constructor(pick) {
+  constructor(pick, over = () => {}) {
     this.#pick = pick;
+    this.#over = over;
     this.element = this.#root;
     new ResizeObserver(([entry]) => {
       this.#width = Math.round(entry.contentRect.width);
       this.#render();
     }).observe(this.#root);
     this.#root.addEventListener('pointerdown', (event) => this.#nearest(event));
+    this.#root.addEventListener('pointermove', (event) => this.#under(event));
+    this.#root.addEventListener('pointerleave', () => this.#over(null));
   }
 
-  /** Shows a run; `slips` is the greatest slip of its wheels at each moment, `other` a run to compare with. */
-  show(run, slips, events, other = null) {
+  /** Shows a run; `slips` is the greatest slip of its wheels at each moment, `others` runs to compare with. */
+  show(run, slips, events, others = []) {
     this.#run = run;
     this.#slips = slips;
     this.#events = events;
-    this.#other = other;
+    this.#others = others;
+    this.#contours = run.ground ? contours(run.ground) : [];
     this.#render();
   }
 
@@ -73,9 +81,41 @@ export class Track {
     if (best[0] < 900) this.#pick(time[best[1]]);
   }
 
+  #under(event) {
+    if (!this.#back || !this.#run?.ground) return;
+    const box = this.#root.getBoundingClientRect();
+    const [x, y] = this.#back(event.clientX - box.left, event.clientY - box.top);
+    const found = groundAt(this.#run.ground, x, y);
+    this.#over(found && { x, y, ...found });
+  }
+
+  /** The ground: shade, tints, contours with their heights. */
+  #ground() {
+    const { ground } = this.#run;
+    if (!ground) return [];
+    const [x, y] = this.#place(ground.x_m[0], ground.y_m[1]);
+    const [right, bottom] = this.#place(ground.x_m[1], ground.y_m[0]);
+    const parts = [svg('image', { href: picture(ground), x, y, width: right - x, height: bottom - y, preserveAspectRatio: 'none', class: 'relief' })];
+    const places = [];
+    for (const { label, lines } of this.#contours) {
+      const drawn = lines.map(([x1, y1, x2, y2]) => [...this.#place(x1, y1), ...this.#place(x2, y2)]);
+      parts.push(svg('path', { class: 'contour', d: drawn.map(([x1, y1, x2, y2]) => `M${x1.toFixed(1)} ${y1.toFixed(1)}L${x2.toFixed(1)} ${y2.toFixed(1)}`).join('') }));
+      // once a height, inside, away from the other labels
+      const free = drawn.find(([px, py]) => px > x + 40 && px < right - 40 && py > y + 16 && py < bottom - 16 && places.every(([qx, qy]) => Math.hypot(px - qx, py - qy) > 70));
+      if (!free) continue;
+      places.push(free);
+      parts.push(svg('text', { x: free[0], y: free[1] + 3, 'text-anchor': 'middle', class: 'contour-label' }, label));
+    }
+    for (const { name, x: east, y: north } of soilNames(ground)) {
+      const [px, py] = this.#place(east, north);
+      parts.push(svg('text', { x: px, y: py, 'text-anchor': 'middle', class: 'soil-name' }, name));
+    }
+    return parts;
+  }
+
   #render() {
     if (!this.#width || !this.#run?.x_m) return;
-    const runs = [this.#run, this.#other].filter(Boolean);
+    const runs = [this.#run, ...this.#others];
     const finite = (column) => runs.flatMap((run) => run[column].filter((value) => value !== null));
     let [low, high, left, right] = [Infinity, -Infinity, Infinity, -Infinity];
     for (const value of finite('y_m')) { low = Math.min(low, value); high = Math.max(high, value); }
@@ -101,9 +141,11 @@ export class Track {
     }
     const height = (high - low) * scale + MARGIN + 14;
     this.#place = (x, y) => [MARGIN + (x - left) * scale, 8 + (high - y) * scale];
+    this.#back = (px, py) => [left + (px - MARGIN) / scale, high - (py - 8) / scale];
     const at = (i, run) => this.#place(run.x_m[i], run.y_m[i]).map((k) => k.toFixed(1)).join(' ');
 
-    const ground = svg('rect', { x: MARGIN, y: 8, width: (right - left) * scale, height: (high - low) * scale, class: 'ground-map' });
+    const frame = { x: MARGIN, y: 8, width: (right - left) * scale, height: (high - low) * scale };
+    const ground = svg('rect', { ...frame, class: 'ground-map' });
     const grid = svg('g', { class: 'grid' });
     const text = svg('g', { class: 'axis-text' });
     const across = ticks(left, right, width < 520 ? 4 : 8);
@@ -122,7 +164,7 @@ export class Track {
     });
 
     const ways = svg('g', { class: 'way' });
-    if (this.#other) ways.append(svg('path', { d: whole(this.#other, (i) => at(i, this.#other)), class: 'other-way' }));
+    for (const other of this.#others) ways.append(svg('path', { d: whole(other, (i) => at(i, other)), class: 'other-way' }, svg('title', {}, other.controller)));
     ways.append(svg('path', { d: whole(this.#run, (i) => at(i, this.#run)), class: 'way-edge' }));
     // one path a class of slip: thousands of moments stay a handful of elements
     const parts = new Map();
@@ -134,9 +176,11 @@ export class Track {
       parts.set(kind, `${parts.get(kind) ?? ''}M${at(i - stride, this.#run)}L${at(i, this.#run)}`);
     }
     for (const [kind, d] of [...parts].sort(([a], [b]) => a - b)) ways.append(svg('path', { d, class: `slip-${kind < 0 ? 'none' : kind}` }));
-    const marks = this.#events.slice(0, 60).map(({ x_m, y_m, name }) => {
+    const marks = this.#events.slice(0, 60).map(({ x_m, y_m, name, number }) => {
       const [px, py] = this.#place(x_m, y_m);
-      return svg('circle', { cx: px, cy: py, r: 4.5, class: 'event' }, svg('title', {}, name));
+      const title = svg('title', {}, name);
+      if (!number) return svg('circle', { cx: px, cy: py, r: 4.5, class: 'event' }, title);
+      return svg('g', { class: 'numbered' }, svg('circle', { cx: px, cy: py, r: 8 }), svg('text', { x: px, y: py + 3.5, 'text-anchor': 'middle' }, number), title);
     });
     const first = x.findIndex((value) => value !== null);
     const [sx, sy] = this.#place(x[first], this.#run.y_m[first]);
@@ -144,7 +188,7 @@ export class Track {
     this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#root.setAttribute('height', height.toFixed(0));
     this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
-    this.#root.replaceChildren(ground, grid, text, ways, ...marks, start, this.#robot);
+    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, ways, ...marks, start, this.#robot);
   }
 }
 

@@ -1,4 +1,4 @@
-//! A run in columns: what the page plays, whether it was simulated or recorded.
+//! The columns of a run: what the page plays, whether it was simulated or recorded.
 
 use serde_json::{Value, json};
 

@@ -4,7 +4,7 @@ import { h } from './dom.js';
 import { Explore } from './explore.js';
 import { Optimise } from './optimise.js';
 import { Run } from './run.js';
-import { ServerPhysics, WasmPhysics, hasModule } from './physics.js';
+import { ServerPhysics, WasmPhysics, embeddedReport, hasModule } from './physics.js';
 import { themeButton } from './theme.js';
 import { WorkerPhysics, work } from './worker.js';
 
@@ -13,8 +13,9 @@ const VIEWS = [['explore', 'Explore'], ['optimise', 'Optimise'], ['run', 'Run']]
 async function start() {
   const main = document.getElementById('main');
   const nav = document.getElementById('views');
-  const physics = await WasmPhysics.load('explore');
-  const catalogue = await physics.ask({ call: 'catalogue' });
+  // a report shows its result, and computes nothing
+  const report = await embeddedReport();
+  const physics = hasModule('explore') ? await WasmPhysics.load('explore') : null;
 
   let written = null;
   const moved = (view) => (query) => {
@@ -23,16 +24,17 @@ async function start() {
     if (location.hash !== written) history.replaceState(null, '', written);
   };
   const drive = new WorkerPhysics('drive');
-  const views = new Map([
-    ['explore', new Explore(physics, catalogue, moved('explore'))],
-    ['optimise', new Optimise(new WorkerPhysics('optimize'), (change) => {
+  const views = new Map();
+  if (physics) views.set('explore', new Explore(physics, await physics.ask({ call: 'catalogue' }), moved('explore')));
+  if (report?.answer || hasModule('optimize')) {
+    views.set('optimise', new Optimise(new WorkerPhysics('optimize'), report, physics && ((change) => {
       location.hash = `#explore?${change}`;
-    })],
-    ['run', new Run(drive, new WorkerPhysics('log'))],
-  ]);
+    })));
+  }
+  if (!report?.answer) views.set('run', new Run(drive, new WorkerPhysics('log'), report));
 
   // a page that brings a run opens with it
-  const first = main.dataset.file || document.getElementById('embedded') ? 'run' : 'explore';
+  const first = report?.answer ? 'optimise' : main.dataset.file || document.getElementById('embedded') ? 'run' : 'explore';
 
   function current() {
     const [, name = first, query = ''] = location.hash.match(/^#([a-z]+)(?:\?(.*))?$/s) ?? [];
@@ -48,7 +50,8 @@ async function start() {
     view.open(query);
   }
 
-  nav.replaceChildren(...VIEWS.filter(([name]) => name !== 'optimise' || hasModule('optimize')).map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
+  if (report) document.title = `${report.title}: Grouser`;
+  nav.replaceChildren(...VIEWS.filter(([name]) => views.has(name)).map(([name, title]) => h('a', { href: `#${name}`, 'data-view': name }, title)));
   document.getElementById('tools').append(themeButton());
   addEventListener('hashchange', () => {
     if (location.hash !== written) show();

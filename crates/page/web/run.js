@@ -5,6 +5,7 @@ import { h, svg } from './dom.js';
 import { clock, shown } from './format.js';
 import { CURVES } from './palette.js';
 import { Refusal, blockBytes, hasModule } from './physics.js';
+import { decisionList, drivesTable, energyTable, grouped, readReport, sources } from './report.js';
 import { BadFile, common, isEstimates, masked, nameAt, runOfEstimates, spansOf, thinned } from './run_data.js';
 import { SLIP_CLASSES, Track } from './track.js';
 
@@ -18,7 +19,8 @@ export class Run {
   #log;
   #files = {};
   #run = null;
-  #other = null;
+  #others = [];
+  #report = null;
   #wheels = [];
   #slips = [];
   #hidden = new Set();
@@ -27,15 +29,20 @@ export class Run {
   #playing = null;
   #examples = null;
 
-  constructor(drive, log) {
+  constructor(drive, log, report = null) {
     this.#drive = drive;
     this.#log = log;
     this.element = this.#build();
     this.timings = {};
+    this.#report = report;
   }
 
   /** Nothing of a run is in the address: a log never leaves the machine. */
   open() {
+    if (this.#report) {
+      if (!this.#run) this.#showReport();
+      return;
+    }
     const { file } = document.getElementById('main').dataset;
     if (file && !this.#run) {
       fetch('api/file').then((response) => response.blob()).then((blob) => this.#take([new File([blob], file)]));
@@ -70,10 +77,12 @@ export class Run {
     this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), this.#slipCard()), this.#more());
     this.exampleButton.hidden = !hasModule('drive');
     this.exampleChoice.hidden = !hasModule('drive');
+    this.drives = h('div', { hidden: true });
+    this.provenance = h('div', {});
     const view = h('div', { class: 'run' },
-      h('div', { class: 'run-tools' },
+      h('div', { class: 'run-tools', hidden: !hasModule('explore') },
         h('label', { class: 'quiet button', for: 'run-files' }, 'Open files'), this.input, this.exampleButton, this.exampleChoice, this.stopButton, this.status),
-      this.files, this.empty, this.body);
+      this.files, this.empty, this.drives, this.body, this.provenance);
     for (const event of ['dragover', 'drop']) {
       view.addEventListener(event, (drag) => {
         drag.preventDefault();
@@ -96,13 +105,22 @@ export class Run {
   }
 
   #mapCard() {
-    this.track = new Track((time) => this.#seek(time));
+    this.place = h('output', { class: 'muted place' });
+    this.track = new Track((time) => this.#seek(time), (under) => {
+      this.place.textContent = under ? `x ${shown(under.x)} m, y ${shown(under.y)} m, height ${shown(under.height)} m, ${under.soil}` : this.#soils();
+    });
     const names = ['0', ...SLIP_CLASSES.slice(0, -1).map(String)];
     const key = SLIP_CLASSES.map((limit, i) => h('span', { class: `slip-key slip-key-${i}` }, i === SLIP_CLASSES.length - 1 ? `over ${names[i]}` : `to ${limit}`));
     this.mapCard = h('section', { class: 'card map', 'aria-label': 'Way of the robot' },
       h('header', {}, h('h2', {}, 'Way, coloured by slip'), this.modeBadge = h('span', { class: 'badge' })), this.track.element,
-      h('p', { class: 'key' }, h('span', { class: 'plain' }, 'greatest slip of the wheels:'), key));
+      h('p', { class: 'key' }, h('span', { class: 'plain' }, 'greatest slip of the wheels:'), key), this.place);
     return this.mapCard;
+  }
+
+  /** The soils of the ground in words. */
+  #soils() {
+    const soils = this.#run?.ground?.soils ?? [];
+    return soils.length > 1 ? `ground: ${soils[0]}; tinted: ${soils.slice(1).join(', ')}` : soils.length ? `ground: ${soils[0]}` : '';
   }
 
   #slipCard() {
@@ -120,17 +138,19 @@ export class Run {
   #factsCard() {
     this.facts = h('dl', { class: 'readouts' });
     this.notes = h('ul', { class: 'cautions' });
-    return h('section', { class: 'card facts', 'aria-label': 'Result' }, this.facts, this.notes);
+    this.books = h('div', {});
+    return h('section', { class: 'card facts', 'aria-label': 'Result' }, this.facts, this.notes, this.books);
   }
 
   #more() {
     this.speedChart = new Chart({ title: 'Forward speed', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#seek(time), value: valueOf });
+    this.torqueChart = new Chart({ title: 'Torque of each motor', x: { name: 'Time', unit: 's' }, y: { name: 'Torque', unit: 'N m' }, pick: (time) => this.#seek(time) });
     this.energyChart = new Chart({ title: 'Electrical energy used', x: { name: 'Time', unit: 's' }, y: { name: 'Energy', unit: 'J' }, zero: true, pick: (time) => this.#seek(time), value: valueOf });
     this.decisions = h('section', { class: 'card decisions', 'aria-label': 'Decisions' });
     this.multiples = h('div', { class: 'charts' });
     this.multiplesButton = h('button', { type: 'button', class: 'quiet', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
     this.many = [];
-    return h('div', { class: 'run-more' }, h('div', { class: 'charts' }, this.speedChart.element, this.energyChart.element), this.decisions, h('div', {}, this.multiplesButton), this.multiples);
+    return h('div', { class: 'run-more' }, h('div', { class: 'charts' }, this.speedChart.element, this.torqueChart.element, this.energyChart.element), this.decisions, h('div', {}, this.multiplesButton), this.multiples);
   }
 
   // ---- opening ------------------------------------------------------------------------------
@@ -156,6 +176,10 @@ export class Run {
       this.#files[kind] = { name: file.name, text };
       return;
     }
+    if (/\.json$/i.test(file.name)) {
+      this.#files = { report: { name: file.name, text: await file.text() } };
+      return;
+    }
     const head = await file.slice(0, 4096).text();
     if (isEstimates(head)) {
       this.#files = { table: { name: file.name, text: await file.text() } };
@@ -166,8 +190,14 @@ export class Run {
   }
 
   async #go() {
-    const { table, log, robot, columns, scenario } = this.#files;
+    const { table, log, robot, columns, scenario, report } = this.#files;
     const started = performance.now();
+    if (report) {
+      this.#report = readReport(report.text, report.name);
+      this.#files = {};
+      this.#showReport();
+      return;
+    }
     if (!table && !hasModule('log')) {
       this.#say('this page has a run in it and opens tables of grouser estimate -o only: export a page without a run for logs and drives', true);
       return;
@@ -217,8 +247,7 @@ export class Run {
       const seconds = (performance.now() - started) / 1e3;
       const before = this.#run;
       // two drivers of one scenario lie on one map
-      this.#other = before?.kind === 'drive' && run.kind === 'drive' && before.title === run.title && before.controller !== run.controller ? before : null;
-      this.show(run);
+      this.show(run, before?.kind === 'drive' && run.kind === 'drive' && before.title === run.title && before.controller !== run.controller ? [before] : []);
       this.timings.compute = seconds;
       this.#say(`${clock(run.duration_s)} ${run.kind === 'drive' ? 'driven' : 'estimated'} in ${shown(seconds, 2)} s`);
     } finally {
@@ -233,9 +262,19 @@ export class Run {
 
   // ---- showing ------------------------------------------------------------------------------
 
-  /** Shows a run. */
-  show(run) {
-    if (run.kind !== 'drive') this.#other = null;
+  /** Shows a report: its runs, the controller's first, and what stands beside them. */
+  #showReport() {
+    const { runs, drives, provenance, sources: more, note } = this.#report;
+    const shownRun = (i) => this.show(runs[i], runs.filter((_, k) => k !== i));
+    this.drives.hidden = !drives || drives.length < 2;
+    if (drives) this.drives.replaceChildren(drivesTable(this.#report, shownRun));
+    this.provenance.replaceChildren(...[sources([...(provenance ?? []), ...(more ?? [])], note)].filter(Boolean));
+    shownRun(Math.max(0, runs.findIndex(({ controller }) => controller === 'controller')));
+  }
+
+  /** Shows a run, with others of the same ground in grey. */
+  show(run, others = []) {
+    this.#others = others;
     this.#run = run;
     this.#pause();
     this.#wheels = run.wheels.map((wheel, i) => ({ ...wheel, shown: masked(run, wheel), look: CURVES[i % CURVES.length] }));
@@ -264,7 +303,8 @@ export class Run {
     const counted = powered.length ? powered : this.#wheels;
     this.rests = common(counted.map((wheel) => spans(wheel, (name) => name === 'Standstill')));
     this.lost = common(counted.map((wheel) => spansOf(wheel.health ?? [], end, (name) => NO_REFERENCE.test(name))));
-    if (hasWay) this.track.show(run, this.#slips, this.#events(run), this.#other);
+    if (hasWay) this.track.show(run, this.#slips, this.#events(run), this.#others);
+    this.place.textContent = this.#soils();
     this.#showTable();
     this.#showFacts(run);
     this.#showDecisions(run);
@@ -273,7 +313,7 @@ export class Run {
   }
 
   #events(run) {
-    return (run.decisions ?? []).map(({ time_s, action, reason, x_m, y_m }) => ({ x_m, y_m, name: `${clock(time_s, 1)} ${action}: ${reason}` }));
+    return grouped(run.decisions ?? []).map(({ time_s, action, reason, x_m, y_m, number }) => ({ x_m, y_m, number, name: `${clock(time_s, 1)} ${action}: ${reason}` }));
   }
 
   #series(wheel, range, pixels) {
@@ -307,8 +347,17 @@ export class Run {
         ['requested', run.requested_speed_m_per_s, { colour: 'var(--muted)', dash: '2 3' }],
       ]) });
     }
+    const turned = visible.filter(({ torque_nm: torque }) => torque?.some((value) => value));
+    this.torqueChart.element.hidden = !turned.length;
+    if (turned.length) this.torqueChart.show({ range, spans: [], cursor, series: columns(turned.map(({ name, torque_nm: torque, look }) => [name, torque, { colour: look.colour }])) });
     this.energyChart.element.hidden = !run.used_energy_j;
-    if (run.used_energy_j) this.energyChart.show({ range, spans: [], cursor, series: columns([['used', run.used_energy_j, { colour: CURVES[2].colour }]]) });
+    if (run.used_energy_j) {
+      const ghosts = this.#others.map((other) => {
+        const thin = thinned(other.time_s, [other.used_energy_j], range, pixels);
+        return { name: other.controller, x: thin.x, y: thin.columns[0], colour: 'var(--muted)', dash: '3 3', width: 1.3, ghost: true };
+      });
+      this.energyChart.show({ range, spans: [], cursor, series: [...columns([[run.controller ?? 'used', run.used_energy_j, { colour: CURVES[2].colour }]]), ...ghosts] });
+    }
     this.many.forEach((chart, i) => chart.show({ range, spans, cursor, series: this.#series(this.#wheels[i], range, pixels / 2) }));
   }
 
@@ -348,12 +397,13 @@ export class Run {
         item('Way', shown(run.distance_m), 'm', 'along the legs'),
         item('Energy', shown(run.energy_j), 'J', run.energy_j_per_m === null ? '' : `${shown(run.energy_j_per_m)} J/m; ${shown((100 * run.energy_in_soil_j) / run.energy_j, 2)} % into the soil`),
         item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; greatest slip ${shown(run.worst_slip, 2)}`));
-      if (this.#other) items.push(item('Compared', this.#other.controller, '', `${this.#other.outcome}, ${shown(this.#other.distance_m)} m, ${shown(this.#other.energy_j)} J: grey on the map`));
+      for (const other of this.#others.slice(0, 4)) items.push(item('Compared', other.controller, '', `${other.outcome}, ${shown(other.distance_m)} m, ${shown(other.energy_j)} J: grey on the map`));
     } else {
       if (run.distance_m !== null && run.distance_m !== undefined) items.push(item('Way', shown(run.distance_m), 'm', 'by the estimator’s odometry'));
       for (const wheel of run.wheels) if (wheel.median_slip !== null && wheel.median_slip !== undefined) items.push(item(wheel.name, shown(wheel.median_slip), '', 'median slip'));
     }
     this.facts.replaceChildren(...items);
+    this.books.replaceChildren(...[energyTable(run)].filter(Boolean));
     const notes = [...(run.doubts ?? []).map((text) => h('li', { class: 'is-error' }, `Doubtful: ${text}`))];
     if (run.every > 1) notes.push(h('li', {}, `The log is long: every ${run.every}th moment is shown; motion and health are complete.`));
     this.notes.replaceChildren(...notes);
@@ -362,9 +412,7 @@ export class Run {
   #showDecisions(run) {
     this.decisions.hidden = !run.decisions?.length;
     if (!run.decisions?.length) return;
-    const list = run.decisions.map(({ time_s, action, reason, wheel, value, limit }) => h('li', {}, h('button', { type: 'button', class: 'link', on: { click: () => this.#seek(time_s) } }, clock(time_s, 1)),
-      ` ${action}`, wheel ? ` (${wheel})` : '', `: ${reason}`, h('span', { class: 'muted' }, ` ${shown(value)} against ${shown(limit)}`)));
-    this.decisions.replaceChildren(h('h2', {}, `Decisions of the ${run.controller}`), h('ol', {}, list));
+    this.decisions.replaceChildren(h('h2', {}, `Decisions of the ${run.controller}`), ...decisionList(run, (time) => this.#seek(time)).filter(Boolean));
   }
 
   // ---- time ---------------------------------------------------------------------------------
@@ -395,7 +443,7 @@ export class Run {
       return;
     }
     this.track.cursor(index);
-    for (const chart of [this.slipChart, this.speedChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
+    for (const chart of [this.slipChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
     this.#wheels.forEach((wheel, i) => {
       const { slip, truth, motion, health } = this.cells[i];
       const value = wheel.shown.slip[index];

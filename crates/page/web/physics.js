@@ -76,9 +76,16 @@ export class ServerPhysics {
   }
 }
 
-/** Is a module at hand? A page with a run in it has the explorer's only. */
+/** Is a module at hand? A page with a file in it has the explorer's only, a report none. */
 export function hasModule(name) {
   return !document.getElementById('script') || Boolean(document.getElementById(`wasm-${name}`));
+}
+
+/** The report in the page, if there is one. */
+export async function embeddedReport() {
+  const block = document.getElementById('embedded');
+  if (!block?.dataset.name.endsWith('.json')) return null;
+  return JSON.parse(new TextDecoder().decode(await blockBytes(block)));
 }
 
 /** What a block of the page holds. */

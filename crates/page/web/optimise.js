@@ -3,6 +3,7 @@
 import { h, svg } from './dom.js';
 import { shown } from './format.js';
 import { Refusal } from './physics.js';
+import { sources } from './report.js';
 import { tickLabels, ticks } from './ticks.js';
 
 const NAMES = ['dry-sand-wheel', 'pull-against-torque', 'running-slip', 'robust-wheel'];
@@ -21,11 +22,25 @@ export class Optimise {
   #answer = null;
   #chosen = null;
   #problems = null;
+  #after = [];
 
-  constructor(physics, explore) {
+  constructor(physics, report, explore) {
     this.#physics = physics;
     this.#explore = explore;
     this.element = this.#build();
+    if (report) this.#take(report);
+  }
+
+  /** Shows the answer of a report. */
+  #take({ answer, problem, proof, provenance }) {
+    this.text.value = problem;
+    this.text.readOnly = true;
+    this.tools.hidden = true;
+    this.solve.hidden = true;
+    this.#answer = answer;
+    this.#chosen = answer.knee ?? null;
+    this.#after = [proof ? h('section', { class: 'card facts', 'aria-label': 'Proof' }, h('h2', {}, 'What is proved'), h('p', {}, proof)) : null, sources(provenance)];
+    this.#show();
   }
 
   /** Nothing of a problem is in the address. */
@@ -46,9 +61,10 @@ export class Optimise {
     this.stop = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => this.#physics.stop() } }, 'Stop');
     this.status = h('p', { class: 'run-status', role: 'status' });
     this.result = h('div', { class: 'results' });
+    this.tools = h('div', { class: 'run-tools' }, this.choice, h('label', { class: 'quiet button', for: 'problem-file' }, 'Open a file'), this.file);
     return h('div', { class: 'optimise' },
       h('section', { class: 'card problem', 'aria-label': 'Problem' },
-        h('div', { class: 'run-tools' }, this.choice, h('label', { class: 'quiet button', for: 'problem-file' }, 'Open a file'), this.file),
+        this.tools,
         this.text, h('div', { class: 'run-tools' }, this.solve, this.stop, this.status)),
       this.result);
   }
@@ -100,7 +116,7 @@ export class Optimise {
     if (front?.length) {
       parts.push(h('div', { class: 'charts' }, this.#pairs()), this.#parallel());
     }
-    this.result.replaceChildren(...parts);
+    this.result.replaceChildren(...parts, ...this.#after.filter(Boolean));
   }
 
   #units() {
@@ -157,6 +173,7 @@ export class Optimise {
 
   /** A way to the explorer, for variables that it has. */
   #onwards(x) {
+    if (!this.#explore) return null;
     const known = EXPLORED.filter((key) => x[key] !== undefined);
     if (!known.includes('radius_m') && !known.includes('slip')) return null;
     const soil = this.text.value.match(/^\s*key\s*=\s*"([a-z0-9-]+)"/m)?.[1];

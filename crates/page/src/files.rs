@@ -1,0 +1,77 @@
+//! The page's files, which are part of the program: nothing is read from the disk.
+
+use crate::error::{Error, Result};
+
+macro_rules! file {
+    ($name:literal) => {
+        ($name, include_str!(concat!("../web/", $name)))
+    };
+}
+
+/// The name and the text of each file.
+pub const ALL: &[(&str, &str)] = &[
+    file!("chart.js"),
+    file!("controls.js"),
+    file!("copy_as.js"),
+    file!("dom.js"),
+    file!("explore.js"),
+    file!("format.js"),
+    file!("ground.js"),
+    file!("index.html"),
+    file!("main.js"),
+    file!("optimise.js"),
+    file!("palette.js"),
+    file!("physics.js"),
+    file!("report.js"),
+    file!("requests.js"),
+    file!("run.js"),
+    file!("run_data.js"),
+    file!("soils.js"),
+    file!("state.js"),
+    file!("stress.js"),
+    file!("style.css"),
+    file!("theme.js"),
+    file!("ticks.js"),
+    file!("track.js"),
+    file!("worker.js"),
+];
+
+/// A file by its name.
+///
+/// # Errors
+/// [`Error::Missing`] for any other name.
+///
+/// ```
+/// assert!(grouser_page::files::text("index.html")?.starts_with("<!doctype html>"));
+/// assert!(grouser_page::files::text("../Cargo.toml").is_err());
+/// # Ok::<(), grouser_page::Error>(())
+/// ```
+pub fn text(name: &str) -> Result<&'static str> {
+    let found = ALL.iter().find(|(own, _)| *own == name);
+    let (_, text) = found.ok_or_else(|| Error::Missing {
+        name: name.to_owned(),
+    })?;
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_folder_is_part_of_the_page() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/web");
+        let mut names: Vec<String> = std::fs::read_dir(folder)
+            .expect("the folder")
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .collect();
+        names.sort();
+        assert_eq!(names, ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,14 @@
+//! Runs in columns, as the page plays them: simulated or recorded, with the same keys.
+
+mod columns;
+#[cfg(feature = "drive")]
+mod drive;
+#[cfg(feature = "drive")]
+mod ground;
+#[cfg(feature = "log")]
+mod log;
+
+#[cfg(feature = "drive")]
+pub use drive::{Drive, DriveRecorder};
+#[cfg(feature = "log")]
+pub use log::LogRecorder;

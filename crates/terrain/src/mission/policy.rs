@@ -1,0 +1,329 @@
+//! Ways to a goal that are compared.
+
+use super::believed_map::MissionSettings;
+use super::navigator::{Navigator, Replanning};
+use super::robot::{Ended, Moved, Robot};
+use super::world::World;
+use crate::error::Result;
+use crate::learn::TileSummary;
+use crate::plan::{PlanMap, Route, route_within};
+
+/// How far the robot backs out of soft ground, m: as the controller does.
+const BACK_LENGTH_M: f64 = 1.0;
+/// The controller's detour: way aside at the first attempt, what each further one adds, its heading beside the goal's and what
+/// each further one adds, its attempts, and the progress after which they count anew (`ControlSettings`, `recovery`).
+const ASIDE_M: f64 = 2.2;
+const ASIDE_STEP_SHARE: f64 = 0.5;
+const ASIDE_ANGLE_RAD: f64 = 1.2;
+const ASIDE_ANGLE_STEP_RAD: f64 = 0.3;
+const MAX_ASIDE_ANGLE_RAD: f64 = 2.1;
+const MAX_ATTEMPTS: u32 = 5;
+const FORGET_DISTANCE_M: f64 = 4.0;
+/// A goal is reached within this distance, m.
+const GOAL_RADIUS_M: f64 = 0.75;
+/// Longest way, as a multiple of the distance to the goal: what takes longer is lost.
+const MAX_WAY_FACTOR: f64 = 20.0;
+/// Plans of one drive at most.
+const MAX_PLANS: usize = 400;
+/// A metre of ground that no reading before told of counts as one; readings of a step count less.
+const READING_WEIGHT: f64 = 0.25;
+/// A robot that does not come on has spent seconds to find out.
+const BLOCKED_WEIGHT: f64 = 4.0;
+
+/// How a robot gets to its goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Policy {
+    /// Straight at the goal; stops where it does not come on.
+    Straight,
+    /// Straight at the goal; backs out of soft ground and drives round it, as the controller does.
+    Reactive,
+    /// Along the plan with the prior soil; stops where it does not come on.
+    PlanPrior,
+    /// Plans, learns, and plans anew.
+    PlanLearn,
+    /// Plans with the true soils and law.
+    Oracle,
+}
+
+impl Policy {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Straight,
+        Self::Reactive,
+        Self::PlanPrior,
+        Self::PlanLearn,
+        Self::Oracle,
+    ];
+
+    /// Its name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Straight => "straight",
+            Self::Reactive => "reactive detour",
+            Self::PlanPrior => "plan, prior soil",
+            Self::PlanLearn => "plan and learn",
+            Self::Oracle => "oracle",
+        }
+    }
+}
+
+/// What came of a drive.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct MissionResult {
+    /// How it ended.
+    pub ended: Ended,
+    /// At the wheels, J.
+    pub energy: f64,
+    /// m.
+    pub way: f64,
+    /// How often it did not come on.
+    pub blocked: u32,
+    /// How planning went.
+    pub planning: Replanning,
+    /// What was learnt.
+    pub learnt: Vec<TileSummary>,
+}
+
+/// A drive from a start to a goal.
+#[derive(Clone, Debug)]
+pub struct Mission<'a> {
+    /// The part of the relief that is planned on, m.
+    pub area: ((f64, f64), (f64, f64)),
+    /// m.
+    pub start: (f64, f64),
+    /// m.
+    pub goal: (f64, f64),
+    /// What is planned with.
+    pub settings: &'a MissionSettings,
+    /// A navigator that has learnt nothing yet.
+    pub navigator: &'a Navigator,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Mission<'_> {
+    /// Drives it.
+    ///
+    /// # Errors
+    /// As [`Navigator::set_out`]; [`Error::Law`](crate::Error::Law).
+    pub fn drive(&self, world: &mut World<'_>, policy: Policy) -> Result<MissionResult> {
+        let to_goal = (self.goal.1 - self.start.1).atan2(self.goal.0 - self.start.0);
+        let turn_energy = self.settings.plan.turn_energy;
+        let mut robot = Robot::new(self.start, to_goal, turn_energy, self.seed);
+        let mut navigator = self.navigator.clone();
+        let mut blocked = 0;
+        let ended = match policy {
+            Policy::Straight => {
+                let moved = robot.drive_to(world, self.goal, |_| Ok(()))?;
+                self.ended(world, &mut robot, moved, &mut blocked)?
+            }
+            Policy::Reactive => self.reactive(world, &mut robot, &mut blocked)?,
+            Policy::PlanPrior => {
+                if navigator.set_out(self.start, to_goal, self.goal)? {
+                    let route = navigator
+                        .route()
+                        .map(|route| places(navigator.plan_map(), route));
+                    let moved = along(world, &mut robot, &route.unwrap_or_default())?;
+                    self.ended(world, &mut robot, moved, &mut blocked)?
+                } else {
+                    Ended::Stopped
+                }
+            }
+            Policy::PlanLearn => self.learning(world, &mut robot, &mut navigator, &mut blocked)?,
+            Policy::Oracle => self.oracle(world, &mut robot, &mut blocked)?,
+        };
+        Ok(MissionResult {
+            ended,
+            energy: robot.energy,
+            way: robot.way,
+            blocked,
+            planning: navigator.planning().clone(),
+            learnt: navigator.tiles().learnt(),
+        })
+    }
+
+    fn to_go(&self, robot: &Robot) -> f64 {
+        (self.goal.0 - robot.place.0).hypot(self.goal.1 - robot.place.1)
+    }
+
+    /// The end of a drive that does not go on after it was held.
+    fn ended(
+        &self,
+        world: &mut World<'_>,
+        robot: &mut Robot,
+        moved: Moved,
+        blocked: &mut u32,
+    ) -> Result<Ended> {
+        Ok(match moved {
+            Moved::There => Ended::Arrived,
+            Moved::Lost => Ended::Immobilised,
+            Moved::Blocked => {
+                *blocked += 1;
+                if robot.back_out(world, BACK_LENGTH_M)? {
+                    Ended::Stopped
+                } else {
+                    Ended::Immobilised
+                }
+            }
+        })
+    }
+
+    fn reactive(
+        &self,
+        world: &mut World<'_>,
+        robot: &mut Robot,
+        blocked: &mut u32,
+    ) -> Result<Ended> {
+        let (mut attempts, mut side, mut since) = (0, 0.0, self.to_go(robot));
+        let max_way = MAX_WAY_FACTOR * self.to_go(robot);
+        while robot.way < max_way {
+            let before = self.to_go(robot);
+            if before < GOAL_RADIUS_M {
+                return Ok(Ended::Arrived);
+            }
+            if since - before > FORGET_DISTANCE_M {
+                (attempts, side) = (0, 0.0);
+            }
+            // a metre at a time, so that progress is seen
+            let (x, y) = (self.goal.0 - robot.place.0, self.goal.1 - robot.place.1);
+            let share = (1.0 / before).min(1.0);
+            let to = (robot.place.0 + share * x, robot.place.1 + share * y);
+            match robot.drive_to(world, to, |_| Ok(()))? {
+                Moved::There => continue,
+                Moved::Lost => return Ok(Ended::Immobilised),
+                Moved::Blocked => {}
+            }
+            // aside; what holds it there counts as a further attempt
+            loop {
+                *blocked += 1;
+                attempts += 1;
+                if side == 0.0 {
+                    let is_left = world.left_is_weaker(robot.place, robot.heading) <= 0.0;
+                    side = if is_left { 1.0 } else { -1.0 };
+                }
+                if !robot.back_out(world, BACK_LENGTH_M)? {
+                    return Ok(Ended::Immobilised);
+                }
+                if attempts > MAX_ATTEMPTS {
+                    return Ok(Ended::Stopped);
+                }
+                since = self.to_go(robot);
+                let further = f64::from(attempts - 1);
+                let angle =
+                    (ASIDE_ANGLE_RAD + ASIDE_ANGLE_STEP_RAD * further).min(MAX_ASIDE_ANGLE_RAD);
+                let (x, y) = (self.goal.0 - robot.place.0, self.goal.1 - robot.place.1);
+                let heading = y.atan2(x) + side * angle;
+                let width = ASIDE_M * (1.0 + ASIDE_STEP_SHARE * further);
+                let length = width / angle.sin();
+                let to = (
+                    robot.place.0 + length * heading.cos(),
+                    robot.place.1 + length * heading.sin(),
+                );
+                match robot.drive_to(world, to, |_| Ok(()))? {
+                    Moved::There => break,
+                    Moved::Lost => return Ok(Ended::Immobilised),
+                    Moved::Blocked => {}
+                }
+            }
+        }
+        Ok(Ended::Stopped)
+    }
+
+    fn learning(
+        &self,
+        world: &mut World<'_>,
+        robot: &mut Robot,
+        navigator: &mut Navigator,
+        blocked: &mut u32,
+    ) -> Result<Ended> {
+        if !navigator.set_out(robot.place, robot.heading, self.goal)? {
+            return Ok(Ended::Stopped);
+        }
+        while navigator.planning().count < MAX_PLANS {
+            let Some(route) = navigator.route() else {
+                return Ok(Ended::Stopped);
+            };
+            let way = places(navigator.plan_map(), route);
+            let mut is_held = false;
+            for place in &way {
+                let moved = robot.drive_to(world, *place, |reading| {
+                    let weight = if reading.slip < 1.0 {
+                        READING_WEIGHT
+                    } else {
+                        BLOCKED_WEIGHT
+                    };
+                    navigator.observe(reading, weight)
+                })?;
+                match moved {
+                    Moved::There => {}
+                    Moved::Lost => return Ok(Ended::Immobilised),
+                    Moved::Blocked => {
+                        *blocked += 1;
+                        is_held = true;
+                        if !robot.back_out(world, BACK_LENGTH_M)? {
+                            return Ok(Ended::Immobilised);
+                        }
+                    }
+                }
+                if is_held || navigator.has_changed() {
+                    break;
+                }
+            }
+            if self.to_go(robot) < GOAL_RADIUS_M {
+                return Ok(Ended::Arrived);
+            }
+            if !navigator.replan(robot.place, robot.heading, is_held)? {
+                return Ok(Ended::Stopped);
+            }
+        }
+        Ok(Ended::Stopped)
+    }
+
+    fn oracle(&self, world: &mut World<'_>, robot: &mut Robot, blocked: &mut u32) -> Result<Ended> {
+        let mut map = super::oracle::true_map(world, self.navigator.plan_map(), self.settings)?;
+        let goal = map.cell_at("the goal", self.goal)?;
+        for _ in 0..MAX_PLANS {
+            let start = map.cell_at("the start", robot.place)?;
+            let mut settings = self.settings.plan;
+            settings.start_heading = Some(map.layout.headings.nearest(robot.heading));
+            super::oracle::open(&mut map, start);
+            let Ok(Some(route)) = route_within(&map, (start, goal), &settings) else {
+                return Ok(Ended::Stopped);
+            };
+            match along(world, robot, &places(&map, &route))? {
+                Moved::There => return Ok(Ended::Arrived),
+                Moved::Lost => return Ok(Ended::Immobilised),
+                Moved::Blocked => {
+                    // the cells of its map are coarser than the world
+                    *blocked += 1;
+                    super::oracle::close(&mut map, robot.place);
+                    if !robot.back_out(world, BACK_LENGTH_M)? {
+                        return Ok(Ended::Immobilised);
+                    }
+                }
+            }
+        }
+        Ok(Ended::Stopped)
+    }
+}
+
+/// The places of a route where the robot passes, without those at which it only turns.
+pub(super) fn places(map: &PlanMap, route: &Route) -> Vec<(f64, f64)> {
+    let mut cells: Vec<usize> = route.waypoints.iter().map(|point| point.cell).collect();
+    cells.dedup();
+    cells.into_iter().map(|cell| map.place_of(cell)).collect()
+}
+
+/// Drives along places; the first is where the robot stands.
+fn along(world: &mut World<'_>, robot: &mut Robot, places: &[(f64, f64)]) -> Result<Moved> {
+    for place in places {
+        match robot.drive_to(world, *place, |_| Ok(()))? {
+            Moved::There => {}
+            other => return Ok(other),
+        }
+    }
+    Ok(Moved::There)
+}
