@@ -90,7 +90,7 @@ fn what_must_grow_grows() {
         least(&plain)
     );
     // A second soil can only add to the energy of the worst one.
-    let two = design(&["--soil", "sandy-loam"]);
+    let two = design(&["--soil", "lunar"]);
     assert_eq!(two["soils"].as_array().unwrap().len(), 2);
     assert!(least(&two) >= least(&plain) * (1.0 - 1e-6));
 }

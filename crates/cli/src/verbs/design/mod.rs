@@ -55,21 +55,21 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     overrides: Overrides,
     /// Slopes in degrees with their shares of the way
-    #[arg(long, value_name = "DEG[=SHARE]", value_delimiter = ',', value_parser = request::parse_slope)]
+    #[arg(long, value_name = "DEG[=SHARE]", value_delimiter = ',', value_parser = request::parse_slope, allow_hyphen_values = true)]
     slope_deg: Vec<Shared<f64>>,
     #[command(flatten)]
     gravity: GravityArgument,
     /// Bounds of the wheel's radius in m, or one number [default: 0.6 to 1.5 times the present one]
-    #[arg(long, value_name = "FROM:TO")]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     radius_m: Option<Bounds>,
     /// Bounds of the wheel's width in m, or one number [default: 0.5 to 2 times the present one]
-    #[arg(long, value_name = "FROM:TO")]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     width_m: Option<Bounds>,
     /// Bounds of the height of the lugs in m, or one number [default: the present one]
-    #[arg(long, value_name = "FROM:TO")]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     grouser_height_m: Option<Bounds>,
     /// Bounds of the number of lugs, or one number; 0 for a smooth wheel [default: the present one]
-    #[arg(long, value_name = "FROM:TO")]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     grouser_count: Option<Bounds>,
     /// Thickness of a lug along the rim in m [default: the present one, or 0.002]
     #[arg(long, value_name = "M", value_parser = parse_finite)]

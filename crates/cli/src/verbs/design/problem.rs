@@ -2,10 +2,14 @@
 
 use grouser_design::mission::{DesignPoint, Mission, WheelDesign};
 use grouser_design::{Design, State, Task, to_toml};
-use grouser_opt::Variable;
+use grouser_opt::{ParetoSettings, Variable};
 
 use crate::error::{Error, Result};
 use crate::law_error::Names;
+
+/// Size of the search for two objectives over two to four sizes and a slip: seconds.
+const POPULATION: usize = 40;
+const GENERATIONS: usize = 60;
 
 /// Slip where the slope is not held: the solver begins there.
 const START_SLIP: f64 = 0.3;
@@ -48,7 +52,10 @@ pub(super) fn toml(mission: &Mission, chosen: &DesignPoint, wheels: usize) -> Re
         }
     }
     let slip = station.slip.unwrap_or(START_SLIP);
+    let mut pareto = ParetoSettings::default();
+    (pareto.population, pareto.generations) = (POPULATION, GENERATIONS);
     let builder = builder
+        .pareto(pareto)
         .variable(Variable::bounded("slip", slip, 0.0, params.max_slip))
         .minimise("mass", &params.mass_formula)
         .minimise("energy", "energy_j_per_m")
