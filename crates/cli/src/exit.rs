@@ -12,7 +12,7 @@ pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
         3,
         "a result was written, but it is incomplete or doubtful: rows failed, a check failed, data were lost",
     ),
-    (INTERRUPTED, "interrupted"),
+    (INTERRUPTED, "interrupted by Ctrl-C, SIGTERM or SIGHUP"),
 ];
 
 /// What a shell reports of a program ended by Ctrl-C.

@@ -100,7 +100,9 @@ fn a_wheel_with_a_fast_clock_is_not_ok() {
 #[test]
 fn what_is_silent_is_what_the_page_lists() {
     let is_silent = |what: String, trial: &dyn Fn(u64) -> Trial| {
-        let silent = (0..10).filter(|&seed| trial(seed).run().silence().0 > 1.0).count();
+        let silent = (0..10)
+            .filter(|&seed| trial(seed).run().silence().0 > 1.0)
+            .count();
         println!("{what}: {silent} of 10 runs Ok and wrong for over 1 s");
         assert!(silent > 0, "{what}: found, so it goes from the page");
     };

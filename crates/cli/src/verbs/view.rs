@@ -6,6 +6,8 @@ use std::process::{Command, ExitStatus, Stdio};
 use crate::companion::Companion;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
+use crate::files_in_use;
+use crate::output::OutputFile;
 use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
@@ -48,7 +50,12 @@ struct Ran<'a> {
 pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
     let program = PROGRAM.find()?;
     let mut command = Command::new(&program);
+    if let Some(file) = &arguments.file {
+        files_in_use::reads(file);
+    }
     if let Some(path) = &arguments.export {
+        // refused here, by the rules of all outputs, before the program begins it
+        drop(OutputFile::create(path)?);
         command.arg("--export").arg(path);
     }
     if let Some(port) = arguments.port {

@@ -54,6 +54,13 @@ enum Stdout {
 pub(crate) fn run(shared: &Shared, verb: &str, mischief: Mischief, random: &mut Random) -> Ended {
     let mut case = Case::new(shared, verb, random);
     case.play(mischief, random);
+    // what comes from outside may come on top
+    if random.below(4) == 0 {
+        case.play(
+            [Mischief::Signal, Mischief::Limit, Mischief::Closed][random.below(3)],
+            random,
+        );
+    }
     case.run()
 }
 
@@ -125,7 +132,7 @@ impl Case {
                 let some = random.below(1000);
                 self.limit = Some(match random.below(4) {
                     0 => format!("ulimit -f {}", some % 40),
-                    1 => format!("ulimit -n {}", 6 + some % 8),
+                    1 => format!("ulimit -n {}", 12 + some % 8),
                     2 => format!("ulimit -v {}", 30_000 + 300 * some),
                     _ => "export RUST_MIN_STACK=68719476736; ulimit -v 4000000".to_owned(),
                 });
@@ -310,6 +317,7 @@ impl Case {
             Some(status) => Some(status),
             None => {
                 asked = true;
+                println!("over {PATIENCE:?}: {:?} {:?}", self.limit, self.words);
                 send(&child, "-INT");
                 wait(&mut child, END).or_else(|| {
                     // a search is ended by the second

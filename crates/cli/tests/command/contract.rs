@@ -32,7 +32,17 @@ fn wheel_has_its_keys_and_its_provenance() {
     assert!((json["vertical_force_n"].as_f64().unwrap() - 80.0).abs() < 1e-9);
     let provenance = json["provenance"].as_object().unwrap();
     let keys: Vec<&String> = provenance.keys().collect();
-    assert_eq!(keys, ["version", "commit", "seed", "input_sha256", "soil"]);
+    let expected = [
+        "version",
+        "commit",
+        "instructions",
+        "seed",
+        "input_sha256",
+        "soil",
+    ];
+    assert_eq!(keys, expected);
+    let instructions = provenance["instructions"].as_str().unwrap();
+    assert!(["avx512", "avx2", "portable"].contains(&instructions));
     assert_eq!(provenance["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(provenance["soil"]["key"], "dry-sand");
     assert!(

@@ -143,3 +143,28 @@ fn simplex_size(objectives: usize, divisions: usize) -> usize {
     }
     size
 }
+
+#[cfg(test)]
+mod tests {
+    use super::ParetoSettings;
+
+    #[test]
+    fn populations_and_directions_that_fill_the_memory_are_refused() {
+        let refused = |change: fn(&mut ParetoSettings), objectives| {
+            let mut settings = ParetoSettings::default();
+            change(&mut settings);
+            let error = settings.check(objectives).err()?;
+            Some(error.to_string())
+        };
+        assert_eq!(refused(|s| s.population = 10_000, 2), None);
+        let large = refused(|s| s.population = 10_001, 2).unwrap();
+        assert!(
+            large.contains("population") && large.contains("10000"),
+            "{large}"
+        );
+        // three objectives have (d + 1)(d + 2)/2 directions, 9870 for 139 divisions; six have 8e12 for a thousand
+        assert_eq!(refused(|s| s.divisions = Some(139), 3), None);
+        assert!(refused(|s| s.divisions = Some(140), 3).is_some());
+        assert!(refused(|s| s.divisions = Some(1000), 6).is_some());
+    }
+}

@@ -6,6 +6,7 @@ use grouser_replay::{
     Summary, TruthError, TurnCheck, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
+use grouser_slip::Reference;
 use grouser_slip::detect::Event;
 
 /// All that was found.
@@ -41,7 +42,9 @@ impl<P> Part<'_, P> {
 /// Errors that look like slip, with what measures the robot's motion.
 pub(super) fn not_observable(reference: Reference) -> &'static str {
     match reference {
-        Reference::Grip => "no sensor measures the robot's motion: a slip common to all wheels is not observable",
+        Reference::Grip => {
+            "no sensor measures the robot's motion: a slip common to all wheels is not observable"
+        }
         Reference::FreeWheel => {
             "not observable: an even error of the free wheel's counts, radius or skid looks like slip of the others; so do \
              counters that are exchanged"

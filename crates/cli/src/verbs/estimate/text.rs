@@ -95,7 +95,10 @@ fn observability(summary: &Summary) -> String {
     let doubts = summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
     if summary.reference == Reference::Grip {
-        let differences = format!("{}; differences only\n\n", object::not_observable(summary.reference));
+        let differences = format!(
+            "{}; differences only\n\n",
+            object::not_observable(summary.reference)
+        );
         return doubts.chain([differences]).collect();
     }
     let used = summary.fused.as_ref().and_then(|fused| fused.reference);
