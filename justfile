@@ -65,6 +65,10 @@ soak first="0":
 terrain:
     cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture
 
+# five ways to a goal over hidden patches of soil on the relief of Mars ($GROUSER_DATA/mars-dem), 50 missions; minutes
+mission:
+    GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
+
 # 6000 black-box cases against the program, with overflow checks; minutes. Another first case draws others
 attack cases="6000" first="0":
     GROUSER_ATTACK_CASES={{cases}} GROUSER_ATTACK_FIRST={{first}} cargo test --package grouser --test attack -- --nocapture

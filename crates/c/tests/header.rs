@@ -151,7 +151,7 @@ fn the_header_is_one_for_cpp_too() {
     let source = scratch("header").join("header.cpp");
     std::fs::write(
         &source,
-        "#include \"grouser.h\"\nint main() { return 0; }\n",
+        "#include \"grouser.h\"\n#include \"grouser.hpp\"\nint main() { return 0; }\n",
     )
     .unwrap();
     let flags = [

@@ -39,7 +39,12 @@ const FLOORS: &[(&str, &[&str])] = &[
     ),
     (
         "grouser-terrain",
-        &["grouser-terra", "grouser-files", "grouser-rover"],
+        &[
+            "grouser-terra",
+            "grouser-slip",
+            "grouser-files",
+            "grouser-rover",
+        ],
     ),
     (
         "grouser-identify",

@@ -92,6 +92,9 @@ pub enum Error {
         /// How often it was tried.
         tries: u32,
     },
+    /// A scenario that does not plan its way.
+    #[error("the scenario has no [plan]")]
+    NoPlan,
     /// A raster of soils has a class that its legend does not list.
     #[error("{}: row {row}, column {column} (from 0) has class {value}, which the legend does not list", .file.display())]
     NoClass {

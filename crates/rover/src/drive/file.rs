@@ -7,7 +7,9 @@ use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
 use grouser_terra::{Angle, MultiPass, ShearLaw, Soil, SoilParams, catalogue};
 
-use super::scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
+use super::scenario::{
+    GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilSpec,
+};
 use crate::error::{Error, Result};
 use crate::ground::{HeightFile, Packing, Place, Rocks, Shape};
 use crate::robot::RobotModel;
@@ -93,19 +95,47 @@ fn read(
         root.section("control", read_control)?
             .unwrap_or((ControlSettings::default(), None, 0.3));
     let faults = read_faults(root, &robot)?;
+    let duration = root.number("duration_s", (0.1, 1e6))?;
+    let plan = root.section("plan", read_plan)?;
+    let learn = root.section("learn", read_learn)?;
+    let mut legs = root.sections("leg", read_leg)?;
+    if let Some(plan) = &plan {
+        if !legs.is_empty() {
+            return Err(grouser_files::Error::Contradiction {
+                at: root.place_of("plan"),
+                message:
+                    "a drive follows its [[leg]]s or plans its way; only one of them can be given"
+                        .to_owned(),
+            }
+            .into());
+        }
+        legs.push(Leg {
+            speed: plan.speed,
+            heading: (plan.goal.1 - start.1).atan2(plan.goal.0 - start.0),
+            distance: None,
+            duration: Some(duration),
+        });
+    } else if learn.is_some() {
+        return Err(Error::Missing {
+            of: "[learn]".to_owned(),
+            what: "a [plan] that uses what is learnt".to_owned(),
+        });
+    }
     let scenario = Scenario {
         title: root.text("title")?.to_owned(),
         name,
         robot_file,
         robot,
         seed: root.optional_integer("seed")?.unwrap_or(1).cast_unsigned(),
-        duration: root.number("duration_s", (0.1, 1e6))?,
+        duration,
         step: root
             .optional_number("step_s", (1e-5, 5e-3))?
             .unwrap_or(1e-3),
         start,
         ground,
-        legs: root.sections("leg", read_leg)?,
+        legs,
+        plan,
+        learn,
         sensors,
         faults,
         control,
@@ -126,6 +156,37 @@ fn read_leg(s: &Section<'_>) -> grouser_files::Result<Leg> {
             .to_radians(),
         distance: s.optional_number("distance_m", LENGTH_LIMITS_M)?,
         duration: s.optional_number("duration_s", (1e-3, 1e6))?,
+    })
+}
+
+fn read_plan(s: &Section<'_>) -> grouser_files::Result<PlanSpec> {
+    let or = |key, limits, other: f64| Ok(s.optional_number(key, limits)?.unwrap_or(other));
+    let headings = s.optional_integer("headings")?.unwrap_or(8);
+    let Some(headings) = [4_u8, 8, 16]
+        .into_iter()
+        .find(|h| i64::from(*h) == headings)
+    else {
+        return Err(s.out_of_range("headings", headings as f64, (4.0, 16.0)));
+    };
+    Ok(PlanSpec {
+        goal: (
+            s.number("goal_x_m", PLACE_LIMITS_M)?,
+            s.number("goal_y_m", PLACE_LIMITS_M)?,
+        ),
+        speed: s.number("speed_m_per_s", (1e-3, 10.0))?,
+        cell: or("cell_m", (0.05, 100.0), 0.5)?,
+        headings,
+        max_risk: or("max_risk", (0.0, 1.0), 0.25)?,
+        turn_energy: or("turn_energy_j", (0.0, 1e9), 5.0)?,
+        margin: or("margin_m", (0.0, 1e4), 10.0)?,
+    })
+}
+
+fn read_learn(s: &Section<'_>) -> grouser_files::Result<LearnSpec> {
+    let or = |key, limits, other: f64| Ok(s.optional_number(key, limits)?.unwrap_or(other));
+    Ok(LearnSpec {
+        tile: or("tile_m", (0.1, 1e4), 2.0)?,
+        hysteresis: or("hysteresis", (0.0, 1.0), 0.15)?,
     })
 }
 

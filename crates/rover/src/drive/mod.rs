@@ -18,5 +18,5 @@ pub use file::{parse_scenario, read_scenario};
 pub use frame::{Frame, WheelFrame};
 pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};
 pub use pilot::Pilot;
-pub use scenario::{GroundShape, GroundSpec, Leg, Region, Scenario, SoilSpec};
+pub use scenario::{GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilSpec};
 pub use simulation::Simulation;

@@ -28,6 +28,36 @@ pub struct Leg {
     pub duration: Option<f64>,
 }
 
+/// A drive that plans its way itself, in place of legs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PlanSpec {
+    /// Where it leads, m.
+    pub goal: (f64, f64),
+    /// Requested speed, m/s.
+    pub speed: f64,
+    /// Size of the cells that are planned on, m.
+    pub cell: f64,
+    /// Directions that are planned with: 4, 8 or 16.
+    pub headings: u8,
+    /// Bound on the probability that a place of the way cannot be left again.
+    pub max_risk: f64,
+    /// Energy of a turn by one of 8 headings, J.
+    pub turn_energy: f64,
+    /// How far beyond the rectangle of start and goal the robot may go, m.
+    pub margin: f64,
+}
+
+/// Soil that is learnt while driving; without it the plan's soil stays the first one of the scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LearnSpec {
+    /// Side of a tile, m.
+    pub tile: f64,
+    /// Planning uses a new belief once it differs from the one in use by this probability.
+    pub hysteresis: f64,
+}
+
 /// The shape of the ground.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -119,8 +149,12 @@ pub struct Scenario {
     pub start: (f64, f64, f64),
     /// The ground.
     pub ground: GroundSpec,
-    /// The way.
+    /// The way; one leg straight to the goal where the drive plans its way.
     pub legs: Vec<Leg>,
+    /// How it plans its way, where it does.
+    pub plan: Option<PlanSpec>,
+    /// How it learns its soil, where it does.
+    pub learn: Option<LearnSpec>,
     /// The sensors.
     pub sensors: SensorSettings,
     /// The faults.
@@ -195,7 +229,7 @@ impl Scenario {
         if self.legs.is_empty() {
             return Err(Error::Missing {
                 of,
-                what: "a [[leg]]".into(),
+                what: "a [[leg]] or a [plan]".into(),
             });
         }
         for leg in &self.legs {

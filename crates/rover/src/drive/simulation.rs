@@ -76,6 +76,8 @@ pub struct Simulation {
     worst_slip: f64,
     steps_per_period: u64,
     ended: Option<Outcome>,
+    /// What a navigator requests in place of the legs.
+    navigated: Option<Request>,
 }
 
 impl Simulation {
@@ -125,6 +127,7 @@ impl Simulation {
             worst_slip: 0.0,
             steps_per_period: u64::from(periods(CONTROL_PERIOD_S, scenario.step)),
             ended: None,
+            navigated: None,
             vehicle,
         })
     }
@@ -161,11 +164,40 @@ impl Simulation {
     #[must_use]
     pub fn request(&self) -> Request {
         let is_settled = self.vehicle.time() >= SETTLING_TIME_S;
+        if let Some(request) = self.navigated.filter(|_| is_settled) {
+            return request;
+        }
         let leg = self.referee.leg().filter(|_| is_settled);
         leg.map_or_else(Request::default, |leg| Request {
             speed: leg.speed,
             heading: leg.heading,
         })
+    }
+
+    /// Requests something else than the legs from now on: the door for a navigator.
+    ///
+    /// # Errors
+    /// [`grouser_slip::Error::OutOfRange`] for a speed or a heading that is not finite or absurd; nothing changes then.
+    pub fn set_request(&mut self, request: Request) -> Result<()> {
+        const LIMITS: (f64, f64) = (-1e3, 1e3);
+        for (field, value, unit) in [
+            ("speed", request.speed, "m/s"),
+            ("heading", request.heading, "rad"),
+        ] {
+            OutOfRange::check(field, value, LIMITS, unit).map_err(|range| {
+                grouser_slip::Error::OutOfRange {
+                    of: "request".to_owned(),
+                    range,
+                }
+            })?;
+        }
+        self.navigated = Some(request);
+        Ok(())
+    }
+
+    /// Ends the drive as a navigator declares it.
+    pub fn end(&mut self, outcome: Outcome) {
+        self.ended.get_or_insert(outcome);
     }
 
     /// Replaces the on-board computer's commands for the next period: the door for a controller of another kind. Call it

@@ -4,6 +4,7 @@
 //! [`Navigator`] is the robot's side and reads nothing but its own estimates.
 
 mod believed_map;
+mod drive;
 mod navigator;
 mod oracle;
 mod policy;
@@ -11,6 +12,7 @@ mod robot;
 mod world;
 
 pub use believed_map::{BelievedMap, MissionSettings};
+pub use drive::{PlannedDrive, drive};
 pub use navigator::{Navigator, Replanning};
 pub use policy::{Mission, MissionResult, Policy};
 pub use robot::Ended;

@@ -10,6 +10,8 @@ use crate::plan::{PlanMap, Route, route_within};
 
 /// How far the robot backs out of soft ground, m: as the controller does.
 const BACK_LENGTH_M: f64 = 1.0;
+/// How often it backs out further where no way leads on.
+const FURTHER_BACK: u32 = 3;
 /// The controller's detour: way aside at the first attempt, what each further one adds, its heading beside the goal's and what
 /// each further one adds, its attempts, and the progress after which they count anew (`ControlSettings`, `recovery`).
 const ASIDE_M: f64 = 2.2;
@@ -275,7 +277,18 @@ impl Mission<'_> {
             if self.to_go(robot) < GOAL_RADIUS_M {
                 return Ok(Ended::Arrived);
             }
-            if !navigator.replan(robot.place, robot.heading, is_held)? {
+            let mut found = navigator.replan(robot.place, robot.heading, is_held)?;
+            // room to turn
+            for _ in 0..FURTHER_BACK {
+                if found {
+                    break;
+                }
+                if !robot.back_out(world, BACK_LENGTH_M)? {
+                    return Ok(Ended::Immobilised);
+                }
+                found = navigator.replan(robot.place, robot.heading, true)?;
+            }
+            if !found {
                 return Ok(Ended::Stopped);
             }
         }

@@ -12,7 +12,8 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use grouser_page::run::DriveRecorder;
-use grouser_rover::drive::{Pilot, Scenario, Simulation, SlipScore, read_scenario};
+use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, SlipScore, read_scenario};
+use grouser_terrain::mission;
 use rayon::prelude::*;
 
 use self::log::Log;
@@ -80,6 +81,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     session.used_file(&arguments.scenario)?;
     let scenario = read_scenario(&arguments.scenario)?;
     session.used_file(&scenario.robot_file)?;
+    if scenario.plan.is_some() && pilots.iter().any(|pilot| *pilot != Pilot::Controller) {
+        return Err(Error::usage(
+            "`--compare` names other drivers, but the scenario plans its way",
+            "a navigator drives it, with the slip loop of `controller`; leave `--compare` out",
+        ));
+    }
     let first = arguments.seed.unwrap_or(scenario.seed);
     session.used_seed(first);
     let optimum = scenario.slip_setpoint()?;
@@ -153,13 +160,12 @@ fn drive_all(
         .into_par_iter()
         .enumerate()
         .map(|(index, (pilot, seed))| {
-            let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
             let mut seen = (seed == first).then(DriveRecorder::default);
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
             let mut failed = None;
             let mut told = 0.0;
-            let result = drive.run(|frame| {
+            let mut see = |frame: &Frame<'_>| {
                 if let Some(seen) = &mut seen {
                     seen.add(frame);
                 }
@@ -178,7 +184,14 @@ fn drive_all(
                     told = frame.time;
                 }
                 true
-            });
+            };
+            let (result, planned) = if scenario.plan.is_some() {
+                let driven = mission::drive(scenario, jobs.optimum, seed, &mut see)?;
+                (driven.result.clone(), Some(driven))
+            } else {
+                let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
+                (drive.run(&mut see), None)
+            };
             progress.drove(scenario.duration - told, 0.0, None);
             match failed {
                 Some(error) => Err(error),
@@ -187,6 +200,7 @@ fn drive_all(
                     seed,
                     result,
                     own_laws: own_laws(scenario, pilot, jobs.optimum, seed)?,
+                    planned,
                     seen,
                 }),
             }
@@ -202,7 +216,8 @@ fn own_laws(
     optimum: f64,
     seed: u64,
 ) -> Result<Option<SlipScore>> {
-    if scenario.ground.world_laws.is_none() {
+    // another world leads to another way: its slips would be those of another drive
+    if scenario.ground.world_laws.is_none() || scenario.plan.is_some() {
         return Ok(None);
     }
     let mut own = scenario.clone();

@@ -3,6 +3,9 @@
 use grouser_report::{Fields, fields};
 use grouser_rover::drive::{NamedDecision, Scenario, SlipScore};
 
+use grouser_terrain::learn::TileSummary;
+use grouser_terrain::mission::PlannedDrive;
+
 use super::run::Run;
 
 /// The drives and what they share.
@@ -46,11 +49,38 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
         "slip_wrong_longest_s" "longest time that a slip was wrong" = of.1.result.slip.longest_wrong;
         "own_laws" "the slips of the same drive where the ground obeys the estimator's own laws" group(score()) =
             of.1.own_laws.as_ref();
+        "planned" "how the way was planned and what was learnt; null for a drive along legs" group(planned()) =
+            of.1.planned.as_ref();
         "worst_slip" "greatest slip" = of.1.result.worst_slip;
         "refused_samples" "samples that the estimator refused" = of.1.result.refused;
         "decision_count" "decisions" = of.1.result.decision_count;
         "decisions" "the first decisions" rows(decision()) =
             of.1.result.decisions.iter().map(move |named| (of.0, named));
+    }
+}
+
+fn planned<'a>() -> Fields<'a, &'a PlannedDrive> {
+    fields! { |planned: &'a PlannedDrive|
+        "replans" "ways planned after the first" = planned.planning.count;
+        "replanning_longest_s" "longest time of planning anew, by the wall clock" =
+            planned.planning.times.iter().max().map(std::time::Duration::as_secs_f64);
+        "risk" "greatest probability that a place of a planned way cannot be left again" = planned.planning.risk;
+        "risk_bound" "greatest bound that was needed to find a way" = planned.planning.bound;
+        "held" "how often the robot did not come on, or saw no way on, and backed out" = planned.held;
+        "goal_distance_m" "true distance to the goal at the end" = planned.to_goal;
+        "place_error_m" "error of the robot's own place at the end" = planned.place_error;
+        "learnt" "tiles with readings" rows(tile()) = planned.learnt.iter();
+    }
+}
+
+fn tile<'a>() -> Fields<'a, &'a TileSummary> {
+    fields! { |tile: &'a TileSummary|
+        "x_m" "middle of the tile" = tile.place.0;
+        "y_m" "middle of the tile" = tile.place.1;
+        "steepest_deg" "slope that the soil lets the robot climb, mean" = tile.steepest.to_degrees();
+        "steepest_low_deg" "lower end of its 90 % interval" = tile.low.to_degrees();
+        "steepest_high_deg" "upper end" = tile.high.to_degrees();
+        "readings" "readings" = tile.readings;
     }
 }
 

@@ -2,6 +2,7 @@
 
 use grouser_page::run::DriveRecorder;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
+use grouser_terrain::mission::PlannedDrive;
 
 /// One finished drive.
 pub(super) struct Run {
@@ -10,6 +11,8 @@ pub(super) struct Run {
     pub(super) result: DriveResult,
     /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.
     pub(super) own_laws: Option<SlipScore>,
+    /// How it planned and what it learnt, for a scenario that plans its way.
+    pub(super) planned: Option<PlannedDrive>,
     /// What was seen on the way, of the first seed.
     pub(super) seen: Option<DriveRecorder>,
 }

@@ -55,7 +55,35 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
                 .map_or_else(dash, |rmse| format!("{rmse:.3}")),
         );
     }
-    if let Some(law) = scenario.ground.world_laws {
+    for run in runs {
+        let Some(planned) = &run.planned else {
+            continue;
+        };
+        let _ = writeln!(
+            out,
+            "\nseed {}: {} ways planned after the first, risk of a place that cannot be left again at most {}, backed out {} \
+             times; the goal is {:.2} m away",
+            run.seed,
+            planned.planning.count,
+            rounded(planned.planning.risk, 3),
+            planned.held,
+            planned.to_goal
+        );
+        for tile in &planned.learnt {
+            let _ = writeln!(
+                out,
+                "soil at ({:6.1}, {:6.1}) m lets the robot climb {:5.1}°, within [{:.1}°, {:.1}°]",
+                tile.place.0,
+                tile.place.1,
+                tile.steepest.to_degrees(),
+                tile.low.to_degrees(),
+                tile.high.to_degrees()
+            );
+        }
+    }
+    if let Some(law) = scenario.ground.world_laws
+        && scenario.plan.is_none()
+    {
         let _ = writeln!(
             out,
             "\nThe ground obeys the law `{}`; slip under it and under the estimator's own laws:",

@@ -1,0 +1,67 @@
+//! The whole loop on full dynamics: plan, drive, learn, plan anew, in a world of another law with a patch that the planner
+//! does not know.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::print_stdout,
+    reason = "the figures of a drive are worth reading"
+)]
+
+use grouser_rover::drive::{Outcome, Scenario, read_scenario};
+use grouser_terrain::mission::{PlannedDrive, drive};
+
+fn scenario() -> Scenario {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/scenarios/plan-and-learn.toml"
+    );
+    read_scenario(file.as_ref()).unwrap()
+}
+
+fn driven(scenario: &Scenario) -> PlannedDrive {
+    let optimum = scenario.slip_setpoint().unwrap();
+    let driven = drive(scenario, optimum, scenario.seed, |_| true).unwrap();
+    let times = &driven.planning.times;
+    println!(
+        "{:?} after {:.0} s, {:.1} m, {:.0} J; goal {:.2} m, place error {:.2} m; held {}, plans {}, slowest {:?}, end {:?}, worst slip {:.2}",
+        driven.result.outcome,
+        driven.result.duration,
+        driven.result.way,
+        driven.result.energy,
+        driven.to_goal,
+        driven.place_error,
+        driven.held,
+        driven.planning.count,
+        times.iter().max(),
+        driven.result.end,
+        driven.result.worst_slip,
+    );
+    for tile in &driven.learnt {
+        println!(
+            "  ({:5.1}, {:5.1}) climbs {:5.1}° [{:5.1}, {:5.1}] after {} readings",
+            tile.place.0,
+            tile.place.1,
+            tile.steepest.to_degrees(),
+            tile.low.to_degrees(),
+            tile.high.to_degrees(),
+            tile.readings
+        );
+    }
+    driven
+}
+
+#[test]
+fn a_hidden_soft_patch_is_learnt_and_driven_round() {
+    let own = scenario();
+    let learnt = driven(&own);
+    assert_eq!(learnt.result.outcome, Outcome::Arrived);
+    assert!(learnt.to_goal < 1.0, "{}", learnt.to_goal);
+    let mut prior = own.clone();
+    prior.learn = None;
+    let prior = driven(&prior);
+    assert_ne!(prior.result.outcome, Outcome::Arrived);
+    // only the soft patch is weak: every other tile with two readings is believed to climb
+    for tile in learnt.learnt.iter().filter(|tile| tile.readings > 1) {
+        let is_soft = (tile.place.0 - 6.0).hypot(tile.place.1) < 2.6;
+        assert!(is_soft || tile.steepest > 0.2, "{tile:?}");
+    }
+}
