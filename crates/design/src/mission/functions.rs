@@ -154,7 +154,7 @@ impl Functions for &Task<'_> {
             };
             let mut energy = R::ZERO;
             for (state, slope) in states.iter().zip(&params.slopes) {
-                energy = energy + state.energy * R::from_f64(slope.share);
+                energy += state.energy * R::from_f64(slope.share);
                 reserves.push(state.reserve / self.mission.stance.weight(mass));
             }
             energies.push(energy * per_weight);

@@ -133,12 +133,12 @@ impl<R: Scalar> Station<'_, R> {
             for (axle, slip) in own.chain(free.iter().copied()) {
                 let point = axle.inputs.loaded_on(axle.wheel_on_soil, slip, axle.load)?;
                 let count = R::from_f64(axle.count);
-                sum.pull = sum.pull + count * point.forces.drawbar_pull;
+                sum.pull += count * point.forces.drawbar_pull;
                 let depth = point.radius.value() * (1.0 - point.theta_1.value().cos());
                 sum.sinkage = sum.sinkage.max(depth);
                 if axle.bearing.is_none() {
                     let q = point.speed_ratio();
-                    sum.energy = sum.energy + count * point.forces.torque / (q * point.radius);
+                    sum.energy += count * point.forces.torque / (q * point.radius);
                 }
             }
             Ok(sum)
@@ -171,7 +171,7 @@ impl<R: Scalar> Station<'_, R> {
                     "the pull does not grow with slip where it holds the slope",
                 ));
             }
-            slip = slip - off / R::from_f64(rising);
+            slip -= off / R::from_f64(rising);
         }
         let here = sum_at(slip)?;
         Ok(StationState {
