@@ -292,6 +292,22 @@ fn an_end_that_is_missing_or_wrong_costs_no_message() {
 }
 
 #[test]
+fn a_wrong_crc_of_the_data_costs_no_message_and_is_told() {
+    const DATA_END: [u8; 9] = [0x0f, 4, 0, 0, 0, 0, 0, 0, 0];
+    for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
+        let file = written::mcap::write(plan(packing));
+        let mut bytes = file.bytes.clone();
+        let mut places = bytes.windows(DATA_END.len());
+        let at = places.rposition(|bytes| bytes == DATA_END).unwrap() + DATA_END.len();
+        bytes[at..at + 4].copy_from_slice(&0xdead_beef_u32.to_le_bytes());
+        let (rows, damages) = guarded(&bytes);
+        assert!(rows == file.rows, "{packing:?}");
+        let told = |damage: &Damage| damage.what.contains("the CRC of the data");
+        assert!(damages.iter().any(told), "{packing:?}: {damages:?}");
+    }
+}
+
+#[test]
 fn paths_that_are_no_files_are_refused_at_once() {
     let folder = Folder::new("paths");
     let refused = |path: &Path| Container::open(path).map(|_| ()).unwrap_err().to_string();

@@ -8,7 +8,7 @@
 mod trial;
 
 use grouser_slip::filter::{FilterSettings, SlipPrior};
-use grouser_slip::{Error, Health, Measurement, Sample};
+use grouser_slip::{Degraded, Error, Health, Measurement, Sample};
 use grouser_synthetic::{Camera, Event, Fault};
 use trial::{FREE, Outcome, PHASES, Trial};
 
@@ -350,6 +350,11 @@ fn wrong_units_and_signs_never_pass_silently() {
             out.refused
         );
         honest(&out, what);
+        // in the bend, which begins at 12 s
+        let suspect = |health| health == Health::Degraded(Degraded::Suspect);
+        let delay = out.delay(0, (12.0, 17.0), suspect);
+        println!("gyro {what}: found after {delay:.2?} s of the bend");
+        assert!(delay.is_some_and(|delay| delay <= 1.5), "{what}: {delay:?}");
     }
     for (what, scale) in [
         ("millimetres for metres", 1000.0),
@@ -435,6 +440,26 @@ fn a_free_wheel_that_fails_is_found() {
             println!(
                 "free wheel {what}, {phase}: found after {delay:.2?} s; wheel {wheel} silent for {lasted:.2} s until {at:.2}"
             );
+            if what == "locked" {
+                assert!(lasted <= 1.0, "{phase} from {from} s");
+                assert!(
+                    delay.is_some_and(|delay| delay <= 0.45),
+                    "{phase}: {delay:?}"
+                );
+            }
         }
     }
+    // a great change of speed is one that no deceleration explains; what remains is in faults_shared.rs
+    for (share, from) in [(0.5, 8.0), (0.5, 14.5), (2.0, 3.0), (2.0, 8.0), (2.0, 14.5)] {
+        let event = Event::FreeWheelSkids { share };
+        for seed in 0..10 {
+            let out = Trial::new(seed).event(event, from, from + 3.0).run();
+            honest(&out, &format!("{event:?} from {from} s, seed {seed}"));
+        }
+    }
+    // one that is locked from the start: either the robot is stuck or the wheel
+    let out = Trial::new(14).event(Event::FreeWheelLocked, 0.0, 8.0).run();
+    let suspect = Health::Degraded(Degraded::Suspect);
+    let known = |moment: &trial::Moment| moment.wheels[..FREE].iter().all(|w| w.health == suspect);
+    assert!(out.between(3.5, 8.0).all(known));
 }

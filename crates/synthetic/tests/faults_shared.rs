@@ -9,7 +9,7 @@
 mod trial;
 
 use grouser_slip::{Degraded, Health};
-use grouser_synthetic::{Camera, Fault};
+use grouser_synthetic::{Camera, Event, Fault};
 use trial::{FREE, Trial};
 
 const SEEDS: u64 = 50;
@@ -120,6 +120,12 @@ fn what_is_silent_is_what_the_page_lists() {
                 .fault(Fault::CountsScaled(FREE, factor), 9.0, END)
                 .fault(Fault::CameraScale(factor), 9.0, END)
         });
+    }
+    for (share, from) in [(0.8, 8.0), (0.8, 3.0), (0.5, 3.0)] {
+        is_silent(
+            format!("the free wheel skids at {share} from {from} s"),
+            &|seed| Trial::new(seed).event(Event::FreeWheelSkids { share }, from, from + 3.0),
+        );
     }
     for fault in [
         Fault::Exchanged(0, 1),

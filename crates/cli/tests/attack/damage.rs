@@ -99,7 +99,7 @@ fn by_bytes(mut bytes: Vec<u8>, random: &mut Random) -> Vec<u8> {
         0 => bytes.truncate(at),
         1 => bytes[at] ^= 1 << random.below(8),
         2 => {
-            for _ in 0..1 + random.below(20) {
+            for _ in 0..=random.below(20) {
                 let at = random.below(length);
                 bytes[at] = random.bits().to_le_bytes()[0];
             }

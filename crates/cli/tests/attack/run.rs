@@ -313,19 +313,16 @@ impl Case {
             send(&child, signal);
             asked = true;
         }
-        let status = match wait(&mut child, PATIENCE) {
-            Some(status) => Some(status),
-            None => {
-                asked = true;
-                println!("over {PATIENCE:?}: {:?} {:?}", self.limit, self.words);
+        let mut status = wait(&mut child, PATIENCE);
+        if status.is_none() {
+            println!("over {PATIENCE:?}: {:?} {:?}", self.limit, self.words);
+            asked = true;
+            // a search is ended by the second
+            status = (0..2).find_map(|_| {
                 send(&child, "-INT");
-                wait(&mut child, END).or_else(|| {
-                    // a search is ended by the second
-                    send(&child, "-INT");
-                    wait(&mut child, END)
-                })
-            }
-        };
+                wait(&mut child, END)
+            });
+        }
         if status.is_none() {
             child.kill().unwrap();
             child.wait().unwrap();

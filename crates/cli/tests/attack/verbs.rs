@@ -1,5 +1,6 @@
 //! The verbs with arguments that work, and the files that they read.
 
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -7,7 +8,7 @@ use super::program::{Folder, grouser};
 use super::random::Random;
 
 /// Words of a command: `@NAME` is a file to read, `>NAME` one to write. The number is how often it is chosen.
-const VERBS: [(u32, &str); 33] = [
+const VERBS: [(u32, &str); 36] = [
     (
         3,
         "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40",
@@ -92,6 +93,12 @@ const VERBS: [(u32, &str); 33] = [
     (3, "log convert @log.bag >x.mcap"),
     (3, "log convert @log.mcap >x.csv --topic /imu"),
     (6, "log recover @log.mcap >x.mcap"),
+    (2, "estimate @log.mcap --robot @robot.toml --report >x.html"),
+    (2, "optimize @problem.toml --report >x.html"),
+    (
+        2,
+        "map @dem.asc --robot @skid-steer.toml --soil @soil.toml --headings 4 -o >x.tif -o x.yaml",
+    ),
 ];
 
 /// The words of a verb, by how often each is chosen.
@@ -148,17 +155,14 @@ impl Shared {
         folder.file("tests.toml", plates);
         let mut table = "soil,radius_m,width_m,slip,load_n\n".to_owned();
         for row in 0..200 {
-            table.push_str(&format!(
-                "lunar,0.1,0.1,{},{}\n",
-                f64::from(row) / 200.0,
-                10 + row
-            ));
+            let (slip, load) = (f64::from(row) / 200.0, 10 + row);
+            let _ = writeln!(table, "lunar,0.1,0.1,{slip},{load}");
         }
         folder.file("in.csv", table);
         let mut relief = "ncols 12\nnrows 12\nxllcorner 0\nyllcorner 0\ncellsize 1\n".to_owned();
         for row in 0..12 {
             for column in 0..12 {
-                relief.push_str(&format!("{} ", f64::from(row * column % 7) * 0.05));
+                let _ = write!(relief, "{} ", f64::from(row * column % 7) * 0.05);
             }
             relief.push('\n');
         }
