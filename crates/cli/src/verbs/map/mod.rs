@@ -27,6 +27,7 @@ use work::Shard;
 
 #[derive(clap::Args, Debug)]
 #[command(
+    group = clap::ArgGroup::new("uncertain").args(["soil_intervals", "soil_map"]).multiple(true),
     about = "Slip, energy and risk of a robot on every cell of an elevation model",
     long_about = "Slip, sinkage, energy per metre, tip-over margin and the probability of immobilisation of a robot on every \
         cell of an elevation model, for 8 or 16 headings, as a GeoTIFF with the model's own place and coordinate system.\n\n\
@@ -54,10 +55,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.toml")]
     soil_map: Option<PathBuf>,
     /// Soils that are drawn from the intervals of each soil
-    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u16).range(1..=4096), requires = "uncertain")]
     soil_draws: u16,
     /// Seed of the soil draws
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", requires = "uncertain")]
     seed: u64,
     /// Directions: 4, 8 or 16
     #[arg(long, value_name = "N", default_value = "8")]
