@@ -114,6 +114,15 @@ impl From<grouser_design::Error> for Error {
     fn from(error: grouser_design::Error) -> Self {
         match error {
             grouser_design::Error::File(error) => error.into(),
+            grouser_design::Error::OutOfRange(range) => {
+                Self::new(Kind::Value, format!("{range:#}"), None).with(Details {
+                    field: Some(range.field),
+                    value: range.value.into(),
+                    limit: vec![range.low, range.high].into(),
+                    unit: (range.unit != "1").then(|| range.unit.to_owned()),
+                    ..Details::default()
+                })
+            }
             error => Self::new(Kind::Content, error.to_string(), error.hint()),
         }
     }

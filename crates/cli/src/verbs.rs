@@ -6,6 +6,7 @@ mod batch;
 mod climb;
 mod completions;
 mod curve;
+mod design;
 mod drive;
 mod estimate;
 mod help;
@@ -45,6 +46,7 @@ pub(crate) enum Verb {
     Map(map::Arguments),
     Plan(plan::Arguments),
     Optimize(optimize::Arguments),
+    Design(design::Arguments),
     Paper(paper::Arguments),
     Robot(robot::Arguments),
     Identify(identify::Arguments),
@@ -93,6 +95,7 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::Map(arguments) => map::run(&arguments, session),
         Verb::Plan(arguments) => plan::run(&arguments, session),
         Verb::Optimize(arguments) => optimize::run(&arguments, session),
+        Verb::Design(arguments) => design::run(&arguments, session),
         Verb::Paper(arguments) => paper::run(&arguments, session),
         Verb::Robot(arguments) => robot::run(&arguments, session),
         Verb::Identify(arguments) => identify::run(&arguments, session),
@@ -120,6 +123,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("map", map::schema()),
         ("plan", plan::schema()),
         ("optimize", optimize::schema()),
+        ("design", design::schema()),
         ("paper", paper::schema()),
         ("robot", robot::schema()),
         ("identify", identify::schema()),

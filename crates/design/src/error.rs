@@ -85,6 +85,20 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A number of a mission outside its limits.
+    #[error("{0:#}")]
+    OutOfRange(grouser_real::OutOfRange<String>),
+    /// A mission that contradicts itself or lacks something.
+    #[error("{0}")]
+    Mission(String),
+    /// The laws refuse a wheel of a mission on a soil.
+    #[error("{of}: {source}")]
+    Law {
+        /// Which wheel or soil.
+        of: String,
+        /// Why.
+        source: grouser_terra::Error,
+    },
     /// The solver refuses the problem.
     #[error("{file}: {source}")]
     Problem {

@@ -35,8 +35,10 @@ mod design;
 mod error;
 mod file;
 mod formula;
+pub mod mission;
 mod quantity;
 mod scope;
+mod slope_proof;
 mod solve;
 
 pub use builder::{DesignBuilder, ObjectiveParams, State};
@@ -45,4 +47,5 @@ pub use error::{Error, Result};
 pub use file::{parse, read, to_toml};
 pub use formula::{DEPTH_LIMIT, Formula, FormulaError, Names, Relation, VariableNames};
 pub use quantity::{Parameter, Place, Quantity};
+pub use slope_proof::{SlopeProof, prove_no_slip_holds};
 pub use solve::{Answer, Compromise, Optimum, Start, Trade};

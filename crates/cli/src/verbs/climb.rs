@@ -1,5 +1,7 @@
 //! `climb`: what slopes cost a wheel or a robot, up to the steepest that it holds.
 
+mod proof;
+
 use std::path::PathBuf;
 
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
@@ -17,6 +19,7 @@ use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
 use crate::wheel_choice::{GravityArgument, GrouserArguments};
+use proof::Proved;
 
 /// Slopes of the table between the level and the steepest one.
 const ROWS: u32 = 12;
@@ -37,6 +40,7 @@ const MAX_SLOPE_RAD: f64 = 1.2;
         to it.\n\nEnergy is that of the torque at the wheels. Gravity turns masses into loads; the soil's numbers stay those \
         of its file.",
     after_help = "Examples:\n  grouser climb --soil lunar --radius-m 0.125 --width-m 0.15 --mass-kg 20 --gravity-m-per-s2 moon\n  \
+        grouser climb --soil dry-sand --radius-m 0.15 --width-m 0.12 --load-n 40 --certify 0.1\n  \
         grouser climb --soil dry-sand --robot examples/robots/rocker-bogie.toml -o climb.csv -o climb.svg"
 )]
 pub(crate) struct Arguments {
@@ -61,6 +65,9 @@ pub(crate) struct Arguments {
     mass_kg: Option<f64>,
     #[command(flatten)]
     gravity: GravityArgument,
+    /// Prove that no slip holds a slope that is steeper by this, in degrees; for a smooth wheel under Bekker's law (exit code 3 if not proved)
+    #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "0.1", value_parser = parse_finite, conflicts_with = "robot")]
+    certify: Option<f64>,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -79,6 +86,8 @@ struct Climbed {
     /// The steepest slope, rad; `None` where the level is too much already.
     steepest: Option<f64>,
     steps: Vec<ClimbStep>,
+    /// What is proved, with --certify.
+    proof: Option<Proved>,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
@@ -97,13 +106,23 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         None => vec![0.0],
     };
     let steps = climber.steps(&chosen.soil, &slopes)?;
+    let proof = match (&climber, arguments.certify) {
+        (Climber::Wheel { pair, weight }, Some(margin)) => {
+            Some(Proved::new(pair, *weight, steepest, margin)?)
+        }
+        _ => None,
+    };
     let climbed = Climbed {
         soil: chosen.name,
         gravity,
         steepest,
         steps,
+        proof,
     };
     let mut text = climbed.text();
+    if let Some(proof) = &climbed.proof {
+        text.push_str(&proof.text());
+    }
     for output in outputs {
         text.push_str(&match output {
             Output::Table(file) => file.write_whole(climbed.csv().as_bytes())?,
@@ -113,9 +132,15 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let failure = steepest
         .is_none()
         .then(|| "not even level ground is climbed: no slip gives enough pull".to_owned());
+    let is_unproved = climbed
+        .proof
+        .as_ref()
+        .is_some_and(|proof| !proof.is_proved());
     Ok(Report {
         outcome: if failure.is_some() {
             Outcome::NoResult
+        } else if is_unproved {
+            Outcome::Doubtful
         } else {
             Outcome::Done
         },
@@ -260,6 +285,7 @@ fn object<'a>() -> Fields<'a, &'a Climbed> {
         "gravity_m_per_s2" "gravity" = climbed.gravity;
         "steepest_slope_deg" "the steepest slope that is climbed" = climbed.steepest.map(f64::to_degrees);
         "steps" "slopes from the level to the steepest" rows(step()) = &climbed.steps;
+        "proof" "what is proved, with --certify" group(proof::fields()) = climbed.proof.as_ref();
     }
 }
 

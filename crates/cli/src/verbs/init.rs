@@ -9,8 +9,8 @@ use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Write a file to begin with: a robot, a scenario, a problem, a soil",
-    long_about = "Write a file to begin with: a robot, a scenario, a problem, a soil. Each works as it stands; the \
+    about = "Write a file to begin with: a robot, a scenario, a problem, a mission, a soil",
+    long_about = "Write a file to begin with: a robot, a scenario, a problem, a mission, a soil. Each works as it stands; the \
         scenario drives the robot of `robot.toml` beside it. A file that exists is not replaced.",
     after_help = "Examples:\n  grouser init robot -o robot.toml\n  grouser init scenario -o scenario.toml\n  \
         grouser drive scenario.toml"
@@ -33,6 +33,8 @@ enum Kind {
     Scenario,
     /// A wheel to be optimised
     Problem,
+    /// Slopes and soils for which a wheel is designed
+    Mission,
     /// A soil
     Soil,
 }
@@ -43,6 +45,7 @@ impl Kind {
             Self::Robot => include_str!("../../templates/robot.toml"),
             Self::Scenario => include_str!("../../templates/scenario.toml"),
             Self::Problem => include_str!("../../templates/problem.toml"),
+            Self::Mission => include_str!("../../templates/mission.toml"),
             Self::Soil => include_str!("../../templates/soil.toml"),
         }
     }

@@ -3,6 +3,7 @@
 
 mod batch;
 mod contract;
+mod design;
 mod drive;
 mod figures;
 mod gravity;

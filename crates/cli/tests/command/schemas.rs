@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::program::{Folder, grouser, line};
 
 /// Each verb with an example; `OUT` is a folder.
-const EXAMPLES: [(&str, &str); 19] = [
+const EXAMPLES: [(&str, &str); 20] = [
     ("soils", "soils"),
     (
         "wheel",
@@ -54,6 +54,10 @@ const EXAMPLES: [(&str, &str); 19] = [
     (
         "plan",
         "plan OUT/map.tif --from 3,3 --to 20,9 --min-tip-over-deg 80",
+    ),
+    (
+        "design",
+        "design examples/robots/five-wheel.toml --soil dry-sand --slope-deg 0=0.9,4=0.1 --radius-m 0.15 --points 2",
     ),
     ("robot", "robot examples/robots/five-wheel.urdf"),
     ("identify", "identify examples/bevameter/tests.toml"),

@@ -138,7 +138,7 @@ impl<R: Scalar> Inputs<R> {
     }
 
     /// The values without derivatives.
-    pub(super) fn plain(&self) -> Inputs<f64> {
+    pub(crate) fn plain(&self) -> Inputs<f64> {
         Inputs {
             values: self.values.map(Scalar::value),
             beside: self.beside,
@@ -148,7 +148,7 @@ impl<R: Scalar> Inputs<R> {
 
 impl Inputs<f64> {
     /// The values as constants of another kind of number.
-    pub(super) fn lifted<R: Scalar>(&self) -> Inputs<R> {
+    pub(crate) fn lifted<R: Scalar>(&self) -> Inputs<R> {
         Inputs {
             values: self.values.map(R::from_f64),
             beside: self.beside,
@@ -156,7 +156,7 @@ impl Inputs<f64> {
     }
 
     /// The wheel, checked.
-    pub(super) fn wheel(&self) -> grouser_terra::Result<RigidWheel> {
+    pub(crate) fn wheel(&self) -> grouser_terra::Result<RigidWheel> {
         let width = self.get(Parameter::Width);
         let height = self.get(Parameter::GrouserHeight);
         if self.has_lugs() {

@@ -31,17 +31,17 @@ pub(crate) enum NoValue {
 
 /// Forces at one slip.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point<R> {
-    pub(super) theta_1: R,
+pub(crate) struct Point<R> {
+    pub(crate) theta_1: R,
     pub(super) theta_m: R,
     pub(super) slip: R,
-    pub(super) radius: R,
-    pub(super) forces: Forces<R>,
+    pub(crate) radius: R,
+    pub(crate) forces: Forces<R>,
 }
 
 impl<R: Scalar> Point<R> {
     /// q = v/(r ω).
-    pub(super) fn speed_ratio(&self) -> R {
+    pub(crate) fn speed_ratio(&self) -> R {
         if self.slip.value() >= 0.0 {
             R::ONE - self.slip
         } else {
@@ -106,11 +106,19 @@ impl<R: Scalar> Inputs<R> {
 
     /// The point at `slip` under `load`.
     pub(super) fn loaded(&self, slip: R, load: R) -> Result<Point<R>, NoValue> {
+        self.loaded_on(&self.plain().wheel_on_soil()?, slip, load)
+    }
+
+    /// The same for the wheel on soil that these inputs describe, made once for many points.
+    pub(crate) fn loaded_on(
+        &self,
+        wheel_on_soil: &WheelOnSoil,
+        slip: R,
+        load: R,
+    ) -> Result<Point<R>, NoValue> {
         let plain = self.plain();
         let kinematics = Kinematics::straight(Slip::new(slip.value())?);
-        let solution = plain
-            .wheel_on_soil()?
-            .sinkage_under(load.value(), &kinematics)?;
+        let solution = wheel_on_soil.sinkage_under(load.value(), &kinematics)?;
         let Some(sinkage) = solution.sinkage() else {
             return Err(NoValue::NotCarried(load.value()));
         };

@@ -1,0 +1,208 @@
+//! `design`: the wheel of a robot for a mission of slopes and soils.
+
+mod carrier;
+mod check;
+mod figure;
+mod object;
+mod problem;
+mod request;
+mod table;
+mod text;
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use grouser_design::mission::{FrontSettings, Mission, MissionParams};
+use grouser_report::number::{parse_finite, shown};
+
+use crate::error::Result;
+use crate::exit::Outcome;
+use crate::interrupt::Search;
+use crate::output::OutputFile;
+use crate::output_choice::Output;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::soil_choice::Overrides;
+use crate::verb_report::Report;
+use crate::wheel_choice::GravityArgument;
+
+use carrier::Carrier;
+use check::{Checked, MAX_DIFFERENCE};
+use object::Designed;
+use request::{Bounds, ChoiceName, MeasureName, Shared};
+
+#[derive(clap::Args, Debug)]
+#[command(
+    about = "The wheel of a robot for a mission of slopes and soils: energy per metre against wheel mass",
+    long_about = "The wheels of least energy per metre for their mass that hold every slope on every soil with a reserve of pull, and \
+        one of them chosen: radius, width, lugs, and the slip at which it runs.\n\nAll powered wheels share one slip. Loads follow \
+        the slope, the radius and the mass of the new wheel. Each design is checked by the solver of `grouser climb`, which shares \
+        no search with it. The model does not decide strength, wear and life of a wheel, obstacles, turning and ruts.",
+    after_help = "Examples:\n  grouser design rover.toml --soil dry-sand=0.7,sandy-loam=0.3 --slope-deg 0=0.8,8=0.2\n  \
+        grouser design rover.toml --soil lunar --slope-deg 0=0.9,10=0.1 --gravity-m-per-s2 moon --write-robot new.toml -o front.svg\n  \
+        grouser design rover.toml --mission mission.toml --max-wheel-mass-kg 1.2 --json"
+)]
+pub(crate) struct Arguments {
+    /// The robot file, with masses and widths
+    #[arg(value_name = "ROBOT.toml")]
+    robot: PathBuf,
+    /// A mission file (`grouser init mission`); flags precede it
+    #[arg(long, value_name = "FILE.toml")]
+    mission: Option<PathBuf>,
+    /// Soils with their shares of the way: keys of the catalogue, or files when they contain `/` or `.`
+    #[arg(long, value_name = "KEY|FILE[=SHARE]", value_delimiter = ',', value_parser = request::parse_soil)]
+    soil: Vec<Shared<String>>,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Slopes in degrees with their shares of the way
+    #[arg(long, value_name = "DEG[=SHARE]", value_delimiter = ',', value_parser = request::parse_slope, allow_hyphen_values = true)]
+    slope_deg: Vec<Shared<f64>>,
+    #[command(flatten)]
+    gravity: GravityArgument,
+    /// Bounds of the wheel's radius in m, or one number [default: 0.6 to 1.5 times the present one]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    radius_m: Option<Bounds>,
+    /// Bounds of the wheel's width in m, or one number [default: 0.5 to 2 times the present one]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    width_m: Option<Bounds>,
+    /// Bounds of the height of the lugs in m, or one number [default: the present one]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    grouser_height_m: Option<Bounds>,
+    /// Bounds of the number of lugs, or one number; 0 for a smooth wheel [default: the present one]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    grouser_count: Option<Bounds>,
+    /// Thickness of a lug along the rim in m [default: the present one, or 0.002]
+    #[arg(long, value_name = "M", value_parser = parse_finite)]
+    grouser_thickness_m: Option<f64>,
+    /// Mass of one wheel in kg, a formula over `radius_m`, `width_m`, `grouser_height_m`, `grouser_count` and
+    /// `grouser_thickness_m` [default: a wheel of aluminium sheet of 2 mm]
+    #[arg(long, value_name = "FORMULA")]
+    wheel_mass_kg: Option<String>,
+    /// How the energies of several soils become one number: of the worst soil, or their mean by the shares [default: worst]
+    #[arg(long, value_name = "MEASURE")]
+    soil_measure: Option<MeasureName>,
+    /// Least reserve of pull on every slope and soil, share of the weight [default: 0.05]
+    #[arg(long, value_name = "X", value_parser = parse_finite)]
+    min_reserve: Option<f64>,
+    /// Greatest slip at which a slope counts as held [default: 0.6]
+    #[arg(long, value_name = "S", value_parser = parse_finite)]
+    max_slip: Option<f64>,
+    /// Which wheel of the front is chosen [default: knee]
+    #[arg(long, value_name = "CHOICE", conflicts_with = "max_wheel_mass_kg")]
+    choice: Option<ChoiceName>,
+    /// Choose the wheel of least energy up to this mass of one wheel in kg
+    #[arg(long, value_name = "KG", value_parser = parse_finite)]
+    max_wheel_mass_kg: Option<f64>,
+    /// Points of the front [default: 12]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=200))]
+    points: Option<u8>,
+    /// Seed of the starts [default: 1]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Write the robot with the chosen wheel
+    #[arg(long, value_name = "FILE.toml")]
+    write_robot: Option<PathBuf>,
+    /// Write one wheel on the deciding soil and slope as a problem for `grouser optimize`
+    #[arg(long, value_name = "FILE.toml")]
+    problem: Option<PathBuf>,
+    /// Write the front as a table (.csv) or a figure (.svg, .png); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    let outputs = Output::begin(&arguments.output)?;
+    let create = |path: &Option<PathBuf>| path.as_deref().map(OutputFile::create).transpose();
+    let (robot_output, problem_output) =
+        (create(&arguments.write_robot)?, create(&arguments.problem)?);
+    let request = request::read(arguments, session)?;
+    let carrier = Carrier::new(&arguments.robot, request.gravity, arguments.gravity)?;
+    session.used_file(&arguments.robot)?;
+    let ranges = request.ranges(&carrier)?;
+    let mut params = MissionParams::new(
+        carrier.wheels(),
+        request.soils.clone(),
+        request.slopes.clone(),
+        ranges,
+    );
+    request.complete(&mut params);
+    params.also_radius = Some(carrier.present.radius);
+    let mission = Mission::new(params, |radius, mass| {
+        carrier.standing(radius, mass, &request.slopes)
+    })?;
+    let mut settings = FrontSettings::default();
+    request.settings(&mut settings);
+    session.used_seed(settings.seed);
+    let search = Search::begin();
+    let bar = Progress::of_items(settings.points as u64 + 1, "solves");
+    let front = mission.front(&settings, &mut |progress| {
+        bar.reach(progress.done as u64);
+        if search.is_interrupted() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })?;
+    drop(bar);
+    drop(search);
+    let present = mission.evaluate(&carrier.present)?;
+    let checked = Checked::new(&carrier, &mission, &front)?;
+    let designed = Designed {
+        mission: &mission,
+        carrier: &carrier,
+        sources: &request.sources,
+        front: &front,
+        present: &present,
+        checked: &checked,
+    };
+    let mut text = designed.text();
+    for output in outputs {
+        text.push_str(&match output {
+            Output::Table(file) => file.write_whole(table::csv(&front).as_bytes())?,
+            Output::Figure(target) => target.write(&figure::draw(&designed))?,
+        });
+    }
+    let mut warnings = designed.warnings(request.touching_radius(&carrier, &ranges));
+    if let Some(chosen) = designed.chosen() {
+        if let Some(file) = robot_output {
+            let robot = carrier.robot(&chosen.wheel, chosen.wheel_mass)?;
+            text.push_str(&file.write_whole(robot.as_bytes())?);
+        }
+        if let Some(file) = problem_output {
+            let problem = problem::toml(&mission, chosen, carrier.wheel_count())?;
+            text.push_str(&file.write_whole(problem.as_bytes())?);
+        }
+    }
+    let holds = designed.chosen().is_some();
+    let failure = (!holds && !front.stopped).then(|| match settings.choice {
+        grouser_design::mission::Choice::MaxMass(limit) if !front.points.is_empty() => format!(
+            "no wheel of at most {} kg holds every slope with the reserve; the lightest that does has {} kg",
+            shown(limit),
+            shown(front.points[0].wheel_mass)
+        ),
+        _ => "no wheel within the bounds holds every slope on every soil with the reserve; the nearest one is printed".to_owned(),
+    });
+    if front.stopped {
+        warnings.push("interrupted: these are the wheels that were found so far".to_owned());
+    }
+    let is_doubtful = checked.difference > MAX_DIFFERENCE || checked.falls() || failure.is_some();
+    Ok(Report {
+        outcome: if front.stopped {
+            Outcome::Interrupted
+        } else if is_doubtful {
+            Outcome::Doubtful
+        } else {
+            Outcome::Done
+        },
+        object: object::fields().object(&designed),
+        text,
+        is_aside: false,
+        failure,
+        warnings,
+    })
+}
+
+/// The JSON schema.
+pub(crate) fn schema() -> serde_json::Value {
+    object::fields().schema()
+}

@@ -1,0 +1,131 @@
+//! The result of `design` as a list of quantities.
+
+use grouser_design::mission::{
+    DesignPoint, Mission, MissionFront, SlopeShare, SoilShare, StationResult, WheelDesign,
+};
+use grouser_report::{Fields, fields};
+
+use super::carrier::Carrier;
+use super::check::Checked;
+
+/// Everything that a mission gave.
+pub(super) struct Designed<'a> {
+    pub(super) mission: &'a Mission,
+    pub(super) carrier: &'a Carrier,
+    /// Where the numbers of each soil come from.
+    pub(super) sources: &'a [String],
+    pub(super) front: &'a MissionFront,
+    /// The present wheel on the same mission, its mass by the formula.
+    pub(super) present: &'a DesignPoint,
+    pub(super) checked: &'a Checked,
+}
+
+impl Designed<'_> {
+    pub(super) fn chosen(&self) -> Option<&DesignPoint> {
+        self.front.points.get(self.front.chosen?)
+    }
+
+    /// The chosen wheel, or the nearest to one that holds.
+    pub(super) fn shown(&self) -> Option<&DesignPoint> {
+        self.chosen()
+            .or(self.front.nearest.as_ref())
+            .or(self.front.points.first())
+    }
+}
+
+/// A point with the mission that it is of.
+#[derive(Clone, Copy)]
+pub(super) struct Point<'a>(pub(super) &'a DesignPoint, pub(super) &'a Mission);
+
+/// A station with the name of its soil.
+#[derive(Clone, Copy)]
+pub(super) struct Station<'a>(pub(super) &'a str, pub(super) &'a StationResult);
+
+impl<'a> Point<'a> {
+    pub(super) fn stations(self) -> Vec<Station<'a>> {
+        let soils = self.1.params().soils.iter().zip(&self.0.stations);
+        soils
+            .flat_map(|(soil, row)| row.iter().map(|one| Station(&soil.name, one)))
+            .collect()
+    }
+}
+
+pub(super) fn fields<'a>() -> Fields<'a, &'a Designed<'a>> {
+    fields! { |of: &'a Designed<'a>|
+        "robot" "the robot" = of.carrier.name();
+        "gravity_m_per_s2" "gravity" = of.carrier.gravity();
+        "designed_wheels" "wheels that are designed" = of.carrier.names(true);
+        "kept_wheels" "wheels that stay" = of.carrier.names(false);
+        "soils" "the soils" rows(soil()) = of.mission.params().soils.iter().zip(of.sources);
+        "slopes" "the slopes" rows(slope()) = of.mission.params().slopes.iter();
+        "soil_measure" "how the energies of the soils become one number" = of.mission.params().measure.name();
+        "min_reserve" "least reserve of pull, share of the weight" = of.mission.params().min_reserve;
+        "max_slip" "greatest slip at which a slope counts as held" = of.mission.params().max_slip;
+        "wheel_mass_formula" "mass of one wheel in kg" = of.mission.params().mass_formula.as_str();
+        "front" "wheels by mass, none of which another beats in mass and energy" rows(point()) =
+            of.front.points.iter().map(|point| Point(point, of.mission));
+        "knee" "place of the knee in the front" = of.front.knee;
+        "chosen" "the chosen wheel" group(point()) = of.chosen().map(|point| Point(point, of.mission));
+        "nearest" "where no wheel has the reserve everywhere: the one whose least reserve is greatest" group(point()) =
+            of.front.nearest.as_ref().map(|point| Point(point, of.mission));
+        "present" "the present wheel, its mass by the formula" group(point()) = Point(of.present, of.mission);
+        "present_mass_kg" "mass of the present wheel by the robot file" = of.carrier.present_mass;
+        "difference" "greatest difference of an energy from the solver of climb, share of it" = of.checked.difference;
+        "tip_over_deg" "tilt left before the robot with the chosen wheel tips over" = of.checked.tip_over.map(f64::to_degrees);
+        "unsolved" "solves without a solution" = of.front.unsolved;
+    }
+}
+
+fn soil<'a>() -> Fields<'a, (&'a SoilShare, &'a String)> {
+    fields! { |soil: (&'a SoilShare, &'a String)|
+        "soil" "soil" = soil.0.name.as_str();
+        "share" "share of the way" = soil.0.share;
+        "source" "where its numbers come from" = soil.1.as_str();
+    }
+}
+
+fn slope<'a>() -> Fields<'a, &'a SlopeShare> {
+    fields! { |slope: &'a SlopeShare|
+        "slope_deg" "slope" = slope.slope_deg;
+        "share" "share of the way" = slope.share;
+    }
+}
+
+pub(super) fn sizes<'a>() -> Fields<'a, &'a WheelDesign> {
+    fields! { |wheel: &'a WheelDesign|
+        "radius_m" "radius" .shown("m").digits(4) = wheel.radius;
+        "width_m" "width" .shown("m").digits(4) = wheel.width;
+        "grouser_height_m" "lug height" .shown("mm") = wheel.grouser_height;
+        "grouser_count" "lugs" .shown("") = wheel.grouser_count;
+        "grouser_thickness_m" "lug thickness" = wheel.grouser_thickness;
+    }
+}
+
+pub(super) fn point<'a>() -> Fields<'a, Point<'a>> {
+    fields! { |point: Point<'a>|
+        join(sizes()) = &point.0.wheel;
+        "wheel_mass_kg" "mass of one wheel" .shown("kg").digits(4) = point.0.wheel_mass;
+        "energy_j_per_m" "energy" .shown("J/m").digits(4).missing("none") = point.0.energy;
+        "least_reserve" "least reserve" .shown("").digits(3) = point.0.least_reserve();
+        "energy_saved_j_per_m_kg" "energy saved per kg more" .shown("J/m/kg").digits(3).missing("–") =
+            point.0.energy_per_mass;
+        "soil_energies_j_per_m" "energy per metre on each soil" values = {
+            let soils = point.1.params().soils.iter().zip(&point.0.soil_energies);
+            let known: Option<Vec<(String, f64)>> = soils.map(|(soil, energy)| Some((soil.name.clone(), (*energy)?))).collect();
+            known
+        };
+        "held_by" "limits that the wheel meets exactly" = point.0.held_by.clone();
+        "stations" "every soil and slope" rows(station()) = point.stations();
+    }
+}
+
+pub(super) fn station<'a>() -> Fields<'a, Station<'a>> {
+    fields! { |station: Station<'a>|
+        "soil" "soil" .shown("") = station.0;
+        "slope_deg" "slope" .shown("deg") = station.1.slope_deg;
+        "slip" "slip that holds it" .shown("").digits(3).missing("none") = station.1.slip;
+        "energy_j_per_m" "energy" .shown("J/m").digits(4).missing("none") = station.1.energy;
+        "sinkage_m" "sinkage" .shown("mm").digits(3) = station.1.sinkage;
+        "reserve" "reserve of pull" .shown("").digits(3) = station.1.reserve;
+    }
+}

@@ -1,0 +1,165 @@
+//! Mission files.
+
+use std::path::Path;
+
+use grouser_files::gravity::read_gravity;
+use grouser_files::{Document, Section};
+
+use super::SoilMeasure;
+use super::front::Choice;
+use super::profile::MAX_SLOPE_DEG;
+use crate::error::{Error, Result};
+
+/// What a mission file holds; everything may be left out.
+///
+/// ```
+/// use grouser_files::Document;
+///
+/// let text = "format = 1\nmin_reserve = 0.1\n[[slope]]\nslope_deg = 5.0\n[[soil]]\nsoil = \"dry-sand\"\n[wheel]\nradius_m = [0.1, 0.2]\n";
+/// let file = grouser_design::mission::parse(&Document::from_text("a.toml", text.into())?)?;
+/// assert_eq!((file.min_reserve, file.wheel[0]), (Some(0.1), Some((0.1, 0.2))));
+/// # Ok::<(), grouser_design::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MissionFile {
+    /// A title.
+    pub title: Option<String>,
+    /// Gravity, m/s².
+    pub gravity: Option<f64>,
+    /// Keys of the catalogue or soil files, each with its share of the way.
+    pub soils: Vec<(String, Option<f64>)>,
+    /// Slopes in degrees, each with its share of the way.
+    pub slopes: Vec<(f64, Option<f64>)>,
+    /// Bounds of the sizes, in the order of [`WheelDesign::NAMES`](super::WheelDesign::NAMES).
+    pub wheel: [Option<(f64, f64)>; 5],
+    /// The formula of the mass of one wheel, kg.
+    pub wheel_mass: Option<String>,
+    /// How the soils are joined.
+    pub measure: Option<SoilMeasure>,
+    /// Least reserve of pull, share of the weight.
+    pub min_reserve: Option<f64>,
+    /// No slip above this counts.
+    pub max_slip: Option<f64>,
+    /// Points of the front.
+    pub points: Option<usize>,
+    /// Seed of the starts.
+    pub seed: Option<u64>,
+    /// Which wheel of the front is chosen.
+    pub choice: Option<Choice>,
+}
+
+/// Choices of a wheel with their names in files and flags; a limit of the mass has a key of its own.
+pub(super) const CHOICES: [(&str, Choice); 3] = [
+    ("knee", Choice::Knee),
+    ("lightest", Choice::Lightest),
+    ("least-energy", Choice::LeastEnergy),
+];
+
+impl Choice {
+    /// The choice of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let known = CHOICES.iter().find(|(known, _)| *known == name);
+        known.map(|(_, choice)| *choice)
+    }
+}
+
+/// Reads a mission file.
+///
+/// # Errors
+/// What cannot be read, an unknown key, a number outside its limits.
+pub fn read(path: &Path) -> Result<MissionFile> {
+    parse(&Document::read(path)?)
+}
+
+/// A mission out of a document.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(document: &Document) -> Result<MissionFile> {
+    document.parse_or_format(1, of_section)
+}
+
+/// A whole number within limits.
+fn whole<T: TryFrom<i64>>(
+    root: &Section<'_>,
+    key: &'static str,
+    (low, high): (i64, i64),
+) -> Result<Option<T>> {
+    let Some(value) = root.optional_integer(key)? else {
+        return Ok(None);
+    };
+    match T::try_from(value) {
+        Ok(whole) if (low..=high).contains(&value) => Ok(Some(whole)),
+        _ => Err(root
+            .out_of_range(key, value as f64, (low as f64, high as f64))
+            .into()),
+    }
+}
+
+const SHARES: (f64, f64) = (0.0, 1.0);
+
+fn of_section(root: &Section<'_>) -> Result<MissionFile> {
+    let mut file = MissionFile {
+        title: root.optional_text("title")?.map(str::to_owned),
+        gravity: read_gravity(root)?,
+        wheel_mass: root.optional_text("wheel_mass_kg")?.map(str::to_owned),
+        measure: root.optional_choice("soil_measure", &SoilMeasure::ALL)?,
+        min_reserve: root.optional_number("min_reserve", (0.0, 1.0))?,
+        max_slip: root.optional_number("max_slip", (0.01, 0.95))?,
+        points: whole(root, "points", (2, 200))?,
+        seed: whole(root, "seed", (0, i64::MAX))?,
+        choice: root.optional_choice("choice", &CHOICES)?,
+        ..MissionFile::default()
+    };
+    if let Some(limit) = root.optional_number("max_wheel_mass_kg", (1e-9, 1e9))? {
+        file.choice = Some(Choice::MaxMass(limit));
+    }
+    file.soils = root.sections("soil", |soil| {
+        let key = soil.text("soil")?.to_owned();
+        Ok((key, soil.optional_number("share", SHARES)?))
+    })?;
+    file.slopes = root.sections("slope", |slope| {
+        let degrees = slope.number("slope_deg", (0.0, MAX_SLOPE_DEG))?;
+        Ok((degrees, slope.optional_number("share", SHARES)?))
+    })?;
+    root.section("wheel", |wheel| {
+        for entry in wheel.entries() {
+            let names = super::WheelDesign::NAMES;
+            let Some(place) = names.iter().position(|name| *name == entry.name()) else {
+                return Err(Error::Name {
+                    at: entry.place().clone(),
+                    name: entry.name().chars().take(64).collect(),
+                    what: "size of the wheel",
+                    reason: "the sizes are radius_m, width_m, grouser_height_m, grouser_count and grouser_thickness_m",
+                });
+            };
+            file.wheel[place] = Some(match entry.number((f64::MIN, f64::MAX)) {
+                Ok(fixed) => (fixed, fixed),
+                Err(_) => entry.range()?,
+            });
+        }
+        Ok(())
+    })?;
+    Ok(file)
+}
+
+/// Shares as they are written; equal ones where none is.
+///
+/// # Errors
+/// [`Error::Mission`] where some have a share and others none.
+pub fn shares<T>(of: &str, list: Vec<(T, Option<f64>)>) -> Result<Vec<(T, f64)>> {
+    let given = list.iter().filter(|(_, share)| share.is_some()).count();
+    if given != 0 && given != list.len() {
+        return Err(Error::Mission(format!(
+            "{given} of {} {of} have a share of the way, but all or none must",
+            list.len()
+        )));
+    }
+    let equal = 1.0 / list.len() as f64;
+    Ok(list
+        .into_iter()
+        .map(|(item, share)| (item, share.unwrap_or(equal)))
+        .collect())
+}
