@@ -42,7 +42,7 @@ fn mission(measure: SoilMeasure, ranges: WheelRanges) -> Mission {
     });
     let wheels = vec![MissionWheel::designed(); WHEELS];
     let mut params = MissionParams::new(wheels, soils.to_vec(), SLOPES.to_vec(), ranges);
-    params.mass_formula = MASS.to_owned();
+    MASS.clone_into(&mut params.mass_formula);
     params.measure = measure;
     Mission::new(params, |_, mass| {
         let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY * mass;
