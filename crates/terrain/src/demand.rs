@@ -132,7 +132,7 @@ impl DemandSolver {
         const LIMITS_RAD: (f64, f64) = (-1.05, 1.05);
         Error::check("plane", "pitch", pitch, LIMITS_RAD, "rad")?;
         Error::check("plane", "roll", roll, LIMITS_RAD, "rad")?;
-        self.demand_of(self.posed(pitch, roll)?)
+        demand_of(self.posed(pitch, roll)?)
     }
 
     /// As [`DemandSolver::demand`] for a robot that drives backwards: where it climbs with its nose up, it now rolls
@@ -146,18 +146,7 @@ impl DemandSolver {
             // the laws of a wheel are the same either way; the slope is not
             posed.needed -= 2.0 * self.weight * pitch.sin();
         }
-        self.demand_of(posed)
-    }
-
-    fn demand_of(&self, posed: Option<Posed<'_>>) -> Result<Demand> {
-        let Some(posed) = posed else {
-            return Ok(Demand::Lifts);
-        };
-        match posed.smallest_slip()? {
-            Some(slip) => Ok(Demand::Drives(posed.driving(slip)?)),
-            None if posed.surplus(0.0)?.is_some_and(|surplus| surplus > 0.0) => Ok(Demand::Slides),
-            None => Ok(Demand::Immobilised),
-        }
+        demand_of(posed)
     }
 
     /// Puts one wheel on the soil of another solver of the same robot.
@@ -218,6 +207,17 @@ impl DemandSolver {
             needed: self.weight * pitch.sin() - pull,
             free_sinkage,
         }))
+    }
+}
+
+fn demand_of(posed: Option<Posed<'_>>) -> Result<Demand> {
+    let Some(posed) = posed else {
+        return Ok(Demand::Lifts);
+    };
+    match posed.smallest_slip()? {
+        Some(slip) => Ok(Demand::Drives(posed.driving(slip)?)),
+        None if posed.surplus(0.0)?.is_some_and(|surplus| surplus > 0.0) => Ok(Demand::Slides),
+        None => Ok(Demand::Immobilised),
     }
 }
 

@@ -120,7 +120,7 @@ impl Mission<'_> {
         let ended = match policy {
             Policy::Straight => {
                 let moved = robot.drive_to(world, self.goal, |_| Ok(()))?;
-                self.ended(world, &mut robot, moved, &mut blocked)?
+                ended(world, &mut robot, moved, &mut blocked)?
             }
             Policy::Reactive => self.reactive(world, &mut robot, &mut blocked)?,
             Policy::PlanPrior => {
@@ -129,7 +129,7 @@ impl Mission<'_> {
                         .route()
                         .map(|route| places(navigator.plan_map(), route));
                     let moved = along(world, &mut robot, &route.unwrap_or_default())?;
-                    self.ended(world, &mut robot, moved, &mut blocked)?
+                    ended(world, &mut robot, moved, &mut blocked)?
                 } else {
                     Ended::Stopped
                 }
@@ -149,28 +149,6 @@ impl Mission<'_> {
 
     fn to_go(&self, robot: &Robot) -> f64 {
         (self.goal.0 - robot.place.0).hypot(self.goal.1 - robot.place.1)
-    }
-
-    /// The end of a drive that does not go on after it was held.
-    fn ended(
-        &self,
-        world: &mut World<'_>,
-        robot: &mut Robot,
-        moved: Moved,
-        blocked: &mut u32,
-    ) -> Result<Ended> {
-        Ok(match moved {
-            Moved::There => Ended::Arrived,
-            Moved::Lost => Ended::Immobilised,
-            Moved::Blocked => {
-                *blocked += 1;
-                if robot.back_out(world, BACK_LENGTH_M)? {
-                    Ended::Stopped
-                } else {
-                    Ended::Immobilised
-                }
-            }
-        })
     }
 
     fn reactive(
@@ -321,6 +299,27 @@ impl Mission<'_> {
         }
         Ok(Ended::Stopped)
     }
+}
+
+/// The end of a drive that does not go on after it was held.
+fn ended(
+    world: &mut World<'_>,
+    robot: &mut Robot,
+    moved: Moved,
+    blocked: &mut u32,
+) -> Result<Ended> {
+    Ok(match moved {
+        Moved::There => Ended::Arrived,
+        Moved::Lost => Ended::Immobilised,
+        Moved::Blocked => {
+            *blocked += 1;
+            if robot.back_out(world, BACK_LENGTH_M)? {
+                Ended::Stopped
+            } else {
+                Ended::Immobilised
+            }
+        }
+    })
 }
 
 /// The places of a route where the robot passes, without those at which it only turns.
