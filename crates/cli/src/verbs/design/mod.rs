@@ -162,7 +162,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             Output::Figure(target) => target.write(&figure::draw(&designed))?,
         });
     }
-    let mut warnings = designed.warnings(request.touching_radius(&carrier, &ranges));
+    let mut warnings = designed.warnings(request::Request::touching_radius(&carrier, &ranges));
     if let Some(chosen) = designed.chosen() {
         if let Some(file) = robot_output {
             let robot = carrier.robot(&chosen.wheel, chosen.wheel_mass)?;

@@ -200,7 +200,7 @@ impl Request<'_> {
     }
 
     /// The radius from which wheels touch each other, if the bounds allow it.
-    pub(super) fn touching_radius(&self, carrier: &Carrier, ranges: &WheelRanges) -> Option<f64> {
+    pub(super) fn touching_radius(carrier: &Carrier, ranges: &WheelRanges) -> Option<f64> {
         let limit = carrier.touching_radius(ranges.grouser_height.1);
         (ranges.radius.1 > limit).then_some(limit)
     }
@@ -209,10 +209,10 @@ impl Request<'_> {
         let (arguments, file) = (self.arguments, &self.file);
         if let Some(formula) = &arguments.wheel_mass_kg {
             params.mass_formula.clone_from(formula);
-            params.mass_place = "--wheel-mass-kg".to_owned();
+            "--wheel-mass-kg".clone_into(&mut params.mass_place);
         } else if let Some(formula) = &file.wheel_mass {
             params.mass_formula.clone_from(formula);
-            params.mass_place = "wheel_mass_kg of the mission file".to_owned();
+            "wheel_mass_kg of the mission file".clone_into(&mut params.mass_place);
         }
         let measure = arguments.soil_measure.map(|measure| match measure {
             MeasureName::Worst => SoilMeasure::Worst,

@@ -34,7 +34,7 @@ impl Designed<'_> {
                 None => "The nearest wheel:",
             };
             let _ = writeln!(text, "\n{title}");
-            text.push_str(&station().table(Point(point, self.mission).stations().into_iter()));
+            text.push_str(&station().table(Point(point, self.mission).stations()));
             if !point.held_by.is_empty() {
                 let _ = writeln!(text, "held by: {}", point.held_by.join(", "));
             }
