@@ -182,7 +182,7 @@ fn page(path: &Path) -> (usize, Vec<String>) {
         }
         // each part: its commands, and the lines that their output must have
         let parts: Vec<(String, &str)> = match block.language.as_str() {
-            "toml" => {
+            "toml" | "text" => {
                 if let Some(file) = block.option("title") {
                     fs::write(folder.0.join(file), &block.body).unwrap();
                 }

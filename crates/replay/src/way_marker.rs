@@ -64,7 +64,7 @@ impl WayMarkers {
     }
 
     fn marker(&self, header: Value) -> Value {
-        let none = || Value::Text("".into());
+        let none = || Value::Text(String::new());
         let points = self
             .points
             .iter()

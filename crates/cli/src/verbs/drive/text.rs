@@ -55,32 +55,7 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
                 .map_or_else(dash, |rmse| format!("{rmse:.3}")),
         );
     }
-    for run in runs {
-        let Some(planned) = &run.planned else {
-            continue;
-        };
-        let _ = writeln!(
-            out,
-            "\nseed {}: {} ways planned after the first, risk of a place that cannot be left again at most {}, backed out {} \
-             times; the goal is {:.2} m away",
-            run.seed,
-            planned.planning.count,
-            rounded(planned.planning.risk, 3),
-            planned.held,
-            planned.to_goal
-        );
-        for tile in &planned.learnt {
-            let _ = writeln!(
-                out,
-                "soil at ({:6.1}, {:6.1}) m lets the robot climb {:5.1}°, within [{:.1}°, {:.1}°]",
-                tile.place.0,
-                tile.place.1,
-                tile.steepest.to_degrees(),
-                tile.low.to_degrees(),
-                tile.high.to_degrees()
-            );
-        }
-    }
+    planned(runs, &mut out);
     if let Some(law) = scenario.ground.world_laws
         && scenario.plan.is_none()
     {
@@ -118,6 +93,36 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
     }
     decisions(scenario, runs, &mut out);
     out
+}
+
+/// Ways planned and soil learnt, of the drives of a scenario with `[plan]`.
+fn planned(runs: &[Run], out: &mut String) {
+    for run in runs {
+        let Some(planned) = &run.planned else {
+            continue;
+        };
+        let _ = writeln!(
+            out,
+            "\nseed {}: {} ways planned after the first, risk of a place that cannot be left again at most {}, backed out {} \
+             times; the goal is {:.2} m away",
+            run.seed,
+            planned.planning.count,
+            rounded(planned.planning.risk, 3),
+            planned.held,
+            planned.to_goal
+        );
+        for tile in &planned.learnt {
+            let _ = writeln!(
+                out,
+                "soil at ({:6.1}, {:6.1}) m lets the robot climb {:5.1}°, within [{:.1}°, {:.1}°]",
+                tile.place.0,
+                tile.place.1,
+                tile.steepest.to_degrees(),
+                tile.low.to_degrees(),
+                tile.high.to_degrees()
+            );
+        }
+    }
 }
 
 /// How a driver fared over all seeds.

@@ -99,18 +99,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let [max_pitch, max_roll] =
         [arguments.max_pitch_deg, arguments.max_roll_deg].map(f64::to_radians);
     let envelope = Envelope::within(&model, max_pitch, max_roll)?;
-    let mut warnings: Vec<String> = dem
-        .cautions()
-        .iter()
-        .map(|caution| caution.text().to_owned())
-        .collect();
-    if envelope.max_pitch < max_pitch {
-        warnings.push(format!(
-            "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",
-            envelope.max_pitch.to_degrees(),
-            envelope.max_roll.to_degrees()
-        ));
-    }
+    let mut warnings = warnings(&dem, [max_pitch, max_roll], &envelope);
     let drawn = soils::draws(arguments, &chosen.soil, session)?;
     let place = soils::soil_map(arguments, &dem, session)?;
     let legend = place.as_ref().map_or(&[][..], SoilMap::soils);
@@ -190,8 +179,30 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             grouser_terrain::SLIP_BOUND
         ));
     }
-    let is_empty = summary.known == 0;
-    Ok(Report {
+    Ok(report(&result, summary.known == 0, &written, warnings))
+}
+
+/// What is doubtful before the map is made.
+fn warnings(dem: &Dem, requested: [f64; 2], envelope: &Envelope) -> Vec<String> {
+    let cautions = dem.cautions().iter();
+    let mut warnings: Vec<String> = cautions.map(|caution| caution.text().to_owned()).collect();
+    if envelope.max_pitch < requested[0] {
+        warnings.push(format!(
+            "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",
+            envelope.max_pitch.to_degrees(),
+            envelope.max_roll.to_degrees()
+        ));
+    }
+    warnings
+}
+
+fn report(
+    result: &object::Mapped<'_>,
+    is_empty: bool,
+    written: &str,
+    warnings: Vec<String>,
+) -> Report {
+    Report {
         outcome: if is_empty {
             Outcome::NoResult
         } else if result.error().slip > grouser_terrain::SLIP_BOUND {
@@ -199,12 +210,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         } else {
             Outcome::Done
         },
-        object: object::fields().object(&result),
+        object: object::fields().object(result),
         text: format!("{}{written}", result.text()),
         is_aside: false,
         failure: is_empty.then(|| "the height of no cell and its surroundings is known".to_owned()),
         warnings,
-    })
+    }
 }
 
 /// The JSON schema: of a map, or of a shard.
