@@ -176,7 +176,7 @@ fn in_use(conflict: Conflict, path: &Path) -> Error {
         ),
         Conflict::Output => (
             "it is another output of the same command",
-            "give each output a name of its own",
+            "give each output a different name",
         ),
     };
     Error::refused_file("write", path, reason, Some(hint.to_owned()))

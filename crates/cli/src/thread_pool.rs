@@ -14,17 +14,17 @@ use rayon::{ThreadBuilder, ThreadPoolBuilder};
 pub(crate) fn start() {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let chosen = std::env::var("RAYON_NUM_THREADS").ok();
-    let wanted = match chosen.and_then(|text| text.parse().ok()) {
+    let requested = match chosen.and_then(|text| text.parse().ok()) {
         None | Some(0) => processors,
         Some(count) => count,
     };
-    let threads = waiting_threads(wanted);
-    let builder = if threads.len() < wanted {
+    let threads = waiting_threads(requested);
+    let builder = if threads.len() < requested {
         ThreadPoolBuilder::new()
             .num_threads(threads.len() + 1)
             .use_current_thread()
     } else {
-        ThreadPoolBuilder::new().num_threads(wanted)
+        ThreadPoolBuilder::new().num_threads(requested)
     };
     let mut threads = threads.into_iter();
     let hand_over = move |work: ThreadBuilder| {
@@ -37,8 +37,8 @@ pub(crate) fn start() {
     let _ = builder.spawn_handler(hand_over).build_global();
 }
 
-/// Threads that wait for their work, `wanted` of them or as many as the system starts.
-fn waiting_threads(wanted: usize) -> Vec<Sender<ThreadBuilder>> {
+/// Threads that wait for their work, `requested` of them or as many as the system starts.
+fn waiting_threads(requested: usize) -> Vec<Sender<ThreadBuilder>> {
     let start_one = |_| {
         let (send, receive) = channel::<ThreadBuilder>();
         let wait = move || {
@@ -48,5 +48,5 @@ fn waiting_threads(wanted: usize) -> Vec<Sender<ThreadBuilder>> {
         };
         thread::Builder::new().spawn(wait).ok().map(|_| send)
     };
-    (0..wanted).map_while(start_one).collect()
+    (0..requested).map_while(start_one).collect()
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use grouser_design::Error;
 use grouser_design::mission::{
-    Choice, FrontSettings, Mission, MissionFront, MissionParams, MissionWheel, SlopeShare,
+    Choice, FrontSettings, MissionFront, MissionParams, MissionProfile, MissionWheel, SlopeShare,
     SoilMeasure, SoilShare, Standing, WheelDesign, WheelRanges,
 };
 use grouser_terra::{
@@ -34,7 +34,7 @@ fn mass(radius: f64, width: f64) -> f64 {
 }
 
 /// Four wheels that carry alike.
-fn mission(measure: SoilMeasure, ranges: WheelRanges) -> Mission {
+fn mission(measure: SoilMeasure, ranges: WheelRanges) -> MissionProfile {
     let soils = SOILS.map(|name| SoilShare {
         name: name.to_owned(),
         soil: catalogue::find(name).unwrap().soil().unwrap(),
@@ -44,7 +44,7 @@ fn mission(measure: SoilMeasure, ranges: WheelRanges) -> Mission {
     let mut params = MissionParams::new(wheels, soils.to_vec(), SLOPES.to_vec(), ranges);
     MASS.clone_into(&mut params.mass_formula);
     params.measure = measure;
-    Mission::new(params, |_, mass| {
+    MissionProfile::new(params, |_, mass| {
         let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = SLOPES.iter().map(|slope| vec![carried(slope); WHEELS]);
@@ -69,7 +69,7 @@ fn smooth() -> WheelRanges {
     }
 }
 
-fn front(mission: &Mission, choice: Choice, points: usize) -> MissionFront {
+fn front(mission: &MissionProfile, choice: Choice, points: usize) -> MissionFront {
     let mut settings = FrontSettings::default();
     settings.choice = choice;
     settings.points = points;
@@ -223,7 +223,7 @@ fn what_no_wheel_holds_is_said_with_the_nearest() {
     let mut params = mission(SoilMeasure::Worst, smooth()).params().clone();
     params.slopes[1].slope_deg = 35.0;
     let slopes = params.slopes.clone();
-    let mission = Mission::new(params, |_, mass| {
+    let mission = MissionProfile::new(params, |_, mass| {
         let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = slopes.iter().map(|slope| vec![carried(slope); WHEELS]);
@@ -269,7 +269,7 @@ fn what_a_mission_cannot_mean_is_refused() {
                 loads: vec![vec![25.0; WHEELS]; 2],
             })
         };
-        Mission::new(params, stand).unwrap_err().to_string()
+        MissionProfile::new(params, stand).unwrap_err().to_string()
     };
     let sum = refused(&|params| params.slopes[0].share = 0.5);
     assert!(

@@ -18,9 +18,9 @@ use super::program::Folder;
 use super::random::Random;
 use super::verbs::Shared;
 
-/// A job that takes longer is asked to end, as its user would.
+/// A job that takes longer is interrupted, as its user would do it.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// One that was asked has so long.
+/// One that was interrupted has so long.
 const END: Duration = Duration::from_secs(10);
 const OLD: &[u8] = b"what was there before\n";
 
@@ -307,16 +307,16 @@ impl Case {
         let mut child = self.start();
         let out = child.stdout.take().filter(|_| self.stdout != Stdout::Gone);
         let (out, err) = (read(out), read(child.stderr.take()));
-        let mut asked = false;
+        let mut interrupted = false;
         if let Some((signal, delay)) = self.signal {
             thread::sleep(delay);
             send(&child, signal);
-            asked = true;
+            interrupted = true;
         }
         let mut status = wait(&mut child, PATIENCE);
         if status.is_none() {
             println!("over {PATIENCE:?}: {:?} {:?}", self.limit, self.words);
-            asked = true;
+            interrupted = true;
             // a search is ended by the second
             status = (0..2).find_map(|_| {
                 send(&child, "-INT");
@@ -331,7 +331,7 @@ impl Case {
         let err = String::from_utf8_lossy(&err).into_owned();
         let verdict = match status {
             None => Err("it hangs and no signal ends it".to_owned()),
-            Some(status) => self.verdict(status, asked, &out, &err, &before),
+            Some(status) => self.verdict(status, interrupted, &out, &err, &before),
         };
         Ended {
             code: status.and_then(|status| status.code()),
@@ -346,7 +346,7 @@ impl Case {
     fn verdict(
         &self,
         status: ExitStatus,
-        asked: bool,
+        interrupted: bool,
         out: &[u8],
         err: &str,
         before: &BTreeMap<String, Vec<u8>>,
@@ -359,7 +359,7 @@ impl Case {
             None => {}
         }
         let code = status.code().unwrap_or(-1);
-        if !(matches!(code, 0..=3) || code == 130 && asked) {
+        if !(matches!(code, 0..=3) || code == 130 && interrupted) {
             return Err(format!("exit code {code}"));
         }
         if ["panicked", "overflowed its stack", "RUST_BACKTRACE"]

@@ -133,9 +133,11 @@ fn reports_of_a_log_and_of_a_problem_have_the_numbers_of_the_command() {
         let wheels = run["wheels"].as_array().unwrap();
         let wheel = wheels.iter().find(|wheel| wheel["name"] == cells[1]);
         let slip = wheel.unwrap()["slip"][place].as_f64();
-        let told: Option<f64> = cells[2].parse().ok();
-        assert_eq!(slip.is_some(), told.is_some(), "{row}");
-        let same = slip.zip(told).is_none_or(|(slip, told)| near(slip, told));
+        let printed: Option<f64> = cells[2].parse().ok();
+        assert_eq!(slip.is_some(), printed.is_some(), "{row}");
+        let same = slip
+            .zip(printed)
+            .is_none_or(|(slip, printed)| near(slip, printed));
         assert!(same, "{row}: {slip:?}");
         compared += usize::from(slip.is_some());
     }

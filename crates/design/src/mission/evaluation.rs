@@ -5,7 +5,7 @@ use grouser_terra::{Settings, WheelOnSoil};
 
 use super::station::{Axle, Station, StationState};
 use super::wheel::{PARAMETERS, SIZES};
-use super::{Mission, SoilMeasure, WheelDesign};
+use super::{MissionProfile, SoilMeasure, WheelDesign};
 use crate::error::{Error, Result};
 use crate::quantity::{Inputs, NoValue};
 
@@ -63,7 +63,7 @@ impl DesignPoint {
     }
 }
 
-impl Mission {
+impl MissionProfile {
     /// What `wheel` does on this mission; its sizes may lie outside the bounds, but its radius counts in the loads as sampled.
     ///
     /// # Errors

@@ -49,7 +49,7 @@ pub struct MissionFile {
     pub choice: Option<Choice>,
 }
 
-/// Choices of a wheel with their names in files and flags; a limit of the mass has a key of its own.
+/// Choices of a wheel with their names in files and flags; a limit of the mass has its own key.
 pub(super) const CHOICES: [(&str, Choice); 3] = [
     ("knee", Choice::Knee),
     ("lightest", Choice::Lightest),

@@ -1,7 +1,7 @@
 //! The wheels of least energy for their mass.
 //!
 //! The ends of the front are the wheel of least mass and that of least energy; between them the energy is minimised (minimax over the
-//! soils) at limits of the mass. Every point is a solve of its own with multipliers, from the wheel before it and from
+//! soils) at limits of the mass. Every point is solved separately, with multipliers, from the wheel before it and from
 //! points spread over the bounds: two objectives need no evolutionary search.
 
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use grouser_opt::{Method, MultiStart, Settings, Solution, Status, knee, multi_st
 use super::evaluation::DesignPoint;
 use super::functions::{Aim, Task};
 use super::wheel::COUNT;
-use super::{Mission, WheelDesign};
+use super::{MissionProfile, WheelDesign};
 use crate::error::{Error, Result};
 
 /// How a front is searched for.
@@ -99,7 +99,7 @@ const MAX_VIOLATION: f64 = 1e-6;
 const SAME_MASS_SHARE: f64 = 1e-5;
 
 struct Search<'m, 'c> {
-    mission: &'m Mission,
+    mission: &'m MissionProfile,
     settings: &'m FrontSettings,
     progress: FrontProgress,
     callback: &'c mut dyn FnMut(FrontProgress) -> ControlFlow<()>,
@@ -107,7 +107,7 @@ struct Search<'m, 'c> {
     stopped: bool,
 }
 
-impl Mission {
+impl MissionProfile {
     /// The front of wheel mass against energy per metre, with the chosen wheel; `callback` is called for each iteration and may stop the
     /// search.
     ///

@@ -4,7 +4,7 @@ use grouser_opt::{Exact, Functions, Problem, ProblemParams, Variable};
 use grouser_real::Scalar;
 
 use super::wheel::{COUNT, SIZES};
-use super::{Mission, SoilMeasure, WheelDesign};
+use super::{MissionProfile, SoilMeasure, WheelDesign};
 use crate::error::{Error, Result};
 
 /// What a search minimises.
@@ -21,7 +21,7 @@ pub(super) enum Aim {
 /// A search over the sizes that are free. A variable of the solver is the share of the way from a size's lower to its upper bound.
 #[derive(Clone, Debug)]
 pub(super) struct Task<'m> {
-    pub(super) mission: &'m Mission,
+    pub(super) mission: &'m MissionProfile,
     pub(super) aim: Aim,
     /// The fixed sizes.
     pub(super) base: WheelDesign,
@@ -33,7 +33,7 @@ pub(super) struct Task<'m> {
 }
 
 impl<'m> Task<'m> {
-    pub(super) fn new(mission: &'m Mission, aim: Aim) -> Self {
+    pub(super) fn new(mission: &'m MissionProfile, aim: Aim) -> Self {
         let ranges = mission.params.ranges.list();
         let middle = WheelDesign::from_sizes(ranges.map(|(low, high)| 0.5 * (low + high)));
         let free = (0..SIZES).filter(|&i| ranges[i].0 < ranges[i].1).collect();
@@ -214,7 +214,7 @@ mod tests {
             grouser_thickness: (0.002, 0.002),
         };
         let soils = vec![soil("dry-sand"), soil("lunar")];
-        let mission = Mission::new(
+        let mission = MissionProfile::new(
             MissionParams::new(wheels, soils, slopes.to_vec(), ranges),
             |radius, mass| {
                 let weight = 60.0 + 9.81 * mass * 2.0;

@@ -1,7 +1,7 @@
 //! The wheel of a robot for a mission: slopes and soils with their shares of the way.
 //!
-//! A [`Mission`] knows the robot's wheels, what they carry on each slope, the soils, the bounds of the new wheel's sizes and a formula
-//! for its mass. [`Mission::evaluate`] computes what one wheel does on it; [`Mission::front`] finds the wheels of least energy
+//! A [`MissionProfile`] knows the robot's wheels, what they carry on each slope, the soils, the bounds of the new wheel's sizes and a formula
+//! for its mass. [`MissionProfile::evaluate`] computes what one wheel does on it; [`MissionProfile::front`] finds the wheels of least energy
 //! per metre for their mass, every one of them with a reserve of pull on every slope and soil.
 //!
 //! ```
@@ -19,7 +19,7 @@
 //!     WheelRanges { width: (0.05, 0.2), ..WheelRanges::fixed(&present) },
 //! );
 //! params.mass_formula = "40 * radius_m * width_m".into();
-//! let mission = Mission::new(params, |_, mass| {
+//! let mission = MissionProfile::new(params, |_, mass| {
 //!     let weight = 160.0 + 4.0 * 9.81 * mass;
 //!     let loads = slopes.iter().map(|s| vec![weight / 4.0 * s.slope_deg.to_radians().cos(); 4]);
 //!     Ok::<_, grouser_design::Error>(Standing { weight, loads: loads.collect() })
@@ -185,7 +185,7 @@ struct Group {
 
 /// A checked mission.
 #[derive(Clone, Debug)]
-pub struct Mission {
+pub struct MissionProfile {
     params: MissionParams,
     mass: Formula,
     stance: Stance,
@@ -195,7 +195,7 @@ pub struct Mission {
 /// The interpolated loads are within this share of the weight, or the mission is refused.
 const MAX_LOAD_ERROR: f64 = 1e-6;
 
-impl Mission {
+impl MissionProfile {
     /// Checks everything, and samples what the wheels carry: `stand` gives it for a radius (m) and a mass (kg) of the new wheel, by
     /// slope and by wheel in the order of the parameters.
     ///

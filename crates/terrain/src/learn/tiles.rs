@@ -21,7 +21,7 @@ const PRIOR_TILES: f32 = 3.0;
 /// How soil is learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnSettings {
-    /// Side of a tile, m: how far apart soils are told apart.
+    /// Side of a tile, m: soils that lie closer together are not distinguished.
     pub tile: f64,
     /// Standard deviations of the logarithms of strength and stiffness before anything is known of a place: half of the
     /// strengths within 0.8 to 1.25, half of the stiffnesses within 0.45 to 2.2 of the known soil's.
@@ -140,7 +140,7 @@ struct Common {
     in_use: Box<[f32]>,
 }
 
-/// Beliefs over a rectangle, one tile at a time; a tile that nothing is known of takes no memory of its own and is
+/// Beliefs over a rectangle, one tile at a time; a tile that nothing is known of uses no memory and is
 /// believed to be as the visited ones are, as far as there are any.
 #[derive(Clone, Debug)]
 pub struct SoilTiles {
@@ -253,7 +253,7 @@ impl SoilTiles {
         changed
     }
 
-    /// Learns from one reading; `weight` is how much it counts, 1 for ground that no reading before told of.
+    /// Learns from one reading; `weight` is how much it counts, 1 for ground without an earlier reading.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite, [`Error::Law`].
@@ -367,7 +367,7 @@ impl SoilTiles {
         }
     }
 
-    /// What is known of every tile with readings of its own.
+    /// What is known of every tile with its own readings.
     #[must_use]
     pub fn learnt(&self) -> Vec<TileSummary> {
         let tiles = self.tiles.iter().enumerate();

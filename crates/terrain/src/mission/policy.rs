@@ -27,7 +27,7 @@ const GOAL_RADIUS_M: f64 = 0.75;
 const MAX_WAY_FACTOR: f64 = 20.0;
 /// Plans of one drive at most.
 const MAX_PLANS: usize = 400;
-/// A metre of ground that no reading before told of counts as one; readings of a step count less.
+/// A metre of ground without an earlier reading counts as one; readings of a step count less.
 const READING_WEIGHT: f64 = 0.25;
 /// A robot that does not come on has spent seconds to find out.
 const BLOCKED_WEIGHT: f64 = 4.0;

@@ -1,7 +1,7 @@
 //! A world to compare policies in: relief, soils in patches, and what driving takes there by the exact solver.
 //!
 //! Quasi-static: at every quarter of a metre the robot stands in the pose of the relief under its wheels, each wheel on the
-//! soil of its own place, and the demand of that pose is what driving takes. Not in it: dynamics, ruts, drift, turning.
+//! soil at its place, and the demand of that pose is what driving takes. Not in it: dynamics, ruts, drift, turning.
 
 use grouser_rover::ground::{HeightMap, Place};
 

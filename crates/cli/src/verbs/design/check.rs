@@ -1,6 +1,6 @@
 //! Every wheel of a front in the solver of `climb`, and whether the robot stands on its slopes.
 
-use grouser_design::mission::{DesignPoint, Mission, MissionFront};
+use grouser_design::mission::{DesignPoint, MissionFront, MissionProfile};
 use grouser_rover::statics::climb;
 
 use super::carrier::Carrier;
@@ -20,7 +20,11 @@ pub(super) struct Checked {
 }
 
 impl Checked {
-    pub(super) fn new(carrier: &Carrier, mission: &Mission, front: &MissionFront) -> Result<Self> {
+    pub(super) fn new(
+        carrier: &Carrier,
+        mission: &MissionProfile,
+        front: &MissionFront,
+    ) -> Result<Self> {
         let mut checked = Self {
             difference: 0.0,
             tip_over: None,
@@ -41,7 +45,7 @@ impl Checked {
     fn compare(
         &mut self,
         carrier: &Carrier,
-        mission: &Mission,
+        mission: &MissionProfile,
         point: &DesignPoint,
         is_shown: bool,
     ) -> Result<()> {

@@ -12,7 +12,7 @@ mod text;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use grouser_design::mission::{FrontSettings, Mission, MissionParams};
+use grouser_design::mission::{FrontSettings, MissionParams, MissionProfile};
 use grouser_report::number::{parse_finite, shown};
 
 use crate::error::Result;
@@ -127,7 +127,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     request.complete(&mut params);
     params.also_radius = Some(carrier.present.radius);
-    let mission = Mission::new(params, |radius, mass| {
+    let mission = MissionProfile::new(params, |radius, mass| {
         carrier.standing(radius, mass, &request.slopes)
     })?;
     let mut settings = FrontSettings::default();

@@ -1,7 +1,7 @@
 //! The result of `design` as a list of quantities.
 
 use grouser_design::mission::{
-    DesignPoint, Mission, MissionFront, SlopeShare, SoilShare, StationResult, WheelDesign,
+    DesignPoint, MissionFront, MissionProfile, SlopeShare, SoilShare, StationResult, WheelDesign,
 };
 use grouser_report::{Fields, fields};
 
@@ -10,7 +10,7 @@ use super::check::Checked;
 
 /// Everything that a mission gave.
 pub(super) struct Designed<'a> {
-    pub(super) mission: &'a Mission,
+    pub(super) mission: &'a MissionProfile,
     pub(super) carrier: &'a Carrier,
     /// Where the numbers of each soil come from.
     pub(super) sources: &'a [String],
@@ -35,7 +35,7 @@ impl Designed<'_> {
 
 /// A point with the mission that it is of.
 #[derive(Clone, Copy)]
-pub(super) struct Point<'a>(pub(super) &'a DesignPoint, pub(super) &'a Mission);
+pub(super) struct Point<'a>(pub(super) &'a DesignPoint, pub(super) &'a MissionProfile);
 
 /// A station with the name of its soil.
 #[derive(Clone, Copy)]

@@ -1,6 +1,6 @@
 //! One wheel on the deciding soil and slope as a problem file.
 
-use grouser_design::mission::{DesignPoint, Mission, WheelDesign};
+use grouser_design::mission::{DesignPoint, MissionProfile, WheelDesign};
 use grouser_design::{Design, State, Task, to_toml};
 use grouser_opt::{ParetoSettings, Variable};
 
@@ -16,7 +16,11 @@ const START_SLIP: f64 = 0.3;
 
 /// The chosen wheel under its mean share of the weight, where its reserve is least; radius, width, lugs and slip are variables, mass
 /// and energy per metre the objectives.
-pub(super) fn toml(mission: &Mission, chosen: &DesignPoint, wheels: usize) -> Result<String> {
+pub(super) fn toml(
+    mission: &MissionProfile,
+    chosen: &DesignPoint,
+    wheels: usize,
+) -> Result<String> {
     let params = mission.params();
     let Some((soil, _, station)) = chosen.worst_station() else {
         return Err(Error::usage_without_hint("the mission has no slope"));

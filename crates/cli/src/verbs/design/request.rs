@@ -1,4 +1,4 @@
-//! What is asked of `design`: flags, the mission file behind them, and defaults.
+//! The request to `design`: flags, the mission file behind them, and defaults.
 
 use std::ffi::OsStr;
 use std::str::FromStr;

@@ -114,7 +114,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let draws = others.iter().map(Vec::len).fold(drawn.len(), usize::max);
     let mut layout = MapLayout::of(&dem, &model, headings, draws, &job);
     layout.soils = soils::names(&chosen.name, legend);
-    let wanted: Vec<_> = std::iter::once((&chosen.soil, drawn.as_slice()))
+    let soils_with_draws: Vec<_> = std::iter::once((&chosen.soil, drawn.as_slice()))
         .chain(
             legend
                 .iter()
@@ -122,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                 .zip(others.iter().map(Vec::as_slice)),
         )
         .collect();
-    let mut tables = soils::tables(&model, &wanted, envelope)?.into_iter();
+    let mut tables = soils::tables(&model, &soils_with_draws, envelope)?.into_iter();
     let Some((soil, draws)) = tables.next() else {
         return Err(crate::error::Error::usage_without_hint(
             "a map needs a soil",

@@ -45,7 +45,7 @@ pub(super) fn soil_map(
     Ok(Some(map))
 }
 
-/// The soils drawn from the intervals of each soil of a legend; each soil has a seed of its own.
+/// The soils drawn from the intervals of each soil of a legend; each soil has its own seed.
 pub(super) fn legend_draws(
     arguments: &Arguments,
     legend: &[LegendSoil],
