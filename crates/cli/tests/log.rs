@@ -375,7 +375,10 @@ fn what_makes_no_sense_is_refused() {
     );
     refused(&["log", "convert", TABLE, &out("x.bag")], "does not become");
     refused(&["log", "convert", MCAP, &out("x.db3")], "does not end in");
-    refused(&["log", "convert", MCAP, MCAP], "over itself");
+    refused(
+        &["log", "convert", MCAP, MCAP],
+        "it is read by the same command",
+    );
     refused(
         &["log", "recover", TABLE, &out("x.mcap")],
         "begins neither like",

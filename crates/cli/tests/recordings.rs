@@ -72,6 +72,7 @@ fn an_estimate_as_messages_says_what_the_table_says() {
     let mut messages =
         Messages::open(Path::new(&mcap), grouser_log::Clock::Header, |_| true).unwrap();
     let (mut slips, mut last, mut diagnostics, mut start) = (0, None, 0, None);
+    let mut way_points = 0;
     while let Some(message) = messages.next() {
         let topic = messages.channels()[message.channel].topic.clone();
         let start = *start.get_or_insert(message.time_ns);
@@ -110,10 +111,17 @@ fn an_estimate_as_messages_says_what_the_table_says() {
                 );
                 diagnostics += 1;
             }
+            "/grouser/way" => {
+                let count = |field| message.value.at(field).unwrap().elements().unwrap().len();
+                assert_eq!(count("points"), count("colors"));
+                way_points += count("points") - 1;
+            }
             other => panic!("{other}"),
         }
     }
     assert_eq!((slips, diagnostics), (5 * 2001, 41));
+    // a point every centimetre at most, of a way of some metres
+    assert!((100..2000).contains(&way_points), "{way_points}");
     // The gyro's turn by another sum (the doctest of grouser-log): 0.94 rad, 0.04 of them the gyro's bias, which the
     // filter has learnt while the robot stood.
     let Some(View::Odometry(odometry)) = last else {

@@ -397,6 +397,7 @@ export class Run {
         item('Way', shown(run.distance_m), 'm', 'along the legs'),
         item('Energy', shown(run.energy_j), 'J', run.energy_j_per_m === null ? '' : `${shown(run.energy_j_per_m)} J/m; ${shown((100 * run.energy_in_soil_j) / run.energy_j, 2)} % into the soil`),
         item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; greatest slip ${shown(run.worst_slip, 2)}`));
+      if (run.planned) items.push(item('Plans anew', String(run.planned.replans), '', `held ${run.planned.held} times; risk of a place at most ${shown(run.planned.risk, 2)}; squares: soil that was learnt`));
       for (const other of this.#others.slice(0, 4)) items.push(item('Compared', other.controller, '', `${other.outcome}, ${shown(other.distance_m)} m, ${shown(other.energy_j)} J: grey on the map`));
     } else {
       if (run.distance_m !== null && run.distance_m !== undefined) items.push(item('Way', shown(run.distance_m), 'm', 'by the estimator’s odometry'));

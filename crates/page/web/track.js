@@ -106,6 +106,15 @@ export class Track {
       places.push(free);
       parts.push(svg('text', { x: free[0], y: free[1] + 3, 'text-anchor': 'middle', class: 'contour-label' }, label));
     }
+    const half = (this.#run.tile_m ?? 0) / 2;
+    for (const tile of (half && this.#run.planned?.learnt) || []) {
+      const [px, py] = this.#place(tile.x_m - half, tile.y_m + half);
+      const [qx, qy] = this.#place(tile.x_m + half, tile.y_m - half);
+      // the weaker, the redder: a slope of 20° is more than most relief has
+      const weak = Math.min(1, Math.max(0, 1 - tile.steepest_deg / 20));
+      parts.push(svg('rect', { x: px, y: py, width: qx - px, height: qy - py, class: 'tile', 'fill-opacity': (0.55 * weak).toFixed(2) },
+        svg('title', {}, `learnt: the robot climbs ${shown(tile.steepest_deg)}° here, 90 % within ${shown(tile.steepest_low_deg)}° to ${shown(tile.steepest_high_deg)}°`)));
+    }
     for (const { name, x: east, y: north } of soilNames(ground)) {
       const [px, py] = this.#place(east, north);
       parts.push(svg('text', { x: px, y: py, 'text-anchor': 'middle', class: 'soil-name' }, name));

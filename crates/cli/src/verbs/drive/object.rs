@@ -59,7 +59,7 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
     }
 }
 
-fn planned<'a>() -> Fields<'a, &'a PlannedDrive> {
+pub(super) fn planned<'a>() -> Fields<'a, &'a PlannedDrive> {
     fields! { |planned: &'a PlannedDrive|
         "replans" "ways planned after the first" = planned.planning.count;
         "replanning_longest_s" "longest time of planning anew, by the wall clock" =

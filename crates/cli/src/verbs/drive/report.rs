@@ -51,7 +51,12 @@ fn played(scenario: &Scenario, optimum: f64, run: &Run) -> Option<Value> {
         optimum,
         result: &run.result,
     };
-    run.seen.as_ref().map(|seen| seen.object(&drive))
+    let mut shown = run.seen.as_ref()?.object(&drive);
+    if let Some(planned) = &run.planned {
+        shown["planned"] = super::object::planned().object(planned).into();
+        shown["tile_m"] = scenario.learn.as_ref().map(|learn| learn.tile).into();
+    }
+    Some(shown)
 }
 
 fn row(run: &Run) -> Value {
