@@ -44,10 +44,10 @@ pub struct SlopeProof {
 ///
 /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
 /// let wheel = RigidWheel::new(0.15, 0.12)?;
-/// // The steepest slope that this wheel holds up to a slip of 0.9 is 15.3 degrees.
+/// // The steepest slope that this wheel holds up to a slip of 0.9 is 15.0 degrees.
 /// let proof = prove_no_slip_holds(&wheel, &soil, 40.0, 16.0, 0.9, 60.0)?;
 /// assert!(proof.is_proved && proof.shortage > 0.0);
-/// let held = prove_no_slip_holds(&wheel, &soil, 40.0, 15.0, 0.9, 60.0)?;
+/// let held = prove_no_slip_holds(&wheel, &soil, 40.0, 14.5, 0.9, 60.0)?;
 /// assert!(!held.is_proved && held.shortage < 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

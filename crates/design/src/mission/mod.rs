@@ -8,9 +8,9 @@
 //! use grouser_design::mission::*;
 //! use grouser_terra::catalogue;
 //!
-//! // Four powered wheels, 160 N in all, on the level and on 10 degrees of dry sand.
+//! // Four powered wheels, 160 N in all, on the level and on 5 degrees of dry sand.
 //! let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
-//! let slopes = [(0.0, 0.8), (10.0, 0.2)].map(|(slope_deg, share)| SlopeShare { slope_deg, share });
+//! let slopes = [(0.0, 0.8), (5.0, 0.2)].map(|(slope_deg, share)| SlopeShare { slope_deg, share });
 //! let present = WheelDesign { radius: 0.12, width: 0.10, ..WheelDesign::default() };
 //! let mut params = MissionParams::new(
 //!     vec![MissionWheel::designed(); 4],
