@@ -26,7 +26,7 @@ const SOILS: [&str; 2] = ["dry-sand", "sandy-loam"];
 const WHEELS: usize = 4;
 /// Without wheels, N.
 const BARE_WEIGHT: f64 = 200.0;
-const GRAVITY: f64 = 9.81;
+const GRAVITY_M_PER_S2: f64 = 9.81;
 const MASS: &str = "30 * radius_m * width_m + 20 * radius_m^2";
 
 fn mass(radius: f64, width: f64) -> f64 {
@@ -45,7 +45,7 @@ fn mission(measure: SoilMeasure, ranges: WheelRanges) -> MissionProfile {
     MASS.clone_into(&mut params.mass_formula);
     params.measure = measure;
     MissionProfile::new(params, |_, mass| {
-        let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY * mass;
+        let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY_M_PER_S2 * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = SLOPES.iter().map(|slope| vec![carried(slope); WHEELS]);
         Ok::<_, Error>(Standing {
@@ -81,7 +81,7 @@ fn front(mission: &MissionProfile, choice: Choice, points: usize) -> MissionFron
 /// Energy per metre on each soil and the least reserve, by the slip demand of one wheel and the law's own reserve at 0.6: none of
 /// this is the code of a mission.
 fn by_one_wheel(radius: f64, width: f64) -> Option<([f64; 2], f64)> {
-    let weight = BARE_WEIGHT / WHEELS as f64 + GRAVITY * mass(radius, width);
+    let weight = BARE_WEIGHT / WHEELS as f64 + GRAVITY_M_PER_S2 * mass(radius, width);
     let (mut energies, mut reserve) = ([0.0; 2], f64::INFINITY);
     for (energy, name) in energies.iter_mut().zip(SOILS) {
         let soil = catalogue::find(name).unwrap().soil().unwrap();
@@ -224,7 +224,7 @@ fn what_no_wheel_holds_is_said_with_the_nearest() {
     params.slopes[1].slope_deg = 35.0;
     let slopes = params.slopes.clone();
     let mission = MissionProfile::new(params, |_, mass| {
-        let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY * mass;
+        let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY_M_PER_S2 * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = slopes.iter().map(|slope| vec![carried(slope); WHEELS]);
         Ok::<_, Error>(Standing {

@@ -10,9 +10,7 @@ mod trial;
 use grouser_slip::detect::{DetectSettings, Detector, Event as Said};
 use grouser_slip::{Degraded, Health, Invalid, Measurement, Motion};
 use grouser_synthetic::{Event, Fault};
-use trial::{FREE, PHASES, Trial};
-
-const END: f64 = 26.0;
+use trial::{END_S, FREE, PHASES, Trial};
 
 const fn is_invalid(health: Health) -> bool {
     matches!(health, Health::Invalid(_))
@@ -35,7 +33,7 @@ fn a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
             let trial = Trial::new(1).fault(Fault::WheelSilent(1), from, from + gap);
             let out = trial.run();
             honest(&out, phase);
-            let to = (from + gap).min(END);
+            let to = (from + gap).min(END_S);
             let delay = out.delay(1, (from, to), |health| {
                 health == Health::Invalid(Invalid::Dropout)
             });
@@ -45,7 +43,7 @@ fn a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
                 assert!(delay <= 0.1, "{phase} {gap} s: {delay}");
             }
             // the others
-            for moment in out.between(from, END) {
+            for moment in out.between(from, END_S) {
                 for wheel in [0, 2, 3] {
                     assert!(
                         !is_invalid(moment.wheels[wheel].health),
@@ -70,8 +68,8 @@ fn a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
     }
     // the free wheel and a powered one
     let out = Trial::new(1)
-        .fault(Fault::WheelSilent(1), 9.0, END)
-        .fault(Fault::WheelSilent(3), 9.0, END)
+        .fault(Fault::WheelSilent(1), 9.0, END_S)
+        .fault(Fault::WheelSilent(3), 9.0, END_S)
         .run();
     let ratio = out.speed_rms(5.0, 23.0) / nominal.speed_rms(5.0, 23.0);
     println!("two of five lost: speed {ratio:.2} times as wrong");
@@ -115,7 +113,7 @@ fn lost_pulses_bias_the_slip_by_no_more_than_their_share() {
     };
     for share in [0.01, 0.05, 0.2] {
         let out = Trial::new(3)
-            .fault(Fault::PulsesLost(1, share), 6.0, END)
+            .fault(Fault::PulsesLost(1, share), 6.0, END_S)
             .run();
         let bias = mean(&out) - mean(&nominal);
         println!("{share} of the pulses lost: bias {bias:.4}");
@@ -151,7 +149,7 @@ fn a_twentieth_of_the_pulses_lost_is_said_within_five_seconds() {
     ] {
         for share in [0.05, 0.2] {
             for seed in 3..6 {
-                let trial = Trial::new(seed).fault(Fault::PulsesLost(1, share), from, END);
+                let trial = Trial::new(seed).fault(Fault::PulsesLost(1, share), from, END_S);
                 let (first, others) = missed(&trial, from);
                 println!("{share} lost, {phase}, seed {seed}: said after {first:.2?} s");
                 assert!(first.is_some_and(|delay| (0.0..=5.0).contains(&delay)));
@@ -263,7 +261,7 @@ fn a_counter_that_goes_round_is_the_same_to_the_bit() {
 #[test]
 fn a_counter_that_begins_again_costs_one_sample() {
     for (phase, from) in PHASES {
-        let mut trial = Trial::new(7).fault(Fault::CounterReset(1), from, END);
+        let mut trial = Trial::new(7).fault(Fault::CounterReset(1), from, END_S);
         trial.sensors.bits = 32;
         trial.robot.wheels[1].count_at_start = 1_000_000;
         let out = trial.run();
@@ -287,7 +285,7 @@ fn a_single_jump_is_refused_and_moves_nothing() {
                 .fault(Fault::CounterJumps(1, ticks), from, from + 1.0)
                 .run();
             assert_eq!(out.refused, 1, "{phase}");
-            for (a, b) in out.between(from, END).zip(without.between(from, END)) {
+            for (a, b) in out.between(from, END_S).zip(without.between(from, END_S)) {
                 if let (Some(slip), Some(other), Some(sigma)) =
                     (a.wheels[0].slip, b.wheels[0].slip, b.wheels[0].sigma)
                 {

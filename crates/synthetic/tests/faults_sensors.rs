@@ -9,10 +9,8 @@ mod trial;
 
 use grouser_slip::filter::{FilterSettings, SlipPrior};
 use grouser_slip::{Degraded, Error, Health, Measurement, Sample};
-use grouser_synthetic::{Camera, Event, Fault};
-use trial::{FREE, Outcome, PHASES, Trial};
-
-const END: f64 = 26.0;
+use grouser_synthetic::{Event, Fault};
+use trial::{END_S, FREE, Outcome, PHASES, Trial, with_camera};
 
 fn honest(out: &Outcome, what: &str) {
     let (lasted, at, wheel) = out.silence();
@@ -20,16 +18,6 @@ fn honest(out: &Outcome, what: &str) {
         lasted <= 1.0,
         "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
     );
-}
-
-fn with_camera(seed: u64) -> Trial {
-    let mut trial = Trial::new(seed);
-    trial.sensors.camera = Some(Camera {
-        every: 5,
-        sigma: 0.001,
-        late: 0,
-    });
-    trial
 }
 
 /// Runs with and without the fault; says and checks what it costs.
@@ -316,7 +304,7 @@ fn a_camera_that_fails_is_left() {
     // Without the free wheel the camera is the only reference. A scale that is wrong from the start is then the slip's; one
     // that changes on the way is a jump of the speed that the accelerometer has not felt.
     let mut alone = with_camera(7);
-    alone.faults.push((Fault::WheelSilent(FREE), (0.0, END)));
+    alone.faults.push((Fault::WheelSilent(FREE), (0.0, END_S)));
     for (what, fault) in [
         ("camera alone lost", Fault::CameraLost),
         ("camera alone jumps", Fault::CameraJumps(2.0)),
@@ -342,7 +330,9 @@ fn wrong_units_and_signs_never_pass_silently() {
         ("sign", -1.0),
         ("revolutions", 9.55),
     ] {
-        let out = Trial::new(8).fault(Fault::GyroScale(scale), 0.0, END).run();
+        let out = Trial::new(8)
+            .fault(Fault::GyroScale(scale), 0.0, END_S)
+            .run();
         let (lasted, ..) = out.silence();
         println!(
             "gyro {what}: rms {:.3}, longest silence {lasted:.2} s, {} refused",
@@ -361,7 +351,7 @@ fn wrong_units_and_signs_never_pass_silently() {
         ("metres for millimetres", 0.001),
     ] {
         let mut trial = with_camera(8);
-        trial.faults.push((Fault::CameraScale(scale), (0.0, END)));
+        trial.faults.push((Fault::CameraScale(scale), (0.0, END_S)));
         let out = trial.run();
         let (lasted, ..) = out.silence();
         println!(
@@ -387,7 +377,7 @@ fn bad_torques_do_not_move_the_slips() {
 #[test]
 fn when_all_is_silent_the_estimate_ends() {
     for (phase, from) in PHASES {
-        let trial = Trial::new(11).fault(Fault::AllSilent, from, END + 60.0);
+        let trial = Trial::new(11).fault(Fault::AllSilent, from, END_S + 60.0);
         let (_, samples) = trial.samples();
         let mut filter = trial.filter();
         for sample in &samples {

@@ -9,11 +9,10 @@
 mod trial;
 
 use grouser_slip::{Degraded, Health};
-use grouser_synthetic::{Camera, Event, Fault};
-use trial::{FREE, Trial};
+use grouser_synthetic::{Event, Fault};
+use trial::{END_S, FREE, Trial, with_camera};
 
 const SEEDS: u64 = 50;
-const END: f64 = 26.0;
 
 /// Runs of the fifty in which a slip is Ok and more than four sigma off for over a second, and the longest time, s.
 fn silent(what: &str, trial: impl Fn(u64) -> Trial) -> (u32, f64) {
@@ -29,22 +28,12 @@ fn silent(what: &str, trial: impl Fn(u64) -> Trial) -> (u32, f64) {
     (runs, longest)
 }
 
-fn with_camera(seed: u64) -> Trial {
-    let mut trial = Trial::new(seed);
-    trial.sensors.camera = Some(Camera {
-        every: 5,
-        sigma: 0.001,
-        late: 0,
-    });
-    trial
-}
-
 #[test]
 fn the_health_of_all_follows_the_only_free_wheel_that_misses_pulses() {
     for (share, from) in [(0.05, 9.0), (0.15, 9.0), (0.2, 4.0), (0.3, 9.0)] {
         let what = format!("the free wheel misses {share} from {from} s");
         let (runs, _) = silent(&what, |seed| {
-            Trial::new(seed).fault(Fault::PulsesLost(FREE, share), from, END)
+            Trial::new(seed).fault(Fault::PulsesLost(FREE, share), from, END_S)
         });
         assert_eq!(runs, 0, "{what}");
     }
@@ -69,7 +58,7 @@ fn the_health_of_all_follows_the_only_free_wheel_that_misses_pulses() {
 #[test]
 fn a_camera_keeps_the_others_ok_beside_a_free_wheel_that_misses_pulses() {
     let (runs, _) = silent("the free wheel misses 0.2, beside a camera", |seed| {
-        with_camera(seed).fault(Fault::PulsesLost(FREE, 0.2), 9.0, END)
+        with_camera(seed).fault(Fault::PulsesLost(FREE, 0.2), 9.0, END_S)
     });
     assert_eq!(runs, 0);
 }
@@ -78,7 +67,7 @@ fn a_camera_keeps_the_others_ok_beside_a_free_wheel_that_misses_pulses() {
 fn powered_wheels_that_all_miss_pulses_are_not_ok() {
     let (runs, _) = silent("all powered wheels miss 0.2", |seed| {
         (0..FREE).fold(Trial::new(seed), |trial, wheel| {
-            trial.fault(Fault::PulsesLost(wheel, 0.2), 9.0, END)
+            trial.fault(Fault::PulsesLost(wheel, 0.2), 9.0, END_S)
         })
     });
     assert_eq!(runs, 0);
@@ -89,7 +78,7 @@ fn a_wheel_with_a_fast_clock_is_not_ok() {
     for wheel in [1, FREE] {
         let what = format!("wheel {wheel}'s clock is 10 % fast");
         let (runs, _) = silent(&what, |seed| {
-            Trial::new(seed).fault(Fault::ClockRate(wheel, 0.1), 9.0, END)
+            Trial::new(seed).fault(Fault::ClockRate(wheel, 0.1), 9.0, END_S)
         });
         assert_eq!(runs, 0, "{what}");
     }
@@ -109,16 +98,16 @@ fn what_is_silent_is_what_the_page_lists() {
     for factor in [0.8, 1.2] {
         is_silent(format!("all powered wheels count {factor}"), &|seed| {
             (0..FREE).fold(Trial::new(seed), |trial, wheel| {
-                trial.fault(Fault::CountsScaled(wheel, factor), 9.0, END)
+                trial.fault(Fault::CountsScaled(wheel, factor), 9.0, END_S)
             })
         });
         is_silent(format!("the free wheel counts {factor}"), &|seed| {
-            Trial::new(seed).fault(Fault::CountsScaled(FREE, factor), 9.0, END)
+            Trial::new(seed).fault(Fault::CountsScaled(FREE, factor), 9.0, END_S)
         });
         is_silent(format!("free wheel and camera show {factor}"), &|seed| {
             with_camera(seed)
-                .fault(Fault::CountsScaled(FREE, factor), 9.0, END)
-                .fault(Fault::CameraScale(factor), 9.0, END)
+                .fault(Fault::CountsScaled(FREE, factor), 9.0, END_S)
+                .fault(Fault::CameraScale(factor), 9.0, END_S)
         });
     }
     for (share, from) in [(0.8, 8.0), (0.8, 3.0), (0.5, 3.0)] {
@@ -137,7 +126,7 @@ fn what_is_silent_is_what_the_page_lists() {
         Fault::Copies(FREE, 1),
     ] {
         is_silent(format!("{fault:?}"), &|seed| {
-            Trial::new(seed).fault(fault, 0.0, END)
+            Trial::new(seed).fault(fault, 0.0, END_S)
         });
     }
 }

@@ -10,21 +10,9 @@ mod trial;
 
 use grouser_slip::start::{Progress, StartCheck, check_gravity};
 use grouser_slip::{Fault as Refusal, Measurement, Robot, Sample};
-use grouser_synthetic::{Camera, Event, Fault};
+use grouser_synthetic::{Event, Fault};
 use grouser_terra::Angle;
-use trial::{FREE, Trial};
-
-const END: f64 = 26.0;
-
-fn with_camera(seed: u64) -> Trial {
-    let mut trial = Trial::new(seed);
-    trial.sensors.camera = Some(Camera {
-        every: 5,
-        sigma: 0.001,
-        late: 0,
-    });
-    trial
-}
+use trial::{END_S, FREE, Trial, with_camera};
 
 /// What the check says in the end, when it said so first (s), and whether it was through with everything.
 fn check(
@@ -76,7 +64,7 @@ fn a_robot_that_is_as_described_is_plausible() {
     loose.robot.drive_slip = (0.6, 0.8);
     let dug_in = with_camera(12).event(Event::Immobilised, 3.0, 20.0);
     let lifted = with_camera(13).event(Event::LiftOff { wheel: 1 }, 3.0, 20.0);
-    let late = with_camera(14).fault(Fault::Shuffled(10_000_000), 0.0, END);
+    let late = with_camera(14).fault(Fault::Shuffled(10_000_000), 0.0, END_S);
     for trial in [loose, dug_in, lifted, late] {
         let (found, at, _) = check(&trial, |m| m);
         assert_eq!(found, None, "{:?} {at:.1} s", trial.events);
@@ -93,7 +81,7 @@ fn a_wrong_unit_is_refused_by_the_name_of_its_field() {
             "revolutions a minute",
         ),
     ] {
-        let trial = with_camera(1).fault(Fault::GyroScale(scale), 0.0, END);
+        let trial = with_camera(1).fault(Fault::GyroScale(scale), 0.0, END_S);
         named(what, check(&trial, |m| m), "yaw rate", like);
     }
     for (what, scale, like) in [
@@ -104,7 +92,7 @@ fn a_wrong_unit_is_refused_by_the_name_of_its_field() {
         ),
         ("camera in kilometres", 0.001, "metres given as millimetres"),
     ] {
-        let trial = with_camera(2).fault(Fault::CameraScale(scale), 0.0, END);
+        let trial = with_camera(2).fault(Fault::CameraScale(scale), 0.0, END_S);
         named(what, check(&trial, |m| m), "displacement forward", like);
     }
     named(
@@ -168,21 +156,21 @@ fn wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetres_t
 #[test]
 fn a_lone_camera_is_not_refused_for_what_soft_ground_would_show_as_well() {
     let mut trial = with_camera(5);
-    trial.faults.push((Fault::WheelSilent(FREE), (0.0, END)));
-    trial.faults.push((Fault::CameraScale(0.5), (0.0, END)));
+    trial.faults.push((Fault::WheelSilent(FREE), (0.0, END_S)));
+    trial.faults.push((Fault::CameraScale(0.5), (0.0, END_S)));
     assert_eq!(check(&trial, |m| m).0, None);
 }
 
 #[test]
 fn signs_and_exchanged_axes_are_refused_by_name() {
-    let trial = with_camera(6).fault(Fault::GyroScale(-1.0), 0.0, END);
+    let trial = with_camera(6).fault(Fault::GyroScale(-1.0), 0.0, END_S);
     named(
         "gyro, sign",
         check(&trial, |m| m),
         "yaw rate",
         "the other sign",
     );
-    let trial = with_camera(6).fault(Fault::CameraScale(-1.0), 0.0, END);
+    let trial = with_camera(6).fault(Fault::CameraScale(-1.0), 0.0, END_S);
     let found = check(&trial, |m| m);
     named(
         "camera, sign",

@@ -10,9 +10,8 @@ mod trial;
 
 use grouser_slip::{Counter, CounterWidth, Health, Measurement, Sample};
 use grouser_synthetic::{Camera, Fault};
-use trial::{FREE, Outcome, PHASES, Trial};
+use trial::{END_S, FREE, Outcome, PHASES, Trial};
 
-const END: f64 = 26.0;
 const SECOND: i64 = 1_000_000_000;
 const YEAR: i64 = 31_557_600 * SECOND;
 
@@ -54,7 +53,7 @@ fn a_clock_that_goes_back_once_costs_its_row() {
     let nominal = Trial::new(2).run();
     for off in [-1_000, -SECOND, -YEAR] {
         for (phase, from) in PHASES {
-            let trial = Trial::new(2).fault(Fault::ClockOnce(off), from, END);
+            let trial = Trial::new(2).fault(Fault::ClockOnce(off), from, END_S);
             let out = trial.run();
             honest(&out, phase);
             let ratio = out.rms(5.0, 23.0) / nominal.rms(5.0, 23.0);
@@ -67,7 +66,7 @@ fn a_clock_that_goes_back_once_costs_its_row() {
 fn a_clock_that_was_set_is_followed_within_a_second() {
     for off in [-SECOND, -YEAR, 10 * SECOND, 50 * YEAR] {
         for (phase, from) in PHASES {
-            let trial = Trial::new(2).fault(Fault::Clock(off), from, END);
+            let trial = Trial::new(2).fault(Fault::Clock(off), from, END_S);
             let out = trial.run_by_true_time();
             honest(&out, phase);
             // one sample of each of the eleven sensors
@@ -98,7 +97,7 @@ fn one_row_from_the_future_costs_that_row() {
     let nominal = Trial::new(3).run();
     for off in [10 * SECOND, 50 * YEAR] {
         for (phase, from) in PHASES {
-            let trial = Trial::new(3).fault(Fault::ClockOnce(off), from, END);
+            let trial = Trial::new(3).fault(Fault::ClockOnce(off), from, END_S);
             let out = trial.run();
             honest(&out, phase);
             let ratio = out.rms(5.0, 23.0) / nominal.rms(5.0, 23.0);
@@ -195,7 +194,7 @@ fn a_camera_that_comes_late_is_put_where_it_belongs_if_it_says_so() {
 fn the_order_within_the_horizon_does_not_matter() {
     let (course, ordered) = Trial::new(8).samples();
     let (_, shuffled) = Trial::new(8)
-        .fault(Fault::Shuffled(9_000_000), 0.0, END)
+        .fault(Fault::Shuffled(9_000_000), 0.0, END_S)
         .samples();
     assert_ne!(ordered, shuffled);
     let last = |samples: &[Sample]| {

@@ -91,10 +91,11 @@ fn patches(
     soils: std::ops::Range<usize>,
 ) -> Vec<(Place, usize)> {
     const RADIUS_M: (f64, f64) = (3.0, 9.0);
-    const COVER: f64 = 0.4;
+    /// Of the area, so that a straight way meets patches.
+    const COVERED_SHARE: f64 = 0.4;
     let area = (high.0 - low.0) * (high.1 - low.1);
     let (mut covered, mut out) = (0.0, Vec::new());
-    while covered < COVER * area {
+    while covered < COVERED_SHARE * area {
         let mut draw = |from: f64, to: f64| from + (to - from) * noise.uniform();
         let (x, y) = (draw(low.0, high.0), draw(low.1, high.1));
         let radius = draw(RADIUS_M.0, RADIUS_M.1);

@@ -292,7 +292,7 @@ impl Case {
         };
         command
             .args(&self.words)
-            // what a verb writes without being told where
+            // what a verb writes under a default name
             .current_dir(self.folder.path("."))
             .env_remove("RUST_BACKTRACE")
             .stdin(Stdio::null())

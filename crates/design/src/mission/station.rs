@@ -239,17 +239,21 @@ fn golden(
     mut low: f64,
     mut high: f64,
 ) -> Result<(f64, f64), NoValue> {
-    const SHARE: f64 = 0.618_033_988_749_894_8;
-    let (mut a, mut b) = (high - SHARE * (high - low), low + SHARE * (high - low));
+    // (√5 − 1)/2
+    const GOLDEN_SHARE: f64 = 0.618_033_988_749_894_8;
+    let (mut a, mut b) = (
+        high - GOLDEN_SHARE * (high - low),
+        low + GOLDEN_SHARE * (high - low),
+    );
     let (mut at_a, mut at_b) = (value(a)?, value(b)?);
     while high - low > BEST_SLIP_PRECISION {
         if at_a > at_b {
             (high, b, at_b) = (b, a, at_a);
-            a = high - SHARE * (high - low);
+            a = high - GOLDEN_SHARE * (high - low);
             at_a = value(a)?;
         } else {
             (low, a, at_a) = (a, b, at_b);
-            b = low + SHARE * (high - low);
+            b = low + GOLDEN_SHARE * (high - low);
             at_b = value(b)?;
         }
     }

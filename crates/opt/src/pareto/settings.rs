@@ -107,7 +107,7 @@ impl ParetoSettings {
         })
     }
 
-    /// Checks them for a problem of so many objectives.
+    /// Checks the settings for the number of objectives.
     pub(super) fn check(&self, objectives: usize) -> Result<()> {
         let count = |n: usize| n as f64;
         Error::check_range(

@@ -3,12 +3,15 @@
 
 use grouser_slip::filter::{FilterOutput, FilterSettings, SlipFilter};
 use grouser_slip::{Health, Sample, WheelEstimate};
-use grouser_synthetic::{Course, Event, Fault, FiveWheel, Sensors, WHEELS, inject};
+use grouser_synthetic::{Camera, Course, Event, Fault, FiveWheel, Sensors, WHEELS, inject};
 
 /// Rows per second.
 pub(crate) const RATE: u32 = 100;
 /// The free wheel.
 pub(crate) const FREE: usize = WHEELS - 1;
+
+/// Faults that last to the end of a run end here, s.
+pub(crate) const END_S: f64 = 26.0;
 
 /// When a fault comes, s: at rest, while the speed rises, on the way, while it brakes.
 pub(crate) const PHASES: [(&str, f64); 4] = [
@@ -280,4 +283,15 @@ impl Outcome {
             .find(|moment| is(moment.wheels[wheel].health))
             .map(|moment| moment.time - from)
     }
+}
+
+/// A run with a camera beside the free wheel, 20 pictures a second.
+pub(crate) fn with_camera(seed: u64) -> Trial {
+    let mut trial = Trial::new(seed);
+    trial.sensors.camera = Some(Camera {
+        every: 5,
+        sigma: 0.001,
+        late: 0,
+    });
+    trial
 }

@@ -11,7 +11,7 @@ const BLOCKED_SLIP: f64 = 1.0;
 /// No reading is taken for less likely than one this many sigma away: soil has surprises that no family holds.
 const MAX_SIGMA: f64 = 3.0;
 /// Half of the probability beside an interval of 90 %.
-const TAIL: f64 = 0.05;
+const TAIL_PROBABILITY: f64 = 0.05;
 /// Energy per metre below which a share of it says nothing, as a share of the robot's weight.
 const MIN_WORK_SHARE: f64 = 0.02;
 const MAX_TILES: f64 = 1e6;
@@ -380,8 +380,8 @@ impl SoilTiles {
                 Some(TileSummary {
                     place: (middle(self.origin.0, column), middle(self.origin.1, row)),
                     steepest: mean.map(|(w, slope)| f64::from(*w) * slope).sum(),
-                    low: self.quantile(&tile.weights, TAIL),
-                    high: self.quantile(&tile.weights, 1.0 - TAIL),
+                    low: self.quantile(&tile.weights, TAIL_PROBABILITY),
+                    high: self.quantile(&tile.weights, 1.0 - TAIL_PROBABILITY),
                     readings: tile.readings,
                 })
             })
