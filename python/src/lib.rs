@@ -20,6 +20,7 @@ mod sample;
 mod settings_text;
 mod slip;
 mod soil;
+mod terrain;
 mod wheel;
 mod workers;
 
@@ -39,6 +40,7 @@ mod _core {
         sample::Sample,
         slip::{OnBoard, SlipFilter},
         soil::{Soil, catalogue_keys},
+        terrain::{SlipMap, SlipMapper},
         wheel::Wheel,
     };
 }
