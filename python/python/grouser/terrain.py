@@ -1,5 +1,10 @@
 """Slip maps of real terrain and ways over them: what `grouser map` and `grouser plan` compute, on arrays.
 
+A tile with an overlap of `mapper.reach` cells has the same numbers as the whole, so that tiles can be computed
+anywhere (`examples/engines/with_dask_map.py`).
+
+Examples
+--------
 >>> import numpy as np
 >>> from grouser import soils, terrain
 >>> mapper = terrain.SlipMapper("examples/robots/skid-steer.toml", soils.find("sandy-loam"), cell_m=1.0, headings=4)
@@ -10,9 +15,6 @@
 >>> way = terrain.plan(found, start_m=(3.5, 3.5), goal_m=(12.5, 8.5)).route
 >>> bool(way.energy_j > 0.0)
 True
-
-A tile with an overlap of `mapper.reach` cells has the same numbers as the whole, so that tiles can be computed
-anywhere (`examples/engines/with_dask_map.py`).
 """
 
 from __future__ import annotations
