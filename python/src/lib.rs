@@ -12,6 +12,7 @@ mod contact;
 mod drive;
 mod error;
 mod figure;
+mod fleet;
 mod identify;
 mod logs;
 mod optimize;
@@ -33,6 +34,7 @@ mod _core {
         contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},
         figure::chart_svg,
+        fleet::Fleet,
         identify::identify,
         logs::{Engine, estimate, read_samples},
         optimize::{solve, solve_file, solve_front, solve_many},

@@ -6,6 +6,7 @@ import numpy.typing as npt
 
 __all__ = [
     "Engine",
+    "Fleet",
     "OnBoard",
     "OperatingPoint",
     "Robot",
@@ -437,3 +438,10 @@ class SlipMap:
         headings_deg: tuple[float | None, float | None],
         alternatives: int,
     ) -> dict[str, Any]: ...
+
+@final
+class Fleet:
+    def __new__(cls, scenario: Scenario, seeds: Sequence[int], threads: int) -> Fleet: ...
+    def reset(self, indices: Sequence[int], seeds: Sequence[int]) -> None: ...
+    def advance(self, commands: _Floats, periods: int, moves: Sequence[bool]) -> None: ...
+    def state(self) -> tuple[_Floats, _Floats, _Floats, list[str | None]]: ...
