@@ -34,7 +34,7 @@ fn log(folder: &Path, name: &str, has_camera: bool) -> Log {
     let mut text = std::fs::read_to_string(root().join("examples/robotino/columns.toml")).unwrap();
     if !has_camera {
         let kept = text.lines().filter(|line| !line.contains("displacement_"));
-        text = kept.map(|line| format!("{line}\n")).collect();
+        text = kept.flat_map(|line| [line, "\n"]).collect();
     }
     let map = columns::parse(&Document::from_text("columns.toml", text).unwrap()).unwrap();
     Log::find(&[folder.join(format!("{name}.csv.gz"))], map).unwrap()
@@ -135,7 +135,7 @@ fn grounds_that_do_not_fit_are_refused() {
         return;
     };
     let runs = ROBOTINO.map(|name| (folder.as_path(), name));
-    let (known, _) = learn(&runs[..3]);
+    let (known, _) = learn(&runs[..4]);
     let (table, robot) = (log(&folder, ROBOTINO[0], false), example("robotino").robot);
     let by = |known: &KnownGrounds, options: &Options| {
         slips_by_known_grounds(&table, &robot, options, known).unwrap_err()
@@ -173,7 +173,7 @@ fn grounds_that_do_not_fit_are_refused() {
         ("effort_a", "effort_v", "no such key as `effort_v`"),
         ("slip = 0.", "slip = 1.", "must lie in"),
         ("ripple_hz = ", "ripple_hz = -", "must lie in"),
-        ("coverage = 1.0", "coverage = 1.5", "must lie in"),
+        ("coverage = ", "coverage = 1", "must lie in"),
     ] {
         let text = whole.replacen(old, new, 1);
         assert_ne!(text, whole, "{old}");
