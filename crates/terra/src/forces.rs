@@ -51,8 +51,14 @@ impl<R: Scalar> Contact<R> {
 impl Contact<f64> {
     /// Forces in plain numbers: eight nodes at a time, in reference mode one by one.
     pub(crate) fn forces_by(&self, rules: Option<&ExponentTables>, order: Order) -> Forces {
+        let lanes = EightNodes::best();
+        if order == Order::Simulation
+            && let Some(plan) = self.quick()
+        {
+            return self.assemble(&self.with_lost_work(lanes.quick(&plan)));
+        }
         let integrals = if order <= Order::Check {
-            self.integrals(rules, order, &EightNodes::best())
+            self.integrals(rules, order, &lanes)
         } else {
             self.integrals(rules, order, &OneByOne)
         };

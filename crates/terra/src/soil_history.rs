@@ -1,5 +1,6 @@
 //! Soil that a wheel has not finished digging, or that wheels have passed before.
 
+use crate::caution::Cautions;
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
@@ -89,6 +90,41 @@ impl WheelOnSoil {
         let mut point = self.point_after(theta_1, kinematics, history);
         point.sinkage = sinkage;
         Ok(point)
+    }
+
+    /// Forces at a sinkage (m) on soil with a history, and the side force with the ploughed soil's part
+    /// ([`OperatingPoint::side_force`]), N: all that a step in time needs of an operating point.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::forces_after`].
+    ///
+    /// ```
+    /// use grouser_terra::{
+    ///     Accuracy, Kinematics, RigidWheel, Settings, SoilHistory, WheelOnSoil, catalogue,
+    /// };
+    ///
+    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+    /// let settings = Settings { accuracy: Accuracy::Simulation, ..Settings::default() };
+    /// let on_soil = WheelOnSoil::new(RigidWheel::new(0.1, 0.05)?, sand, settings)?;
+    /// let drifting = Kinematics::from_speeds(0.08, 0.03, 0.1)?;
+    /// let steady = SoilHistory::steady(drifting);
+    /// let (forces, side) = on_soil.forces_and_side_after(0.02, &drifting, &steady)?;
+    /// let exact = on_soil.at_sinkage(0.02, &drifting)?;
+    /// assert!((side - exact.side_force).abs() < 1e-6 * forces.vertical_force);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    pub fn forces_and_side_after(
+        &self,
+        sinkage: f64,
+        kinematics: &Kinematics,
+        history: &SoilHistory,
+    ) -> Result<(Forces, f64)> {
+        let theta_1 = self.entry_angle(sinkage)?;
+        self.check_history(history)?;
+        let contact = self.contact_after(theta_1, kinematics, history);
+        let forces = self.forces_of(&contact, kinematics);
+        let side = self.side_force(&contact, &forces, kinematics, &mut Cautions::default());
+        Ok((forces, side))
     }
 
     fn check_history(&self, history: &SoilHistory) -> Result<()> {

@@ -134,6 +134,7 @@ impl WheelOnSoil {
 
     pub(crate) fn order(&self) -> Order {
         match self.settings.accuracy {
+            Accuracy::Simulation => Order::Simulation,
             Accuracy::Standard => Order::Standard,
             Accuracy::Reference => Order::Reference,
         }
@@ -206,6 +207,7 @@ impl WheelOnSoil {
         let theta_1 = contact.angles().theta_1;
         let forces = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {
+            Accuracy::Simulation => Order::Standard,
             Accuracy::Standard => Order::Check,
             Accuracy::Reference => Order::Beyond,
         };
@@ -248,7 +250,7 @@ impl WheelOnSoil {
     }
 
     /// −sign(v_y) [r b ∫ |τ_y| + κ ∫ R_b (r − h cos θ)], N.
-    fn side_force(
+    pub(crate) fn side_force(
         &self,
         contact: &Contact<f64>,
         forces: &Forces,

@@ -3,7 +3,7 @@
 //! Semi-implicit Euler at a fixed step: forces at the present state, new speeds from them, new places from the new
 //! speeds. The stiffest part is soil under a light wheel, some 200 rad/s, so that 1 ms lies far inside its limit.
 
-use grouser_terra::{Settings, WheelOnSoil};
+use grouser_terra::{Accuracy, Settings, WheelOnSoil};
 
 use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
 use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
@@ -131,6 +131,10 @@ impl Vehicle {
         step: f64,
     ) -> Result<Self> {
         Error::check("simulation", "step", step, (1e-5, 5e-3), "s")?;
+        let settings = Settings {
+            accuracy: Accuracy::Simulation,
+            ..Settings::default()
+        };
         let mut pairs = Vec::new();
         for mount in &model.wheels {
             let of = |source| Error::Law {
@@ -140,7 +144,7 @@ impl Vehicle {
             let row: Result<Vec<_>> = ground
                 .soils()
                 .iter()
-                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, Settings::default()).map_err(of))
+                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, settings).map_err(of))
                 .collect();
             pairs.push(row?);
         }
@@ -187,6 +191,24 @@ impl Vehicle {
             step,
             steps: 0,
         })
+    }
+
+    /// Computes the wheels' forces with another accuracy than [`Accuracy::Simulation`], for comparisons.
+    ///
+    /// # Errors
+    /// None in practice: wheels and soils have been checked.
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) -> Result<()> {
+        for pair in self.pairs.iter_mut().flatten() {
+            let settings = Settings {
+                accuracy,
+                ..*pair.settings()
+            };
+            *pair = WheelOnSoil::new(*pair.wheel(), *pair.soil(), settings).map_err(|source| {
+                let of = "a wheel".to_owned();
+                Error::Law { of, source }
+            })?;
+        }
+        Ok(())
     }
 
     /// The robot.

@@ -18,7 +18,7 @@
 //! - *Unloading*: soil that was pressed to z_p gives back along a line `unloading` times as steep as the load's
 //!   own; rolling forgets z_p over L.
 
-use grouser_terra::{Forces, Kinematics, RigidWheel, SoilHistory, WheelOnSoil};
+use grouser_terra::{Kinematics, RigidWheel, SoilHistory, WheelOnSoil};
 
 /// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
 /// few kilogrammes a wheel.
@@ -226,14 +226,11 @@ impl WheelContact {
     /// The steady forces at slip `s` (of forward rolling) and drift `w`, by the direction of rolling.
     fn steady(&self, pair: &WheelOnSoil, soil: &SoilUnder, [s, w]: [f64; 2]) -> WheelLoad {
         let travel = self.travel;
-        let is_undisturbed = soil.settling_way == 0.0 && soil.k_shear == 1.0;
         let [dug, drift] = self.dug;
         // by the direction of rolling, as the slip
-        let past = |sign: f64| {
-            (!is_undisturbed).then_some(Past {
-                dug: [sign * dug, drift],
-                k_shear: soil.k_shear,
-            })
+        let past = |sign: f64| Past {
+            dug: [sign * dug, drift],
+            k_shear: soil.k_shear,
         };
         if self.direction >= 1.0 {
             let (load, resistance) = one_way(pair, self.pressed, [s, w], past(1.0));
@@ -294,43 +291,17 @@ fn motion_at([s, w]: [f64; 2]) -> grouser_terra::Result<Kinematics> {
     Kinematics::from_speeds(travel, w, rim)
 }
 
-/// The laws on soil with a history.
-fn after(
-    pair: &WheelOnSoil,
-    sinkage: f64,
-    kinematics: &Kinematics,
-    drift: f64,
-    past: &Past,
-) -> grouser_terra::Result<(Forces, f64)> {
-    let history = SoilHistory::steady(motion_at(past.dug)?).with_k_shear_factor(past.k_shear);
-    if drift.abs() > MIN_BULLDOZING_RATIO && pair.soil().params().unit_weight.is_some() {
-        let point = pair.at_sinkage_after(sinkage, kinematics, &history)?;
-        return Ok((point.forces, point.side_force));
-    }
-    let forces = pair.forces_after(sinkage, kinematics, &history)?;
-    let sideways = if drift == 0.0 { 0.0 } else { -drift.signum() };
-    Ok((forces, sideways * forces.side_shear))
-}
-
 /// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards: the load with the thrust
 /// alone along, and the resistance of the soil in front, N.
-fn one_way(
-    pair: &WheelOnSoil,
-    sinkage: f64,
-    [s, w]: [f64; 2],
-    past: Option<Past>,
-) -> (WheelLoad, f64) {
+fn one_way(pair: &WheelOnSoil, sinkage: f64, [s, w]: [f64; 2], past: Past) -> (WheelLoad, f64) {
     let drift = if w.abs() < MIN_DRIFT_RATIO { 0.0 } else { w };
-    let found = motion_at([s, drift]).and_then(|kinematics| {
-        if let Some(past) = past {
-            return after(pair, sinkage, &kinematics, drift, &past);
+    let found = motion_at([s, drift]).and_then(|motion| {
+        let dug_by = motion_at(past.dug)?;
+        let history = SoilHistory::steady(dug_by).with_k_shear_factor(past.k_shear);
+        if drift.abs() > MIN_BULLDOZING_RATIO {
+            return pair.forces_and_side_after(sinkage, &motion, &history);
         }
-        // Only bulldozing needs the whole operating point.
-        if drift.abs() > MIN_BULLDOZING_RATIO && pair.soil().params().unit_weight.is_some() {
-            let point = pair.at_sinkage(sinkage, &kinematics)?;
-            return Ok((point.forces, point.side_force));
-        }
-        let forces = pair.forces_at(sinkage, &kinematics)?;
+        let forces = pair.forces_after(sinkage, &motion, &history)?;
         let sideways = if drift == 0.0 { 0.0 } else { -drift.signum() };
         Ok((forces, sideways * forces.side_shear))
     });

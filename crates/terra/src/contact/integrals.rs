@@ -29,6 +29,8 @@ pub(crate) struct Integrals<R> {
 /// How finely to integrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
+    /// To 1e-6 of the forces by the quick kernel, else as `Standard`.
+    Simulation,
     /// The coarsest rule that is good to 1e-9 of the forces.
     Standard,
     /// The next finer rule, to estimate the error of `Standard`.
@@ -92,7 +94,9 @@ impl<R: Scalar> Contact<R> {
         nodes: &impl Nodes<R>,
     ) -> Integrals<R> {
         let smooth = match (rules, order) {
-            (Some(rules), Order::Standard | Order::Check) => self.smooth_rules(rules, order),
+            (Some(rules), Order::Simulation | Order::Standard | Order::Check) => {
+                self.smooth_rules(rules, order)
+            }
             _ => None,
         };
         match smooth {

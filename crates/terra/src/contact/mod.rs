@@ -9,6 +9,7 @@ mod jump;
 pub(crate) mod ladder;
 pub(crate) mod lean;
 mod panels;
+pub(crate) mod quick;
 mod rear;
 mod stress_position;
 

@@ -63,7 +63,7 @@ impl<R: Scalar> Contact<R> {
     /// Both pieces cut wherever the shear changes sign or its growth, each part by a Gauss-Legendre rule.
     pub(super) fn split(&self, order: Order, nodes: &impl Nodes<R>) -> Integrals<R> {
         let (rule, detail) = match order {
-            Order::Standard => (LEGENDRE_16.view(), Detail::Standard),
+            Order::Simulation | Order::Standard => (LEGENDRE_16.view(), Detail::Standard),
             Order::Check => (LEGENDRE_32.view(), Detail::Standard),
             Order::Reference => (LEGENDRE_32.view(), Detail::Fine),
             Order::Beyond => (LEGENDRE_32.view(), Detail::Finer),

@@ -17,6 +17,7 @@ use super::forces::{self, ForceSheet};
 use super::load::{self, LoadSheet, Start};
 use super::nodes;
 use super::plan::Chunk;
+use crate::contact::quick::QuickPlan;
 use crate::contact::{Contact, Integrals, Panel};
 use crate::quadrature::RuleView;
 
@@ -108,6 +109,19 @@ impl Level {
         }
     }
 
+    /// [`nodes::quick`].
+    pub(super) fn quick_nodes(self, plan: &QuickPlan) -> Integrals<f64> {
+        match self {
+            Self::Portable => nodes::quick::<Lanes>(plan),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { quick_avx2(plan) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { quick_avx512(plan) },
+        }
+    }
+
     /// [`nodes::panel`].
     pub(super) fn panel_nodes(
         self,
@@ -181,4 +195,16 @@ fn smooth_avx512(
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
 fn panel_avx512(contact: &Contact<f64>, panel: Panel, rule: RuleView<'_>) -> Integrals<f64> {
     nodes::panel::<avx512::Avx512>(contact, panel, rule)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn quick_avx2(plan: &QuickPlan) -> Integrals<f64> {
+    nodes::quick::<avx2::Avx2>(plan)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn quick_avx512(plan: &QuickPlan) -> Integrals<f64> {
+    nodes::quick::<avx512::Avx512>(plan)
 }

@@ -1,0 +1,129 @@
+//! Forces for steps in time against reference mode, over random contacts of every motion that a robot meets.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_terra::{
+    Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil,
+};
+
+/// A stream of numbers in [0, 1) from a seed: SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+fn error(found: &Forces, exact: &Forces, radius: f64) -> f64 {
+    let size = |f: &Forces| {
+        let torque = f.torque.abs() / radius;
+        f.vertical_force.abs().max(f.drawbar_pull.abs()).max(torque)
+    };
+    let off = [
+        found.vertical_force - exact.vertical_force,
+        found.drawbar_pull - exact.drawbar_pull,
+        (found.torque - exact.torque) / radius,
+        found.side_shear - exact.side_shear,
+    ];
+    off.into_iter().map(f64::abs).fold(0.0, f64::max) / size(exact)
+}
+
+/// A wheel, a sinkage and a motion.
+fn draw(random: &mut Random) -> (WheelOnSoil, WheelOnSoil, f64, Kinematics) {
+    let radius = random.log(0.03, 0.4);
+    let wheel = RigidWheel::new(radius, random.log(0.02, 0.4)).unwrap();
+    let mut params = SoilParams::bekker(
+        random.between(0.0, 5e4),
+        random.log(5e4, 3e6),
+        random.between(0.4, 1.6),
+    );
+    params.cohesion = if random.next() < 0.3 {
+        0.0
+    } else {
+        random.log(10.0, 1e4)
+    };
+    params.phi = Angle::from_deg(random.between(15.0, 42.0));
+    params.k_shear = random.log(0.004, 0.05);
+    params.c_1 = random.between(0.1, 0.6);
+    params.c_2 = random.between(0.0, 0.4);
+    params.rebound = if random.next() < 0.5 {
+        0.0
+    } else {
+        random.between(0.0, 0.3)
+    };
+    let soil = Soil::new(params).unwrap();
+    let at = |accuracy| {
+        WheelOnSoil::new(
+            wheel,
+            soil,
+            Settings {
+                accuracy,
+                ..Settings::default()
+            },
+        )
+        .unwrap()
+    };
+    let sinkage = radius * random.log(1e-3, 0.5);
+    let slip = match random.next() {
+        ..0.25 => random.between(-0.05, 0.05),
+        ..0.5 => random.between(-0.5, 0.0),
+        _ => random.between(0.0, 1.0),
+    };
+    let drift = match random.next() {
+        ..0.25 => 0.0,
+        ..0.5 => random.between(-0.5, 0.5),
+        _ => random.log(1e-6, 1.0),
+    };
+    let (travel, rim) = if slip >= 0.0 {
+        (1.0 - slip, 1.0)
+    } else {
+        (1.0, 1.0 + slip)
+    };
+    let motion = Kinematics::from_speeds(travel, drift, rim).unwrap();
+    (
+        at(Accuracy::Simulation),
+        at(Accuracy::Reference),
+        sinkage,
+        motion,
+    )
+}
+
+/// `GROUSER_SIMULATION_CASES=100000` in release found the limits of the quick kernel.
+#[test]
+fn forces_for_steps_in_time_are_good_to_1e_6() {
+    let cases = std::env::var("GROUSER_SIMULATION_CASES");
+    let count = cases.map_or(4000, |count| count.parse().unwrap());
+    let mut random = Random(1);
+    let mut worst = (0.0, String::new());
+    let mut apart = 0;
+    for _ in 0..count {
+        let (quick, exact, sinkage, motion) = draw(&mut random);
+        let found = quick.forces_at(sinkage, &motion).unwrap();
+        let reference = exact.forces_at(sinkage, &motion).unwrap();
+        let off = error(&found, &reference, quick.wheel().radius());
+        apart += u32::from(off > 1e-11);
+        if off > worst.0 {
+            worst = (
+                off,
+                format!("{sinkage} {motion:?} {:?}", quick.soil().params()),
+            );
+        }
+        let balance = found.energy_residual / quick.wheel().radius();
+        assert!(balance.abs() <= 1e-12 * found.vertical_force.abs().max(found.drawbar_pull.abs()));
+    }
+    assert!(worst.0 <= 1e-6, "{worst:?}");
+    // the quick kernel has served most of them
+    assert!(apart > count / 2, "{apart}");
+}
