@@ -144,7 +144,7 @@ impl GroundChange {
 }
 
 /// x of A x = b for a symmetric positive definite A, by elimination; `None` where it is not.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
+pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     let n = b.len();
     for k in 0..n {
         if !(a[k][k] > 0.0) {

@@ -84,7 +84,7 @@ pub(super) fn by_known(
     let doubts = doubts(&known, &found);
     let of = Found {
         known: &known,
-        found: &found,
+        slips: &found,
         doubts: &doubts,
     };
     let is_empty = found.stretches.is_empty();
@@ -151,7 +151,7 @@ fn doubts(known: &KnownGrounds, found: &GroundSlips) -> Vec<String> {
 #[derive(Clone, Copy)]
 struct Found<'a> {
     known: &'a KnownGrounds,
-    found: &'a GroundSlips,
+    slips: &'a GroundSlips,
     doubts: &'a [String],
 }
 
@@ -162,7 +162,7 @@ fn text(request: &Request, of: Found<'_>) -> String {
     let mut text = format!(
         "{}: slip of {:.1} s by the motors, from {} stretches of known slip\n\n",
         request.robot.robot.name(),
-        of.found.duration_s,
+        of.slips.duration_s,
         of.known.grounds.len(),
     );
     for doubt in of.doubts {
@@ -170,7 +170,7 @@ fn text(request: &Request, of: Found<'_>) -> String {
     }
     let _ = writeln!(text, "{NOT_OBSERVABLE}\n{}", held_back(of.known));
     let rows: Vec<_> = of
-        .found
+        .slips
         .stretches
         .iter()
         .map(|slip| (of.known, slip))
@@ -182,7 +182,7 @@ fn text(request: &Request, of: Found<'_>) -> String {
             nearest(of.0, of.1)
         });
     text.push_str(&table.table(rows));
-    for time_s in &of.found.ground_changes_s {
+    for time_s in &of.slips.ground_changes_s {
         let _ = writeln!(text, "another ground from {time_s:.1} s on, by the motors");
     }
     text
@@ -190,10 +190,10 @@ fn text(request: &Request, of: Found<'_>) -> String {
 
 fn fields<'a>() -> Fields<'a, Found<'a>> {
     fields! { |of: Found<'a>|
-        "duration_s" "length of the log" = of.found.duration_s;
+        "duration_s" "length of the log" = of.slips.duration_s;
         "stretches" "each stretch of one command on one ground" rows(stretch()) =
-            of.found.stretches.iter().map(move |slip| (of.known, slip));
-        "ground_changes_s" "when torques or motor currents showed another ground" = of.found.ground_changes_s.clone();
+            of.slips.stretches.iter().map(move |slip| (of.known, slip));
+        "ground_changes_s" "when torques or motor currents showed another ground" = of.slips.ground_changes_s.clone();
         "coverage" "share of the seconds in runs left out that lay in their interval; null of too few runs" = of.known.coverage;
         "half_width" "median half-width of those intervals" = of.known.half_width;
         "not_observable" "what the motors cannot show" = NOT_OBSERVABLE;

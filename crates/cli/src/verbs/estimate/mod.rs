@@ -136,33 +136,8 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let request = request(arguments, session)?;
-    let jobs = [
-        (&arguments.calibrate_radius, Job::Radius),
-        (&arguments.calibrate, Job::Geometry),
-        (&arguments.calibrate_intervals, Job::Intervals),
-    ];
-    if let Some((target, job)) = jobs
-        .into_iter()
-        .find_map(|(target, job)| Some((target.as_ref()?, job)))
-    {
-        let files = calibration::Files {
-            logs: &arguments.logs,
-            robot: &arguments.robot,
-            target,
-        };
-        return calibration::run(job, &files, &request, session);
-    }
-    if let Some(target) = &arguments.learn_ground {
-        let files = calibration::Files {
-            logs: &arguments.logs,
-            robot: &arguments.robot,
-            target,
-        };
-        return ground::learn(&files, &request, session);
-    }
-    if let Some(file) = &arguments.known_ground {
-        let log = request.log(&arguments.logs)?;
-        return ground::by_known(&log, file, &request, session);
+    if let Some(report) = job_beside(arguments, &request, session)? {
+        return Ok(report);
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
@@ -244,6 +219,43 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
     })
+}
+
+/// A calibration, or what the motors show of grounds: instead of an estimate.
+fn job_beside(
+    arguments: &Arguments,
+    request: &Request,
+    session: &mut Session,
+) -> Result<Option<Report>> {
+    let jobs = [
+        (&arguments.calibrate_radius, Job::Radius),
+        (&arguments.calibrate, Job::Geometry),
+        (&arguments.calibrate_intervals, Job::Intervals),
+    ];
+    if let Some((target, job)) = jobs
+        .into_iter()
+        .find_map(|(target, job)| Some((target.as_ref()?, job)))
+    {
+        let files = calibration::Files {
+            logs: &arguments.logs,
+            robot: &arguments.robot,
+            target,
+        };
+        return calibration::run(job, &files, request, session).map(Some);
+    }
+    if let Some(target) = &arguments.learn_ground {
+        let files = calibration::Files {
+            logs: &arguments.logs,
+            robot: &arguments.robot,
+            target,
+        };
+        return ground::learn(&files, request, session).map(Some);
+    }
+    if let Some(file) = &arguments.known_ground {
+        let log = request.log(&arguments.logs)?;
+        return ground::by_known(&log, file, request, session).map(Some);
+    }
+    Ok(None)
 }
 
 /// The names of a log's files, as its report is called.
