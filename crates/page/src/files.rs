@@ -18,6 +18,7 @@ pub const ALL: &[(&str, &str)] = &[
     file!("format.js"),
     file!("ground.js"),
     file!("index.html"),
+    file!("intervals.js"),
     file!("main.js"),
     file!("optimise.js"),
     file!("palette.js"),
