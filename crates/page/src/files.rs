@@ -16,6 +16,7 @@ pub const ALL: &[(&str, &str)] = &[
     file!("dom.js"),
     file!("explore.js"),
     file!("format.js"),
+    file!("front_space.js"),
     file!("ground.js"),
     file!("index.html"),
     file!("intervals.js"),
