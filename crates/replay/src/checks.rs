@@ -77,6 +77,11 @@ pub enum Doubt {
     AccelerationTurned(f64),
     /// Between two samples lies this time, s: the clock was set, or the log consists of two drives.
     ClockJump(f64),
+    /// In bends wheels of both sides show the speeds of the other side.
+    Exchanged {
+        /// Is it certain that they are exchanged, and not the sign of the gyro?
+        is_certain: bool,
+    },
 }
 
 impl fmt::Display for Doubt {
@@ -101,6 +106,15 @@ impl fmt::Display for Doubt {
                 "where the robot speeds up, the accelerations point {:.0}° to the left of forwards: the mounting of the IMU \
                  is described wrongly",
                 angle.to_degrees()
+            ),
+            Self::Exchanged { is_certain } => write!(
+                f,
+                "in bends wheels show the speeds of the other side: left and right encoders are exchanged{}",
+                if *is_certain {
+                    ""
+                } else {
+                    ", or the yaw rate has the wrong sign"
+                }
             ),
             Self::ClockJump(gap_s) => write!(
                 f,

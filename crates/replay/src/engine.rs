@@ -8,6 +8,7 @@ use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRol
 use crate::axes::AxisWatch;
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
+use crate::exchange_watch::ExchangeWatch;
 use crate::fusion::Fusion;
 use crate::ground_watch::GroundWatch;
 use crate::method::Method;
@@ -73,6 +74,7 @@ pub struct Engine {
     tallies: Vec<Tally>,
     ways: Ways,
     turns: Option<TurnWatch>,
+    exchange: Option<ExchangeWatch>,
     axes: AxisWatch,
     ground: GroundWatch,
     corrections: Corrections,
@@ -156,6 +158,7 @@ impl Engine {
         Ok(Self {
             slips,
             turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
+            exchange: ExchangeWatch::new(&robot, settings.window),
             axes: AxisWatch::new(&robot, settings.low_speed),
             ground: GroundWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
@@ -219,6 +222,9 @@ impl Engine {
         }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
             self.axes.take(&sample);
+            if let Some(exchange) = &mut self.exchange {
+                exchange.take(&sample);
+            }
             self.ground.take(&sample);
             if let Some(steering) = &self.steering {
                 for steered in steering.angles(&sample) {
@@ -298,6 +304,9 @@ impl Engine {
             let slips = &self.slips;
             if let Some(turns) = &mut self.turns {
                 turns.take(time_s, &body, |wheel| slips.rim_speed(wheel).unwrap_or(0.0));
+            }
+            if let Some(exchange) = &mut self.exchange {
+                exchange.step(&body, |wheel| slips.rim_speed(wheel));
             }
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
@@ -425,6 +434,7 @@ impl Engine {
             along: self.ways.along(reference != Reference::Grip),
             yaw: self.ways.yaw(),
             turns: self.turns.as_ref().map(TurnWatch::summary),
+            exchange: self.exchange.as_ref().and_then(ExchangeWatch::found),
             axes: self.axes.summary(),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,

@@ -6,10 +6,17 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Why a log gives no slip.
 ///
 /// ```
-/// use grouser_replay::{Error, Stretch, slip_without_reference};
+/// use grouser_replay::{EffortUnit, Error, KnownGrounds, Stretch};
 ///
-/// let stretch = Stretch { current: 1.0, speed: 0.2, across: 0.5, ripple: 1.2 };
-/// assert!(matches!(slip_without_reference(&stretch, &[]), Err(Error::TooFewGrounds { known: 0 })));
+/// let known = KnownGrounds {
+///     robot: "cart".into(),
+///     unit: EffortUnit::Ampere,
+///     grounds: Vec::new(),
+///     coverage: None,
+///     half_width: None,
+/// };
+/// let stretch = Stretch { from_s: 2.0, to_s: 9.0, effort: 1.0, speed: 0.2, roller: None };
+/// assert!(matches!(known.slip(&stretch), Err(Error::TooFewGrounds { known: 0 })));
 /// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -98,11 +105,28 @@ pub enum Error {
     },
     /// What is known of other grounds does not suffice.
     #[error(
-        "{known} stretches of known slip: at least 3 are needed, with positive currents, speeds and ripples"
+        "{known} stretches of known slip: at least 3 are needed, each of 2 s or more under one command, with positive \
+             currents or torques and speeds"
     )]
     TooFewGrounds {
         /// How many there are.
         known: usize,
+    },
+    /// Grounds that another robot has met.
+    #[error("the grounds were learnt by robot `{learnt}`, not by `{robot}`")]
+    OtherRobot {
+        /// The robot that learnt them.
+        learnt: String,
+        /// The robot of the log.
+        robot: String,
+    },
+    /// Currents beside torques.
+    #[error("what the motors draw is in {logged} in this log, but was learnt in {learnt}")]
+    MixedEfforts {
+        /// The unit of the known grounds.
+        learnt: &'static str,
+        /// The unit in the log.
+        logged: &'static str,
     },
     /// A source of true slips that holds none.
     #[error("{source_name}: holds no slip of a wheel of the robot")]
@@ -124,6 +148,18 @@ impl Error {
             Self::File(error) => error.hint(),
             Self::NoTruth { .. } => Some(
                 "a table has `time_s` and `NAME_slip` of each wheel; a topic is grouser_msgs/WheelSlip"
+                    .into(),
+            ),
+            Self::NoReference {
+                reference: "any", ..
+            } => Some(
+                "where motor currents or torques are logged and the grounds were met before with a reference, \
+                 `--known-ground` bounds the slip"
+                    .into(),
+            ),
+            Self::MixedEfforts { .. } => Some(
+                "learn the grounds with the robot file and the column map that the log is read with: \
+                 `torque_per_ampere_nm` of the wheels makes torques of currents"
                     .into(),
             ),
             Self::UnknownWheel {

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 /// Readings are averaged over this time, s: motors hunt, and the noise of a row is that of the rows beside it.
-const BLOCK_TIME_S: f64 = 0.25;
+pub(crate) const BLOCK_TIME_S: f64 = 0.25;
 /// The new mean is that of this long, s; it is compared with this long before it, s.
-const RECENT_BLOCKS: usize = 6;
+pub(crate) const RECENT_BLOCKS: usize = 6;
 const BASELINE_BLOCKS: usize = 16;
 /// Minimum length of the baseline, blocks.
 const MIN_BASELINE_BLOCKS: usize = 4;
@@ -144,7 +144,7 @@ impl GroundChange {
 }
 
 /// x of A x = b for a symmetric positive definite A, by elimination; `None` where it is not.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
+pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     let n = b.len();
     for k in 0..n {
         if !(a[k][k] > 0.0) {

@@ -3,6 +3,7 @@
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 use crate::ground_change::GroundChange;
+use crate::known_ground::EffortUnit;
 
 /// After a command the motors need this long to settle, s.
 const SETTLE_TIME_S: f64 = 2.0;
@@ -14,13 +15,25 @@ const MAX_CHANGES: usize = 1000;
 #[derive(Clone, Debug)]
 pub(crate) struct GroundWatch {
     change: GroundChange,
-    /// Size of the torque or current of each powered wheel.
+    /// Torque or current of each powered wheel.
     efforts: Vec<Option<f64>>,
+    unit: Option<EffortUnit>,
     /// Its rim travel per radian, m, and the size of its rim speed where a rate is measured, m/s.
     rims: Vec<(f64, Option<f64>)>,
     command: Option<([f64; 2], i64)>,
     low_speed: f64,
     called_s: Vec<f64>,
+}
+
+/// Motors that have settled under one command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Settled {
+    /// Sum of the sizes of what the motors draw.
+    pub(crate) effort: f64,
+    /// Is the ground another one now?
+    pub(crate) has_changed: bool,
+    /// When the command was given, ns.
+    pub(crate) since_ns: i64,
 }
 
 impl GroundWatch {
@@ -42,6 +55,7 @@ impl GroundWatch {
             efforts: powered()
                 .map(|is_powered| if is_powered { None } else { Some(0.0) })
                 .collect(),
+            unit: None,
             command: None,
             low_speed,
             called_s: Vec::new(),
@@ -50,17 +64,11 @@ impl GroundWatch {
 
     pub(crate) fn take(&mut self, sample: &Sample) {
         match sample.measurement {
-            Measurement::WheelTorque {
-                wheel,
-                torque: effort,
+            Measurement::WheelTorque { wheel, torque } => {
+                self.take_effort(wheel, torque, EffortUnit::NewtonMetre);
             }
-            | Measurement::MotorCurrent {
-                wheel,
-                share: effort,
-            } => {
-                if let Some(slot) = self.efforts.get_mut(wheel) {
-                    *slot = Some(effort.abs());
-                }
+            Measurement::MotorCurrent { wheel, share } => {
+                self.take_effort(wheel, share, EffortUnit::Ampere);
             }
             Measurement::WheelRate { wheel, rate } => {
                 if let Some((per_radian, speed)) = self.rims.get_mut(wheel) {
@@ -78,27 +86,52 @@ impl GroundWatch {
         }
     }
 
+    fn take_effort(&mut self, wheel: usize, effort: f64, unit: EffortUnit) {
+        if let Some(slot) = self.efforts.get_mut(wheel) {
+            *slot = Some(effort);
+            self.unit = Some(unit);
+        }
+    }
+
     /// Takes the mean size of the powered wheels' rim speeds, m/s, after all samples of one time.
-    pub(crate) fn step(&mut self, now_ns: i64, time_s: f64, rim: f64) {
-        let Some((_, since_ns)) = self.command else {
-            return;
-        };
+    pub(crate) fn step(&mut self, now_ns: i64, time_s: f64, rim: f64) -> Option<Settled> {
+        let (_, since_ns) = self.command?;
         let settled = now_ns.saturating_sub(since_ns) as f64 * 1e-9 >= SETTLE_TIME_S;
         if !(settled && rim > self.low_speed) {
-            return;
+            return None;
         }
-        let Some(effort) = self.efforts.iter().copied().sum::<Option<f64>>() else {
-            return;
-        };
+        let efforts = self
+            .efforts
+            .iter()
+            .map(|effort| Some(effort.as_ref()?.abs()));
+        let effort = efforts.sum::<Option<f64>>().filter(|sum| *sum > 0.0)?;
         // A rate is fresher than the mean over a window.
         let rates = self.rims.iter().map(|rim| rim.1).sum::<Option<f64>>();
         let speed = rates.filter(|sum| *sum > 0.0).unwrap_or(rim);
-        if effort > 0.0
-            && self.change.take(time_s, &[effort.ln(), speed.ln()])
-            && self.called_s.len() < MAX_CHANGES
-        {
+        let has_changed = self.change.take(time_s, &[effort.ln(), speed.ln()]);
+        if has_changed && self.called_s.len() < MAX_CHANGES {
             self.called_s.push(time_s);
         }
+        Some(Settled {
+            effort,
+            has_changed,
+            since_ns,
+        })
+    }
+
+    /// The present command: forwards and to the left, m/s.
+    pub(crate) fn command(&self) -> Option<[f64; 2]> {
+        self.command.map(|(command, _)| command)
+    }
+
+    /// What the motor of a wheel draws now.
+    pub(crate) fn effort(&self, wheel: usize) -> Option<f64> {
+        self.efforts.get(wheel).copied().flatten()
+    }
+
+    /// The unit of what the motors draw; `None` before the first reading.
+    pub(crate) const fn unit(&self) -> Option<EffortUnit> {
+        self.unit
     }
 
     /// When the ground was called another one, s from the log's start.

@@ -34,7 +34,7 @@
 //! | true slips beside the estimates | [`Truth`], [`Compared`] |
 //! | the effective radius; with track and scale of the gyro; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_intervals`] |
 //! | a soil's reading of the slips | [`soil_readings`] |
-//! | slip from currents alone, changes of ground | [`slip_without_reference`], [`GroundChange`] |
+//! | slip from currents on known grounds, changes of ground | [`learn_grounds`], [`slips_by_known_grounds`], [`GroundChange`] |
 //!
 //! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error: [`FusedSummary::doubts`]
 //! names them. The crate draws nothing and writes no files.
@@ -48,12 +48,14 @@ mod choice;
 mod consistency;
 mod engine;
 mod error;
+mod exchange_watch;
 mod fusion;
 mod gather;
 mod geometry;
 mod ground_change;
 mod ground_watch;
 mod intervals;
+mod known_ground;
 pub mod messages;
 mod method;
 mod moment;
@@ -74,7 +76,6 @@ mod summary;
 mod tally;
 mod truth;
 mod turn_watch;
-mod unreferenced;
 mod way_marker;
 mod ways;
 
@@ -85,10 +86,16 @@ pub use choice::{Inputs, unused_currents};
 pub use consistency::Consistency;
 pub use engine::Engine;
 pub use error::{Error, Result};
+pub use exchange_watch::ExchangeCheck;
 pub use fusion::{EventAt, FusedSummary};
 pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
+pub use known_ground::{
+    Coverage, EffortUnit, GroundSlip, GroundSlips, KnownGround, KnownGrounds, Roller, SlipRange,
+    Stretch, learn_grounds, read_known_grounds, roller_ripple, slips_by_known_grounds,
+    to_toml as known_grounds_to_toml,
+};
 pub use method::Method;
 pub use odometry::Odometry;
 pub use options::Options;
@@ -102,4 +109,3 @@ pub use start::{StartOutcome, check_start};
 pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
 pub use truth::{Compared, Truth, TruthError};
 pub use turn_watch::TurnCheck;
-pub use unreferenced::{KnownGround, SlipRange, Stretch, roller_ripple, slip_without_reference};

@@ -6,6 +6,7 @@ use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
 use crate::axes::AxisCheck;
 use crate::checks::{Doubt, MAX_GAP_S};
+use crate::exchange_watch::ExchangeCheck;
 use crate::fusion::FusedSummary;
 use crate::method::Method;
 use crate::odometry::Odometry;
@@ -134,6 +135,9 @@ pub struct Summary {
     /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
     /// wheels' sides.
     pub turns: Option<TurnCheck>,
+    /// Wheels that show the bends of the other side: their encoders are exchanged. `None` without, and without bends to both
+    /// sides.
+    pub exchange: Option<ExchangeCheck>,
     /// Whether accelerometer and reference point in the direction in which the wheels drive.
     pub axes: AxisCheck,
     /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
@@ -157,7 +161,11 @@ impl Summary {
         let of_filter = self.fused.iter().flat_map(|fused| &fused.doubts).copied();
         let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
         // The window estimator does not use accelerations.
+        let exchange = self.exchange.as_ref();
         let axes = [
+            exchange.map(|found| Doubt::Exchanged {
+                is_certain: found.is_certain,
+            }),
             self.axes.reference.map(Doubt::ReferenceTurned),
             acceleration.map(Doubt::AccelerationTurned),
             (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),

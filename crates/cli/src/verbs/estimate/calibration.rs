@@ -43,14 +43,7 @@ pub(super) fn run(
     session: &mut Session,
 ) -> Result<Report> {
     let mut output = OutputFile::create(files.target)?;
-    let mut logs = Vec::new();
-    for path in files.logs {
-        let log = request.log(std::slice::from_ref(path))?;
-        for file in log.files() {
-            session.used_file(file)?;
-        }
-        logs.push(log);
-    }
+    let logs = read_runs(files, request, session)?;
     let Calibrated {
         revision,
         object,
@@ -66,6 +59,23 @@ pub(super) fn run(
     output.finish()?;
     let _ = writeln!(text, "wrote {}", shown(files.target));
     Ok(Report::done(object, text))
+}
+
+/// The log of each run.
+pub(super) fn read_runs(
+    files: &Files<'_>,
+    request: &Request,
+    session: &mut Session,
+) -> Result<Vec<Log>> {
+    let mut logs = Vec::new();
+    for path in files.logs {
+        let log = request.log(std::slice::from_ref(path))?;
+        for file in log.files() {
+            session.used_file(file)?;
+        }
+        logs.push(log);
+    }
+    Ok(logs)
 }
 
 /// What changes in the robot file, and what is said of it.

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod figure;
+mod ground;
 mod mcap;
 mod object;
 mod output;
@@ -102,6 +103,12 @@ pub(crate) struct Arguments {
     /// Write the robot file with the factor with which 90 % intervals hold in these reference runs, each LOG a run
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil", "calibrate_radius", "calibrate"])]
     calibrate_intervals: Option<PathBuf>,
+    /// Write what the motors draw on the grounds of these reference runs, each LOG a run, for `--known-ground`
+    #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "report", "soil", "smooth", "method", "truth", "check", "window_s", "calibrate_radius", "calibrate", "calibrate_intervals"])]
+    learn_ground: Option<PathBuf>,
+    /// Bound the slip by what the motors draw, on grounds that `--learn-ground` has met: where no sensor measures the robot's motion
+    #[arg(long, value_name = "F.toml", conflicts_with_all = ["output", "report", "soil", "smooth", "method", "truth", "check", "window_s", "calibrate_radius", "calibrate", "calibrate_intervals", "learn_ground"])]
+    known_ground: Option<PathBuf>,
 }
 
 fn reference(name: &str) -> std::result::Result<Reference, String> {
@@ -129,21 +136,8 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let request = request(arguments, session)?;
-    let jobs = [
-        (&arguments.calibrate_radius, Job::Radius),
-        (&arguments.calibrate, Job::Geometry),
-        (&arguments.calibrate_intervals, Job::Intervals),
-    ];
-    if let Some((target, job)) = jobs
-        .into_iter()
-        .find_map(|(target, job)| Some((target.as_ref()?, job)))
-    {
-        let files = calibration::Files {
-            logs: &arguments.logs,
-            robot: &arguments.robot,
-            target,
-        };
-        return calibration::run(job, &files, &request, session);
+    if let Some(report) = job_beside(arguments, &request, session)? {
+        return Ok(report);
     }
     let soil = arguments.soil.as_deref().map(|soil| {
         let chosen = soil_choice::choose(soil, &arguments.overrides)?;
@@ -225,6 +219,43 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure: failure(&summary),
         warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
     })
+}
+
+/// A calibration, or what the motors show of grounds: instead of an estimate.
+fn job_beside(
+    arguments: &Arguments,
+    request: &Request,
+    session: &mut Session,
+) -> Result<Option<Report>> {
+    let jobs = [
+        (&arguments.calibrate_radius, Job::Radius),
+        (&arguments.calibrate, Job::Geometry),
+        (&arguments.calibrate_intervals, Job::Intervals),
+    ];
+    if let Some((target, job)) = jobs
+        .into_iter()
+        .find_map(|(target, job)| Some((target.as_ref()?, job)))
+    {
+        let files = calibration::Files {
+            logs: &arguments.logs,
+            robot: &arguments.robot,
+            target,
+        };
+        return calibration::run(job, &files, request, session).map(Some);
+    }
+    if let Some(target) = &arguments.learn_ground {
+        let files = calibration::Files {
+            logs: &arguments.logs,
+            robot: &arguments.robot,
+            target,
+        };
+        return ground::learn(&files, request, session).map(Some);
+    }
+    if let Some(file) = &arguments.known_ground {
+        let log = request.log(&arguments.logs)?;
+        return ground::by_known(&log, file, request, session).map(Some);
+    }
+    Ok(None)
 }
 
 /// The names of a log's files, as its report is called.
@@ -387,7 +418,7 @@ fn warnings(
     let currents = unused_currents(log, &request.robot);
     if !currents.is_empty() {
         out.push(format!(
-            "the motor currents of {} are not used: `torque_per_ampere_nm` of the wheel says what torque they are",
+            "the motor currents of {} show changes of ground alone: `torque_per_ampere_nm` of the wheel makes torques of them",
             currents.join(", ")
         ));
     }
@@ -445,6 +476,7 @@ pub(crate) fn schema() -> serde_json::Value {
     let calibrations = calibration::schemas();
     let all: Vec<_> = std::iter::once(object::fields().schema())
         .chain(calibrations)
+        .chain(ground::schemas())
         .collect();
     serde_json::json!({ "anyOf": all })
 }

@@ -46,11 +46,11 @@ pub(super) fn not_observable(reference: Reference) -> &'static str {
             "no sensor measures the robot's motion: a slip common to all wheels is not observable"
         }
         Reference::FreeWheel => {
-            "not observable: an even error of the free wheel's counts, radius or skid looks like slip of the others; so do \
-             counters that are exchanged"
+            "not observable: an even error of the free wheel's counts, radius or skid looks like slip of the others; so does \
+             a counter that shows another's"
         }
         _ => {
-            "not observable: an even error of the reference's scale looks like slip; so do counters that are exchanged"
+            "not observable: an even error of the reference's scale looks like slip; so does a counter that shows another's"
         }
     }
 }
@@ -70,6 +70,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "along" "slip along the track" group(along()) = &found.summary.along;
         "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
             Part::with(found.summary, found.summary.yaw.as_ref());
+        "exchanged" "wheels of both sides whose encoders show the other side's bends" = exchanged(found.summary);
         "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
         "ground_changes_s" "when torques or motor currents showed another ground" =
             found.summary.ground_changes_s.clone();
@@ -163,6 +164,14 @@ fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
         "says" "the cause" = cause(turns.part, turns.of);
         "log_likelihood_ratio" "how much likelier that cause is than the next" = turns.part.likelier;
     }
+}
+
+/// The names of the wheels whose encoders are exchanged.
+pub(super) fn exchanged(summary: &Summary) -> Vec<String> {
+    let wheels = summary.exchange.iter().flat_map(|found| &found.wheels);
+    wheels
+        .filter_map(|wheel| Some(summary.wheels.get(*wheel)?.name.clone()))
+        .collect()
 }
 
 /// The wheel that slips, or that none can be named.

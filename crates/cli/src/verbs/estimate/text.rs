@@ -51,7 +51,14 @@ pub(super) fn text(
             yaw.window
         );
     }
-    if let Some(turns) = &summary.turns {
+    let exchanged = object::exchanged(summary);
+    if !exchanged.is_empty() {
+        let _ = writeln!(
+            text,
+            "wheels that show the other side's bends: {}",
+            exchanged.join(", ")
+        );
+    } else if let Some(turns) = &summary.turns {
         text.push_str(&apart(turns, summary));
     }
     for time_s in summary.ground_changes_s.iter().take(EVENTS) {

@@ -1,0 +1,200 @@
+//! Are left and right encoders exchanged? In a bend the outer wheels run faster; exchanged ones show the other side's bends.
+
+use grouser_slip::window::WindowBody;
+use grouser_slip::{Measurement, Robot, Sample, WheelRole};
+
+use crate::ground_change::solve;
+
+/// Slower turns are no bends, rad/s: a gyro's bias and noise lie below.
+const MIN_BEND_RAD_PER_S: f64 = 0.05;
+/// The robot must turn by this to each side, rad: a wheel that slips in bends to one side alone looks like an exchanged one.
+const MIN_TURN_RAD: f64 = 0.5;
+/// An exchanged wheel's arm has the other side's sign and at least this share of its length; slip in bends changes the length.
+const MIN_ARM_SHARE: f64 = 0.5;
+/// The other side's bends explain at least this share of what is left of the wheel's speeds.
+const MIN_EXPLAINED_SHARE: f64 = 0.5;
+/// Slips explain all but this share of the yaw rates at most: bends that are all alike show no arms.
+const MIN_FREE_SHARE: f64 = 0.05;
+/// Slips are of the order of 1: this times their square is added to the squares of speeds, m²/s. A robot that turns on the spot
+/// has no other.
+const SLIP_RIDGE: f64 = 1e-4;
+/// A wheel nearer to the middle than this, as a share of the outermost one's distance, shows no side.
+const MIN_SIDE_SHARE: f64 = 0.25;
+/// The turn by the reference beside that by the gyro decides which of both has the wrong sign from this correlation on.
+const MIN_TURN_CORRELATION: f64 = 0.5;
+/// Both are compared over this time, s: long against the delay of a reference.
+const TURN_TIME_S: f64 = 2.0;
+
+/// Wheels that show the bends of the other side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ExchangeCheck {
+    /// Their indices in the robot's order: wheels of both sides.
+    pub wheels: Vec<usize>,
+    /// Is it certain that they are exchanged, because other wheels or the reference turn with the gyro? If not, the sign of the
+    /// gyro may be wrong instead.
+    pub is_certain: bool,
+}
+
+/// Regression of each wheel's speed against the mean of all, in bends, on the robot's speed (its slip), the same with the sign
+/// of the bend (a slip of the inner wheels, which can make them faster than the outer ones), and the yaw rate (its arm).
+#[derive(Clone, Debug)]
+pub(crate) struct ExchangeWatch {
+    /// The powered wheels, and the described arm of each: d(speed against the mean)/d(yaw rate), m.
+    wheels: Vec<usize>,
+    arms: Vec<f64>,
+    window: f64,
+    until_ns: Option<i64>,
+    /// Σ x xᵀ of x = (v, v sign Ω, Ω).
+    moments: [[f64; 3]; 3],
+    /// Of each wheel Σ d x and Σ d².
+    sums: Vec<([f64; 3], f64)>,
+    /// Turns to the left and to the right, rad.
+    turned: [f64; 2],
+    /// Time, turn by the gyro and turn by the reference since both were last compared, s and rad.
+    open: [f64; 3],
+    reference_yaw: Option<f64>,
+    /// Σ gyro², Σ gyro · reference, Σ reference² of turns.
+    turns: [f64; 3],
+}
+
+impl ExchangeWatch {
+    /// `None` for a robot whose wheels do not all point one way, or that has none beside another.
+    pub(crate) fn new(robot: &Robot, window: f64) -> Option<Self> {
+        let all = robot.wheels().iter().enumerate();
+        let powered = all.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
+        let (wheels, rows): (Vec<usize>, Vec<[f64; 3]>) = powered
+            .map(|(index, wheel)| (index, wheel.speed_row()))
+            .unzip();
+        let first = rows.first()?;
+        let parallel = rows
+            .iter()
+            .all(|row| (row[0] - first[0]).hypot(row[1] - first[1]) < 0.02);
+        let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
+        let arms: Vec<f64> = rows.iter().map(|row| row[2] - mean).collect();
+        (parallel && arms.iter().any(|arm| arm.abs() > 1e-3)).then(|| Self {
+            wheels,
+            window,
+            until_ns: None,
+            moments: [[0.0; 3]; 3],
+            sums: vec![([0.0; 3], 0.0); arms.len()],
+            turned: [0.0; 2],
+            open: [0.0; 3],
+            reference_yaw: None,
+            turns: [0.0; 3],
+            arms,
+        })
+    }
+
+    /// The turns that the reference measures.
+    pub(crate) fn take(&mut self, sample: &Sample) {
+        match sample.measurement {
+            Measurement::Pose { yaw, .. } if yaw.is_finite() => {
+                if let Some(before) = self.reference_yaw.replace(yaw) {
+                    let (sin, cos) = (yaw - before).sin_cos();
+                    self.open[2] += sin.atan2(cos);
+                }
+            }
+            Measurement::Displacement {
+                turn: Some(turn), ..
+            } if turn.is_finite() => self.open[2] += turn,
+            _ => {}
+        }
+    }
+
+    /// What is known over the window that ended at `body.until_ns`; `rim` yields each wheel's rim speed over it, m/s.
+    pub(crate) fn step(&mut self, body: &WindowBody, rim: impl Fn(usize) -> Option<f64>) {
+        let (Some(until_ns), Some(yaw_rate)) = (body.until_ns, body.yaw_rate) else {
+            return;
+        };
+        let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
+        let seconds = until_ns.saturating_sub(last_ns) as f64 * 1e-9;
+        if !(seconds > 0.0) {
+            return;
+        }
+        let rate = yaw_rate.value;
+        self.compare_turns(seconds, rate);
+        let rims: Option<Vec<f64>> = self.wheels.iter().map(|wheel| rim(*wheel)).collect();
+        let Some(rims) = rims.filter(|_| rate.abs() > MIN_BEND_RAD_PER_S && seconds < self.window)
+        else {
+            return;
+        };
+        let speed = rims.iter().sum::<f64>() / rims.len() as f64;
+        let row = [speed, speed * rate.signum(), rate];
+        for (line, x) in self.moments.iter_mut().zip(row) {
+            add(line, seconds * x, row);
+        }
+        for ((sums, square), rim) in self.sums.iter_mut().zip(rims) {
+            let beside = rim - speed;
+            add(sums, seconds * beside, row);
+            *square += seconds * beside * beside;
+        }
+        self.turned[usize::from(rate < 0.0)] += seconds * rate.abs();
+    }
+
+    /// Turns by gyro and reference over the same time.
+    fn compare_turns(&mut self, seconds: f64, rate: f64) {
+        self.open[0] += seconds;
+        self.open[1] += seconds * rate;
+        let [time, gyro, reference] = self.open;
+        if time < TURN_TIME_S {
+            return;
+        }
+        self.open = [0.0; 3];
+        let products = [gyro * gyro, gyro * reference, reference * reference];
+        for (sum, product) in self.turns.iter_mut().zip(products) {
+            *sum += product;
+        }
+    }
+
+    /// The exchanged wheels, if there are any: never without bends to both sides.
+    pub(crate) fn found(&self) -> Option<ExchangeCheck> {
+        if self.turned.iter().any(|turned| *turned < MIN_TURN_RAD) {
+            return None;
+        }
+        let reach = self
+            .arms
+            .iter()
+            .fold(0.0, |reach: f64, arm| reach.max(arm.abs()));
+        let has_side = |wheel: &usize| self.arms[*wheel].abs() > MIN_SIDE_SHARE * reach;
+        let sided = (0..self.arms.len()).filter(has_side);
+        let (wheels, others): (Vec<usize>, Vec<usize>) =
+            sided.partition(|wheel| self.shows_the_other_side(*wheel));
+        let is_left = |wheel: &usize| self.arms[*wheel] < 0.0;
+        let (left, right) = (wheels.iter().any(is_left), !wheels.iter().all(is_left));
+        let [gyro, product, reference] = self.turns;
+        let correlation = product / (gyro * reference).sqrt();
+        (left && right).then(|| ExchangeCheck {
+            is_certain: !others.is_empty() || correlation > MIN_TURN_CORRELATION,
+            wheels: wheels.iter().map(|place| self.wheels[*place]).collect(),
+        })
+    }
+
+    fn shows_the_other_side(&self, wheel: usize) -> bool {
+        let (sums, square) = self.sums[wheel];
+        let mut moments = self.moments.map(|line| line.to_vec()).to_vec();
+        for (place, line) in moments.iter_mut().enumerate().take(2) {
+            line[place] += SLIP_RIDGE;
+        }
+        let unit = solve(moments.clone(), vec![0.0, 0.0, 1.0]);
+        let (Some(unit), Some(fit)) = (unit, solve(moments, sums.to_vec())) else {
+            return false;
+        };
+        // What slips leave of the yaw rate.
+        let left = 1.0 / unit[2];
+        if !(left > MIN_FREE_SHARE * self.moments[2][2]) {
+            return false;
+        }
+        let arm = fit[2];
+        let explained = arm * arm * left;
+        let residual = square - fit.iter().zip(sums).map(|(a, b)| a * b).sum::<f64>();
+        let share = explained / (explained + residual.max(0.0));
+        arm / self.arms[wheel] < -MIN_ARM_SHARE && share > MIN_EXPLAINED_SHARE
+    }
+}
+
+fn add(sums: &mut [f64; 3], factor: f64, row: [f64; 3]) {
+    for (sum, x) in sums.iter_mut().zip(row) {
+        *sum += factor * x;
+    }
+}
