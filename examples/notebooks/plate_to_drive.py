@@ -1,4 +1,5 @@
-"""A marimo notebook: from a soil to a wheel, its best slip, a drive, and the slip in its robot's log.
+"""A marimo notebook: from plate, shear and wheel tests to a soil with intervals, a wheel on it, its best slip, a drive, and
+the slip in its robot's log.
 
 `marimo edit plate_to_drive.py` opens it; `python plate_to_drive.py` runs it.
 """
@@ -14,19 +15,28 @@ def _():
 
     import numpy as np
 
-    from grouser import drive, figures, logs, soils, wheel
+    from grouser import drive, figures, identify, logs, wheel
 
     examples = Path(__file__).resolve().parents[1]
-    return Path, drive, examples, figures, logs, np, soils, wheel
+    return Path, drive, examples, figures, identify, logs, np, wheel
 
 
 @app.cell
-def _(figures, soils, wheel):
-    sand = soils.find("dry-sand")
+def _(examples, identify):
+    # plates, a shear ring and a wheel in the test bed: every number of the soil with its 95 % interval
+    found = identify.run(examples / "bevameter" / "tests.toml")
+    for _name, _number in found.numbers.items():
+        print(f"{_name:20s} {_number.value:10.4g}  [{_number.low:.4g}, {_number.high:.4g}]  {_number.verdict}")
+    sand = found.soil
+    return found, sand
+
+
+@app.cell
+def _(figures, sand, wheel):
     rim = wheel.Wheel(radius_m=0.125, width_m=0.1)
     pull = figures.slip_curves(sand, rim, load_n=[40.0, 80.0, 120.0])
     pull
-    return pull, rim, sand
+    return pull, rim
 
 
 @app.cell

@@ -20,6 +20,21 @@ pub(crate) struct Scenario {
     optimum: f64,
 }
 
+impl Scenario {
+    /// A drive of it.
+    pub(crate) fn simulation(
+        &self,
+        pilot: Pilot,
+        seed: u64,
+    ) -> grouser::rover::Result<drive::Simulation> {
+        drive::Simulation::new(&self.scenario, pilot, self.optimum, seed)
+    }
+
+    pub(crate) fn wheel_count(&self) -> usize {
+        self.scenario.robot.robot.wheels().len()
+    }
+}
+
 #[pymethods]
 impl Scenario {
     /// Reads a scenario file (TOML) and the robot file that it names.
@@ -145,11 +160,8 @@ impl Simulation {
             let message = format!("pilot is `{pilot}`, but must be one of {names}");
             return Err(input_error(message, Details::field("pilot")));
         };
-        let Scenario {
-            scenario, optimum, ..
-        } = scenario;
-        let wheels = scenario.robot.robot.wheels().len();
-        let drive = py.detach(|| drive::Simulation::new(&scenario, pilot, optimum, seed));
+        let wheels = scenario.wheel_count();
+        let drive = py.detach(|| scenario.simulation(pilot, seed));
         Ok(Self {
             drive: raised(drive)?,
             wheels,

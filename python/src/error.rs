@@ -235,6 +235,26 @@ layered! {
     grouser::rover::Error { grouser::rover::Error::File, grouser::rover::Error::Estimator }
 }
 
+impl IntoPython for grouser::terrain::Error {
+    fn into_python(self) -> PyErr {
+        use grouser::terrain::Error as E;
+        let message = match self.hint() {
+            Some(hint) => format!("{self} ({hint})"),
+            None => self.to_string(),
+        };
+        match self {
+            E::OutOfRange { range, .. } => {
+                input_error(message, out_of_range(range.named(range.field.to_owned())))
+            }
+            E::File { file, source, .. } => os_error(&file.display().to_string(), &source),
+            E::Law { source, .. } => source.into_python(),
+            E::OwnFile(error) => error.into_python(),
+            E::Rover(error) => error.into_python(),
+            _ => input_error(message, Details::default()),
+        }
+    }
+}
+
 impl IntoPython for grouser::slip::Error {
     fn into_python(self) -> PyErr {
         use grouser::slip::Error as E;

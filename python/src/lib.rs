@@ -12,6 +12,7 @@ mod contact;
 mod drive;
 mod error;
 mod figure;
+mod fleet;
 mod identify;
 mod logs;
 mod optimize;
@@ -20,6 +21,7 @@ mod sample;
 mod settings_text;
 mod slip;
 mod soil;
+mod terrain;
 mod wheel;
 mod workers;
 
@@ -32,6 +34,7 @@ mod _core {
         contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},
         figure::chart_svg,
+        fleet::Fleet,
         identify::identify,
         logs::{Engine, estimate, read_samples},
         optimize::{solve, solve_file, solve_front, solve_many},
@@ -39,6 +42,7 @@ mod _core {
         sample::Sample,
         slip::{OnBoard, SlipFilter},
         soil::{Soil, catalogue_keys},
+        terrain::{SlipMap, SlipMapper},
         wheel::Wheel,
     };
 }

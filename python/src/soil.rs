@@ -175,7 +175,7 @@ impl Soil {
 
     /// The name.
     #[getter]
-    fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.file.name
     }
 

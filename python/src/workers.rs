@@ -18,12 +18,17 @@ pub(crate) const POINTS_PER_BLOCK: usize = 1 << 14;
 /// The number of threads for `points`: as many as `wanted` (0: as many as the machine runs), at most one
 /// for each 16 384 points.
 pub(crate) fn count(wanted: usize, points: usize) -> usize {
+    at_most(wanted, points.div_ceil(POINTS_PER_THREAD))
+}
+
+/// The number of threads for `jobs` long jobs: as many as `wanted` (0: as many as the machine runs).
+pub(crate) fn at_most(wanted: usize, jobs: usize) -> usize {
     let most = if wanted == 0 {
         std::thread::available_parallelism().map_or(1, NonZero::get)
     } else {
         wanted
     };
-    most.min(points.div_ceil(POINTS_PER_THREAD)).max(1)
+    most.min(jobs).max(1)
 }
 
 /// Runs every job of `jobs` on a thread of its own (a single one on this thread), without the interpreter.

@@ -66,6 +66,28 @@ def test_dask_with_a_worker_killed_half_way(source: Path, expected: float, tmp_p
     assert killed
 
 
+def test_a_map_by_tiles_with_a_worker_killed_half_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("dask.distributed")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ENGINES), os.environ.get("PYTHONPATH", "")]))
+    import with_dask_map
+
+    from grouser import soils, terrain
+
+    examples = ENGINES.parent
+    grid = np.loadtxt(examples / "terrain" / "dunes.asc", skiprows=6)
+    heights = np.tile(np.where(grid == -9999.0, np.nan, grid), (6, 6))
+    mapper = terrain.SlipMapper(examples / "robots" / "skid-steer.toml", soils.find("sandy-loam"), cell_m=1.0)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            pid = next(iter(client.run(os.getpid).values()))
+            # the tables take a second on each worker: then tiles are under way
+            killer = threading.Timer(2.0, os.kill, (pid, signal.SIGKILL))
+            killer.start()
+            slip = with_dask_map.run(client, heights, mapper, "slip", cells=24)
+            killer.join()
+    np.testing.assert_array_equal(slip, terrain.slip_map(mapper, heights).quantity("slip"))
+
+
 def test_ray_with_a_worker_killed_half_way(source: Path, expected: float, tmp_path: Path) -> None:
     ray = pytest.importorskip("ray")
     import with_ray

@@ -76,6 +76,37 @@ fn the_setpoint_is_the_scenario_s_or_that_of_the_greatest_efficiency() {
     );
 }
 
+/// Many robots at once, on threads of their own and with one table of the soil, drive as each does alone, to the bit.
+#[test]
+fn robots_side_by_side_drive_as_each_does_alone() {
+    let mut soft = scenario("soft-patch");
+    soft.duration = 3.0;
+    let tables = Simulation::soil_tables(&soft).unwrap();
+    let alone = |seed| {
+        let mut drive = Simulation::new(&soft, Pilot::Controller, RUNNING_SLIP, seed).unwrap();
+        drive.run(|_| true)
+    };
+    let beside = |seed| {
+        let mut drive =
+            Simulation::with_tables(&soft, Pilot::Controller, RUNNING_SLIP, seed, &tables).unwrap();
+        drive.run(|_| true)
+    };
+    let (alone, beside) = (&alone, &beside);
+    std::thread::scope(|scope| {
+        let drives: Vec<_> = (0..8)
+            .map(|seed| scope.spawn(move || beside(seed)))
+            .collect();
+        let mut ends = Vec::new();
+        for (seed, drive) in (0..8).zip(drives) {
+            let found = drive.join().unwrap();
+            assert_eq!(found, alone(seed), "seed {seed}");
+            ends.push(found.end);
+        }
+        ends.dedup();
+        assert_eq!(ends.len(), 8, "seeds differ");
+    });
+}
+
 /// What the filter calls Ok is never off by more than four sigma for a second, and its sigmas are not too small.
 #[test]
 fn slips_called_ok_hold() {

@@ -23,7 +23,7 @@ fn end(accuracy: Accuracy, steps_per_second: u32) -> Vector {
     let map = HeightMap::from_shape((10.0, 6.0), 0.05, waves).unwrap();
     let mut ground = Ground::new(map, vec![sand]).unwrap();
     let mut vehicle = Vehicle::new(model, &ground, (2.0, 0.3, 0.2), step).unwrap();
-    vehicle.set_accuracy(accuracy).unwrap();
+    vehicle.set_accuracy(accuracy);
     let sides: Vec<f64> = vehicle
         .model()
         .wheels

@@ -57,6 +57,13 @@ impl Contact<f64> {
         {
             return self.assemble(&self.with_lost_work(lanes.quick(&plan)));
         }
+        if order == Order::Standard
+            && self.shear.swings(self.arc())
+            && let Some(plan) = self.quick()
+            && let Some(integrals) = plan.halved(|part| lanes.quick_part(&plan.contact, part))
+        {
+            return self.assemble(&self.with_lost_work(integrals));
+        }
         let integrals = if order <= Order::Check {
             self.integrals(rules, order, &lanes)
         } else {

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
+use crate::settings::Accuracy;
 use crate::slip::Slip;
 use crate::wheel_on_soil::WheelOnSoil;
 
@@ -28,6 +29,9 @@ const SCAN_STEP: f64 = 1.0 / 8.0;
 /// slope (rad). What the slip lacks counts in the slope by its square, and forces at standard accuracy tell no more.
 const FIRST_ROUND: (f64, f64, f64) = (SCAN_STEP, 3e-3, 1e-4);
 const LAST_ROUND: (f64, f64, f64) = (0.02, 1e-5, ROOT_PRECISION);
+
+/// What a slope of the first round may lack beside its precision: ten times what forces to 1e-6 tell, rad.
+const ROUGH_RAD: f64 = 1e-5;
 
 /// Slope and slip are found in turn at most so often; two rounds are enough.
 const SLOPE_ROUNDS: u32 = 12;
@@ -320,35 +324,46 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn steepest_slope(&self, weight: f64) -> Result<Option<SteepestSlope>> {
-        let surplus = |alpha: f64, slip: f64| -> Result<Option<f64>> {
+        let surplus_of = |on_soil: &Self, alpha: f64, slip: f64| -> Result<Option<f64>> {
             let angle = Angle::from_rad(alpha);
-            let pull = self.forces_under(weight * angle.cos(), slip, |f| f.drawbar_pull)?;
+            let pull = on_soil.forces_under(weight * angle.cos(), slip, |f| f.drawbar_pull)?;
             Ok(pull.map(|pull| pull - weight * angle.sin()))
         };
-        let Some((mut slip, mut left)) = Self::best_of_scan(|slip| surplus(0.0, slip))? else {
+        let surplus = |alpha: f64, slip: f64| surplus_of(self, alpha, slip);
+        // the scan and the first round need no more than 1e-6
+        let quick = self.with_accuracy(Accuracy::Simulation);
+        let rough = |alpha: f64, slip: f64| surplus_of(&quick, alpha, slip);
+        let Some((mut slip, mut left)) = Self::best_of_scan(|slip| rough(0.0, slip))? else {
             return Ok(None);
         };
-        if left < 0.0 {
+        if left < ROUGH_RAD * weight {
             // between two samples the wheel may still pull
             (slip, left) = maximum(slip, (SCAN_STEP, LAST_ROUND.1), |slip| surplus(0.0, slip))?;
             if left < 0.0 {
                 return Ok(None);
             }
         }
-        let held =
-            |slip, from, precision| Self::slope_held(slip, from, (weight, precision), surplus);
-        let mut slope = held(slip, (0.0, left), FIRST_ROUND.2)?;
-        let mut round = FIRST_ROUND;
+        let mut slope = Self::slope_held(slip, (0.0, left), (weight, FIRST_ROUND.2), rough)?;
+        let (reach, precision, slope_precision) = FIRST_ROUND;
+        let best = maximum(slip, (reach, precision), |slip| rough(slope, slip))?;
+        slip = best.0;
+        slope = Self::slope_held(
+            slip,
+            (slope, best.1.max(0.0)),
+            (weight, slope_precision),
+            rough,
+        )?;
+        slope = (slope - ROUGH_RAD).max(0.0);
         for _ in 0..SLOPE_ROUNDS {
-            let (reach, slip_precision, slope_precision) = round;
-            let best = maximum(slip, (reach, slip_precision), |slip| surplus(slope, slip))?;
+            let (reach, precision, slope_precision) = LAST_ROUND;
+            let best = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
             let moved = (best.0 - slip).abs();
             slip = best.0;
-            slope = held(slip, (slope, best.1.max(0.0)), slope_precision)?;
-            if round == LAST_ROUND && moved < FIRST_ROUND.1 {
+            let from = (slope, best.1.max(0.0));
+            slope = Self::slope_held(slip, from, (weight, slope_precision), surplus)?;
+            if moved < FIRST_ROUND.1 {
                 break;
             }
-            round = LAST_ROUND;
         }
         Ok(Some(SteepestSlope {
             slope: Angle::from_rad(slope),

@@ -62,6 +62,14 @@ impl WheelOnSoil {
         })
     }
 
+    /// The same wheel on the same soil at another accuracy.
+    #[must_use]
+    pub fn with_accuracy(&self, accuracy: Accuracy) -> Self {
+        let mut other = self.clone();
+        other.settings.accuracy = accuracy;
+        other
+    }
+
     /// The wheel.
     #[must_use]
     pub const fn wheel(&self) -> &RigidWheel {

@@ -2,11 +2,11 @@
 
 Modules by subject: `soils`, `wheel` (forces and sinkage, at one point or at millions), `optimize`, `slip`
 (filter and on-board computer), `logs`, `drive` (simulation),
-`identify` (soils from tests), `figures`. Bad input raises `InputError` (a
+`identify` (soils from tests), `terrain` (slip maps and ways), `figures`. Bad input raises `InputError` (a
 ValueError) or `InputTypeError` (a TypeError) with field, value, limit and unit.
 """
 
-from . import drive, figures, identify, logs, optimize, slip, soils, wheel
+from . import drive, figures, identify, logs, optimize, slip, soils, terrain, wheel
 from ._errors import InputError, InputTypeError
 
 __all__ = [
@@ -19,5 +19,6 @@ __all__ = [
     "optimize",
     "slip",
     "soils",
+    "terrain",
     "wheel",
 ]

@@ -6,6 +6,7 @@ import numpy.typing as npt
 
 __all__ = [
     "Engine",
+    "Fleet",
     "OnBoard",
     "OperatingPoint",
     "Robot",
@@ -13,6 +14,8 @@ __all__ = [
     "Scenario",
     "Simulation",
     "SlipFilter",
+    "SlipMap",
+    "SlipMapper",
     "Soil",
     "Wheel",
     "WheelOnSoil",
@@ -373,3 +376,72 @@ def chart_svg(
     lines: Sequence[tuple[_Floats, _Floats, str, bool]],
 ) -> str: ...
 def identify(path: str | PathLike[str], threads: int) -> dict[str, Any]: ...
+
+@final
+class SlipMapper:
+    def __new__(
+        cls,
+        robot: str | PathLike[str],
+        soil: Soil,
+        *,
+        cell_m: float,
+        headings: int = 8,
+        gravity_m_per_s2: float | None = None,
+        max_pitch_deg: float = 30.0,
+        max_roll_deg: float = 25.0,
+        soil_intervals: str | PathLike[str] | None = None,
+        soil_draws: int = 64,
+        seed: int = 1,
+        threads: int = 0,
+    ) -> SlipMapper: ...
+    @property
+    def reach(self) -> int: ...
+    @property
+    def slip_error(self) -> float: ...
+    @property
+    def steepest_deg(self) -> tuple[float, float, float]: ...
+    @property
+    def headings_deg(self) -> list[float]: ...
+    def _map(
+        self, heights: npt.NDArray[np.float32], upper_left_m: tuple[float, float] | None, threads: int
+    ) -> SlipMap: ...
+    @classmethod
+    def _remade(cls, keys: dict[str, Any]) -> SlipMapper: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class SlipMap:
+    @staticmethod
+    def read(path: str | PathLike[str]) -> SlipMap: ...
+    @property
+    def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def cell_m(self) -> float: ...
+    @property
+    def headings_deg(self) -> list[float]: ...
+    @property
+    def robot(self) -> str: ...
+    @property
+    def soils(self) -> list[str]: ...
+    @property
+    def soil_draws(self) -> int: ...
+    def quantity(self, name: str) -> npt.NDArray[np.float32]: ...
+    def _plan(
+        self,
+        start_m: tuple[float, float],
+        goal_m: tuple[float, float],
+        max_risk: float,
+        max_slip: float,
+        min_tip_over_deg: float,
+        rim_speed_mps: float,
+        turn_energy_j: float,
+        headings_deg: tuple[float | None, float | None],
+        alternatives: int,
+    ) -> dict[str, Any]: ...
+
+@final
+class Fleet:
+    def __new__(cls, scenario: Scenario, seeds: Sequence[int], threads: int) -> Fleet: ...
+    def reset(self, indices: Sequence[int], seeds: Sequence[int]) -> None: ...
+    def advance(self, commands: _Floats, periods: int, moves: Sequence[bool]) -> None: ...
+    def state(self) -> tuple[_Floats, _Floats, _Floats, list[str | None]]: ...

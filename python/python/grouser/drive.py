@@ -3,6 +3,8 @@
 A controller is a function of an `Observation` that returns one `WheelCommand` a wheel; it is called every
 hundredth of a second with what the robot's own estimator knows, never with the truth.
 
+Examples
+--------
 >>> from grouser import drive
 >>> scenario = drive.read("examples/scenarios/sandbox.toml")
 >>> def steady(seen):

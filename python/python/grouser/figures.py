@@ -1,5 +1,7 @@
 """Figures as SVG: the same look as those of the command, shown by notebooks as they are.
 
+Examples
+--------
 >>> import numpy as np
 >>> from grouser import figures
 >>> slip = np.linspace(0.0, 1.0, 50)

@@ -1,5 +1,7 @@
 """Soil parameters from plate, shear and wheel tests, with their intervals.
 
+Examples
+--------
 >>> from grouser import identify
 >>> found = identify.run("examples/bevameter/tests.toml")
 >>> found.numbers["n"].verdict

@@ -1,5 +1,7 @@
 """Recorded logs (MCAP, ROS 1 bags, tables) and live streams through the slip estimator.
 
+Examples
+--------
 >>> from grouser import logs
 >>> robot = logs.Robot.read("examples/five-wheel/robot.toml")
 >>> result = logs.estimate("examples/five-wheel/log.csv", robot, columns="examples/five-wheel/columns.toml")

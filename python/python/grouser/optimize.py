@@ -6,6 +6,8 @@ never leave the bounds, or your own `gradients`.
 
 A solve that finds no answer is a status, not an exception: read `Solution.is_solved`.
 
+Examples
+--------
 >>> import numpy as np
 >>> from grouser import optimize
 >>> def cb2(x):  # Charalambous & Conn 1978: the optimum is 1.9522245

@@ -1,5 +1,7 @@
 """On the robot: the slip filter and the on-board computer, one sample at a time.
 
+Examples
+--------
 >>> from grouser.slip import Robot, Sample, SlipFilter
 >>> robot = Robot.from_toml('''
 ... format = 1

@@ -1,5 +1,7 @@
 """Soils: a published catalogue, files, and keywords.
 
+Examples
+--------
 >>> from grouser import soils
 >>> soils.keys()[:2]
 ['dry-sand', 'sandy-loam']

@@ -17,6 +17,8 @@ status   meaning
 The threads of a call end with it. While it computes, the interpreter is released, and Ctrl-C interrupts
 it.
 
+Examples
+--------
 >>> import numpy as np
 >>> from grouser import soils, wheel
 >>> points = wheel.under_load(

@@ -14,13 +14,8 @@ use crate::sensors::SensorSettings;
 /// A sensor is never described as better than this, m: variances must not vanish.
 const MIN_POSITION_SIGMA_M: f64 = 1e-6;
 
-/// The computer of `model` under `loads` (N), which knows the soil on which it starts, its heading (rad) and its sensors.
-pub(super) fn on_board(
-    model: &RobotModel,
-    (loads, soil, heading): (&[f64], &Soil, f64),
-    sensors: &SensorSettings,
-    control: &ControlSettings,
-) -> Result<OnBoard> {
+/// What the computer knows of its wheels under `loads` (N).
+fn wheel_setups(model: &RobotModel, loads: &[f64]) -> Vec<WheelSetup> {
     let setups = model.wheels.iter().zip(loads);
     let setups = setups.map(|(mount, load)| WheelSetup {
         load: *load,
@@ -29,15 +24,31 @@ pub(super) fn on_board(
         bearing_torque: mount.bearing,
         carrier: model.linkage.carrier(mount.link, mount.centre),
     });
+    setups.collect()
+}
+
+/// What the computer of `model` under `loads` (N) knows of the soil.
+pub(super) fn soil_tables(model: &RobotModel, loads: &[f64], soil: &Soil) -> Result<SoilTables> {
+    let setups = wheel_setups(model, loads);
+    let doubt = SoilDoubt::default();
+    Ok(SoilTables::solve(&model.robot, &setups, soil, doubt)?)
+}
+
+/// The computer of `model` under `loads` (N), which knows the soil on which it starts, its heading (rad) and its sensors.
+pub(super) fn on_board(
+    model: &RobotModel,
+    (loads, tables, heading): (&[f64], &SoilTables, f64),
+    sensors: &SensorSettings,
+    control: &ControlSettings,
+) -> Result<OnBoard> {
     let mut settings = OnBoardSettings::new(&model.robot);
-    settings.wheels = setups.collect();
+    settings.wheels = wheel_setups(model, loads);
     settings.filter = filter_settings(model, sensors);
     settings.control = *control;
     settings.gravity = model.linkage.gravity();
     settings.heading = heading;
     settings.uses_poses = sensors.camera_rate <= 0.0;
-    let doubt = SoilDoubt::default();
-    settings.soil = SoilTables::solve(&model.robot, &settings.wheels, soil, doubt)?;
+    settings.soil = tables.clone();
     Ok(OnBoard::new(&model.robot, settings)?)
 }
 

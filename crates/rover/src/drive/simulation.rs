@@ -2,13 +2,13 @@
 
 use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
-use grouser_slip::onboard::OnBoard;
+use grouser_slip::onboard::{OnBoard, SoilTables};
 
 use grouser_terra::OutOfRange;
 
 use super::frame::{Frame, WheelFrame};
 use super::motor_driver::MotorDriver;
-use super::on_board::{filter_settings, on_board};
+use super::on_board::{filter_settings, on_board, soil_tables};
 use super::outcome::{DriveResult, NamedDecision, Outcome};
 use super::pilot::Pilot;
 use super::referee::Referee;
@@ -86,6 +86,35 @@ impl Simulation {
     /// # Errors
     /// What is wrong with ground, robot or settings.
     pub fn new(scenario: &Scenario, pilot: Pilot, optimum: f64, seed: u64) -> Result<Self> {
+        Self::with_tables(
+            scenario,
+            pilot,
+            optimum,
+            seed,
+            &Self::soil_tables(scenario)?,
+        )
+    }
+
+    /// What the robot's computer knows of the soil on which the scenario starts: the same for every seed and pilot.
+    ///
+    /// # Errors
+    /// What is wrong with robot or soil.
+    pub fn soil_tables(scenario: &Scenario) -> Result<SoilTables> {
+        let loads = wheel_loads(&scenario.robot, 0.0, 0.0).loads;
+        soil_tables(&scenario.robot, &loads, &scenario.ground.soils[0].soil)
+    }
+
+    /// [`Simulation::new`] with the [`Simulation::soil_tables`] of the same scenario, for many drives of it: the same bits.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn with_tables(
+        scenario: &Scenario,
+        pilot: Pilot,
+        optimum: f64,
+        seed: u64,
+        tables: &SoilTables,
+    ) -> Result<Self> {
         let ground = scenario.ground.build(seed)?;
         let vehicle = Vehicle::new(
             scenario.robot.clone(),
@@ -95,8 +124,7 @@ impl Simulation {
         )?;
         let model = vehicle.model();
         let loads = wheel_loads(model, 0.0, 0.0).loads;
-        let soil = &scenario.ground.soils[0].soil;
-        let known = (loads.as_slice(), soil, scenario.start.2);
+        let known = (loads.as_slice(), tables, scenario.start.2);
         let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
         let on_board = on_board(model, known, &scenario.sensors, &control)?;
         let count = model.wheels.len();

@@ -194,21 +194,10 @@ impl Vehicle {
     }
 
     /// Computes the wheels' forces with another accuracy than [`Accuracy::Simulation`], for comparisons.
-    ///
-    /// # Errors
-    /// None in practice: wheels and soils have been checked.
-    pub fn set_accuracy(&mut self, accuracy: Accuracy) -> Result<()> {
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
         for pair in self.pairs.iter_mut().flatten() {
-            let settings = Settings {
-                accuracy,
-                ..*pair.settings()
-            };
-            *pair = WheelOnSoil::new(*pair.wheel(), *pair.soil(), settings).map_err(|source| {
-                let of = "a wheel".to_owned();
-                Error::Law { of, source }
-            })?;
+            *pair = pair.with_accuracy(accuracy);
         }
-        Ok(())
     }
 
     /// The robot.

@@ -296,7 +296,11 @@ fn motion_at([s, w]: [f64; 2]) -> grouser_terra::Result<Kinematics> {
 fn one_way(pair: &WheelOnSoil, sinkage: f64, [s, w]: [f64; 2], past: Past) -> (WheelLoad, f64) {
     let drift = if w.abs() < MIN_DRIFT_RATIO { 0.0 } else { w };
     let found = motion_at([s, drift]).and_then(|motion| {
-        let dug_by = motion_at(past.dug)?;
+        let dug_by = if past.dug == [s, w] {
+            motion
+        } else {
+            motion_at(past.dug)?
+        };
         let history = SoilHistory::steady(dug_by).with_k_shear_factor(past.k_shear);
         if drift.abs() > MIN_BULLDOZING_RATIO {
             return pair.forces_and_side_after(sinkage, &motion, &history);

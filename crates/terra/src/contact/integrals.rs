@@ -137,7 +137,7 @@ impl<R: Scalar> Contact<R> {
     }
 
     /// Length of the contact, rad.
-    pub(super) fn arc(&self) -> R {
+    pub(crate) fn arc(&self) -> R {
         self.angles.theta_1 - self.angles.theta_2
     }
 }
@@ -173,7 +173,7 @@ impl<R: Real> Integrals<R> {
 
     /// Adds another part of the contact.
     #[inline(always)]
-    pub(super) fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         self.sigma_cos += other.sigma_cos;
         self.sigma_sin += other.sigma_sin;
         self.tau_cos += other.tau_cos;

@@ -65,7 +65,29 @@ pub(crate) struct ExponentTables {
 }
 
 impl ExponentTables {
-    pub(crate) fn new(n: f64) -> Self {
+    /// Those of an exponent. Each thread keeps the last ones, since draws of a soil and designs on it mostly share the
+    /// exponent, and the tables cost as much as ten solves.
+    pub(crate) fn of(n: f64) -> Self {
+        #[cfg(feature = "std")]
+        {
+            std::thread_local! {
+                static LAST: core::cell::Cell<Option<(u64, ExponentTables)>> =
+                    const { core::cell::Cell::new(None) };
+            }
+            if let Some((bits, tables)) = LAST.get()
+                && bits == n.to_bits()
+            {
+                return tables;
+            }
+            let tables = Self::new(n);
+            LAST.set(Some((n.to_bits(), tables)));
+            tables
+        }
+        #[cfg(not(feature = "std"))]
+        Self::new(n)
+    }
+
+    fn new(n: f64) -> Self {
         Self {
             first: gauss_jacobi(n),
             coarse: (gauss_jacobi(n), gauss_jacobi(n)),

@@ -1,9 +1,9 @@
 //! The integrals of one contact, eight nodes of a rule at a time: every law and every way of moving, since the lanes
 //! run the same code as single numbers.
 
-use crate::contact::quick::QuickPlan;
+use crate::contact::quick::{QuickContact, QuickPart, QuickPlan};
 use crate::contact::{Contact, Integrals, Nodes, Panel};
-use crate::quadrature::RuleView;
+use crate::quadrature::{LEGENDRE_16, RuleView};
 
 use super::machine::Level;
 use super::vector::Vector;
@@ -22,6 +22,15 @@ impl EightNodes {
     /// The integrals of the quick kernel without the lost work.
     pub(crate) fn quick(&self, plan: &QuickPlan) -> Integrals<f64> {
         self.0.quick_nodes(plan)
+    }
+
+    /// Those of a part by the rule of sixteen nodes.
+    pub(crate) fn quick_part(
+        &self,
+        contact: &QuickContact<f64>,
+        part: QuickPart,
+    ) -> Integrals<f64> {
+        self.0.quick_part(contact, part)
     }
 }
 
@@ -82,12 +91,29 @@ pub(super) fn panel<V: Vector>(
 /// [`EightNodes::quick`] on a kind of lanes.
 #[inline(always)]
 pub(super) fn quick<V: Vector>(plan: &QuickPlan) -> Integrals<f64> {
-    let contact = plan.contact.spread::<V>();
-    let rule = plan.rule();
+    parts::<V>(&plan.contact, plan.parts(), plan.rule())
+}
+
+/// [`EightNodes::quick_part`] on a kind of lanes.
+#[inline(always)]
+pub(super) fn quick_part<V: Vector>(
+    contact: &QuickContact<f64>,
+    part: QuickPart,
+) -> Integrals<f64> {
+    parts::<V>(contact, &[part], LEGENDRE_16.view())
+}
+
+#[inline(always)]
+fn parts<V: Vector>(
+    contact: &QuickContact<f64>,
+    parts: &[QuickPart],
+    rule: RuleView<'_>,
+) -> Integrals<f64> {
+    let contact = contact.spread::<V>();
     let mut sum = Integrals::<V>::zero();
     for at in (0..rule.nodes.len()).step_by(8) {
         let node = group(rule, at);
-        for part in plan.parts() {
+        for part in parts {
             contact.add(*part, node, &mut sum);
         }
     }

@@ -69,17 +69,21 @@ impl MapLayout {
     pub fn of(dem: &Dem, model: &RobotModel, headings: Headings, draws: usize, job: &str) -> Self {
         let (columns, rows) = dem.size();
         Self {
-            columns,
-            rows,
-            cell: dem.cell(),
-            headings,
             georeference: dem.georeference().clone(),
+            draws: u32::try_from(draws).unwrap_or(u32::MAX),
+            job: job.to_owned(),
+            ..Self::plain(columns, rows, dem.cell(), headings).of_robot(model)
+        }
+    }
+
+    /// The same for a robot.
+    #[must_use]
+    pub fn of_robot(self, model: &RobotModel) -> Self {
+        Self {
             robot: model.robot.name().to_owned(),
             turning_radius: turning_radius(model),
             gravity: model.gravity(),
-            draws: u32::try_from(draws).unwrap_or(u32::MAX),
-            soils: Vec::new(),
-            job: job.to_owned(),
+            ..self
         }
     }
 

@@ -9,5 +9,5 @@ mod route;
 mod search;
 
 pub use lattice::PlanSettings;
-pub use plan_map::PlanMap;
+pub use plan_map::{PlanMap, read_map};
 pub use route::{Plan, Route, Waypoint, plan, route_within};

@@ -1,5 +1,6 @@
 //! A slip map as a planner holds it.
 
+use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -36,6 +37,93 @@ pub struct PlanMap {
     pub soil: Vec<u8>,
 }
 
+/// A map's file, being read.
+struct MapFile<'a> {
+    path: &'a Path,
+    tiff: GeoTiff<BufReader<File>>,
+    layout: MapLayout,
+}
+
+impl<'a> MapFile<'a> {
+    fn open(path: &'a Path) -> Result<Self> {
+        let no_map = |reason: String| Error::NotAMap {
+            file: path.to_owned(),
+            reason,
+        };
+        let file = regular::open(path)?;
+        let mut tiff = GeoTiff::open(BufReader::new(file)).map_err(|fault| Error::Terrain {
+            file: path.to_owned(),
+            fault,
+        })?;
+        let metadata = tiff
+            .text(METADATA_TAG)
+            .ok_or_else(|| no_map("it has no metadata (tag 42112)".to_owned()))?;
+        let georeference = tiff.georeference().clone();
+        let layout = MapLayout::parse(&metadata, tiff.size(), georeference).map_err(no_map)?;
+        if usize::from(tiff.bands()) != layout.bands() {
+            return Err(no_map(format!(
+                "it has {} bands, but {} headings require {}",
+                tiff.bands(),
+                layout.headings.count(),
+                layout.bands()
+            )));
+        }
+        check_poses(&layout)?;
+        Ok(Self { path, tiff, layout })
+    }
+
+    /// Hands every cell and its bands to `see`, in the order of the file.
+    fn cells(&mut self, mut see: impl FnMut(usize, &[f32])) -> Result<()> {
+        let bands = self.layout.bands();
+        let mut cell = vec![0.0_f32; bands];
+        for index in 0..self.tiff.pieces() {
+            let place = self.tiff.place(index);
+            let mut seen = 0_usize;
+            let columns = self.layout.columns as usize;
+            let read = self.tiff.read_piece(index, |value| {
+                cell[seen % bands] = value;
+                seen += 1;
+                if seen.is_multiple_of(bands) {
+                    let done = seen / bands - 1;
+                    let (row, column) = (done / place.wide as usize, done % place.wide as usize);
+                    let column = place.left as usize + column;
+                    let row = place.top as usize + row;
+                    see(row * columns + column, &cell);
+                }
+            });
+            read.map_err(|fault| Error::Terrain {
+                file: self.path.to_owned(),
+                fault,
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn check_poses(layout: &MapLayout) -> Result<()> {
+    let cells = u64::from(layout.columns) * u64::from(layout.rows);
+    let poses = cells * layout.headings.count() as u64;
+    let limits = (4.0, MAX_POSES as f64);
+    Error::check("map", "cells times headings", poses as f64, limits, "1")
+}
+
+/// Reads all bands of the file that `map` wrote: row by row, for each cell band by band.
+///
+/// # Errors
+/// As [`PlanMap::read`].
+pub fn read_map(path: &Path) -> Result<(MapLayout, Vec<f32>)> {
+    let mut file = MapFile::open(path)?;
+    let (layout, bands) = (file.layout.clone(), file.layout.bands());
+    let cells = layout.columns as usize * layout.rows as usize;
+    let mut out = vec![f32::NAN; cells * bands];
+    file.cells(|cell, values| {
+        if let Some(place) = out.chunks_exact_mut(bands).nth(cell) {
+            place.copy_from_slice(values);
+        }
+    })?;
+    Ok((layout, out))
+}
+
 impl PlanMap {
     /// A map in which nothing is known yet.
     #[must_use]
@@ -59,56 +147,25 @@ impl PlanMap {
     /// # Errors
     /// [`Error::Terrain`] for a damaged file, [`Error::NotAMap`] for another GeoTIFF.
     pub fn read(path: &Path) -> Result<Self> {
-        let of_file = |fault| Error::Terrain {
-            file: path.to_owned(),
-            fault,
-        };
-        let no_map = |reason: String| Error::NotAMap {
-            file: path.to_owned(),
-            reason,
-        };
-        let file = regular::open(path)?;
-        let mut tiff = GeoTiff::open(BufReader::new(file)).map_err(of_file)?;
-        let metadata = tiff
-            .text(METADATA_TAG)
-            .ok_or_else(|| no_map("it has no metadata (tag 42112)".to_owned()))?;
-        let georeference = tiff.georeference().clone();
-        let layout = MapLayout::parse(&metadata, tiff.size(), georeference).map_err(no_map)?;
-        if usize::from(tiff.bands()) != layout.bands() {
-            return Err(no_map(format!(
-                "it has {} bands, but {} headings require {}",
-                tiff.bands(),
-                layout.headings.count(),
-                layout.bands()
-            )));
-        }
-        let headings = layout.headings.count();
-        let poses = u64::from(layout.columns) * u64::from(layout.rows) * headings as u64;
-        Error::check(
-            "map",
-            "cells times headings",
-            poses as f64,
-            (4.0, MAX_POSES as f64),
-            "1",
-        )?;
+        let mut file = MapFile::open(path)?;
+        let mut map = Self::unknown(file.layout.clone());
+        file.cells(|cell, values| map.set_cell(cell, values))?;
+        Ok(map)
+    }
+
+    /// A map of all bands of its cells, row by row and for each cell band by band, as
+    /// [`MapMaker::rows`](crate::MapMaker::rows) gives them.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for more poses than a planner holds, or another number of values.
+    pub fn of_cells(layout: MapLayout, cells: &[f32]) -> Result<Self> {
+        check_poses(&layout)?;
+        let count = (layout.columns as usize * layout.rows as usize * layout.bands()) as f64;
+        Error::check("map", "values", cells.len() as f64, (count, count), "1")?;
         let bands = layout.bands();
         let mut map = Self::unknown(layout);
-        let mut cell = vec![0.0_f32; bands];
-        for index in 0..tiff.pieces() {
-            let place = tiff.place(index);
-            let mut seen = 0_usize;
-            tiff.read_piece(index, |value| {
-                cell[seen % bands] = value;
-                seen += 1;
-                if seen.is_multiple_of(bands) {
-                    let done = seen / bands - 1;
-                    let (row, column) = (done / place.wide as usize, done % place.wide as usize);
-                    let column = place.left as usize + column;
-                    let row = place.top as usize + row;
-                    map.set_cell(row * map.layout.columns as usize + column, &cell);
-                }
-            })
-            .map_err(of_file)?;
+        for (cell, values) in cells.chunks_exact(bands).enumerate() {
+            map.set_cell(cell, values);
         }
         Ok(map)
     }

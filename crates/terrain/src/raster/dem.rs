@@ -68,7 +68,24 @@ pub struct Window<'a> {
     heights: &'a [f32],
 }
 
-impl Window<'_> {
+impl<'a> Window<'a> {
+    /// All rows of an elevation model that is in memory, row by row from the upper edge; NaN is unknown.
+    ///
+    /// ```
+    /// use grouser_terrain::raster::Window;
+    ///
+    /// let window = Window::new(2, &[1.0, 2.0, 3.0, f32::NAN]);
+    /// assert_eq!((window.height(1, 0), window.height(1, 1)), (Some(3.0), None));
+    /// ```
+    #[must_use]
+    pub const fn new(columns: u32, heights: &'a [f32]) -> Self {
+        Self {
+            first: 0,
+            columns,
+            heights,
+        }
+    }
+
     /// The height of a cell, m; `None` where it is unknown or not held.
     #[must_use]
     pub fn height(&self, row: i64, column: i64) -> Option<f32> {

@@ -13,6 +13,7 @@ use std::sync::Mutex;
 
 use grouser_page::run::DriveRecorder;
 use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, SlipScore, read_scenario};
+use grouser_slip::onboard::SoilTables;
 use grouser_terrain::mission;
 use rayon::prelude::*;
 
@@ -156,6 +157,11 @@ fn drive_all(
     let whole = scenario.duration * list.len() as f64;
     let progress = Progress::of_drives(whole, list.len());
     let log = Mutex::new(log);
+    // a drive that plans its way has tables of its own
+    let tables = match scenario.plan {
+        Some(_) => SoilTables::default(),
+        None => Simulation::soil_tables(scenario)?,
+    };
     let runs = list
         .into_par_iter()
         .enumerate()
@@ -189,7 +195,8 @@ fn drive_all(
                 let driven = mission::drive(scenario, jobs.optimum, seed, &mut see)?;
                 (driven.result.clone(), Some(driven))
             } else {
-                let mut drive = Simulation::new(scenario, pilot, jobs.optimum, seed)?;
+                let mut drive =
+                    Simulation::with_tables(scenario, pilot, jobs.optimum, seed, &tables)?;
                 (drive.run(&mut see), None)
             };
             progress.drove(scenario.duration - told, 0.0, None);
@@ -199,7 +206,7 @@ fn drive_all(
                     pilot,
                     seed,
                     result,
-                    own_laws: own_laws(scenario, pilot, jobs.optimum, seed)?,
+                    own_laws: own_laws(scenario, pilot, (jobs.optimum, &tables), seed)?,
                     planned,
                     seen,
                 }),
@@ -213,7 +220,7 @@ fn drive_all(
 fn own_laws(
     scenario: &Scenario,
     pilot: Pilot,
-    optimum: f64,
+    (optimum, tables): (f64, &SoilTables),
     seed: u64,
 ) -> Result<Option<SlipScore>> {
     // another world leads to another way: its slips would be those of another drive
@@ -222,7 +229,7 @@ fn own_laws(
     }
     let mut own = scenario.clone();
     own.ground.world_laws = None;
-    let mut drive = Simulation::new(&own, pilot, optimum, seed)?;
+    let mut drive = Simulation::with_tables(&own, pilot, optimum, seed, tables)?;
     Ok(Some(drive.run(|_| true).slip))
 }
 

@@ -8,7 +8,6 @@ mod table;
 use std::path::PathBuf;
 
 use grouser_report::number::{parse_finite, shown};
-use grouser_terrain::Headings;
 use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
 
 use crate::error::{Error, Result, shown as shown_path};
@@ -88,17 +87,6 @@ fn parse_place(text: &str) -> std::result::Result<(f64, f64), String> {
     place.unwrap_or_else(|| Err("two numbers are needed, such as 12.5,-3".to_owned()))
 }
 
-/// The map's heading nearest to an angle.
-fn nearest(headings: Headings, angle_deg: f64) -> usize {
-    let off = |heading: usize| {
-        let difference = (headings.angle(heading).to_degrees() - angle_deg).rem_euclid(360.0);
-        difference.min(360.0 - difference)
-    };
-    (0..headings.count())
-        .min_by(|a, b| off(*a).total_cmp(&off(*b)))
-        .unwrap_or(0)
-}
-
 /// Begins the output files; which of them are tables.
 fn begin(paths: &[PathBuf]) -> Result<Vec<(OutputFile, bool)>> {
     paths
@@ -124,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let map = PlanMap::read(&arguments.map)?;
     session.used_file(&arguments.map)?;
     let headings = map.layout.headings;
-    let heading = |angle: Option<f64>| angle.map(|angle| nearest(headings, angle));
+    let heading = |angle: Option<f64>| angle.map(|angle| headings.nearest(angle.to_radians()));
     let settings = PlanSettings {
         max_risk: arguments.max_risk,
         max_slip: arguments.max_slip,

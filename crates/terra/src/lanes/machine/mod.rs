@@ -17,7 +17,7 @@ use super::forces::{self, ForceSheet};
 use super::load::{self, LoadSheet, Start};
 use super::nodes;
 use super::plan::Chunk;
-use crate::contact::quick::QuickPlan;
+use crate::contact::quick::{QuickContact, QuickPart, QuickPlan};
 use crate::contact::{Contact, Integrals, Panel};
 use crate::quadrature::RuleView;
 
@@ -122,6 +122,19 @@ impl Level {
         }
     }
 
+    /// [`nodes::quick_part`].
+    pub(super) fn quick_part(self, contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f64> {
+        match self {
+            Self::Portable => nodes::quick_part::<Lanes>(contact, part),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { quick_part_avx2(contact, part) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { quick_part_avx512(contact, part) },
+        }
+    }
+
     /// [`nodes::panel`].
     pub(super) fn panel_nodes(
         self,
@@ -207,4 +220,16 @@ fn quick_avx2(plan: &QuickPlan) -> Integrals<f64> {
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
 fn quick_avx512(plan: &QuickPlan) -> Integrals<f64> {
     nodes::quick::<avx512::Avx512>(plan)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn quick_part_avx2(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f64> {
+    nodes::quick_part::<avx2::Avx2>(contact, part)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn quick_part_avx512(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f64> {
+    nodes::quick_part::<avx512::Avx512>(contact, part)
 }

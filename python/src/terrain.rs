@@ -1,0 +1,483 @@
+//! Slip maps of elevation models, and ways over them.
+
+use std::path::PathBuf;
+
+use grouser::files::Document;
+use grouser::files::gravity::GRAVITY_LIMITS_M_PER_S2;
+use grouser::rover::ground::Georeference;
+use grouser::rover::robot::RobotModel;
+use grouser::terra;
+use grouser::terrain::plan::{self, Plan, PlanMap, PlanSettings, Route};
+use grouser::terrain::raster::Window;
+use grouser::terrain::{
+    self, Band, DemandSolver, Envelope, Headings, MapLayout, MapSettings, Quantity, SlipTable,
+    SoilIntervals,
+};
+use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+use rayon::prelude::*;
+
+use crate::error::{Details, input_error, raised, type_error};
+use crate::soil::Soil;
+use crate::workers;
+
+/// Cells that each thread computes between two looks at signals.
+const CELLS_PER_BLOCK: usize = 4096;
+
+/// What the tables of a mapper are made of; pickled instead of them.
+#[derive(Clone, Debug)]
+struct Recipe {
+    robot: PathBuf,
+    soil: Soil,
+    cell_m: f64,
+    headings: u8,
+    gravity_m_per_s2: Option<f64>,
+    max_pitch_deg: f64,
+    max_roll_deg: f64,
+    soil_intervals: Option<PathBuf>,
+    soil_draws: u16,
+    seed: u64,
+}
+
+impl Recipe {
+    fn draws(&self) -> terrain::Result<Vec<terra::Soil>> {
+        let Some(path) = &self.soil_intervals else {
+            return Ok(Vec::new());
+        };
+        let intervals = SoilIntervals::parse(&Document::read(path)?)?;
+        intervals.draw(&self.soil.soil, self.soil_draws.into(), self.seed)
+    }
+
+    /// The maker of maps, and a map of two by two cells that tells what is the same for all of them.
+    fn maker(&self) -> terrain::Result<(terrain::MapMaker, MapLayout)> {
+        let headings = Headings::new(self.headings)?;
+        let model = RobotModel::read(&self.robot)?;
+        let model = match self.gravity_m_per_s2 {
+            Some(gravity) => model.under_gravity(gravity),
+            None => model,
+        };
+        let [pitch, roll] = [self.max_pitch_deg, self.max_roll_deg].map(f64::to_radians);
+        let envelope = Envelope::within(&model, pitch, roll)?;
+        let draws = self.draws()?;
+        let mut layout = MapLayout::plain(2, 2, self.cell_m, headings).of_robot(&model);
+        layout.draws = u32::try_from(draws.len()).unwrap_or(u32::MAX);
+        layout.soils = vec![self.soil.name().to_owned()];
+        let table = |soil: &terra::Soil, with_costs: bool| {
+            let solver = DemandSolver::new(model.clone(), *soil)?;
+            let table = SlipTable::new(&solver, envelope, with_costs)?;
+            Ok((solver, table))
+        };
+        let (own, draws) = rayon::join(
+            || table(&self.soil.soil, true),
+            || {
+                draws
+                    .par_iter()
+                    .map(|soil| table(soil, false))
+                    .collect::<terrain::Result<Vec<_>>>()
+            },
+        );
+        let settings = MapSettings::new(headings, envelope);
+        let maker = terrain::MapMaker::new(settings, own?, draws?, self.cell_m);
+        Ok((maker, layout))
+    }
+}
+
+/// Computes what a robot needs on every cell of an elevation model, for 4, 8 or 16 headings.
+///
+/// The exact solver fills a table over pitch and roll once, in seconds; then a cell is a look-up.
+///
+/// Parameters
+/// ----------
+/// robot : path
+///     A robot file with masses and widths.
+/// soil : Soil
+/// cell_m : float
+///     Size of the cells, m, 0.001 to 1000.
+/// headings : int
+///     4, 8 or 16.
+/// gravity_m_per_s2 : float, optional
+///     The robot file's, else the Earth's.
+/// max_pitch_deg, max_roll_deg : float
+///     The steepest pose that is computed, 1 to 45 degrees.
+/// soil_intervals : path, optional
+///     A file of 95 % intervals: soils are drawn from them. Without it every probability is 0 or 1.
+/// soil_draws : int
+///     How many, 1 to 4096.
+/// seed : int
+///     Of the draws.
+///
+/// Raises
+/// ------
+/// OSError
+///     A file cannot be read.
+/// InputError
+///     What a file has wrong, a number outside its limits, a robot that does not move on level ground.
+#[pyclass(frozen, module = "grouser._core")]
+pub(crate) struct SlipMapper {
+    recipe: Recipe,
+    maker: terrain::MapMaker,
+    layout: MapLayout,
+}
+
+#[pymethods]
+impl SlipMapper {
+    #[new]
+    #[pyo3(signature = (robot, soil, *, cell_m, headings=8, gravity_m_per_s2=None, max_pitch_deg=30.0,
+        max_roll_deg=25.0, soil_intervals=None, soil_draws=64, seed=1, threads=0))]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "keywords of a Python constructor"
+    )]
+    fn new(
+        py: Python<'_>,
+        robot: PathBuf,
+        soil: Soil,
+        cell_m: f64,
+        headings: i64,
+        gravity_m_per_s2: Option<f64>,
+        max_pitch_deg: f64,
+        max_roll_deg: f64,
+        soil_intervals: Option<PathBuf>,
+        soil_draws: i64,
+        seed: i64,
+        threads: i64,
+    ) -> PyResult<Self> {
+        check("cell_m", cell_m, (1e-3, 1e3), "m")?;
+        let gravity = gravity_m_per_s2.unwrap_or(terra::EARTH_GRAVITY_M_PER_S2);
+        check("gravity_m_per_s2", gravity, GRAVITY_LIMITS_M_PER_S2, "m/s²")?;
+        let headings = whole("headings", headings, (4, 16))?;
+        let soil_draws = whole("soil_draws", soil_draws, (1, 4096))?;
+        let seed = whole("seed", seed, (0, i64::MAX))?;
+        let threads: usize = whole("threads", threads, (0, 1024))?;
+        let absolute = |path: PathBuf| std::path::absolute(path);
+        let recipe = Recipe {
+            robot: absolute(robot)?,
+            soil,
+            cell_m,
+            headings,
+            gravity_m_per_s2,
+            max_pitch_deg,
+            max_roll_deg,
+            soil_intervals: soil_intervals.map(absolute).transpose()?,
+            soil_draws,
+            seed,
+        };
+        let own = recipe.clone();
+        let made = workers::interruptible(py, threads, move || own.maker(), || {})?;
+        let (maker, layout) = raised(made)?;
+        Ok(Self {
+            recipe,
+            maker,
+            layout,
+        })
+    }
+
+    /// Cells around a cell that its numbers depend on: the overlap of tiles.
+    #[getter]
+    fn reach(&self) -> u32 {
+        // the cell beyond a wheel's contact takes part in its height
+        self.maker.reach() + 1
+    }
+
+    /// Twice the greatest difference in slip between table and exact solver that was found between the nodes.
+    #[getter]
+    fn slip_error(&self) -> f64 {
+        self.maker.table_error().slip
+    }
+
+    /// The slope that the robot climbs straight on, degrees: on the soil, on the weakest and on the strongest draw.
+    #[getter]
+    fn steepest_deg(&self) -> (f64, f64, f64) {
+        self.maker.soils()[0].steepest().map(f64::to_degrees).into()
+    }
+
+    /// The directions of the headings, degrees from x (columns) towards y (against the rows).
+    #[getter]
+    fn headings_deg(&self) -> Vec<f64> {
+        headings_deg(self.layout.headings)
+    }
+
+    /// A map of heights (rows, columns), m, with its upper left corner at a place.
+    fn _map(
+        &self,
+        py: Python<'_>,
+        heights: PyReadonlyArray2<'_, f32>,
+        upper_left_m: Option<(f64, f64)>,
+        threads: usize,
+    ) -> PyResult<SlipMap> {
+        let [rows, columns] = [0, 1].map(|axis| heights.shape()[axis]);
+        let mut layout = self.layout.clone();
+        layout.rows = whole("rows", rows as i64, (2, 1 << 24))?;
+        layout.columns = whole("columns", columns as i64, (2, 1 << 16))?;
+        let (left, top) = upper_left_m.unwrap_or((0.0, self.recipe.cell_m * rows as f64));
+        layout.georeference = Georeference::of_grid(self.recipe.cell_m, [left, top]);
+        // the caller gives a contiguous array; it is read while other threads may run
+        let heights: Vec<f32> = heights.as_array().iter().copied().collect();
+        let window = Window::new(layout.columns, &heights);
+        let bands = layout.bands();
+        let threads = workers::count(threads, rows * columns * layout.headings.count());
+        let block = (threads * CELLS_PER_BLOCK).div_ceil(columns).max(threads);
+        let mut cells = Vec::with_capacity(rows * columns * bands);
+        for first in (0..rows).step_by(block) {
+            let end = rows.min(first + block);
+            let share = (end - first).div_ceil(threads);
+            let jobs: Vec<_> = (first..end)
+                .step_by(share)
+                .map(|from| {
+                    let own = u32::try_from(from).unwrap_or(u32::MAX)
+                        ..u32::try_from(end.min(from + share)).unwrap_or(u32::MAX);
+                    let (maker, window) = (&self.maker, &window);
+                    move || maker.rows(window, own)
+                })
+                .collect();
+            for part in workers::run(py, jobs) {
+                cells.extend(raised(part)?);
+            }
+            py.check_signals()?;
+        }
+        Ok(SlipMap { layout, cells })
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "SlipMapper(robot={:?}, soil={:?}, cell_m={}, headings={})",
+            self.layout.robot, self.layout.soils[0], self.recipe.cell_m, self.recipe.headings
+        )
+    }
+
+    /// A mapper is pickled as what it was made of: the other process makes the tables anew.
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyDict>,))> {
+        let recipe = &slf.get().recipe;
+        let keys = PyDict::new(slf.py());
+        keys.set_item("robot", &recipe.robot)?;
+        keys.set_item("soil", recipe.soil.clone())?;
+        keys.set_item("cell_m", recipe.cell_m)?;
+        keys.set_item("headings", recipe.headings)?;
+        keys.set_item("gravity_m_per_s2", recipe.gravity_m_per_s2)?;
+        keys.set_item("max_pitch_deg", recipe.max_pitch_deg)?;
+        keys.set_item("max_roll_deg", recipe.max_roll_deg)?;
+        keys.set_item("soil_intervals", &recipe.soil_intervals)?;
+        keys.set_item("soil_draws", recipe.soil_draws)?;
+        keys.set_item("seed", recipe.seed)?;
+        Ok((slf.get_type().getattr("_remade")?, (keys,)))
+    }
+
+    #[classmethod]
+    fn _remade<'py>(
+        class: &Bound<'py, PyType>,
+        keys: &Bound<'py, PyDict>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        class.call((), Some(keys))
+    }
+}
+
+fn check(field: &'static str, value: f64, limits: (f64, f64), unit: &'static str) -> PyResult<()> {
+    raised(terra::OutOfRange::check(field, value, limits, unit).map_err(terra::Error::from))
+}
+
+/// A whole number within limits that its type holds.
+fn whole<T: TryFrom<i64>>(field: &'static str, value: i64, limits: (i64, i64)) -> PyResult<T> {
+    let (low, high) = limits;
+    check(field, value as f64, (low as f64, high as f64), "1")?;
+    T::try_from(value)
+        .map_err(|_| type_error(format!("{field} is {value}, beyond its type"), field))
+}
+
+fn headings_deg(headings: Headings) -> Vec<f64> {
+    (0..headings.count())
+        .map(|heading| headings.angle(heading).to_degrees())
+        .collect()
+}
+
+/// A slip map: what `SlipMapper` computed or `grouser map` wrote.
+#[pyclass(frozen, module = "grouser._core")]
+pub(crate) struct SlipMap {
+    layout: MapLayout,
+    cells: Vec<f32>,
+}
+
+#[pymethods]
+impl SlipMap {
+    /// Reads the GeoTIFF that `grouser map` wrote.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     The file cannot be read.
+    /// InputError
+    ///     A damaged file, or another GeoTIFF.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let (layout, cells) = raised(py.detach(|| plan::read_map(&path)))?;
+        Ok(Self { layout, cells })
+    }
+
+    /// Headings, rows and columns.
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        let MapLayout { rows, columns, .. } = self.layout;
+        (
+            self.layout.headings.count(),
+            rows as usize,
+            columns as usize,
+        )
+    }
+
+    /// Size of a cell, m.
+    #[getter]
+    fn cell_m(&self) -> f64 {
+        self.layout.cell
+    }
+
+    /// The directions of the headings, degrees from x (columns) towards y (against the rows).
+    #[getter]
+    fn headings_deg(&self) -> Vec<f64> {
+        headings_deg(self.layout.headings)
+    }
+
+    /// The robot's name.
+    #[getter]
+    fn robot(&self) -> &str {
+        &self.layout.robot
+    }
+
+    /// The names of the soils, by the quantity `soil`.
+    #[getter]
+    fn soils(&self) -> Vec<String> {
+        self.layout.soils.clone()
+    }
+
+    /// Soil draws behind the probabilities; 0: the soil is taken for exactly known.
+    #[getter]
+    fn soil_draws(&self) -> u32 {
+        self.layout.draws
+    }
+
+    /// A quantity of `grouser.terrain.QUANTITIES`: an array (headings, rows, columns), NaN where the ground is unknown.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     Another name.
+    fn quantity<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let Some(quantity) = Quantity::ALL.into_iter().find(|own| own.key() == name) else {
+            let names = Quantity::ALL.map(Quantity::key).join(", ");
+            let message = format!("quantity is `{name}`, but must be one of {names}");
+            return Err(input_error(message, Details::field("quantity")));
+        };
+        let (headings, rows, columns) = self.shape();
+        let bands = self.layout.bands();
+        let out = PyArray3::<f32>::zeros(py, [headings, rows, columns], false);
+        {
+            let mut writable = out.readwrite();
+            let mut view = writable.as_array_mut();
+            for (cell, values) in self.cells.chunks_exact(bands).enumerate() {
+                for heading in 0..headings {
+                    let band = Band { quantity, heading }.index(self.layout.headings);
+                    view[[heading, cell / columns, cell % columns]] = values[band];
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "keywords of a Python function")]
+    fn _plan<'py>(
+        &self,
+        py: Python<'py>,
+        start_m: (f64, f64),
+        goal_m: (f64, f64),
+        max_risk: f64,
+        max_slip: f64,
+        min_tip_over_deg: f64,
+        rim_speed_mps: f64,
+        turn_energy_j: f64,
+        headings_deg: (Option<f64>, Option<f64>),
+        alternatives: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let headings = self.layout.headings;
+        let nearest = |angle: Option<f64>| angle.map(|deg| headings.nearest(deg.to_radians()));
+        let settings = PlanSettings {
+            max_risk,
+            max_slip,
+            min_tip_over_deg,
+            rim_speed: rim_speed_mps,
+            turn_energy: turn_energy_j,
+            start_heading: nearest(headings_deg.0),
+            goal_heading: nearest(headings_deg.1),
+        };
+        let found = py.detach(|| -> terrain::Result<Plan> {
+            let map = PlanMap::of_cells(self.layout.clone(), &self.cells)?;
+            let from = map.cell_at("the start", start_m)?;
+            let to = map.cell_at("the goal", goal_m)?;
+            plan::plan(&map, (from, to), &settings, alternatives)
+        });
+        let dict = PyDict::new(py);
+        match raised(found)? {
+            Plan::Found {
+                route,
+                alternatives,
+            } => {
+                dict.set_item("route", route_dict(py, &route, headings)?)?;
+                let others = alternatives
+                    .iter()
+                    .map(|other| route_dict(py, other, headings));
+                dict.set_item("alternatives", others.collect::<PyResult<Vec<_>>>()?)?;
+                dict.set_item("least_risk", py.None())?;
+            }
+            Plan::NoWay { least_risk } => {
+                dict.set_item("route", py.None())?;
+                dict.set_item("alternatives", Vec::<Py<PyAny>>::new())?;
+                dict.set_item("least_risk", least_risk)?;
+            }
+            _ => return Err(PyRuntimeError::new_err("a plan of another kind")),
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        let (headings, rows, columns) = self.shape();
+        format!(
+            "SlipMap({headings} headings, {rows} rows, {columns} columns, cell_m={}, robot={:?})",
+            self.layout.cell, self.layout.robot
+        )
+    }
+}
+
+fn route_dict<'py>(
+    py: Python<'py>,
+    route: &Route,
+    headings: Headings,
+) -> PyResult<Bound<'py, PyDict>> {
+    use numpy::IntoPyArray;
+    let dict = PyDict::new(py);
+    dict.set_item("energy_j", route.energy)?;
+    dict.set_item("time_s", route.time)?;
+    dict.set_item("length_m", route.length)?;
+    dict.set_item("risk", route.risk)?;
+    dict.set_item("tip_over_deg", route.tip_over_deg)?;
+    dict.set_item("turns", route.turns)?;
+    let way = PyDict::new(py);
+    let columns: [(&str, &dyn Fn(&plan::Waypoint) -> f64); 8] = [
+        ("x_m", &|point| point.x),
+        ("y_m", &|point| point.y),
+        ("heading_deg", &|point| {
+            headings.angle(point.heading).to_degrees()
+        }),
+        ("energy_j", &|point| point.energy),
+        ("time_s", &|point| point.time),
+        ("length_m", &|point| point.length),
+        ("slip", &|point| point.slip),
+        ("risk", &|point| point.risk),
+    ];
+    for (name, value) in columns {
+        let column: Vec<f64> = route.waypoints.iter().map(value).collect();
+        way.set_item(name, column.into_pyarray(py))?;
+    }
+    dict.set_item("way", way)?;
+    Ok(dict)
+}
