@@ -122,7 +122,7 @@ fn the_longest_name_that_the_system_takes_is_written() {
 }
 
 /// Verbs that read files and write some: the words, with `@NAME` for a file of the folder and `>NAME` for the output.
-const READ_AND_WRITE: [&str; 26] = [
+const READ_AND_WRITE: [&str; 25] = [
     "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40 --figure >x.svg",
     "curve --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --points 3 -o >x.csv",
     "curve --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --points 3 -o >x.png",
@@ -136,7 +136,6 @@ const READ_AND_WRITE: [&str; 26] = [
     "estimate @log.csv --map @columns.toml --robot @robot.toml -o >x.csv",
     "estimate @log.csv --map @columns.toml --robot @robot.toml --soil @soil.toml -o >x.csv",
     "estimate @log.mcap --robot @robot.toml --truth /truth --calibrate >x.toml",
-    "estimate @log.mcap --robot @robot.toml --learn-ground >x.toml",
     "estimate @log.mcap --robot @robot.toml --report >x.html",
     "optimize @problem.toml --report >x.html",
     "drive @scenario.toml -o >x.csv",
