@@ -1,7 +1,7 @@
 //! Left and right encoders exchanged: found in bends to both sides on robots of two, four and six wheels, and nowhere else.
 #![allow(
     clippy::unwrap_used,
-    clippy::print_stdout,
+    clippy::print_stderr,
     reason = "a test fails by panicking and may print what it measured"
 )]
 
@@ -133,6 +133,9 @@ fn found(world: World, shown: impl Fn(usize) -> usize) -> Option<(Vec<usize>, bo
         .iter()
         .any(|doubt| matches!(doubt, Doubt::Exchanged { .. }));
     assert_eq!(is_doubtful, summary.exchange.is_some());
+    if is_doubtful {
+        assert_eq!(summary.turns.unwrap().wheel, None);
+    }
     let ExchangeCheck {
         wheels, is_certain, ..
     } = summary.exchange?;
