@@ -1,7 +1,7 @@
 // The explorer in a real browser, from a file.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync } from 'node:fs';
+import { mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -179,6 +179,35 @@ test('copies for Rust, Python and TOML carry the numbers of the sliders', async 
     assert.match(toml, /source = "changed from: Lunar Sourcebook/);
     assert.match(await copied(page, 'Rust'), /Angle::from_deg\(33\.5\)[\s\S]*RigidWheel::new\(0\.2, 0\.1\)/);
     assert.match(await copied(page, 'Python'), /phi_deg = 33\.5[\s\S]*radius_m=0\.2, width_m=0\.1/);
+  });
+});
+
+test('intervals of the soil become bands, whose ends are the soils at the ends of one interval', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'grouser-page-'));
+  await withPage({ hash: '#explore?soil=dry-sand&radius_m=0.125&width_m=0.1&load_n=80&slip=0.3&intervals=phi_deg:27:32' }, async (page) => {
+    const bands = await page.waitForFunction(() => window.grouser.views.get('explore').bands).then((found) => found.jsonValue());
+    assert.equal(bands.draws, 64);
+    const soil = await copied(page, 'Soil file (TOML)');
+    for (const [end, phi] of [['low', 27], ['high', 32]]) {
+      writeFileSync(join(folder, `${end}.toml`), soil.replace(/phi_deg = .*/, `phi_deg = ${phi}.0`));
+      for (const i of [3, 10, 20]) {
+        const theirs = commandJson(`grouser wheel --soil ./${end}.toml --radius-m 0.125 --width-m 0.1 --load-n 80 --slip ${bands.slip[i]}`, folder);
+        const width = bands.drawbar_pull_n.high[i] - bands.drawbar_pull_n.low[i];
+        assert.ok(Math.abs(bands.drawbar_pull_n[end][i] - theirs.drawbar_pull_n) < 0.05 * width, `${end} at slip ${bands.slip[i]}: ${bands.drawbar_pull_n[end][i]} and ${theirs.drawbar_pull_n}`);
+      }
+    }
+    assert.equal(await page.locator('.chart .band').count(), 4);
+    const file = (text) => ({ name: 'intervals.toml', mimeType: 'text/plain', buffer: Buffer.from(text) });
+    await page.setInputFiles('#intervals-file', file('format = 1\nphi_deg = { low = 31.0, high = 33.0 }\n'));
+    await page.getByText('outside its interval [31, 33]').waitFor();
+    assert.equal(await page.locator('.chart .band').count(), 0);
+    await page.setInputFiles('#intervals-file', file('phi_deg = { low = much, high = 33.0 }\n'));
+    await page.getByText('phi_deg needs low and high').waitFor();
+    // the address keeps them
+    await page.setInputFiles('#intervals-file', file('phi_deg = { low = 27.0, high = 33.0 }\ncohesion_kpa = { low = 0.5, high = 2.0 } # measured\n'));
+    await page.waitForFunction(() => window.grouser.views.get('explore').bands?.draws === 64);
+    assert.match(await page.evaluate(() => location.hash), /intervals=phi_deg%3A27%3A33%2Ccohesion_kpa%3A0.5%3A2/);
+    assert.deepEqual(await seriousFindings(page), []);
   });
 });
 

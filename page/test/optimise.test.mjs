@@ -50,6 +50,39 @@ test('a front is shown in linked pictures, and a compromise goes on to the explo
   });
 });
 
+test('a front of three objectives turns in space and is linked with the other pictures', async () => {
+  await withPage({ hash: '#optimise' }, async (page) => {
+    await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+    const text = await page.locator('.problem textarea').inputValue();
+    await page.fill('.problem textarea', text.replace('torque    = "torque_nm"', 'torque = "torque_nm"\nsinking = "sinkage_m"').replace('population = 60', 'population = 24').replace('generations = 60', 'generations = 10'));
+    await page.getByRole('button', { name: 'Solve' }).click();
+    await page.waitForSelector('.space', { timeout: 60000 });
+    const { front } = await answerOf(page);
+    assert.equal(await page.locator('.space .front-dot').count(), front.length);
+    // orthographic: differences of the pictures are those of the objectives, turned; all axes of the box appear
+    const words = await page.locator('.space .axis-name').allTextContents();
+    assert.deepEqual(words, ['pull_lost', 'torque', 'sinking']);
+    const seen = () => page.locator('.space .front-dot').evaluateAll((dots) => dots.map((dot) => [Number(dot.getAttribute('cx')), Number(dot.getAttribute('cy'))]).sort((a, b) => a[0] - b[0]));
+    const before = await seen();
+    await page.locator('.space').focus();
+    await page.keyboard.press('ArrowRight');
+    const turned = await seen();
+    assert.notDeepEqual(turned, before);
+    await page.keyboard.press('ArrowLeft');
+    (await seen()).forEach(([x, y], i) => assert.ok(Math.hypot(x - before[i][0], y - before[i][1]) < 1e-6));
+    const box = await page.locator('.space').boundingBox();
+    await page.mouse.move(box.x + 20, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 120, box.y + 60);
+    await page.mouse.up();
+    assert.notDeepEqual(await seen(), before);
+    await page.locator('.space .front-dot').first().click();
+    assert.equal(await page.locator('.front-dot.is-chosen').count(), 4);
+    assert.equal(await page.locator('.compromise.is-chosen').count(), 1);
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});
+
 test('a problem that is none is refused with its place', async () => {
   await withPage({ hash: '#optimise', width: 390, height: 844 }, async (page) => {
     await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);

@@ -4,18 +4,35 @@
 //! [steering]
 //! kind = "ackermann"
 //! wheels = ["front_left", "front_right"]    # the steered ones; one wheel: a tricycle
+//! # kind = "articulated"                    # the wheels of a body behind a vertical joint, whose angle it is
+//! # joint_x_m = 0.7                         # the joint, forwards of the robot's origin
 //! ```
 
-use grouser_slip::Robot;
+use grouser_slip::{Robot, Wheel};
 
 use crate::error::Result;
 use crate::section::Section;
 use crate::suggestion::nearest;
 
-/// Wheels that one angle steers: all turn about one point on the line of the other wheels, and the angle is that of a wheel in
-/// the middle of the steered axle. With one wheel it is a tricycle.
+/// What one angle does to the steered wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SteeringKind {
+    /// All turn about one point on the line of the other wheels, and the angle is that of a wheel in the middle of the
+    /// steered axle. With one wheel it is a tricycle.
+    Ackermann,
+    /// They are on a body of their own, which turns by the angle about a vertical joint: [`Wheel::steers_about`](grouser_slip::Wheel)
+    /// is the joint.
+    Articulated {
+        /// Position of the joint, forwards of the robot's origin, m.
+        joint_x: f64,
+    },
+}
+
+/// Wheels that one angle steers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steering {
+    /// What the angle does.
+    pub kind: SteeringKind,
     /// The indices of the steered wheels.
     pub wheels: Vec<usize>,
 }
@@ -24,18 +41,47 @@ pub struct Steering {
 /// sideways in a bend, which the estimator does not expect.
 const MAX_ORIGIN_SHARE: f64 = 0.05;
 
-/// The names of the steered wheels, before the robot is known.
-pub(crate) fn read_names(section: &Section<'_>) -> Result<Vec<String>> {
-    section.choice("kind", &[("ackermann", ())])?;
+/// The section, before the robot is known.
+pub(crate) struct SteeringSection {
+    kind: SteeringKind,
+    names: Vec<String>,
+}
+
+pub(crate) fn read_section(section: &Section<'_>) -> Result<SteeringSection> {
+    let is_articulated = section.choice("kind", &[("ackermann", false), ("articulated", true)])?;
+    let kind = if is_articulated {
+        let joint_x = section.number("joint_x_m", (-100.0, 100.0))?;
+        SteeringKind::Articulated { joint_x }
+    } else {
+        SteeringKind::Ackermann
+    };
     let wheels = section.texts("wheels")?;
-    Ok(wheels.into_iter().map(str::to_owned).collect())
+    Ok(SteeringSection {
+        kind,
+        names: wheels.into_iter().map(str::to_owned).collect(),
+    })
+}
+
+/// Puts the joint of an articulated robot into its wheels.
+pub(crate) fn put_joint(section: Option<&SteeringSection>, wheels: &mut [Wheel]) {
+    let Some(section) = section else { return };
+    if let SteeringKind::Articulated { joint_x } = section.kind {
+        for wheel in wheels {
+            if section.names.contains(&wheel.name) {
+                wheel.steers_about = Some([joint_x, 0.0]);
+            }
+        }
+    }
 }
 
 /// Finds the wheels; the message of what is wrong otherwise.
-pub(crate) fn resolve(names: &[String], robot: &Robot) -> std::result::Result<Steering, String> {
+pub(crate) fn resolve(
+    section: &SteeringSection,
+    robot: &Robot,
+) -> std::result::Result<Steering, String> {
     let wheels = robot.wheels();
     let mut steered = Vec::new();
-    for name in names {
+    for name in &section.names {
         let Some(index) = robot.wheel_index(name) else {
             let known = nearest(name, wheels.iter().map(|wheel| wheel.name.as_str()));
             let meant =
@@ -62,5 +108,8 @@ pub(crate) fn resolve(names: &[String], robot: &Robot) -> std::result::Result<St
              the steered ones off it: the mean `x_m` are {rear} and {front}"
         ));
     }
-    Ok(Steering { wheels: steered })
+    Ok(Steering {
+        kind: section.kind,
+        wheels: steered,
+    })
 }

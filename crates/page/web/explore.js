@@ -5,6 +5,7 @@ import { Control } from './controls.js';
 import { copyMenu } from './copy_as.js';
 import { h, svg } from './dom.js';
 import { shown, significant } from './format.js';
+import { bands, outside, readIntervals } from './intervals.js';
 import { CURVES } from './palette.js';
 import { Refusal } from './physics.js';
 import { curveRequest, hasLugs, pointRequest } from './requests.js';
@@ -19,6 +20,8 @@ import { StressPicture } from './stress.js';
 const POINTS = 91;
 /** Points of a compared soil's curve. */
 const COMPARED_POINTS = 46;
+/** Points of the curves between which a band lies. */
+const BAND_POINTS = 31;
 const PROFILE_POINTS = 121;
 /** From this slip on a wheel spins nearly on the spot, as for the command's `curve`. */
 const SPINNING_SLIP = 0.99;
@@ -44,6 +47,7 @@ export class Explore {
   #frame = null;
   #settled = null;
   #measured = null;
+  #bands = null;
 
   constructor(physics, { soils, gravity }, moved) {
     this.#physics = physics;
@@ -59,6 +63,7 @@ export class Explore {
   open(query) {
     this.#state = fromQuery(this.#catalogue, query);
     this.#best = {};
+    this.#bands = null;
     this.#schedule();
   }
 
@@ -80,6 +85,7 @@ export class Explore {
   #set(change) {
     Object.assign(this.#state, change);
     this.#best = {};
+    this.#bands = null;
     this.#schedule();
   }
 
@@ -179,7 +185,31 @@ export class Explore {
     return h('fieldset', { class: 'card panel' },
       h('legend', {}, 'Soil’s numbers'),
       usual.map((field) => this.#control(field)),
-      h('details', {}, h('summary', {}, 'Stress distribution and more'), rare.map((field) => this.#control(field))));
+      h('details', {}, h('summary', {}, 'Stress distribution and more'), rare.map((field) => this.#control(field))),
+      this.#intervalsChoice());
+  }
+
+  /** The intervals of the soil's numbers, out of a file. */
+  #intervalsChoice() {
+    this.intervalsFile = h('input', { type: 'file', accept: '.toml', class: 'sr-only', id: 'intervals-file', on: { change: () => this.#readIntervals() } });
+    this.intervalsNote = h('p', { class: 'source', role: 'status' });
+    this.dropIntervals = h('button', {
+      type: 'button', class: 'link', hidden: true, on: { click: () => this.#set({ intervals: null }) },
+    }, 'without intervals');
+    return h('div', { class: 'intervals' },
+      h('label', { class: 'quiet button', for: 'intervals-file' }, '95 % intervals'), this.intervalsFile, this.intervalsNote, this.dropIntervals);
+  }
+
+  async #readIntervals() {
+    const [file] = this.intervalsFile.files;
+    if (!file) return;
+    try {
+      this.#set({ intervals: readIntervals(await file.text()) });
+    } catch (error) {
+      this.#set({ intervals: null });
+      this.intervalsProblem = `${file.name}: ${error.message}`;
+    }
+    this.intervalsFile.value = '';
   }
 
   #wheelPanel() {
@@ -236,7 +266,7 @@ export class Explore {
 
   #pinOrDrop() {
     const { pinned, compare, ...now } = this.#state;
-    this.#set({ pinned: pinned ? null : { ...now, compare: [], pinned: null } });
+    this.#set({ pinned: pinned ? null : { ...now, compare: [], pinned: null, intervals: null } });
   }
 
   #chart(quantity) {
@@ -247,7 +277,7 @@ export class Explore {
       zero: quantity.zero,
       pick: (slip) => this.#set({ slip: Number(slip.toFixed(3)) }),
       hover: (slip) => { for (const { chart: one } of this.#charts.values()) one.point(slip); },
-      value: (one, value, unit) => h('span', { class: one.ghost ? 'value ghost' : 'value', style: { color: one.colour } },
+      value: (one, value, unit) => one.silent ? null : h('span', { class: one.ghost ? 'value ghost' : 'value', style: { color: one.colour } },
         value === null ? '–' : shown(value)),
     });
     this.#charts.set(quantity.key, { chart, quantity });
@@ -356,8 +386,40 @@ export class Explore {
       return;
     }
     this.curves[0].curve = this.curve;
+    this.#findBands(state);
     this.#showCurves(state, this.point, this.curves);
     this.#showMarks();
+  }
+
+  /** The bands that the intervals of the soil's numbers leave. */
+  #findBands(state) {
+    if (!state.intervals || outside(state, state.intervals)) return;
+    const range = this.#range(state);
+    this.#bands = bands(state, state.intervals, (numbers) => {
+      try {
+        return this.#physics.askNow(curveRequest({ ...state, ...numbers }, BAND_POINTS, range, true));
+      } catch (refusal) {
+        if (!(refusal instanceof Refusal)) throw refusal;
+        return null;
+      }
+    });
+    this.#showIntervals(state);
+  }
+
+  /** The bands of the curves, once found. */
+  get bands() {
+    return this.#bands;
+  }
+
+  #showIntervals(state) {
+    const given = state.intervals;
+    this.dropIntervals.hidden = !given;
+    const names = given && Object.keys(given).map((key) => SOIL_FIELDS.find((field) => field.key === key).name.toLowerCase());
+    const said = given
+      ? outside(state, given) ?? `The bands hold 95 % of ${this.#bands?.draws ?? 64} soils drawn from the intervals of ${names.join(', ')}, each number by itself.`
+      : this.intervalsProblem ?? '';
+    this.intervalsProblem = given ? null : this.intervalsProblem;
+    this.intervalsNote.textContent = said;
   }
 
   #showMarks() {
@@ -386,6 +448,7 @@ export class Explore {
     this.source.textContent = entry
       ? `${edited ? 'Changed from: ' : 'Source: '}${entry.source}${entry.note ? ` (${entry.note})` : ''}`
       : 'Own soil';
+    this.#showIntervals(state);
     this.massOnly.hidden = state.load_by !== 'mass';
     this.loadOnly.hidden = state.load_by === 'mass';
     for (const radio of this.element.querySelectorAll('[name="load-by"]')) radio.checked = radio.value === state.load_by;
@@ -458,6 +521,13 @@ export class Explore {
       const series = curves.map(({ name, curve, look, ghost }) => ({
         name, x: curve.slip, y: scale(curve[quantity.key]), ...look, ghost, width: ghost ? 1.5 : 2.25,
       }));
+      const band = this.#bands?.[quantity.key];
+      if (band) {
+        series.unshift({
+          name: '95 % of the soils', x: this.#bands.slip, y: this.#bands.slip.map(() => null), colour: CURVES[0].colour,
+          band: { low: scale(band.low), high: scale(band.high) }, silent: true,
+        });
+      }
       const measured = this.#measured?.[quantity.key];
       if (measured) series.push({ points: true, x: this.#measured.slip, y: scale(measured), colour: 'currentColor' });
       const levels = quantity.key === 'drawbar_pull_n' && state.slope_deg !== 0

@@ -2,6 +2,7 @@
 
 import { h, svg } from './dom.js';
 import { shown } from './format.js';
+import { FIRST_VIEW, frontInSpace } from './front_space.js';
 import { Refusal } from './physics.js';
 import { sources } from './report.js';
 import { tickLabels, ticks } from './ticks.js';
@@ -23,6 +24,7 @@ export class Optimise {
   #chosen = null;
   #problems = null;
   #after = [];
+  #view = { ...FIRST_VIEW };
 
   constructor(physics, report, explore) {
     this.#physics = physics;
@@ -189,11 +191,17 @@ export class Optimise {
     this.#show();
   }
 
-  /** Two objectives against each other, for each pair of the first three. */
+  /** The first three objectives in space, and two against each other for each pair of them. */
   #pairs() {
     const names = this.#answer.objectives.map(({ name }) => name);
     const pairs = names.length > 2 ? [[0, 1], [0, 2], [1, 2]] : [[0, 1]];
-    return pairs.map(([a, b]) => this.#scatter(names[a], names[b]));
+    const cards = pairs.map(([a, b]) => this.#scatter(names[a], names[b]));
+    if (names.length < 3) return cards;
+    const { front, knee } = this.#answer;
+    const space = frontInSpace({
+      front, knee, names: names.slice(0, 3), chosen: this.#chosen, view: this.#view, narrow: isNarrow(), choose: (i) => this.#choose(i),
+    });
+    return [space, ...cards];
   }
 
   #scatter(a, b) {

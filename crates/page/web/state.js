@@ -1,5 +1,6 @@
 // The explorer's state and its address.
 
+import { intervalsOf, intervalsText } from './intervals.js';
 import { SOIL_FIELDS, numbersOf } from './soils.js';
 
 /** Wheel and motion: key of the command's flag, name, symbol, unit, slider range, power of ten shown. */
@@ -31,13 +32,13 @@ const NUMBERS = Object.keys(DEFAULTS).filter((key) => key !== 'load_by');
 
 /** The state that the page opens with. */
 export function firstState(catalogue) {
-  return { ...DEFAULTS, ...chooseSoil(catalogue, catalogue.get('dry-sand'), {}), compare: [], pinned: null };
+  return { ...DEFAULTS, ...chooseSoil(catalogue, catalogue.get('dry-sand'), {}), compare: [], pinned: null, intervals: null };
 }
 
 /** What changes when a soil of the catalogue is chosen. */
 export function chooseSoil(catalogue, entry, before) {
   const { numbers, open } = numbersOf(entry, before);
-  return { ...numbers, soil: entry.key, open, extra: '', soil_name: entry.name };
+  return { ...numbers, soil: entry.key, open, extra: '', soil_name: entry.name, intervals: null };
 }
 
 /** The weight on the wheel, N. */
@@ -61,6 +62,7 @@ export function toQuery(catalogue, state) {
   if (state.load_by === 'mass') query.set('load_by', 'mass');
   if (state.extra) query.set('extra', state.extra);
   if (state.soil_name && !catalogue.has(state.soil)) query.set('soil_name', state.soil_name);
+  if (state.intervals) query.set('intervals', intervalsText(state.intervals));
   if (state.compare.length) query.set('compare', state.compare.join(','));
   if (state.pinned) query.set('pinned', toQuery(catalogue, { ...state.pinned, compare: [], pinned: null }));
   return query.toString();
@@ -84,6 +86,7 @@ export function fromQuery(catalogue, text, depth = 0) {
     if (given !== null && given.trim() !== '' && Number.isFinite(Number(given))) state[name] = Number(given);
   }
   if (query.get('load_by') === 'mass') state.load_by = 'mass';
+  state.intervals = intervalsOf(query.get('intervals'));
   state.extra = (query.get('extra') ?? '').slice(0, 4000);
   state.compare = (query.get('compare') ?? '').split(',').filter((name) => catalogue.has(name)).slice(0, 5);
   const pinned = query.get('pinned');

@@ -157,7 +157,12 @@ impl Engine {
         };
         Ok(Self {
             slips,
-            turns: TurnWatch::new(&robot, settings.low_speed, settings.window),
+            // Steered wheels turn the robot otherwise than by the speeds of its sides.
+            turns: if file.steering.is_none() {
+                TurnWatch::new(&robot, settings.low_speed, settings.window)
+            } else {
+                None
+            },
             exchange: ExchangeWatch::new(&robot, settings.window),
             axes: AxisWatch::new(&robot, settings.low_speed),
             ground: GroundWatch::new(&robot, settings.low_speed),

@@ -1,11 +1,12 @@
 //! From one angle of the steering to the angles of the wheels.
 
-use grouser_files::steering::Steering;
+use grouser_files::steering::{Steering, SteeringKind};
 use grouser_slip::{Measurement, Robot, Sample};
 
 /// Steers the wheels of a robot by one angle.
 #[derive(Clone, Debug)]
 pub(crate) struct WheelSteering {
+    kind: SteeringKind,
     /// Index and position of each steered wheel, m.
     wheels: Vec<(usize, f64, f64)>,
     /// Position of the unsteered wheels along the robot, and that of the steered ones from there, m.
@@ -24,6 +25,7 @@ impl WheelSteering {
         };
         let rear = mean(&others);
         Self {
+            kind: steering.kind,
             rear,
             wheelbase: mean(&wheels) - rear,
             wheels,
@@ -48,9 +50,12 @@ impl WheelSteering {
         })
     }
 
-    /// All wheels turn about one point on the line of the unsteered ones, at R = L / tan δ to the left:
-    /// tan δ_i = (x_i − x_r) / (R − y_i).
+    /// With Ackermann's steering all wheels turn about one point on the line of the unsteered ones, at R = L / tan δ to the left:
+    /// tan δ_i = (x_i − x_r) / (R − y_i). The wheels of an articulated robot's other body turn with it.
     fn wheel_angle(&self, angle: f64, x: f64, y: f64) -> f64 {
+        if matches!(self.kind, SteeringKind::Articulated { .. }) {
+            return angle;
+        }
         let tan = angle.tan();
         (tan * (x - self.rear) / (self.wheelbase - y * tan)).atan()
     }

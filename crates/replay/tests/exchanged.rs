@@ -1,7 +1,7 @@
 //! Left and right encoders exchanged: found in bends to both sides on robots of two, four and six wheels, and nowhere else.
 #![allow(
     clippy::unwrap_used,
-    clippy::print_stdout,
+    clippy::print_stderr,
     reason = "a test fails by panicking and may print what it measured"
 )]
 

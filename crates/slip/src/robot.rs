@@ -143,6 +143,9 @@ pub struct Wheel {
     pub y: f64,
     /// The direction in which it drives, from x towards y.
     pub heading: Angle,
+    /// The point about which it is steered, forwards and to the left, m: the joint of an articulated robot, which moves the
+    /// wheel beside turning it. `None`: its own centre.
+    pub steers_about: Option<[f64; 2]>,
     /// Effective rolling radius, m.
     pub radius: f64,
     /// Powered by a motor or rolling freely.
@@ -176,6 +179,7 @@ impl Wheel {
             x: 0.0,
             y: 0.0,
             heading: Angle::from_rad(0.0),
+            steers_about: None,
             radius: 0.1,
             role,
             encoder: Encoder::default(),
@@ -205,6 +209,15 @@ impl Wheel {
     #[must_use]
     pub fn heading(self, heading: Angle) -> Self {
         Self { heading, ..self }
+    }
+
+    /// The same wheel steered about the point `x` (forwards) and `y` (to the left), m, instead of its own centre.
+    #[must_use]
+    pub fn steered_about(self, x: f64, y: f64) -> Self {
+        Self {
+            steers_about: Some([x, y]),
+            ..self
+        }
     }
 
     /// The same wheel with an effective rolling radius, m.
@@ -248,6 +261,12 @@ impl Wheel {
         let (of, e) = (self.name.as_str(), &self.encoder);
         check_range(of, "x", self.x, (-100.0, 100.0), "m")?;
         check_range(of, "y", self.y, (-100.0, 100.0), "m")?;
+        for (field, place) in ["joint x", "joint y"]
+            .into_iter()
+            .zip(self.steers_about.iter().flatten())
+        {
+            check_range(of, field, *place, (-100.0, 100.0), "m")?;
+        }
         check_range(of, "heading", self.heading.rad(), (-7.0, 7.0), "rad")?;
         check_range(of, "radius", self.radius, (1e-3, 10.0), "m")?;
         check_range(of, "gear", e.gear, (1e-3, 1e5), "1")?;

@@ -51,7 +51,7 @@ use crate::error::{Error, Result};
 use crate::fields::read_fields;
 use crate::gravity::read_gravity;
 use crate::section::Section;
-use crate::steering::{Steering, read_names, resolve};
+use crate::steering::{Steering, put_joint, read_section, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
 use crate::wheel_sizes::read_grousers;
 
@@ -203,20 +203,23 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             .map_err(|source| Error::Robot { at, source })?;
         let filter = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
-        let steering = root.section("steering", read_names)?;
+        let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
             joints.push(section.optional_text("joint")?.map(str::to_owned));
             torque_per_ampere.push(section.optional_number("torque_per_ampere_nm", POSITIVE)?);
             Ok((read_wheel(section)?, body::read_wheel(section)?))
         })?;
-        let (wheels, bodies) = wheels.into_iter().unzip();
+        let (mut wheels, bodies): (Vec<Wheel>, Vec<_>) = wheels.into_iter().unzip();
+        put_joint(steering.as_ref(), &mut wheels);
         let body = body::read(root, bodies)?;
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,
         })?;
-        let steering = steering.map(|names| resolve(&names, &robot)).transpose();
+        let steering = steering
+            .map(|section| resolve(&section, &robot))
+            .transpose();
         let steering = steering.map_err(|message| Error::Contradiction {
             at: root.place_of("steering"),
             message,

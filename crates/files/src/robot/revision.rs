@@ -13,7 +13,7 @@ use crate::body;
 use crate::document::Document;
 use crate::error::{Error, Place, Result};
 use crate::section::Section;
-use crate::steering::read_names;
+use crate::steering::read_section;
 
 /// What a calibration changes in a robot file; `None` leaves it as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,7 +81,7 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
                 let _ = writeln!(added, "{key} = {value:.5}");
             }
         }
-        root.section("steering", read_names)?;
+        root.section("steering", read_section)?;
         read_filter(root, &WindowSettings::default())?;
         read_meanings(root)?;
         root.sections("wheel", |section| {

@@ -8,6 +8,7 @@ use grouser_terra::{GrouserRule, Grousers};
 use super::{RobotFile, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
+use crate::steering::SteeringKind;
 use crate::toml_text::TomlText;
 use crate::topics::{AXES, MOUNTING_KEYS, Topics};
 
@@ -67,7 +68,13 @@ pub fn to_toml(file: &RobotFile) -> String {
             .iter()
             .map(|index| wheels[*index].name.clone())
             .collect();
-        out.text("kind", "ackermann");
+        match steering.kind {
+            SteeringKind::Ackermann => out.text("kind", "ackermann"),
+            SteeringKind::Articulated { joint_x } => {
+                out.text("kind", "articulated");
+                out.number("joint_x_m", joint_x);
+            }
+        }
         out.texts("wheels", &names);
     }
     write_topics(&mut out, &file.topics);

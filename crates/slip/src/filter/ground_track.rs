@@ -53,6 +53,9 @@ const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
 const AWAITED_PERIODS: f64 = 1.5;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
+/// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
+/// this a steered wheel that slips more than the others turned the direction of the motion.
+const SIDEWAYS_VARIANCE_SHARE: f64 = 1e-4;
 /// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
 const PARALLEL_SINE: f64 = 0.02;
 /// Entries of the history: 1 s at the step's period with room.
@@ -380,6 +383,15 @@ impl GroundTrack {
         };
         by_way.add([0.0, 0.0, 1.0], turn);
         by_speed.add([0.0, 0.0, 1.0], turn);
+        if let Some(heading) = one_way(wheels) {
+            let row = [-Real::sin(heading), Real::cos(heading), 0.0];
+            let still = Measured {
+                value: 0.0,
+                variance: SIDEWAYS_VARIANCE_SHARE,
+            };
+            by_way.add(row, still);
+            by_speed.add(row, still);
+        }
         let [x, y, _] = by_speed.solve()?.velocity;
         let speed = Real::hypot(x, y);
         let direction = if speed > TURNING_SPEED_M_PER_S {
@@ -569,4 +581,16 @@ fn travel_at(wheel: &WheelChannel, now_ns: i64, dropout: f64) -> f64 {
         .filter(|silence| (0.0..=dropout).contains(silence));
     let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
     wheel.track.travel() + since.unwrap_or(0.0) * rim
+}
+
+/// The heading of the wheels that are not steered (rad), if all wheels have it at no steering angle.
+fn one_way(wheels: &WheelBank) -> Option<f64> {
+    let heading = wheels
+        .iter()
+        .find(|wheel| !wheel.steering.is_used())?
+        .steering
+        .heading;
+    let is_parallel =
+        |wheel: &WheelChannel| Real::sin(wheel.steering.heading - heading).abs() < PARALLEL_SINE;
+    wheels.iter().all(is_parallel).then_some(heading)
 }

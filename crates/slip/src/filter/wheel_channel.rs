@@ -16,6 +16,7 @@ use super::pulse_check::PulseCheck;
 use super::radius_check::RadiusCheck;
 use super::rolling_history::RollingHistory;
 use super::settings::FilterSettings;
+use super::wheel_steering::Steering;
 
 /// A window is extended until it has this many ticks: fewer say little of the speed.
 const MIN_WINDOW_TICKS: f64 = 4.0;
@@ -30,9 +31,9 @@ const HISTORY_ENTRIES: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) struct WheelChannel {
     pub(super) row: [f64; 3],
-    /// Position of its centre (m), and its heading at no steering angle (rad).
+    /// Position of its centre, m.
     place: [f64; 2],
-    heading: f64,
+    pub(super) steering: Steering,
     pub(super) carrier: Carrier,
     pub(super) free: bool,
     pub(super) track: WheelTrack,
@@ -82,7 +83,7 @@ impl WheelChannel {
             .map(move |(index, wheel)| Self {
                 row: wheel.speed_row(),
                 place: [wheel.x, wheel.y],
-                heading: wheel.heading.rad(),
+                steering: Steering::new(wheel),
                 carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.role == WheelRole::Free,
                 track: WheelTrack::new(index, wheel, windows),
@@ -111,7 +112,8 @@ impl WheelChannel {
 
     /// Sets the steering angle, rad.
     pub(super) fn steer(&mut self, angle: f64) {
-        let (sin, cos) = Real::sin_cos(self.heading + angle);
+        self.place = self.steering.turn(angle);
+        let (sin, cos) = Real::sin_cos(self.steering.heading + angle);
         self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
     }
 
@@ -130,13 +132,13 @@ impl WheelChannel {
     /// Ends the window at the reading of `now_ns` if it is long enough; returns its rim speed and its beginning.
     pub(super) fn window(&mut self, now_ns: i64, window: f64) -> Option<(Measured, i64)> {
         if self.from_ns.is_none() {
-            self.carrier.mark();
+            self.mark();
         }
         let from = *self.from_ns.get_or_insert(now_ns);
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
             self.from_ns = Some(now_ns);
-            self.carrier.mark();
+            self.mark();
             self.remainder = None;
             return None;
         }
@@ -146,7 +148,7 @@ impl WheelChannel {
         let Some(rim) = self.track.speed(from, now_ns) else {
             // the sensor was reset, or has been silent
             self.from_ns = Some(now_ns);
-            self.carrier.mark();
+            self.mark();
             self.remainder = None;
             return None;
         };
@@ -159,9 +161,9 @@ impl WheelChannel {
         let turned = if stands {
             0.0
         } else {
-            self.carrier.rolled() / age
+            (self.carrier.rolled() - self.steering.swung()) / age
         };
-        self.carrier.mark();
+        self.mark();
         let rim = Measured {
             value: rim.value + turned,
             ..rim
@@ -174,6 +176,12 @@ impl WheelChannel {
             self.rolling.runs(rim.value);
         }
         Some((rim, from))
+    }
+
+    /// Marks the beginning of a window.
+    fn mark(&mut self) {
+        self.carrier.mark();
+        self.steering.mark();
     }
 
     /// The smoothed rim speed before the last window, m/s: the last one shares a tick with the present one.
