@@ -415,6 +415,12 @@ impl Engine {
             Slips::Window(estimator) => (Method::Window, None, estimator.rejected()),
         };
         let wheels = self.robot.wheels().iter().zip(&self.tallies);
+        let exchange = self.exchange.as_ref().and_then(ExchangeWatch::found);
+        let mut turns = self.turns.as_ref().map(TurnWatch::summary);
+        if let Some(turns) = turns.as_mut().filter(|_| exchange.is_some()) {
+            // The difference is wiring: no wheel slips by it.
+            turns.wheel = None;
+        }
         Summary {
             status: if self.tallies.iter().any(Tally::has_slip) {
                 Status::Done
@@ -438,8 +444,8 @@ impl Engine {
                 .collect(),
             along: self.ways.along(reference != Reference::Grip),
             yaw: self.ways.yaw(),
-            turns: self.turns.as_ref().map(TurnWatch::summary),
-            exchange: self.exchange.as_ref().and_then(ExchangeWatch::found),
+            turns,
+            exchange,
             axes: self.axes.summary(),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,

@@ -133,6 +133,9 @@ fn found(world: World, shown: impl Fn(usize) -> usize) -> Option<(Vec<usize>, bo
         .iter()
         .any(|doubt| matches!(doubt, Doubt::Exchanged { .. }));
     assert_eq!(is_doubtful, summary.exchange.is_some());
+    if is_doubtful {
+        assert_eq!(summary.turns.unwrap().wheel, None);
+    }
     let ExchangeCheck {
         wheels, is_certain, ..
     } = summary.exchange?;

@@ -167,7 +167,7 @@ fn known(run: &str, found: LogStretch) -> Option<(KnownGround, Vec<f64>)> {
         slip,
         seconds,
     } = found;
-    let slip = slip.filter(|slip| *slip < 1.0 && slip.is_finite())?;
+    let slip = slip.filter(|slip| *slip < 1.0 && *slip > -1.0)?;
     let count = seconds.len() as f64;
     if count < 2.0 {
         return None;

@@ -81,7 +81,7 @@ impl KnownGrounds {
     /// A known ground draws its effort within 5 %. Rollers count if the stretch and at least three grounds have them: their
     /// way per ripple is spread as over the known stretches.
     ///
-    /// Assumes: straight, steady drive; slip between 0 and 1; the same robot.
+    /// Assumes: straight, steady drive; slip between 0 and 1; the same robot with the same load on the same slope.
     ///
     /// # Errors
     /// [`Error::TooFewGrounds`](crate::Error::TooFewGrounds) for less than three grounds or numbers that are not positive.

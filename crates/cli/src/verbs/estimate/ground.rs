@@ -155,8 +155,8 @@ struct Found<'a> {
     doubts: &'a [String],
 }
 
-const NOT_OBSERVABLE: &str = "bounds, not measurements: each slip is an interval of 95 % for any second of its stretch; not \
-                              observable: a slip that changes while the motors draw the same, and braking";
+const NOT_OBSERVABLE: &str = "bounds, not measurements: each slip is an interval of 95 % for any second of its stretch, if slope and load are \
+                              those of the known grounds; not observable: a slip that changes while the motors draw the same, and braking";
 
 fn text(request: &Request, of: Found<'_>) -> String {
     let mut text = format!(
