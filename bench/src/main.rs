@@ -4,10 +4,13 @@
 //!
 //! `filter`: the slip filter in a control loop, cycle by cycle.
 //!
+//! `drives`: whole drives, one by one and many at once.
+//!
 //! `paths`: every path that is not the common one.
 //!
-//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | filter | paths | points`
+//! `cargo run --release --manifest-path bench/Cargo.toml -- kernel [--json] | filter | drives | paths | points`
 
+mod drives;
 mod filter;
 mod kernel;
 mod naive;
@@ -21,10 +24,11 @@ fn main() {
         ["kernel"] => kernel::run(false),
         ["kernel", "--json"] => kernel::run(true),
         ["filter"] => filter::run(),
+        ["drives"] => drives::run(),
         ["points"] => points::print(kernel::BATCH),
         ["paths"] => paths::run(),
         _ => {
-            eprintln!("usage: grouser-bench kernel [--json] | filter | paths | points");
+            eprintln!("usage: grouser-bench kernel [--json] | filter | drives | paths | points");
             std::process::exit(2);
         }
     }

@@ -116,8 +116,13 @@ fn paths() -> Vec<(&'static str, SoilParams, Kinematics, ShearLaw, f64)> {
 pub fn run() {
     let wheel = RigidWheel::new(0.15, 0.1).expect("a wheel");
     println!(
-        "{:<28}{:>12}{:>14}{:>14}",
-        "path (one point, f64)", "forces, ns", "solve, ns", "worst error"
+        "{:<28}{:>12}{:>14}{:>14}{:>16}{:>14}",
+        "path (one point, f64)",
+        "forces, ns",
+        "solve, ns",
+        "worst error",
+        "simulation, ns",
+        "worst error"
     );
     for (name, params, motion, shear, depth) in paths() {
         let soil = Soil::new(params).expect("a soil");
@@ -132,21 +137,31 @@ pub fn run() {
         let (fast, exact) = (contact(Accuracy::Standard), contact(Accuracy::Reference));
         let sinkage = depth * wheel.radius();
         let f = exact.forces_at(sinkage, &motion).expect("forces");
+        let quick = contact(Accuracy::Simulation);
         // the error over a hundred sinkages, not at one only
-        let error = (1..=100)
-            .map(|k| {
-                let z = sinkage * f64::from(k) / 85.0;
-                let f = exact.forces_at(z, &motion).expect("forces");
-                let g = fast.forces_at(z, &motion).expect("forces");
-                let size = f.vertical_force.abs().max(f.drawbar_pull.abs());
-                (f.vertical_force - g.vertical_force)
-                    .abs()
-                    .max((f.drawbar_pull - g.drawbar_pull).abs())
-                    / size
-            })
-            .fold(0.0_f64, f64::max);
+        let error_of = |fast: &WheelOnSoil| {
+            (1..=100)
+                .map(|k| {
+                    let z = sinkage * f64::from(k) / 85.0;
+                    let f = exact.forces_at(z, &motion).expect("forces");
+                    let g = fast.forces_at(z, &motion).expect("forces");
+                    let size = f.vertical_force.abs().max(f.drawbar_pull.abs());
+                    (f.vertical_force - g.vertical_force)
+                        .abs()
+                        .max((f.drawbar_pull - g.drawbar_pull).abs())
+                        / size
+                })
+                .fold(0.0_f64, f64::max)
+        };
+        let (error, quick_error) = (error_of(&fast), error_of(&quick));
         let forces = median_ns(|| {
             fast.forces_at(black_box(sinkage), &motion)
+                .expect("forces")
+                .drawbar_pull
+        });
+        let simulated = median_ns(|| {
+            quick
+                .forces_at(black_box(sinkage), &motion)
                 .expect("forces")
                 .drawbar_pull
         });
@@ -157,7 +172,9 @@ pub fn run() {
                 .sinkage()
                 .unwrap_or(0.0)
         });
-        println!("{name:<28}{forces:>12.0}{solve:>14.0}{error:>14.1e}");
+        println!(
+            "{name:<28}{forces:>12.0}{solve:>14.0}{error:>14.1e}{simulated:>16.0}{quick_error:>14.1e}"
+        );
     }
     derivatives(wheel);
 }

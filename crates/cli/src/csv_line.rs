@@ -21,15 +21,19 @@ impl Broken {
     }
 }
 
+/// Room for the fields of most tables, so that a line's list does not move while it grows.
+const FIELDS: usize = 16;
+
 /// The fields of a line without its line end, quotation marks and all.
 pub(crate) fn split(line: &str) -> Result<Vec<&str>, Broken> {
-    let mut fields = Vec::new();
+    let mut fields = Vec::with_capacity(FIELDS);
     let mut rest = line;
     loop {
         let end = if rest.starts_with('"') {
             quoted_end(rest)?
         } else {
-            rest.find(',').unwrap_or(rest.len())
+            let comma = rest.as_bytes().iter().position(|byte| *byte == b',');
+            comma.unwrap_or(rest.len())
         };
         let (field, behind) = rest.split_at(end);
         fields.push(field);
@@ -72,7 +76,12 @@ pub(crate) fn content(field: &str) -> Cow<'_, str> {
     {
         Some(inner) if inner.contains("\"\"") => Cow::Owned(inner.replace("\"\"", "\"")),
         Some(inner) => Cow::Borrowed(inner),
-        None => Cow::Borrowed(field.trim()),
+        None => Cow::Borrowed(match field.as_bytes() {
+            [] => field,
+            // nothing to trim, as nearly always
+            [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() => field,
+            _ => field.trim(),
+        }),
     }
 }
 

@@ -8,12 +8,17 @@ use crate::input::Input;
 /// A longer line is no row of a table.
 const LONGEST: u64 = 1 << 20;
 
+/// By how much a line may be longer than the one before without a second allocation, bytes.
+const ROOM_TO_SPARE: usize = 32;
+
 /// The lines of an input, without their ends.
 pub(crate) struct Lines {
     reader: BufReader<Input>,
     /// Of the line read last, from 1.
     number: u64,
     bytes: u64,
+    /// Room for a line: that of the one before.
+    room: usize,
 }
 
 /// One line.
@@ -34,12 +39,13 @@ impl Lines {
             reader: BufReader::new(input),
             number: 0,
             bytes: 0,
+            room: 0,
         }
     }
 
     /// The next line; `None` at the end. A byte order mark before the first is left out.
     pub(crate) fn next(&mut self) -> Result<Option<Line>> {
-        let mut bytes = Vec::new();
+        let mut bytes = Vec::with_capacity(self.room);
         let count = self
             .reader
             .by_ref()
@@ -51,6 +57,7 @@ impl Lines {
         }
         self.number += 1;
         self.bytes += count as u64;
+        self.room = count + ROOM_TO_SPARE;
         if bytes.last() != Some(&b'\n') && bytes.len() as u64 > LONGEST {
             return Err(Error::content(
                 self.reader.get_ref().path(),

@@ -4,7 +4,7 @@ use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
 use grouser_slip::onboard::{OnBoard, SoilTables};
 
-use grouser_terra::OutOfRange;
+use grouser_terra::{Accuracy, OutOfRange};
 
 use super::frame::{Frame, WheelFrame};
 use super::motor_driver::MotorDriver;
@@ -164,6 +164,11 @@ impl Simulation {
     #[must_use]
     pub const fn vehicle(&self) -> &Vehicle {
         &self.vehicle
+    }
+
+    /// Computes the wheels' forces with another accuracy, for comparisons ([`Vehicle::set_accuracy`]).
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.vehicle.set_accuracy(accuracy);
     }
 
     /// The ground.

@@ -117,8 +117,8 @@ pub(super) struct Columns {
 
 /// The operating point of a row.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Point {
-    pub(super) soil: String,
+pub(super) struct Point<'a> {
+    pub(super) soil: Cow<'a, str>,
     pub(super) radius_m: f64,
     pub(super) width_m: f64,
     /// Height (m), number and thickness (m) of the lugs; `None` for a smooth wheel.
@@ -133,8 +133,10 @@ pub(super) struct Point {
 /// A row: its fields as they stand, as many as the header has, and its operating point or what is wrong.
 #[derive(Debug)]
 pub(super) struct Row<'a> {
-    fields: Vec<Cow<'a, str>>,
-    pub(super) point: Result<Point, String>,
+    fields: Vec<&'a str>,
+    /// The whole line as the first field, where it has no fields.
+    whole: Option<Cow<'a, str>>,
+    pub(super) point: Result<Point<'a>, String>,
 }
 
 impl Columns {
@@ -245,13 +247,10 @@ impl Columns {
     /// Reads a row.
     pub(super) fn row<'a>(&self, line: &'a Line) -> Row<'a> {
         // The line as one field, so that the output stays a table.
-        let whole = |message: &str| {
-            let mut fields = vec![Cow::Borrowed(""); self.header.len()];
-            fields[0] = field(&line.text);
-            Row {
-                fields,
-                point: Err(message.to_owned()),
-            }
+        let whole = |message: &str| Row {
+            fields: vec![""; self.header.len()],
+            whole: Some(field(&line.text)),
+            point: Err(message.to_owned()),
         };
         if !line.is_text {
             return whole("the row is not UTF-8");
@@ -271,12 +270,13 @@ impl Columns {
         };
         fields.resize(self.header.len(), "");
         Row {
-            fields: fields.into_iter().map(Cow::Borrowed).collect(),
+            fields,
+            whole: None,
             point,
         }
     }
 
-    fn point(&self, fields: &[&str]) -> Result<Point, String> {
+    fn point<'a>(&self, fields: &[&'a str]) -> Result<Point<'a>, String> {
         let number = |index: usize, name: &str| {
             let text = content(fields[index]);
             parse_finite(&text).map_err(|reason| {
@@ -329,7 +329,7 @@ impl Columns {
         };
         Ok(Point {
             grousers,
-            soil: content(fields[self.soil]).into_owned(),
+            soil: content(fields[self.soil]),
             radius_m: number(self.radius, "radius_m")?,
             width_m: number(self.width, "width_m")?,
             rebound: rebound.transpose()?,
@@ -357,7 +357,11 @@ impl Columns {
             if index > 0 {
                 text.push(',');
             }
-            if Some(index) == self.sinkage && content(field).is_empty() {
+            if index == 0
+                && let Some(whole) = &row.whole
+            {
+                text.push_str(whole);
+            } else if Some(index) == self.sinkage && content(field).is_empty() {
                 push(text, sinkage);
             } else {
                 text.push_str(field);

@@ -19,7 +19,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn push(&mut self, place: usize, point: &Point, rebound: f64, given: f64) {
+    fn push(&mut self, place: usize, point: &Point<'_>, rebound: f64, given: f64) {
         self.places.push(place);
         self.radius.push(point.radius_m);
         self.width.push(point.width_m);
@@ -91,8 +91,8 @@ pub(super) fn solve(
             continue;
         }
         let kernel = kernels
-            .entry(&point.soil)
-            .or_insert_with(|| kernel_of(&point.soil));
+            .entry(&*point.soil)
+            .or_insert_with(|| kernel_of(&*point.soil));
         let Some(kernel) = kernel else { continue };
         let rebound = point.rebound.unwrap_or(kernel.soil().params().rebound);
         let (load, given) = match point.prescribed {
@@ -100,7 +100,7 @@ pub(super) fn solve(
             Prescribed::Sinkage(sinkage) => (false, sinkage),
         };
         sorted
-            .entry((&point.soil, load))
+            .entry((&*point.soil, load))
             .or_default()
             .push(place, point, rebound, given);
     }

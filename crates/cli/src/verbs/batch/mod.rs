@@ -211,11 +211,11 @@ fn soils_of(rows: &[Row<'_>], met: &Mutex<Met<'_>>, overrides: &Overrides) -> So
     let mut soils = Soils::new();
     let mut met = met.lock().unwrap_or_else(PoisonError::into_inner);
     for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
-        if soils.contains_key(&row.soil) || soils.len() >= SOILS {
+        if soils.contains_key(&*row.soil) || soils.len() >= SOILS {
             continue;
         }
-        if !met.soils.contains_key(&row.soil) {
-            let Ok(chosen) = soil_choice::choose(OsStr::new(&row.soil), overrides) else {
+        if !met.soils.contains_key(&*row.soil) {
+            let Ok(chosen) = soil_choice::choose(OsStr::new(&*row.soil), overrides) else {
                 continue;
             };
             if met.soils.len() >= SOILS {
@@ -225,13 +225,13 @@ fn soils_of(rows: &[Row<'_>], met: &Mutex<Met<'_>>, overrides: &Overrides) -> So
                 met.session.used_document(document);
             }
             if met.used.len() < SOILS {
-                met.used.insert(row.soil.clone(), chosen.source.clone());
+                met.used.insert(row.soil.to_string(), chosen.source.clone());
             }
             met.soils
-                .insert(row.soil.clone(), (chosen.soil, chosen.source));
+                .insert(row.soil.to_string(), (chosen.soil, chosen.source));
         }
-        if let Some(found) = met.soils.get(&row.soil) {
-            soils.insert(row.soil.clone(), found.clone());
+        if let Some(found) = met.soils.get(&*row.soil) {
+            soils.insert(row.soil.to_string(), found.clone());
         }
     }
     soils
@@ -290,7 +290,7 @@ fn complete(
 }
 
 fn solve(
-    point: &self::columns::Point,
+    point: &self::columns::Point<'_>,
     soils: &Soils,
     overrides: &Overrides,
     cache: &mut Cache,
@@ -298,7 +298,7 @@ fn solve(
     let refuse = |error| Names::Columns.message(&error);
     let wheel = (point.radius_m, point.width_m);
     let key = (
-        point.soil.clone(),
+        point.soil.to_string(),
         [wheel.0.to_bits(), wheel.1.to_bits()],
         point.grousers.map(|sizes| sizes.map(f64::to_bits)),
         point.rebound.map(f64::to_bits),
@@ -306,9 +306,9 @@ fn solve(
     let pair = match &cache.0 {
         Some((last, pair)) if *last == key => pair.clone(),
         _ => {
-            let soil = match soils.get(&point.soil) {
+            let soil = match soils.get(&*point.soil) {
                 Some((soil, _)) => *soil,
-                None => soil_choice::choose(OsStr::new(&point.soil), overrides)
+                None => soil_choice::choose(OsStr::new(&*point.soil), overrides)
                     .map(|chosen| chosen.soil)
                     .map_err(|error| error.to_string())?,
             };
