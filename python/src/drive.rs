@@ -1,9 +1,11 @@
 //! Simulated drives, by our controller or by one written in Python.
 
 use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 use grouser::rover::drive::{self, DriveResult, Frame, Pilot};
 use grouser::slip::control::WheelCommand;
+use grouser::slip::onboard::SoilTables;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -18,6 +20,8 @@ pub(crate) struct Scenario {
     scenario: drive::Scenario,
     path: PathBuf,
     optimum: f64,
+    /// What robots know of the soil, once a drive needed it: the same for every seed and pilot.
+    tables: Arc<OnceLock<SoilTables>>,
 }
 
 impl Scenario {
@@ -27,7 +31,14 @@ impl Scenario {
         pilot: Pilot,
         seed: u64,
     ) -> grouser::rover::Result<drive::Simulation> {
-        drive::Simulation::new(&self.scenario, pilot, self.optimum, seed)
+        let tables = match self.tables.get() {
+            Some(tables) => tables,
+            None => {
+                let made = drive::Simulation::soil_tables(&self.scenario)?;
+                self.tables.get_or_init(|| made)
+            }
+        };
+        drive::Simulation::with_tables(&self.scenario, pilot, self.optimum, seed, tables)
     }
 
     pub(crate) fn wheel_count(&self) -> usize {
@@ -54,6 +65,7 @@ impl Scenario {
                 scenario,
                 path: std::path::absolute(&path)?,
                 optimum,
+                tables: Arc::default(),
             })
         })
     }
