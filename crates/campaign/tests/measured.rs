@@ -11,6 +11,7 @@ mod measured_data;
 use std::path::PathBuf;
 
 use grouser_campaign::validate::{ModelName, Row, SlipGroup, Split, ding, plate_tests, validate};
+use grouser_files::soil::SoilNumber;
 use grouser_identify::Parameter;
 use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
@@ -204,11 +205,11 @@ fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
     };
     let cost = |digging: Parameter| {
         let parameters = [
-            Parameter::Exponent,
+            Parameter::Soil(SoilNumber::Exponent),
             digging,
-            Parameter::C1,
-            Parameter::C2,
-            Parameter::RearDriving,
+            Parameter::Soil(SoilNumber::C1),
+            Parameter::Soil(SoilNumber::C2),
+            Parameter::Soil(SoilNumber::RearDriving),
         ];
         let model = WheelModel::new(fixed, &tests, &parameters);
         let start: Vec<_> = parameters.iter().map(|p| p.bounded(&soil)).collect();
@@ -236,8 +237,8 @@ fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
         found.cost
     };
     let (exponent, layer) = (
-        cost(Parameter::ExponentDriving),
-        cost(Parameter::TransportLayer),
+        cost(Parameter::Soil(SoilNumber::ExponentDriving)),
+        cost(Parameter::Soil(SoilNumber::TransportLayer)),
     );
     assert!((exponent / layer - 1.0).abs() < 0.1, "{exponent} {layer}");
 }

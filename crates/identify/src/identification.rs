@@ -1,6 +1,6 @@
 //! A job done: plates, then shear, then the wheel, each stage with what those before it found.
 
-use grouser_files::soil::SoilFile;
+use grouser_files::soil::{SoilFile, SoilNumber};
 use grouser_terra::{Bekker, Pressure, SoilParams};
 use rayon::prelude::*;
 
@@ -225,17 +225,30 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
     })
 }
 
+/// What a soil file must have.
+const NEEDED_IN_FILES: [SoilNumber; 4] = [
+    SoilNumber::Exponent,
+    SoilNumber::KPhi,
+    SoilNumber::Cohesion,
+    SoilNumber::Phi,
+];
+/// What the stresses under a wheel take.
+const NEEDED: [SoilNumber; 7] = {
+    let [n, k_phi, cohesion, phi] = NEEDED_IN_FILES;
+    [
+        n,
+        k_phi,
+        cohesion,
+        phi,
+        SoilNumber::KShear,
+        SoilNumber::C1,
+        SoilNumber::C2,
+    ]
+};
+
 /// Every number that a wheel needs must be known or be fitted.
 fn check_known(job: &WheelJob, soil: &SoilParams) -> Result<()> {
-    for parameter in [
-        Parameter::Exponent,
-        Parameter::KPhi,
-        Parameter::Cohesion,
-        Parameter::Phi,
-        Parameter::KShear,
-        Parameter::C1,
-        Parameter::C2,
-    ] {
+    for parameter in NEEDED.map(Parameter::Soil) {
         if parameter.of(soil).is_nan() && !job.parameters.contains(&parameter) {
             return Err(Error::Missing {
                 what: parameter.key(),
@@ -251,16 +264,11 @@ impl Identification {
     /// The numbers that a soil file needs and that nothing gives.
     #[must_use]
     pub fn missing(&self) -> Vec<&'static str> {
-        [
-            Parameter::Exponent,
-            Parameter::KPhi,
-            Parameter::Cohesion,
-            Parameter::Phi,
-        ]
-        .into_iter()
-        .filter(|parameter| parameter.of(&self.soil).is_nan())
-        .map(Parameter::key)
-        .collect()
+        NEEDED_IN_FILES
+            .into_iter()
+            .filter(|number| !number.of(&self.soil).is_some_and(f64::is_finite))
+            .map(SoilNumber::key)
+            .collect()
     }
 
     /// The soil as a file, with what it was identified from in its source and the numbers' intervals in its
@@ -281,65 +289,5 @@ impl Identification {
         let mut file = SoilFile::new(&job.name, &source, self.soil);
         file.key.clone_from(&job.key);
         (file, self.remarks())
-    }
-
-    fn remarks(&self) -> Vec<String> {
-        let interval = |interval: Interval, scale: f64| {
-            let end = |value: Option<f64>| {
-                value.map_or("open".to_owned(), |v| format!("{:.4}", v / scale))
-            };
-            format!("95 % [{}, {}]", end(interval.low), end(interval.high))
-        };
-        let mut list = Vec::new();
-        if let Some(stage) = &self.plates {
-            for number in &stage.fit.parameters {
-                let digits = if number.value.abs() > 1e3 { 0 } else { 4 };
-                let ends = [number.interval.low, number.interval.high]
-                    .map(|end| end.map_or("open".to_owned(), |v| format!("{v:.digits$}")));
-                list.push(format!(
-                    "{} {:.digits$}, 95 % [{}, {}], {}",
-                    number.name,
-                    number.value,
-                    ends[0],
-                    ends[1],
-                    number.verdict.key()
-                ));
-            }
-        }
-        if let Some(stage) = &self.shear {
-            let names = [
-                ("cohesion_kpa", 1e3),
-                ("phi_deg", std::f64::consts::PI / 180.0),
-                ("k_shear_m", 1.0),
-            ];
-            for (index, (name, unit)) in names.into_iter().enumerate() {
-                list.push(format!(
-                    "{name} {:.4}, {}, {}",
-                    stage.fit.values[index] / unit,
-                    interval(stage.fit.intervals[index], unit),
-                    stage.fit.uncertainty.verdicts[index].key()
-                ));
-            }
-        }
-        if let Some(stage) = &self.wheel {
-            for number in &stage.numbers {
-                let unit = 1.0 / number.parameter.to_key_unit(1.0);
-                list.push(format!(
-                    "{} {:.4}, {}, {}",
-                    number.parameter.key(),
-                    number.value / unit,
-                    interval(number.interval, unit),
-                    number.verdict.key()
-                ));
-                if let Some(known) = number.overruled {
-                    list.push(format!(
-                        "{} is that of the wheel tests; {:.4} was measured or stated",
-                        number.parameter.key(),
-                        known / unit
-                    ));
-                }
-            }
-        }
-        list
     }
 }

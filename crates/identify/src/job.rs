@@ -271,7 +271,7 @@ fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
     let mut parameters = Vec::new();
     for name in section.texts("fit")? {
         let Some(parameter) = Parameter::named(name) else {
-            let keys = || Parameter::ALL.iter().map(|parameter| parameter.key());
+            let keys = || Parameter::all().map(|parameter| parameter.key());
             let allowed: Vec<String> = keys().map(|key| format!("\"{key}\"")).collect();
             return Err(grouser_files::Error::BadChoice {
                 at: section.place_of("fit"),

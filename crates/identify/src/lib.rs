@@ -24,6 +24,7 @@
 
 mod error;
 mod identification;
+mod identified;
 mod job;
 pub mod least_squares;
 mod parameter;
@@ -36,5 +37,6 @@ pub use error::{Error, Result};
 pub use identification::{
     Identification, PlateStage, ShearStage, WheelNumber, WheelStage, identify,
 };
+pub use identified::IdentifiedNumber;
 pub use job::{BagTest, Job, PlateSource, WheelJob};
 pub use parameter::Parameter;

@@ -6,6 +6,7 @@ use super::ding;
 use super::fitting::{Fitted, Job, law_error};
 use super::rows::{MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation};
 use super::score::Score;
+use grouser_files::soil::SoilNumber;
 use grouser_identify::Parameter;
 use grouser_identify::wheel::{Quantity, Scatter, WheelTest};
 use grouser_identify::{Error, Result};
@@ -25,11 +26,11 @@ const DIGITISED: Scatter = Scatter {
 
 /// Ding's wheel: five numbers; K is held at the lower end of what that paper measured.
 const OURS_DING: [Parameter; 5] = [
-    Parameter::Exponent,
-    Parameter::ExponentDriving,
-    Parameter::C1,
-    Parameter::C2,
-    Parameter::RearDriving,
+    Parameter::Soil(SoilNumber::Exponent),
+    Parameter::Soil(SoilNumber::ExponentDriving),
+    Parameter::Soil(SoilNumber::C1),
+    Parameter::Soil(SoilNumber::C2),
+    Parameter::Soil(SoilNumber::RearDriving),
 ];
 
 /// Project Chrono's SCM on Ding's wheel and soil, run on four of the slips.

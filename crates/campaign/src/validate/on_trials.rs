@@ -10,6 +10,7 @@ use super::cmu::{self, Trial};
 use super::fitting::{Fitted, Job, law_error};
 use super::rows::{MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation};
 use super::score::{Score, pooled};
+use grouser_files::soil::SoilNumber;
 use grouser_identify::Parameter;
 use grouser_identify::Result;
 use grouser_identify::plate::PlateFit;
@@ -32,34 +33,34 @@ const CMU_LUGS: &str = "cmu-lugs";
 
 /// Wheel numbers of our laws that the smooth wheel at slip angle 0 determines, with the two offsets.
 const OURS: [Parameter; 8] = [
-    Parameter::C1,
-    Parameter::C2,
-    Parameter::KShear,
-    Parameter::ExponentDriving,
-    Parameter::ExponentBraking,
-    Parameter::Rebound,
+    Parameter::Soil(SoilNumber::C1),
+    Parameter::Soil(SoilNumber::C2),
+    Parameter::Soil(SoilNumber::KShear),
+    Parameter::Soil(SoilNumber::ExponentDriving),
+    Parameter::Soil(SoilNumber::ExponentBraking),
+    Parameter::Soil(SoilNumber::Rebound),
     Parameter::SinkageDatum,
     Parameter::SideDatum,
 ];
 
 /// The same with cohesion, where drifting wheels are fitted too.
 const OURS_DRIFTING: [Parameter; 9] = [
-    Parameter::C1,
-    Parameter::C2,
-    Parameter::KShear,
-    Parameter::ExponentDriving,
-    Parameter::ExponentBraking,
-    Parameter::Rebound,
-    Parameter::Cohesion,
+    Parameter::Soil(SoilNumber::C1),
+    Parameter::Soil(SoilNumber::C2),
+    Parameter::Soil(SoilNumber::KShear),
+    Parameter::Soil(SoilNumber::ExponentDriving),
+    Parameter::Soil(SoilNumber::ExponentBraking),
+    Parameter::Soil(SoilNumber::Rebound),
+    Parameter::Soil(SoilNumber::Cohesion),
     Parameter::SinkageDatum,
     Parameter::SideDatum,
 ];
 
 /// What Wong and Reece's laws have.
 const PLAIN: [Parameter; 5] = [
-    Parameter::C1,
-    Parameter::C2,
-    Parameter::KShear,
+    Parameter::Soil(SoilNumber::C1),
+    Parameter::Soil(SoilNumber::C2),
+    Parameter::Soil(SoilNumber::KShear),
     Parameter::SinkageDatum,
     Parameter::SideDatum,
 ];

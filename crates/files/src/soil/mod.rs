@@ -27,6 +27,7 @@
 //!
 //! [`to_toml`] writes such a file.
 
+mod number;
 mod write;
 
 use std::path::Path;
@@ -41,6 +42,7 @@ use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::section::Section;
 
+pub use number::SoilNumber;
 pub use write::to_toml;
 
 /// Any finite number; the soil itself checks more closely.

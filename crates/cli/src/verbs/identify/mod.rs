@@ -1,7 +1,7 @@
 //! `identify`: a soil from plate, shear and wheel tests.
 
+mod errors;
 mod figure;
-mod lines;
 pub(crate) mod object;
 mod text;
 

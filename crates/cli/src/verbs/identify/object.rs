@@ -1,16 +1,16 @@
 //! What `identify` found, as a list of fields.
 
 use grouser_identify::plate::PlateFit;
-use grouser_identify::{Identification, WheelStage};
+use grouser_identify::{Identification, IdentifiedNumber, WheelStage};
 use grouser_report::{Fields, fields};
 
-use super::lines::{Line, errors, plate_lines, shear_lines, unit_key, wheel_lines};
+use super::errors::{errors, unit_key};
 
 pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
     fields! { |found: &'a Identification|
         "plates" "what plate tests showed" group(plates()) = found.plates.as_ref().map(|stage| &stage.fit);
         "shear" "what shear tests showed" maybe_named(line()) =
-            found.shear.as_ref().map(|_| named(shear_lines(found)));
+            found.shear.as_ref().map(|stage| named(stage.fit.numbers()));
         "wheel" "what wheel tests showed" group(wheel()) = found.wheel.as_ref();
         "missing" "numbers that neither tests nor the file give" = found.missing();
     }
@@ -24,7 +24,7 @@ pub(crate) fn plates<'a>() -> Fields<'a, &'a PlateFit> {
         "k_phi_kn_per_m_n2" "frictional modulus" = fit.k_phi / 1e3;
         "redundancy" "readings for each independent one" = fit.redundancy;
         "relative_deviation" "scatter about the law" = fit.relative_deviation;
-        "parameters" "the numbers that were fitted" named(line()) = named(plate_lines(fit));
+        "parameters" "the numbers that were fitted" named(line()) = named(fit.numbers());
     }
 }
 
@@ -35,7 +35,7 @@ fn wheel<'a>() -> Fields<'a, &'a WheelStage> {
         "starts" "starts" = stage.starts;
         "reached" "starts that ended at the best point" = stage.reached;
         "condition" "condition number" = stage.condition;
-        "parameters" "the numbers that were fitted" named(line()) = named(wheel_lines(stage));
+        "parameters" "the numbers that were fitted" named(line()) = named(stage.in_key_units());
         "correlation" "correlation of the numbers" = stage.correlation.clone();
         "rmse" "root mean square error of each quantity" values = Some(errors(stage).into_iter().map(
             |(quantity, rmse, _)| (format!("{}_{}", quantity.key(), unit_key(quantity)), rmse)
@@ -43,12 +43,12 @@ fn wheel<'a>() -> Fields<'a, &'a WheelStage> {
     }
 }
 
-fn named(lines: Vec<Line>) -> impl Iterator<Item = (String, Line)> {
-    lines.into_iter().map(|line| (line.name.clone(), line))
+fn named(numbers: Vec<IdentifiedNumber>) -> impl Iterator<Item = (String, IdentifiedNumber)> {
+    numbers.into_iter().map(|line| (line.name.clone(), line))
 }
 
-fn line<'a>() -> Fields<'a, Line> {
-    fields! { |line: Line|
+fn line<'a>() -> Fields<'a, IdentifiedNumber> {
+    fields! { |line: IdentifiedNumber|
         "value" "value" = line.value;
         "standard_error" "standard error" = line.standard_error;
         "low" "lower end of the 95 % interval" = line.interval.low;

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use grouser_identify::least_squares::Verdict;
-use grouser_identify::{Identification, WheelStage};
+use grouser_identify::{Identification, IdentifiedNumber, WheelStage};
 
-use super::lines::{Line, errors, plate_lines, shear_lines, wheel_lines};
+use super::errors::errors;
 use grouser_report::Table;
 use grouser_report::number::rounded;
 
@@ -37,11 +37,11 @@ pub(super) fn text(found: &Identification) -> String {
             rounded(stage.fit.k_c / 1e3, 4),
             rounded(stage.fit.k_phi / 1e3, 4)
         );
-        out.push_str(&table(&plate_lines(&stage.fit)));
+        out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.shear {
         let _ = writeln!(out, "{} shear readings", stage.readings.len());
-        out.push_str(&table(&shear_lines(found)));
+        out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.wheel {
         let _ = writeln!(
@@ -53,7 +53,7 @@ pub(super) fn text(found: &Identification) -> String {
             stage.starts,
             rounded(stage.condition, 2)
         );
-        out.push_str(&table(&wheel_lines(stage)));
+        out.push_str(&table(&stage.in_key_units()));
         for (quantity, rmse, count) in errors(stage) {
             let _ = writeln!(
                 out,
@@ -76,15 +76,8 @@ pub(super) fn text(found: &Identification) -> String {
 
 /// What must not be overlooked.
 pub(super) fn warnings(found: &Identification) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(stage) = &found.plates {
-        lines.extend(plate_lines(&stage.fit));
-    }
-    lines.extend(shear_lines(found));
-    if let Some(stage) = &found.wheel {
-        lines.extend(wheel_lines(stage));
-    }
-    lines
+    found
+        .numbers()
         .iter()
         .filter_map(|line| {
             let what = match line.verdict {
@@ -98,7 +91,7 @@ pub(super) fn warnings(found: &Identification) -> Vec<String> {
         .collect()
 }
 
-fn table(lines: &[Line]) -> String {
+fn table(lines: &[IdentifiedNumber]) -> String {
     let mut table = Table::new()
         .text("  number")
         .number("value")
