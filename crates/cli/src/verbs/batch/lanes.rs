@@ -92,7 +92,7 @@ pub(super) fn solve(
         }
         let kernel = kernels
             .entry(&*point.soil)
-            .or_insert_with(|| kernel_of(&*point.soil));
+            .or_insert_with(|| kernel_of(&point.soil));
         let Some(kernel) = kernel else { continue };
         let rebound = point.rebound.unwrap_or(kernel.soil().params().rebound);
         let (load, given) = match point.prescribed {
