@@ -28,7 +28,11 @@ fn robot() -> Robot {
 fn cycle(row: u64, samples: &mut [Sample; 8]) {
     let time_ns = i64::try_from(row).expect("small") * 10_000_000;
     for (wheel, sample) in samples[..6].iter_mut().enumerate() {
-        let raw = if wheel == 5 { 9 * row } else { 10 * row + row % 3 };
+        let raw = if wheel == 5 {
+            9 * row
+        } else {
+            10 * row + row % 3
+        };
         sample.measurement = Measurement::WheelCount { wheel, raw };
     }
     let sway = (row as f64 * 0.01).sin();
@@ -70,5 +74,8 @@ pub fn run() {
         println!("{p50:>55.0}{p999:>10.0}{most:>10.0}");
         best = [best[0].min(p50), best[1].min(p999), best[2].min(most)];
     }
-    println!("best of {RUNS}{:>46.0}{:>10.0}{:>10.0}", best[0], best[1], best[2]);
+    println!(
+        "best of {RUNS}{:>46.0}{:>10.0}{:>10.0}",
+        best[0], best[1], best[2]
+    );
 }

@@ -5,8 +5,8 @@ mod bytes;
 mod stream;
 
 use bytes::Bytes;
-use grouser_slip::filter::SlipPrior;
 use grouser_slip::control::{ControlInput, ControlSettings, Controller, Request, WheelObservation};
+use grouser_slip::filter::SlipPrior;
 use grouser_slip::{Degraded, Health, Invalid, Motion};
 use libfuzzer_sys::fuzz_target;
 
@@ -45,7 +45,11 @@ fuzz_target!(|bytes: &[u8]| {
     while !bytes.is_empty() {
         time_ns = stream::time(&mut bytes, time_ns);
         seen.clear();
-        let told = if bytes.u8() % 16 == 0 { bytes.u8() % 8 } else { wheels };
+        let told = if bytes.u8() % 16 == 0 {
+            bytes.u8() % 8
+        } else {
+            wheels
+        };
         for _ in 0..told {
             let kind = bytes.u8();
             seen.push(WheelObservation {
@@ -79,13 +83,27 @@ fuzz_target!(|bytes: &[u8]| {
         assert_eq!(output.commands.len(), usize::from(wheels));
         for command in output.commands {
             assert!(command.rim_speed.is_finite(), "{command:?} of {input:?}");
-            assert!((0.0..=max_traction).contains(&command.traction), "{command:?} of {input:?}");
+            assert!(
+                (0.0..=max_traction).contains(&command.traction),
+                "{command:?} of {input:?}"
+            );
         }
         assert!(output.heading.is_finite(), "{output:?} of {input:?}");
-        assert!((-1.0..=1.0).contains(&output.slip), "{output:?} of {input:?}");
+        assert!(
+            (-1.0..=1.0).contains(&output.slip),
+            "{output:?} of {input:?}"
+        );
         if let Some(decision) = output.decision {
-            assert!(decision.value.is_finite() && decision.limit.is_finite(), "{decision:?}");
-            assert!(decision.wheel.is_none_or(|wheel| wheel < usize::from(wheels)), "{decision:?}");
+            assert!(
+                decision.value.is_finite() && decision.limit.is_finite(),
+                "{decision:?}"
+            );
+            assert!(
+                decision
+                    .wheel
+                    .is_none_or(|wheel| wheel < usize::from(wheels)),
+                "{decision:?}"
+            );
         }
     }
 });

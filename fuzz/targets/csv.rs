@@ -45,7 +45,9 @@ fuzz_target!(|bytes: &[u8]| {
         let Ok(log) = Log::find(std::slice::from_ref(file), map) else {
             return;
         };
-        let Ok(records) = log.samples(&[]) else { return };
+        let Ok(records) = log.samples(&[]) else {
+            return;
+        };
         let Ok(records) = records.collect::<Result<Vec<_>, _>>() else {
             return;
         };

@@ -5,7 +5,7 @@ mod bytes;
 mod stream;
 
 use bytes::Bytes;
-use grouser_slip::{Reference};
+use grouser_slip::Reference;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use libfuzzer_sys::fuzz_target;
 
@@ -14,7 +14,10 @@ fuzz_target!(|bytes: &[u8]| {
     let wheels = 3 + bytes.u8() % 4;
     let bits = [8, 16, 32, 64][usize::from(bytes.u8() % 4)];
     let reference = Reference::ALL[usize::from(bytes.u8()) % Reference::ALL.len()];
-    let settings = WindowSettings { reference, ..WindowSettings::default() };
+    let settings = WindowSettings {
+        reference,
+        ..WindowSettings::default()
+    };
     let Ok(mut estimator) = WindowEstimator::new(&stream::robot(bits, wheels), settings) else {
         return;
     };

@@ -22,15 +22,25 @@ fuzz_target!(|bytes: &[u8]| {
         let sample = stream::sample(&mut bytes, time_ns, wheels);
         let before = filter.latest().rejected.total();
         let refused = filter.update(sample).is_err();
-        let now = if bytes.u8() % 8 == 0 { filter.estimate_at(time_ns) } else { filter.latest() };
+        let now = if bytes.u8() % 8 == 0 {
+            filter.estimate_at(time_ns)
+        } else {
+            filter.latest()
+        };
         assert!(now.rejected.total() >= before + u64::from(refused));
         stream::check(now.wheels);
         let body = now.body;
         for known in [body.forward, body.left, body.yaw_rate, body.common_slip] {
             assert!(known.value.is_finite(), "{body:?}");
-            assert!(known.variance.is_finite() && known.variance >= 0.0, "{body:?}");
+            assert!(
+                known.variance.is_finite() && known.variance >= 0.0,
+                "{body:?}"
+            );
         }
-        assert!(body.distance.is_finite() && body.distance_of_wheels.is_finite(), "{body:?}");
+        assert!(
+            body.distance.is_finite() && body.distance_of_wheels.is_finite(),
+            "{body:?}"
+        );
         assert!(body.nis.is_finite(), "{body:?}");
         assert!(now.reference_age.is_none_or(f64::is_finite));
     }

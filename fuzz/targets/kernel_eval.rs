@@ -14,13 +14,26 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let radius = point.wheel.radius();
     for _ in 0..4 {
-        let sinkage = if bytes.u8() % 8 == 0 { bytes.any() } else { bytes.within(0.0, 1.1) * radius };
+        let sinkage = if bytes.u8() % 8 == 0 {
+            bytes.any()
+        } else {
+            bytes.within(0.0, 1.1) * radius
+        };
         let Ok(solution) = point.contact.at_sinkage(sinkage, &point.motion) else {
             continue;
         };
         let f = solution.forces;
-        let all = [f.vertical_force, f.drawbar_pull, f.torque, f.energy_residual, f.side_shear];
-        assert!(all.iter().all(|x| x.is_finite()), "{sinkage:e} of {radius:e}: {f:?}");
+        let all = [
+            f.vertical_force,
+            f.drawbar_pull,
+            f.torque,
+            f.energy_residual,
+            f.side_shear,
+        ];
+        assert!(
+            all.iter().all(|x| x.is_finite()),
+            "{sinkage:e} of {radius:e}: {f:?}"
+        );
         assert!(solution.error_estimate.is_finite());
     }
 });

@@ -5,11 +5,18 @@ mod bytes;
 mod point;
 
 use bytes::Bytes;
-use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, SolveStatus, WheelOnSoil};
+use grouser_terra::{
+    BatchColumns, BatchKernel, BatchPoints, Kinematics, RigidWheel, Settings, Slip, Soil,
+    SoilParams, SolveStatus, WheelOnSoil,
+};
 use libfuzzer_sys::fuzz_target;
 
 /// Status, vertical force, drawbar pull and torque of each point.
-fn forces(kernel: &BatchKernel, points: &BatchPoints<'_>, sinkage: &[f64]) -> Vec<(SolveStatus, [f64; 3])> {
+fn forces(
+    kernel: &BatchKernel,
+    points: &BatchPoints<'_>,
+    sinkage: &[f64],
+) -> Vec<(SolveStatus, [f64; 3])> {
     let n = sinkage.len();
     let [mut z, mut w, mut pull, mut torque] = [(); 4].map(|()| vec![0.0; n]);
     let mut status = vec![SolveStatus::default(); n];
@@ -20,8 +27,12 @@ fn forces(kernel: &BatchKernel, points: &BatchPoints<'_>, sinkage: &[f64]) -> Ve
         torque: &mut torque,
         status: &mut status,
     };
-    kernel.forces(points, sinkage, &mut out).expect("equal lengths");
-    (0..n).map(|i| (status[i], [w[i], pull[i], torque[i]])).collect()
+    kernel
+        .forces(points, sinkage, &mut out)
+        .expect("equal lengths");
+    (0..n)
+        .map(|i| (status[i], [w[i], pull[i], torque[i]]))
+        .collect()
 }
 
 fuzz_target!(|bytes: &[u8]| {
@@ -35,7 +46,11 @@ fuzz_target!(|bytes: &[u8]| {
     for _ in 0..count {
         let wild = bytes.u8() % 16 == 0;
         let mut number = |from: f64, to: f64| {
-            if wild && bytes.u8() % 3 == 0 { bytes.any() } else { bytes.within(from, to) }
+            if wild && bytes.u8() % 3 == 0 {
+                bytes.any()
+            } else {
+                bytes.within(from, to)
+            }
         };
         radius.push(number(0.02, 0.6));
         width.push(number(0.02, 0.5));
@@ -62,9 +77,16 @@ fuzz_target!(|bytes: &[u8]| {
         };
         let one = forces(&kernel, &alone, &sinkage[i..=i]);
         // NaN is not equal to itself: compared as text.
-        assert_eq!(format!("{:?}", one[0]), format!("{:?}", out[i]), "lane {i} of {count}");
+        assert_eq!(
+            format!("{:?}", one[0]),
+            format!("{:?}", out[i]),
+            "lane {i} of {count}"
+        );
         let scalar = (|| {
-            let soil = SoilParams { rebound: rebound[i], ..*point.soil.params() };
+            let soil = SoilParams {
+                rebound: rebound[i],
+                ..*point.soil.params()
+            };
             let wheel = RigidWheel::new(radius[i], width[i])?;
             let contact = WheelOnSoil::new(wheel, Soil::new(soil)?, Settings::default())?;
             contact.at_sinkage(sinkage[i], &Kinematics::straight(Slip::new(slip[i])?))
@@ -72,15 +94,25 @@ fuzz_target!(|bytes: &[u8]| {
         match (out[i], portable[i], scalar) {
             ((SolveStatus::Solved, a), (SolveStatus::Solved, b), Ok(c)) => {
                 let c = c.forces;
-                let size = c.vertical_force.abs().max(c.drawbar_pull.abs()).max(c.torque.abs() / radius[i]);
+                let size = c
+                    .vertical_force
+                    .abs()
+                    .max(c.drawbar_pull.abs())
+                    .max(c.torque.abs() / radius[i]);
                 for (x, y, z) in [
                     (a[0], b[0], c.vertical_force),
                     (a[1], b[1], c.drawbar_pull),
                     (a[2] / radius[i], b[2] / radius[i], c.torque / radius[i]),
                 ] {
                     assert!(x.is_finite() && y.is_finite() && z.is_finite());
-                    assert!((x - z).abs() <= 3e-9 * size + 1e-300, "lanes {x:e}, alone {z:e} of {size:e}");
-                    assert!((y - z).abs() <= 3e-9 * size + 1e-300, "portable {y:e}, alone {z:e} of {size:e}");
+                    assert!(
+                        (x - z).abs() <= 3e-9 * size + 1e-300,
+                        "lanes {x:e}, alone {z:e} of {size:e}"
+                    );
+                    assert!(
+                        (y - z).abs() <= 3e-9 * size + 1e-300,
+                        "portable {y:e}, alone {z:e} of {size:e}"
+                    );
                 }
             }
             ((SolveStatus::BadInput, _), (SolveStatus::BadInput, _), Err(_)) => {}

@@ -10,7 +10,10 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     // Definition and message are parted by a zero byte, which no definition has.
-    let at = rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len());
+    let at = rest
+        .iter()
+        .position(|byte| *byte == 0)
+        .unwrap_or(rest.len());
     let (definition, data) = (&rest[..at], rest.get(at + 1..).unwrap_or_default());
     let (encoding, name, language) = match kind % 3 {
         0 => (Encoding::Ros1, "ros1", "ros1msg"),

@@ -14,7 +14,11 @@ use libfuzzer_sys::fuzz_target;
 /// Files in memory where the system has them.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
     let memory = PathBuf::from("/dev/shm");
-    if memory.is_dir() { memory } else { std::env::temp_dir() }
+    if memory.is_dir() {
+        memory
+    } else {
+        std::env::temp_dir()
+    }
 });
 
 fn file(name: &str) -> PathBuf {
@@ -26,8 +30,16 @@ fuzz_target!(|bytes: &[u8]| {
     let kind = bytes.last().copied().unwrap_or(0);
     let is_log = magics.iter().any(|magic| bytes.starts_with(magic));
     // Magic bytes are hardly found by mutation.
-    let magic = if is_log { &[][..] } else { magics[usize::from(kind % 2)] };
-    let format = if kind / 2 % 2 == 0 { Format::Mcap } else { Format::Bag };
+    let magic = if is_log {
+        &[][..]
+    } else {
+        magics[usize::from(kind % 2)]
+    };
+    let format = if kind / 2 % 2 == 0 {
+        Format::Mcap
+    } else {
+        Format::Bag
+    };
     let damaged = file("damaged");
     fs::write(&damaged, [magic, bytes].concat()).expect("a file");
     let mut written = Cursor::new(Vec::new());

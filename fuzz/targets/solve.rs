@@ -21,10 +21,18 @@ fuzz_target!(|bytes: &[u8]| {
         let Ok(solution) = point.contact.under_load(load, &point.motion) else {
             continue;
         };
-        let Some(found) = solution.point() else { continue };
+        let Some(found) = solution.point() else {
+            continue;
+        };
         let f = found.forces;
-        assert!((0.0..point.wheel.radius()).contains(&found.sinkage), "{solution:?}");
-        assert!(f.drawbar_pull.is_finite() && f.torque.is_finite(), "{solution:?}");
+        assert!(
+            (0.0..point.wheel.radius()).contains(&found.sinkage),
+            "{solution:?}"
+        );
+        assert!(
+            f.drawbar_pull.is_finite() && f.torque.is_finite(),
+            "{solution:?}"
+        );
         let off = (f.vertical_force - load).abs();
         assert!(off <= 1e-6 * load.abs() + 1e-9, "{load:e} N, but {f:?}");
     }

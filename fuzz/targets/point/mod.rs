@@ -1,7 +1,9 @@
 //! A wheel on a soil out of the bytes of a case.
 #![allow(dead_code, reason = "each target uses its own part of this")]
 
-use grouser_terra::{Accuracy, Angle, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil};
+use grouser_terra::{
+    Accuracy, Angle, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil,
+};
 
 use crate::bytes::Bytes;
 
@@ -17,7 +19,11 @@ pub struct Point {
 pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
     let wild = bytes.u8() % 4 == 0;
     let mut number = |from: f64, to: f64| {
-        if wild && bytes.u8() % 4 == 0 { bytes.any() } else { bytes.within(from, to) }
+        if wild && bytes.u8() % 4 == 0 {
+            bytes.any()
+        } else {
+            bytes.within(from, to)
+        }
     };
     let radius = number(0.01, 1.0);
     let width = number(0.005, 0.6);
@@ -41,8 +47,15 @@ pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
     };
     let soil = Soil::new(params).ok()?;
     let wheel = RigidWheel::new(radius, width).ok()?;
-    let accuracy = if reference { Accuracy::Reference } else { Accuracy::Standard };
-    let settings = Settings { accuracy, ..Settings::default() };
+    let accuracy = if reference {
+        Accuracy::Reference
+    } else {
+        Accuracy::Standard
+    };
+    let settings = Settings {
+        accuracy,
+        ..Settings::default()
+    };
     let contact = WheelOnSoil::new(wheel, soil, settings).ok()?;
     let given = Slip::new(slip).ok()?;
     let motion = if straight {
@@ -50,5 +63,11 @@ pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
     } else {
         Kinematics::with_slip_angle(given, Angle::from_deg(beta)).ok()?
     };
-    Some(Point { wheel, soil, contact, motion, slip })
+    Some(Point {
+        wheel,
+        soil,
+        contact,
+        motion,
+        slip,
+    })
 }
