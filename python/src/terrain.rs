@@ -14,9 +14,9 @@ use grouser::terrain::{
     SoilIntervals,
 };
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyOverflowError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{PyBool, PyDict, PyType};
 use rayon::prelude::*;
 
 use crate::error::{Details, input_error, raised, type_error};
@@ -95,18 +95,20 @@ impl Recipe {
 /// soil : Soil
 /// cell_m : float
 ///     Size of the cells, m, 0.001 to 1000.
-/// headings : int
-///     4, 8 or 16.
+/// headings : int, optional
+///     4, 8 or 16; 8 by default.
 /// gravity_m_per_s2 : float, optional
 ///     The robot file's, else the Earth's.
 /// max_pitch_deg, max_roll_deg : float
 ///     The steepest pose that is computed, 1 to 45 degrees.
 /// soil_intervals : path, optional
 ///     A file of 95 % intervals: soils are drawn from them. Without it every probability is 0 or 1.
-/// soil_draws : int
-///     How many, 1 to 4096.
-/// seed : int
-///     Of the draws.
+/// soil_draws : int, optional
+///     How many, 1 to 4096; 64 by default.
+/// seed : int, optional
+///     Of the draws; 1 by default.
+/// threads : int, optional
+///     That make the tables; as many as the machine runs by default.
 ///
 /// Raises
 /// ------
@@ -124,8 +126,8 @@ pub(crate) struct SlipMapper {
 #[pymethods]
 impl SlipMapper {
     #[new]
-    #[pyo3(signature = (robot, soil, *, cell_m, headings=8, gravity_m_per_s2=None, max_pitch_deg=30.0,
-        max_roll_deg=25.0, soil_intervals=None, soil_draws=64, seed=1, threads=0))]
+    #[pyo3(signature = (robot, soil, *, cell_m, headings=None, gravity_m_per_s2=None, max_pitch_deg=30.0,
+        max_roll_deg=25.0, soil_intervals=None, soil_draws=None, seed=None, threads=None))]
     #[allow(
         clippy::too_many_arguments,
         reason = "keywords of a Python constructor"
@@ -135,22 +137,22 @@ impl SlipMapper {
         robot: PathBuf,
         soil: Soil,
         cell_m: f64,
-        headings: i64,
+        headings: Option<Bound<'_, PyAny>>,
         gravity_m_per_s2: Option<f64>,
         max_pitch_deg: f64,
         max_roll_deg: f64,
         soil_intervals: Option<PathBuf>,
-        soil_draws: i64,
-        seed: i64,
-        threads: i64,
+        soil_draws: Option<Bound<'_, PyAny>>,
+        seed: Option<Bound<'_, PyAny>>,
+        threads: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         check("cell_m", cell_m, (1e-3, 1e3), "m")?;
         let gravity = gravity_m_per_s2.unwrap_or(terra::EARTH_GRAVITY_M_PER_S2);
         check("gravity_m_per_s2", gravity, GRAVITY_LIMITS_M_PER_S2, "m/s²")?;
-        let headings = whole("headings", headings, (4, 16))?;
-        let soil_draws = whole("soil_draws", soil_draws, (1, 4096))?;
-        let seed = whole("seed", seed, (0, i64::MAX))?;
-        let threads: usize = whole("threads", threads, (0, 1024))?;
+        let headings = given("headings", headings, (4, 16), 8)?;
+        let soil_draws = given("soil_draws", soil_draws, (1, 4096), 64)?;
+        let seed = given("seed", seed, (0, i64::MAX), 1)?;
+        let threads = given("threads", threads, (1, 1024), 0)?;
         let absolute = |path: PathBuf| std::path::absolute(path);
         let recipe = Recipe {
             robot: absolute(robot)?,
@@ -209,8 +211,10 @@ impl SlipMapper {
     ) -> PyResult<SlipMap> {
         let [rows, columns] = [0, 1].map(|axis| heights.shape()[axis]);
         let mut layout = self.layout.clone();
-        layout.rows = whole("rows", rows as i64, (2, 1 << 24))?;
-        layout.columns = whole("columns", columns as i64, (2, 1 << 16))?;
+        check("rows", rows as f64, (2.0, f64::from(1 << 24)), "1")?;
+        check("columns", columns as f64, (2.0, f64::from(1 << 16)), "1")?;
+        layout.rows = u32::try_from(rows).unwrap_or(u32::MAX);
+        layout.columns = u32::try_from(columns).unwrap_or(u32::MAX);
         let (left, top) = upper_left_m.unwrap_or((0.0, self.recipe.cell_m * rows as f64));
         layout.georeference = Georeference::of_grid(self.recipe.cell_m, [left, top]);
         // the caller gives a contiguous array; it is read while other threads may run
@@ -279,12 +283,37 @@ fn check(field: &'static str, value: f64, limits: (f64, f64), unit: &'static str
     raised(terra::OutOfRange::check(field, value, limits, unit).map_err(terra::Error::from))
 }
 
+/// A keyword that may be left out.
+fn given<T: TryFrom<i64>>(
+    field: &'static str,
+    value: Option<Bound<'_, PyAny>>,
+    limits: (i64, i64),
+    default: T,
+) -> PyResult<T> {
+    value.map_or(Ok(default), |value| whole(field, &value, limits))
+}
+
 /// A whole number within limits that its type holds.
-fn whole<T: TryFrom<i64>>(field: &'static str, value: i64, limits: (i64, i64)) -> PyResult<T> {
-    let (low, high) = limits;
-    check(field, value as f64, (low as f64, high as f64), "1")?;
-    T::try_from(value)
-        .map_err(|_| type_error(format!("{field} is {value}, beyond its type"), field))
+fn whole<T: TryFrom<i64>>(
+    field: &'static str,
+    value: &Bound<'_, PyAny>,
+    limits: (i64, i64),
+) -> PyResult<T> {
+    let wrong = || type_error(format!("{field} must be a whole number"), field);
+    if value.is_instance_of::<PyBool>() {
+        return Err(wrong());
+    }
+    let range = (limits.0 as f64, limits.1 as f64);
+    let found = match value.extract::<i64>() {
+        Ok(found) => found,
+        Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => {
+            check(field, f64::INFINITY, range, "1")?;
+            return Err(wrong());
+        }
+        Err(_) => return Err(wrong()),
+    };
+    check(field, found as f64, range, "1")?;
+    T::try_from(found).map_err(|_| wrong())
 }
 
 fn headings_deg(headings: Headings) -> Vec<f64> {

@@ -10,16 +10,21 @@ import resource
 import signal
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from grouser import InputError, InputTypeError, figures, optimize, soils, wheel
+from grouser import InputError, InputTypeError, drive, figures, optimize, soils, terrain, wheel
 from grouser.slip import Robot, Sample, SlipFilter
 
 SAND = soils.find("dry-sand")
 SIZE = {"radius_m": 0.125, "width_m": 0.1}
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MAPPER = terrain.SlipMapper(EXAMPLES / "robots" / "skid-steer.toml", soils.find("sandy-loam"), cell_m=1.0, headings=4)
+MAP = terrain.slip_map(MAPPER, 0.05 * np.sin(np.arange(80.0)).reshape(8, 10))
+SCENARIO = drive.read(EXAMPLES / "scenarios" / "sandbox.toml")
 # ten times as many where time allows
 CALLS = int(os.environ.get("GROUSER_RANDOM_CALLS", "20000"))
 
@@ -82,6 +87,12 @@ def call(rng: random.Random) -> Any:
             lambda: SAND.with_rebound(rebound=v()),
             lambda: Sample.wheel_count(time_ns=v(), wheel=v(), count=v()),
             lambda: Sample.pose(time_ns=v(), x_m=v(), y_m=v(), yaw_rad=v()),
+            lambda: terrain.slip_map(MAPPER, v(), upper_left_m=v(), threads=v()),
+            lambda: terrain.plan(MAP, start_m=v(), goal_m=v(), max_risk=v(), alternatives=v()),
+            lambda: terrain.plan(MAP, start_m=(2.5, 2.5), goal_m=(v(), 5.5), max_slip=v(), goal_heading_deg=v()),
+            lambda: terrain.SlipMapper(EXAMPLES / "robots" / "skid-steer.toml", SAND, cell_m=v(), headings=v(), seed=v(), soil_draws=v(), threads=v()),
+            lambda: MAP.quantity(v()),
+            lambda: drive.Simulation(SCENARIO, pilot=v(), seed=v()),
             lambda: figures.lines("a", "b", "c", figures.Line(v(), v(), "d")),
             lambda: optimize.minimax(lambda x: v(), start=v(), lower=v(), upper=v(), settings=optimize.Settings(max_values=20)),
         ]

@@ -385,14 +385,14 @@ class SlipMapper:
         soil: Soil,
         *,
         cell_m: float,
-        headings: int = 8,
+        headings: int | None = None,
         gravity_m_per_s2: float | None = None,
         max_pitch_deg: float = 30.0,
         max_roll_deg: float = 25.0,
         soil_intervals: str | PathLike[str] | None = None,
-        soil_draws: int = 64,
-        seed: int = 1,
-        threads: int = 0,
+        soil_draws: int | None = None,
+        seed: int | None = None,
+        threads: int | None = None,
     ) -> SlipMapper: ...
     @property
     def reach(self) -> int: ...
