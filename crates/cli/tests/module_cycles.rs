@@ -69,6 +69,8 @@ fn paths_after(text: &str, prefix: &str) -> Vec<Vec<String>> {
                 let own = member.split("::").filter(|part| !part.is_empty());
                 base.iter().cloned().chain(own.map(str::to_owned)).collect()
             })),
+            // a list over several lines has spaces before no name
+            None if base.is_empty() => {}
             None => found.push(base),
         }
     }

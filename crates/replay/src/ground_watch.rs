@@ -2,8 +2,8 @@
 
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
+use crate::effort::EffortUnit;
 use crate::ground_change::GroundChange;
-use crate::known_ground::EffortUnit;
 
 /// After a command the motors need this long to settle, s.
 const SETTLE_TIME_S: f64 = 2.0;

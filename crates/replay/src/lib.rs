@@ -46,6 +46,7 @@ mod calibration;
 mod checks;
 mod choice;
 mod consistency;
+mod effort;
 mod engine;
 mod error;
 mod exchange_watch;
@@ -84,6 +85,7 @@ pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::{Inputs, unused_currents};
 pub use consistency::Consistency;
+pub use effort::EffortUnit;
 pub use engine::Engine;
 pub use error::{Error, Result};
 pub use exchange_watch::ExchangeCheck;
@@ -92,8 +94,8 @@ pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
 pub use known_ground::{
-    Coverage, EffortUnit, GroundSlip, GroundSlips, KnownGround, KnownGrounds, Roller, SlipRange,
-    Stretch, learn_grounds, read_known_grounds, roller_ripple, slips_by_known_grounds,
+    Coverage, GroundSlip, GroundSlips, KnownGround, KnownGrounds, Roller, SlipRange, Stretch,
+    learn_grounds, read_known_grounds, roller_ripple, slips_by_known_grounds,
     to_toml as known_grounds_to_toml,
 };
 pub use method::Method;

@@ -21,7 +21,8 @@ use std::path::Path;
 
 use grouser_files::{Document, Section, TomlText};
 
-use super::stretch::{EffortUnit, KnownGround, KnownGrounds, Roller, Stretch};
+use super::stretch::{KnownGround, KnownGrounds, Roller, Stretch};
+use crate::effort::EffortUnit;
 use crate::error::Result;
 
 type Files<T> = std::result::Result<T, grouser_files::Error>;

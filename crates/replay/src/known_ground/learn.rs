@@ -4,8 +4,9 @@ use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 
 use super::slip_range::{MIN_KNOWN, SlipRange, slip_of};
-use super::stretch::{EffortUnit, KnownGround, KnownGrounds, Stretch};
+use super::stretch::{KnownGround, KnownGrounds, Stretch};
 use super::stretches::{LogStretch, stretches};
+use crate::effort::EffortUnit;
 use crate::error::{Error, Result};
 use crate::options::Options;
 

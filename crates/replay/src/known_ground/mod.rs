@@ -15,4 +15,4 @@ pub use file::{read_known_grounds, to_toml};
 pub use learn::{Coverage, GroundSlip, GroundSlips, learn_grounds, slips_by_known_grounds};
 pub use ripple::roller_ripple;
 pub use slip_range::SlipRange;
-pub use stretch::{EffortUnit, KnownGround, KnownGrounds, Roller, Stretch};
+pub use stretch::{KnownGround, KnownGrounds, Roller, Stretch};

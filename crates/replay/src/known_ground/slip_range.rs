@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::stretch::{KnownGround, Roller, Stretch};
+use super::stretch::{KnownGround, KnownGrounds, Roller, Stretch};
 use crate::error::{Error, Result};
 
 /// The logarithm of a roller's way per ripple is no better known than this.
@@ -174,4 +174,43 @@ fn blurred(density: &[f64], sigma: f64) -> Vec<f64> {
         *slot /= total;
     }
     out
+}
+
+impl KnownGrounds {
+    /// The slip of any one second of a stretch, by Bayes' rule over these grounds and one that was never met.
+    ///
+    /// A known ground draws its effort within 5 %. Rollers count if the stretch and at least three grounds have them: their
+    /// way per ripple is spread as over the known stretches.
+    ///
+    /// Assumes: straight, steady drive; slip between 0 and 1; the same robot with the same load on the same slope.
+    ///
+    /// # Errors
+    /// [`Error::TooFewGrounds`](crate::Error::TooFewGrounds) for less than three grounds or numbers that are not positive.
+    ///
+    /// ```
+    /// use grouser_replay::{EffortUnit, KnownGround, KnownGrounds, Roller, Stretch};
+    ///
+    /// // Three runs with known slip, and one whose current is that of the first.
+    /// let grounds = [(1.0, 0.1), (1.4, 0.3), (1.9, 0.5)].map(|(effort, slip)| {
+    ///     let ripple = 2.0 * (1.0 - slip); // the rollers follow the true speed
+    ///     let roller = Some(Roller { across: 0.5, ripple });
+    ///     let stretch = Stretch { from_s: 2.0, to_s: 12.0, effort, speed: 0.2, roller };
+    ///     KnownGround { run: effort.to_string(), stretch, slip, scatter: 0.02 }
+    /// });
+    /// let known = KnownGrounds {
+    ///     robot: "omni".into(),
+    ///     unit: EffortUnit::Ampere,
+    ///     grounds: grounds.to_vec(),
+    ///     coverage: None,
+    ///     half_width: None,
+    /// };
+    /// let range = known.slip(&known.grounds[0].stretch)?;
+    /// assert!(range.low < 0.1 && 0.1 < range.high && range.median < 0.3);
+    /// assert_eq!(range.nearest, 0);
+    /// # Ok::<(), grouser_replay::Error>(())
+    /// ```
+    pub fn slip(&self, stretch: &Stretch) -> Result<SlipRange> {
+        let grounds: Vec<&KnownGround> = self.grounds.iter().collect();
+        slip_of(stretch, &grounds)
+    }
 }

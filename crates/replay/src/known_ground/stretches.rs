@@ -6,8 +6,9 @@ use grouser_slip::window::{WindowBody, WindowMeans};
 use grouser_slip::{Reference, Robot, WheelRole};
 
 use super::ripple::roller_ripple;
-use super::stretch::{EffortUnit, Roller, Stretch};
+use super::stretch::{Roller, Stretch};
 use crate::choice::{Inputs, robot_wheels};
+use crate::effort::EffortUnit;
 use crate::error::Result;
 use crate::ground_change::{BLOCK_TIME_S, RECENT_BLOCKS};
 use crate::ground_watch::GroundWatch;
