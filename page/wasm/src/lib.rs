@@ -29,4 +29,4 @@ mod request;
 #[cfg(feature = "explore")]
 mod wheel;
 
-pub use answer::answer;
+pub use answer::{answer, answer_with};
