@@ -204,18 +204,20 @@ impl Simulation {
         leg.map_or_else(Request::default, |leg| Request {
             speed: leg.speed,
             heading: leg.heading,
+            yaw_rate: None,
         })
     }
 
     /// Requests something else than the legs from now on: the door for a navigator.
     ///
     /// # Errors
-    /// [`grouser_slip::Error::OutOfRange`] for a speed or a heading that is not finite or absurd; nothing changes then.
+    /// [`grouser_slip::Error::OutOfRange`] for a speed, heading or yaw rate that is not finite or absurd; nothing changes then.
     pub fn set_request(&mut self, request: Request) -> Result<()> {
         const LIMITS: (f64, f64) = (-1e3, 1e3);
         for (field, value, unit) in [
             ("speed", request.speed, "m/s"),
             ("heading", request.heading, "rad"),
+            ("yaw rate", request.yaw_rate.unwrap_or(0.0), "rad/s"),
         ] {
             OutOfRange::check(field, value, LIMITS, unit).map_err(|range| {
                 grouser_slip::Error::OutOfRange {
