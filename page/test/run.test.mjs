@@ -177,6 +177,19 @@ test('a drive in the page is the drive of the command', async (t) => {
     const seconds = await page.evaluate(() => window.grouser.views.get('run').timings.compute);
     t.diagnostic(`${mine.duration_s.toFixed(1)} s driven in ${seconds.toFixed(2)} s: ${(mine.duration_s / seconds).toFixed(1)} times real time`);
     assert.ok(await page.locator('.way path').count() > 2, 'the way has colours');
+    assert.ok(await page.locator('.track .rut').count() > 0, 'the wheels leave ruts');
+    // level ground: the loads carry the weight, within what the suspension adds for a moment
+    const loads = await page.evaluate(() => {
+      const { run } = window.grouser.views.get('run');
+      const sums = [...run.time_s].map((_, i) => run.wheels.reduce((sum, wheel) => sum + wheel.load_n[i], 0)).slice(20).sort((a, b) => a - b);
+      return { median: sums[sums.length >> 1], wheels: document.querySelectorAll('.wheel-from-above').length, names: document.querySelector('.robot-view').getAttribute('aria-label') };
+    });
+    assert.equal(loads.wheels, mine.wheels.length);
+    assert.match(loads.names, /front_left: .* N along/);
+    t.diagnostic(`median of the loads' sum ${loads.median.toFixed(1)} N`);
+    const masses = [...readFileSync(`${ROOT}examples/robots/five-wheel.toml`, 'utf8').matchAll(/^\s*mass_kg\s*=\s*([\d.]+)/gm)].map(([, mass]) => Number(mass));
+    const weight = 9.80665 * masses.reduce((sum, mass) => sum + mass, 0);
+    assert.ok(Math.abs(loads.median - weight) < 0.02 * weight, `${loads.median} N carry ${weight} N`);
     assert.deepEqual(await seriousFindings(page), []);
     assert.ok(!(await page.locator('main').textContent()).includes('NaN'));
   });

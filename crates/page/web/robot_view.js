@@ -37,11 +37,9 @@ export class RobotView {
   #reach = 1;
 
   constructor() {
-    this.words = h('p', { class: 'muted place' });
     this.element = h('section', { class: 'card robot-card', 'aria-label': 'Robot from above' },
       h('header', {}, h('h2', {}, 'Forces of the ground on the wheels')), this.#root,
-      h('p', { class: 'key' }, h('span', { class: 'key-pull' }, 'along: drives'), h('span', { class: 'key-drag' }, 'along: holds back'), h('span', { class: 'key-side' }, 'sideways'), h('span', { class: 'key-rut' }, 'rut'), h('span', { class: 'plain' }, 'an arrow as long as the bar: the load on the wheel')),
-      this.words);
+      h('p', { class: 'key' }, h('span', { class: 'key-pull' }, 'along: drives'), h('span', { class: 'key-drag' }, 'along: holds back'), h('span', { class: 'key-side' }, 'sideways'), h('span', { class: 'key-rut' }, 'rut'), h('span', { class: 'plain' }, 'an arrow as long as the bar: the load on the wheel')));
   }
 
   show(run) {
@@ -75,22 +73,20 @@ export class RobotView {
       const [px, py] = place(wheel.wheel_x_m[index], wheel.wheel_y_m[index]);
       const own = wheel.wheel_heading_deg ? ((wheel.wheel_heading_deg[index] * Math.PI) / 180) + turn : Math.PI / 2;
       const [ahead, left] = [[Math.cos(own), -Math.sin(own)], [-Math.sin(own), -Math.cos(own)]];
+      const [along, across, load] = [wheel.drawbar_pull_n[index], wheel.side_force_n[index], wheel.load_n[index]];
       const kind = slipClass((wheel.shown ?? wheel).slip[index]);
+      const about = `${wheel.name}: ${shown(along, 2)} N along, ${shown(across, 2)} N to the left, load ${shown(load, 2)} N, sunk ${shown(1e3 * wheel.sinkage_m[index], 2)} mm`;
+      words.push(about);
       const [length, width] = [2 * wheel.radius_m * scale, wheel.width_m * scale];
-      parts.push(svg('rect', { x: -length / 2, y: -width / 2, width: length, height: width, rx: 3, transform: `translate(${px.toFixed(1)} ${py.toFixed(1)}) rotate(${((-own * 180) / Math.PI).toFixed(1)})`, class: `wheel-from-above slip-fill-${kind < 0 ? 'none' : kind}` }));
-      const load = wheel.load_n[index];
+      parts.push(svg('rect', { x: -length / 2, y: -width / 2, width: length, height: width, rx: 3, transform: `translate(${px.toFixed(1)} ${py.toFixed(1)}) rotate(${((-own * 180) / Math.PI).toFixed(1)})`, class: `wheel-from-above slip-fill-${kind < 0 ? 'none' : kind}` }, svg('title', {}, about)));
       const pixels = load > 0 ? (reach * scale) / load : 0;
-      const along = wheel.drawbar_pull_n[index];
-      const across = wheel.side_force_n[index];
       if (pixels) parts.push(arrow([px, py], ahead, along * pixels, along < 0 ? 'drag' : 'pull'), arrow([px, py], left, across * pixels, 'side'));
-      words.push(`${wheel.name} ${shown(along, 2)} N along, ${shown(across, 2)} N to the left, load ${shown(load, 2)} N, sunk ${shown(1e3 * wheel.sinkage_m[index], 2)} mm`);
     }
     const [bx, by] = [10, size - 10];
     parts.push(svg('path', { d: `M${bx} ${by}h${(reach * scale).toFixed(1)}`, class: 'measure' }), svg('path', { d: 'M0 -9 L6 7 L0 3 L-6 7 Z', transform: `translate(${size / 2} ${size / 2})`, class: 'robot-centre' }));
     this.#root.setAttribute('viewBox', `0 0 ${size} ${size}`);
     this.#root.setAttribute('aria-label', words.join('; '));
     this.#root.replaceChildren(...parts);
-    this.words.textContent = words.join(' · ');
   }
 }
 

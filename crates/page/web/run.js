@@ -10,7 +10,9 @@ import { Refusal, blockBytes, hasModule } from './physics.js';
 import { decisionList, drivesTable, energyTable, grouped, readReport, sources } from './report.js';
 import { GrowingRun, follow, readPart } from './growth.js';
 import { BadFile, common, inColumns, masked, nameAt, placeOf, runOfEstimates, spansOf, thinned, valuesAt } from './run_data.js';
-import { SLIP_CLASSES, Track } from './track.js';
+import { RobotView } from './robot_view.js';
+import { SLIP_CLASSES } from './slip_classes.js';
+import { Track } from './track.js';
 
 const NO_REFERENCE = /ReferenceLost|Relative/;
 /** A run that grows is drawn anew after this time, ms; one from a live source sooner. */
@@ -79,11 +81,12 @@ export class Run {
         ['controller', 'fixed-slip', 'open-loop'].map((pilot) => h('option', { value: `${name} ${pilot}` }, `${name}, ${pilot}`)))));
     this.status = h('p', { class: 'run-status', role: 'status' });
     this.stopButton = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => Promise.all([this.#drive.stop(), this.#log.stop()]) } }, 'Stop');
+    this.robotView = new RobotView();
     this.empty = h('section', { class: 'card drop' },
       h('h2', {}, 'A run under one cursor of time'),
       h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS 1 bag) with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
     this.files = h('p', { class: 'muted file-list' });
-    this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), this.#slipCard()), this.#more());
+    this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), h('div', { class: 'run-side' }, this.#slipCard(), this.robotView.element)), this.#more());
     this.exampleButton.hidden = !hasModule('drive');
     this.exampleChoice.hidden = !hasModule('drive');
     this.drives = h('div', { hidden: true });
@@ -362,6 +365,7 @@ export class Run {
     this.rests = common(counted.map((wheel) => spansOf(wheel.motion ?? [], end, (name) => name === 'Standstill')));
     this.lost = common(counted.map((wheel) => spansOf(wheel.health ?? [], end, (name) => NO_REFERENCE.test(name))));
     if (hasWay) this.track.show(run, this.#slips, this.#events(run), this.#others);
+    this.robotView.show(run);
     this.place.textContent = this.#soils();
     this.#showFacts(run);
   }
@@ -535,6 +539,7 @@ export class Run {
       return;
     }
     this.track.cursor(index);
+    this.robotView.cursor(index);
     for (const chart of [this.slipChart, this.rimChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
     this.#wheels.forEach((wheel, i) => {
       const { slip, truth, motion, health } = this.cells[i];

@@ -120,7 +120,7 @@ export function column(values) {
 }
 
 const BODY = ['time_s', 'x_m', 'y_m', 'heading_deg', 'progress_m', 'speed_m_per_s', 'estimated_speed_m_per_s', 'requested_speed_m_per_s', 'used_energy_j'];
-const OF_WHEEL = ['slip', 'slip_sigma', 'true_slip', 'torque_nm', 'sinkage_m', 'drawbar_pull_n', 'side_force_n', 'load_n'];
+const OF_WHEEL = ['slip', 'slip_sigma', 'true_slip', 'torque_nm', 'sinkage_m', 'drawbar_pull_n', 'side_force_n', 'load_n', 'wheel_x_m', 'wheel_y_m', 'wheel_heading_deg'];
 
 /** A run in typed columns. */
 export function inColumns(run) {

@@ -3,17 +3,11 @@
 import { svg } from './dom.js';
 import { shown } from './format.js';
 import { contours, groundAt, picture, soilNames } from './ground.js';
+import { hasWheelPlaces, ruts } from './robot_view.js';
+import { slipClass } from './slip_classes.js';
 import { tickLabels, ticks } from './ticks.js';
 
-/** Upper limits of the colours of slip. */
-export const SLIP_CLASSES = [0.05, 0.1, 0.2, 0.35, 0.6, Infinity];
 const MARGIN = 34;
-
-/** The class of a slip; −1 where none is known. */
-export function slipClass(slip) {
-  if (!Number.isFinite(slip)) return -1;
-  return SLIP_CLASSES.findIndex((limit) => Math.abs(slip) < limit);
-}
 
 /** The picture. `pick(time)` is called where the track is clicked, `over(place)` with what lies under the pointer. */
 export class Track {
@@ -178,6 +172,11 @@ export class Track {
       text.append(svg('text', { x: MARGIN - 6, y: y + 4, 'text-anchor': 'end' }, label));
     });
 
+    const sunk = svg('g', { class: 'ruts' });
+    if (hasWheelPlaces(this.#run)) {
+      const stride = Math.max(1, Math.floor(this.#run.x_m.length / 3000));
+      for (const { d, depth, width_m } of ruts(this.#run, this.#place, 0, this.#run.x_m.length - 1, stride)) sunk.append(svg('path', { d, class: `rut rut-${depth}`, 'stroke-width': Math.max(0.8, width_m * scale).toFixed(1) }));
+    }
     const ways = svg('g', { class: 'way' });
     for (const other of this.#others) ways.append(svg('path', { d: whole(other, (i) => at(i, other)), class: 'other-way' }, svg('title', {}, other.controller)));
     ways.append(svg('path', { d: whole(this.#run, (i) => at(i, this.#run)), class: 'way-edge' }));
@@ -204,7 +203,7 @@ export class Track {
     this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#root.setAttribute('height', height.toFixed(0));
     this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
-    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, ways, ...marks, start, this.#robot);
+    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, sunk, ways, ...marks, start, this.#robot);
   }
 }
 

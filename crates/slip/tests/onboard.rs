@@ -69,6 +69,7 @@ fn request() -> Request {
     Request {
         speed: 0.3,
         heading: 0.0,
+        yaw_rate: None,
     }
 }
 

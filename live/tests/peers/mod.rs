@@ -226,6 +226,19 @@ pub(crate) fn bytes(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(digit).collect()
 }
 
+/// The robot file with wheels measured by their angles; nothing shares a stamp.
+pub(crate) fn wheel_robot(place: &Place) -> PathBuf {
+    // joint states are those of the wheels, not of the motors
+    let text = read(&example().join("robot.toml"));
+    let text = text.replace(
+        "encoder_on = \"motor\"\ngear = 20.0",
+        "encoder_on = \"wheel\"",
+    );
+    let file = place.folder.join("robot.toml");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
 pub(crate) fn example() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/five-wheel")
 }

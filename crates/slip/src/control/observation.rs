@@ -64,12 +64,23 @@ impl WheelObservation {
 }
 
 /// The motion that is requested of the robot. A number that is NaN or infinite counts as 0.
+///
+/// ```
+/// use grouser_slip::control::Request;
+///
+/// let to_the_north = Request { speed: 0.3, heading: 1.57, ..Request::default() }; // m/s, rad
+/// let arc = Request { speed: 0.3, yaw_rate: Some(0.1), ..Request::default() }; // rad/s
+/// assert_eq!((to_the_north.yaw_rate, arc.heading), (None, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
     /// Forward speed, m/s; negative: backwards.
     pub speed: f64,
     /// Heading, rad.
     pub heading: f64,
+    /// Yaw rate, to the left positive, rad/s; the robot then turns at it and `heading` does not count. `None`: it holds
+    /// the heading.
+    pub yaw_rate: Option<f64>,
 }
 
 /// What is known at one moment, and what is requested.
@@ -231,6 +242,7 @@ impl RobotObservation {
             request: Request {
                 speed: finite(Some(input.request.speed)).unwrap_or(0.0),
                 heading: finite(Some(input.request.heading)).unwrap_or(0.0),
+                yaw_rate: (input.request.yaw_rate).map(|rate| finite(Some(rate)).unwrap_or(0.0)),
             },
             is_measured: any_alive && speed.is_some(),
         }

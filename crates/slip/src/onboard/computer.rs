@@ -52,7 +52,7 @@ const MAX_STEP_S: f64 = 0.1;
 ///     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
 ///         on_board.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } });
 ///     }
-///     let commands = on_board.tick(time_ns, Request { speed: 0.5, heading: 0.0 });
+///     let commands = on_board.tick(time_ns, Request { speed: 0.5, ..Request::default() });
 ///     assert!(commands[0].rim_speed.is_finite());
 /// }
 /// assert!((on_board.observations()[0].slip.unwrap() - 0.2).abs() < 0.03);
@@ -223,6 +223,7 @@ impl OnBoard {
         } else {
             Request {
                 speed: 0.0,
+                yaw_rate: None,
                 ..request
             }
         };
