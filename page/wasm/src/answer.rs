@@ -36,6 +36,8 @@ fn dispatch(
         #[cfg(feature = "explore")]
         "wheel" => crate::wheel::solve(request),
         #[cfg(feature = "explore")]
+        "slip_model" => crate::slip_model::solve(request),
+        #[cfg(feature = "explore")]
         "curve" => crate::curve::solve(request),
         #[cfg(feature = "drive")]
         "examples" => Ok(crate::examples::scenarios()),
