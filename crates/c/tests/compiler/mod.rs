@@ -56,23 +56,16 @@ pub(crate) fn scratch(name: &str) -> PathBuf {
     folder
 }
 
-/// The static library, built as the test itself was.
+/// The static library that was built together with the test: the newest one beside it.
 pub(crate) fn library() -> PathBuf {
     let test = std::env::current_exe().unwrap();
-    let profile = test.ancestors().nth(2).unwrap();
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.args([
-        "build",
-        "--quiet",
-        "--lib",
-        "--package",
-        "grouser-c",
-        "--target-dir",
-    ]);
-    cargo.arg(profile.parent().unwrap());
-    if profile.ends_with("release") {
-        cargo.arg("--release");
-    }
-    assert!(cargo.status().unwrap().success());
-    profile.join("libgrouser_c.a")
+    let files = std::fs::read_dir(test.parent().unwrap()).unwrap();
+    let built = files.filter_map(|file| {
+        let path = file.unwrap().path();
+        let name = path.file_name()?.to_str()?;
+        let is_library = name.starts_with("libgrouser_c-") && name.ends_with(".a");
+        let modified = path.metadata().unwrap().modified().unwrap();
+        is_library.then_some((modified, path))
+    });
+    built.max().expect("a static library").1
 }
