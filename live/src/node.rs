@@ -192,6 +192,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     for arrival in looked.backlog {
         node.take(&arrival, false)?;
     }
+    // what arrived meanwhile waited for these, not for the node's work
+    while let Ok(arrival) = arrivals.try_recv() {
+        node.take(&arrival, false)?;
+    }
     node.turn(&arrivals, &stop)?;
     node.finish(arguments, &robot.robot)
 }

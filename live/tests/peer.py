@@ -137,6 +137,9 @@ class Drive:
         self.step = 0
         self.offset_ns = 0
         self.loss = 0.0
+        # so many of the next messages are kept, and sent at once
+        self.burst = 0
+        self.kept = []
         self.running = True
         self.random = random.Random(2012)
         transport.advertise("/joint_states", "sensor_msgs/msg/JointState", hash)
@@ -159,10 +162,23 @@ class Drive:
             # radius 0.1 m; it stands for the first second, and then drives
             angle = max(at - 1.0, 0.0)
             moves = 1.0 if at > 1.0 else 0.0
-            if self.random.random() >= self.loss:
-                self.transport.publish("/joint_states", joint_state(stamp, self.joints, [10 * v * angle for v in speeds], [10 * v * moves for v in speeds]))
-            if self.has_imu and self.random.random() >= self.loss:
-                self.transport.publish("/imu", imu(stamp + 1_000_000, 0.0))
+            self.send("/joint_states", joint_state(stamp, self.joints, [10 * v * angle for v in speeds], [10 * v * moves for v in speeds]))
+            if self.has_imu:
+                self.send("/imu", imu(stamp + 1_000_000, 0.0))
+
+    def send(self, topic, data):
+        if self.random.random() < self.loss:
+            return
+        if self.burst > 0:
+            self.burst -= 1
+            self.kept.append((topic, data))
+            if self.burst > 0:
+                return
+            for topic, data in self.kept:
+                self.transport.publish(topic, data)
+            self.kept = []
+            return
+        self.transport.publish(topic, data)
 
     def stop(self):
         self.running = False

@@ -22,7 +22,7 @@ use crate::prior::SlipDemand;
 use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
 use crate::start::StartCheck;
-use crate::state::Health;
+use crate::state::{Health, Invalid};
 
 /// The slip that soil and slope demand is looked up this often, s: a robot of half a metre at 0.3 m/s moves by 3 cm.
 const DEMAND_PERIOD_S: f64 = 0.1;
@@ -30,6 +30,8 @@ const DEMAND_PERIOD_S: f64 = 0.1;
 const MIN_PRIOR_SIGMA: f64 = 0.1;
 /// A standing wheel with this share of the weakest motor's greatest torque is stalled, as the controller has it.
 const STALL_TORQUE_SHARE: f64 = 0.8;
+/// Sensors none of which has had a sample accepted for so long are silent, s: the filter's own limit for a reference.
+const SILENCE_S: f64 = 0.5;
 /// A step of the loop counts as at most this long, s.
 const MAX_STEP_S: f64 = 0.1;
 
@@ -75,6 +77,8 @@ pub struct OnBoard {
     uses_poses: bool,
     /// When the loop ran last, s.
     last_tick: f64,
+    /// Time of the loop since the filter accepted a sample, s: it passes even where clocks are set back.
+    silence: f64,
     max_torques: Box<[Option<f64>]>,
     torques: Box<[Option<f64>]>,
     observations: Box<[WheelObservation]>,
@@ -127,6 +131,7 @@ impl OnBoard {
             warm_up: settings.warm_up,
             uses_poses: settings.uses_poses,
             last_tick: 0.0,
+            silence: 0.0,
             torques: vec![None; max_torques.len()].into_boxed_slice(),
             max_torques: max_torques.into_boxed_slice(),
             observations: observations.collect(),
@@ -143,28 +148,43 @@ impl OnBoard {
     /// sample the filter counts ([`FilterOutput::rejected`]).
     pub fn update_at(&mut self, now_ns: i64, sample: Sample) {
         let is_warm = self.clock.seconds(now_ns) >= self.warm_up;
-        self.clock.arrived(now_ns, sample.time_ns);
         if is_warm {
             self.start.end_warm_up();
         }
-        match sample.measurement {
+        let is_accepted = match sample.measurement {
             Measurement::Inertial { force, rate } => {
-                self.update_inertial(sample.time_ns, force, rate, is_warm);
+                self.update_inertial(sample.time_ns, force, rate, is_warm)
             }
             Measurement::JointAngle { joint, angle } => {
                 self.carriers.update(sample.time_ns, joint, angle);
+                false
             }
-            Measurement::MotorCurrent { wheel, share } => self.update_current(wheel, share),
-            Measurement::Pose { .. } if !self.uses_poses => {}
+            Measurement::MotorCurrent { wheel, share } => {
+                self.update_current(wheel, share);
+                false
+            }
+            Measurement::Pose { .. } if !self.uses_poses => false,
             _ => self.filter_sample(sample, is_warm),
+        };
+        // the stamp of a refused sample does not tell the sensors' time: a wrong one would hide that they fall silent
+        if is_accepted {
+            self.silence = 0.0;
+            self.clock.arrived(now_ns, sample.time_ns);
         }
     }
 
-    fn update_inertial(&mut self, time_ns: i64, force: [f64; 3], rate: [f64; 3], is_warm: bool) {
+    /// Has the filter accepted a part of it?
+    fn update_inertial(
+        &mut self,
+        time_ns: i64,
+        force: [f64; 3],
+        rate: [f64; 3],
+        is_warm: bool,
+    ) -> bool {
         self.attitude.update(time_ns, force, rate);
         if !is_warm {
             self.start.add_force(force);
-            return;
+            return false;
         }
         for sample in self.carriers.samples(time_ns, rate[1]) {
             // a refusal is counted by the filter
@@ -172,11 +192,12 @@ impl OnBoard {
         }
         self.filter.set_roll(self.attitude.roll());
         let [forward, left] = self.attitude.without_gravity(force);
+        let mut is_accepted = false;
         for measurement in [
             Measurement::Acceleration { forward, left },
             Measurement::YawRate { rate: rate[2] },
         ] {
-            self.filter_sample(
+            is_accepted |= self.filter_sample(
                 Sample {
                     time_ns,
                     measurement,
@@ -184,6 +205,7 @@ impl OnBoard {
                 is_warm,
             );
         }
+        is_accepted
     }
 
     fn update_current(&mut self, wheel: usize, share: f64) {
@@ -198,12 +220,14 @@ impl OnBoard {
         }
     }
 
-    fn filter_sample(&mut self, sample: Sample, is_warm: bool) {
-        if is_warm {
-            // a refusal is counted by the filter
-            let _ = self.filter.update(sample);
-            self.start.update(&sample, &self.filter.latest());
+    /// Has the filter accepted it? A refusal is counted by the filter.
+    fn filter_sample(&mut self, sample: Sample, is_warm: bool) -> bool {
+        if !is_warm {
+            return false;
         }
+        let is_accepted = self.filter.update(sample).is_ok();
+        self.start.update(&sample, &self.filter.latest());
+        is_accepted
     }
 
     /// A wheel is steered by `angle` (rad, to the left) from now on.
@@ -253,6 +277,8 @@ impl OnBoard {
         let Some(sensor_ns) = self.clock.sensor_time_ns(now_ns) else {
             return;
         };
+        self.silence += step;
+        let is_silent = self.silence > SILENCE_S;
         let wheels = self.filter.estimate_at(sensor_ns).wheels;
         let _ = self
             .detector
@@ -263,7 +289,11 @@ impl OnBoard {
             *seen = WheelObservation {
                 slip,
                 sigma: wheel.sigma,
-                health: wheel.health,
+                health: if is_silent {
+                    Health::Invalid(Invalid::Dropout)
+                } else {
+                    wheel.health
+                },
                 motion: self.detector.motion(index, wheel.motion),
                 forward_speed: wheel.forward_speed.map(|speed| speed.value),
                 rim_speed: wheel.rim_speed.map(|speed| speed.value),
