@@ -193,6 +193,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         subscriptions,
         command: command.take(),
         renewal_time: RENEWAL_TIMES.0,
+        unsent: 0,
     };
     for arrival in looked.backlog {
         node.take(&arrival, false)?;
@@ -279,6 +280,8 @@ struct Node {
     command: Option<CommandPath>,
     /// How long every topic is silent before the transport is renewed next.
     renewal_time: Duration,
+    /// Messages that were not sent until the last diagnostics.
+    unsent: u64,
 }
 
 impl Node {
@@ -396,6 +399,12 @@ impl Node {
             }
         }
         self.renew_transport(now);
+        let unsent = self.outputs.unsent();
+        if unsent > self.unsent {
+            problems
+                .push("messages were not sent: a subscriber or the machine is too slow".to_owned());
+        }
+        self.unsent = unsent;
         let left_out = self.intake.left_out();
         if let Some(problem) = &left_out.problem {
             problems.push(format!("messages cannot be decoded: {problem}"));
@@ -437,6 +446,7 @@ impl Node {
                 ("messages", self.messages.to_string()),
                 ("messages_late", late.to_string()),
                 ("messages_undecoded", undecoded.to_string()),
+                ("messages_unsent", unsent.to_string()),
                 ("messages_dropped", self.inbox.dropped().to_string()),
                 ("hold_ms", format!("{:.1}", 1e3 * self.hold.as_secs_f64())),
                 ("latency_median_us", format!("{median:.0}")),
