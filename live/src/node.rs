@@ -33,6 +33,10 @@ const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 /// Wheels from which nothing came for so long are silent: as the filter's own limit for a reference.
 const SILENCE: Duration = Duration::from_millis(500);
 
+/// Where every topic has been silent for so long, the transport announces the node anew, and again after twice the time, up to
+/// the limit: a peer that is off costs little, one that was lost is back soon.
+const RENEWAL_TIMES: (Duration, Duration) = (Duration::from_secs(3), Duration::from_secs(60));
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -188,6 +192,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         names,
         subscriptions,
         command: command.take(),
+        renewal_time: RENEWAL_TIMES.0,
+        unsent: 0,
     };
     for arrival in looked.backlog {
         node.take(&arrival, false)?;
@@ -272,6 +278,10 @@ struct Node {
     names: Vec<String>,
     subscriptions: Subscriptions,
     command: Option<CommandPath>,
+    /// How long every topic is silent before the transport is renewed next.
+    renewal_time: Duration,
+    /// Messages that were not sent until the last diagnostics.
+    unsent: u64,
 }
 
 impl Node {
@@ -388,6 +398,13 @@ impl Node {
                 problems.push(format!("`{}` is silent", channel.topic));
             }
         }
+        self.renew_transport(now);
+        let unsent = self.outputs.unsent();
+        if unsent > self.unsent {
+            problems
+                .push("messages were not sent: a subscriber or the machine is too slow".to_owned());
+        }
+        self.unsent = unsent;
         let left_out = self.intake.left_out();
         if let Some(problem) = &left_out.problem {
             problems.push(format!("messages cannot be decoded: {problem}"));
@@ -429,6 +446,7 @@ impl Node {
                 ("messages", self.messages.to_string()),
                 ("messages_late", late.to_string()),
                 ("messages_undecoded", undecoded.to_string()),
+                ("messages_unsent", unsent.to_string()),
                 ("messages_dropped", self.inbox.dropped().to_string()),
                 ("hold_ms", format!("{:.1}", 1e3 * self.hold.as_secs_f64())),
                 ("latency_median_us", format!("{median:.0}")),
@@ -449,6 +467,22 @@ impl Node {
             self.print_wheels();
         }
         Ok(())
+    }
+
+    /// Renews the transport where all topics have fallen silent.
+    fn renew_transport(&mut self, now: Instant) {
+        let Some(newest) = self.last_heard.iter().flatten().max() else {
+            return;
+        };
+        let silent = now.saturating_duration_since(*newest);
+        if silent < RENEWAL_TIMES.0 {
+            self.renewal_time = RENEWAL_TIMES.0;
+        } else if silent >= self.renewal_time {
+            self.renewal_time = (self.renewal_time * 2).min(silent + RENEWAL_TIMES.1);
+            if let Err(error) = self.outputs.transport.renew() {
+                warn(&format!("the transport is not renewed: {error}"));
+            }
+        }
     }
 
     fn print_wheels(&self) {

@@ -28,6 +28,8 @@ pub(crate) struct Topic {
     channel: Channel,
     definition: Definition,
     record: Option<u16>,
+    /// Messages that the transport did not take.
+    unsent: u64,
 }
 
 impl Topic {
@@ -46,6 +48,7 @@ impl Topic {
             definition: Definition::parse(type_name, &text)?,
             channel,
             record: None,
+            unsent: 0,
         })
     }
 }
@@ -109,6 +112,19 @@ impl Outputs {
             changes: Vec::new(),
             steps: 0,
         })
+    }
+
+    /// Messages of the estimate that the transport did not take.
+    pub(crate) fn unsent(&self) -> u64 {
+        let own = [
+            &self.slip,
+            &self.odometry,
+            &self.twist,
+            &self.events,
+            &self.diagnostics,
+        ];
+        let topics = own.into_iter().chain(&self.transform);
+        topics.map(|topic| topic.unsent).sum()
     }
 
     /// Publishes diagnostics: the node's own status first, then the wheels'.
@@ -192,7 +208,10 @@ pub(crate) fn send(
         u64::try_from(time_ns).unwrap_or(0),
         &bytes,
     );
-    transport.publish(topic.publisher, bytes)?;
+    // a reader that does not keep up, or a transport that is busy, does not end the node: the message is lost, and counted
+    if transport.publish(topic.publisher, bytes).is_err() {
+        topic.unsent += 1;
+    }
     Ok(())
 }
 

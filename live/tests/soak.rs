@@ -97,7 +97,8 @@ fn soak(transport: &'static str) {
     };
     peer.until_slip(20.0, is_right);
     // what is allocated once is allocated by now
-    std::thread::sleep(Duration::from_secs(3));
+    // the transports keep 1000 messages of each topic: five seconds fill that
+    std::thread::sleep(Duration::from_secs(10));
     let (begun, processor) = (Instant::now(), processor_s(node.id()));
     let (start_kb, mut most_kb) = (memory_kb(node.id()), 0);
     let (mut looks, mut wrong) = (0, 0);
