@@ -61,6 +61,10 @@ dense:
 soak first="0":
     GROUSER_SOAK_RUNS=10000 GROUSER_SOAK_FIRST={{first}} cargo test --release --package grouser-synthetic --test soak -- --nocapture
 
+# the node for an hour with each transport: eight wheels at 200 Hz with bursts; needs GROUSER_LIVE_PYTHON (live/ci installs it)
+live-soak seconds="3600":
+    cd live && GROUSER_LIVE_SOAK_S={{seconds}} cargo test --locked --release --test soak -- --nocapture --test-threads=1
+
 # slip maps: 100 000 random poses against the exact solver, and a million cells with 64 soils; minutes
 terrain:
     cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture

@@ -5,7 +5,9 @@ mod bytes;
 mod stream;
 
 use bytes::Bytes;
-use grouser_slip::control::{ControlInput, ControlSettings, Controller, Request, WheelObservation};
+use grouser_slip::control::{
+    ControlInput, ControlSettings, Controller, Decides, Request, WheelObservation,
+};
 use grouser_slip::filter::SlipPrior;
 use grouser_slip::{Degraded, Health, Invalid, Motion};
 use libfuzzer_sys::fuzz_target;
@@ -33,7 +35,11 @@ fuzz_target!(|bytes: &[u8]| {
     let robot = stream::robot(16, wheels);
     let mut settings = ControlSettings::default();
     settings.optimum = bytes.within(0.01, 0.95);
-    settings.decides = bytes.u8() % 4 > 0;
+    settings.decides = match bytes.u8() % 4 {
+        0 => Decides::Nothing,
+        1 => Decides::Stops,
+        _ => Decides::Everything,
+    };
     settings.high_slip_time = bytes.within(0.0, 1.0);
     settings.dig_time = bytes.within(0.0, 1.0);
     let max_traction = settings.max_traction;
@@ -74,6 +80,7 @@ fuzz_target!(|bytes: &[u8]| {
             request: Request {
                 speed: number(&mut bytes, -2.0, 2.0).unwrap_or(0.0),
                 heading: number(&mut bytes, -4.0, 4.0).unwrap_or(0.0),
+                yaw_rate: number(&mut bytes, -2.0, 2.0),
             },
             slip_demand: number(&mut bytes, -1.0, 1.0)
                 .zip(number(&mut bytes, 0.0, 0.5))

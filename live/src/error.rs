@@ -56,6 +56,9 @@ pub enum Error {
         /// What it must be.
         wanted: String,
     },
+    /// Limits of commands that the controller does not take.
+    #[error(transparent)]
+    Slip(#[from] grouser_slip::Error),
     /// A transport that this program was built without.
     #[error("this program was built without the transport `{name}`")]
     NoTransport {

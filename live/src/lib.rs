@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 pub mod arguments;
+mod command;
 mod environment;
 mod error;
 mod latency;

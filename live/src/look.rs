@@ -129,7 +129,7 @@ impl Subscriptions {
 }
 
 /// Why a publisher's messages cannot be decoded.
-fn misfit(endpoint: &Endpoint) -> Option<String> {
+pub(crate) fn misfit(endpoint: &Endpoint) -> Option<String> {
     let Endpoint {
         topic,
         type_name,

@@ -6,16 +6,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use grouser_files::robot;
+use grouser_files::robot::{self, RobotFile};
 use grouser_log::Intake;
 use grouser_log::container::Channel;
 use grouser_replay::messages::diagnostic_status;
 use grouser_replay::{Engine, Inputs, Options, RobotSamples, Status, Summary};
+use grouser_slip::Reference;
 use grouser_slip::detect::{Change, Event};
 
 use crate::arguments::Arguments;
+use crate::command::{self, CommandPath};
 use crate::environment::Environment;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::latency::Latency;
 use crate::look::{Subscriptions, look};
 use crate::outputs::{Frames, Outputs, record};
@@ -30,6 +32,10 @@ const TURN: Duration = Duration::from_millis(50);
 const DIAGNOSTICS_PERIOD: Duration = Duration::from_secs(1);
 /// Wheels from which nothing came for so long are silent: as the filter's own limit for a reference.
 const SILENCE: Duration = Duration::from_millis(500);
+
+/// Where every topic has been silent for so long, the transport announces the node anew, and again after twice the time, up to
+/// the limit: a peer that is off costs little, one that was lost is back soon.
+const RENEWAL_TIMES: (Duration, Duration) = (Duration::from_secs(3), Duration::from_secs(60));
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +83,7 @@ pub fn complain(line: &str) {
 /// Bad options, files and topics; a transport that does not open.
 pub fn run(arguments: &Arguments) -> Result<Outcome> {
     let environment = Environment::read()?;
-    let robot = robot::read(&arguments.robot)?;
+    let mut robot = robot::read(&arguments.robot)?;
     let (look_for, hold, duration) = (arguments.look()?, arguments.hold()?, arguments.duration()?);
     let learnt = match &arguments.state {
         Some(path) => state_file::read(path, &robot.robot)?,
@@ -89,6 +95,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         .map(Recorder::create)
         .transpose()?;
     let node = arguments.full_name("grouser")?;
+    let mut command = command_path(arguments, &robot)?;
+    if let Some(path) = &command {
+        // a requested speed is no measured one
+        robot.topics.ignore.push(path.topic().to_owned());
+    }
     let kind = arguments.transport.unwrap_or(environment.transport);
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
@@ -133,6 +144,17 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     if !arguments.quiet {
         say_choice(&intake, &inputs, hold);
     }
+    if command.is_some() && inputs.reference == Reference::Grip {
+        return Err(Error::Option {
+            name: "--command",
+            value: arguments.command.clone().unwrap_or_default(),
+            wanted: "left out: nothing measures the robot's speed over ground, so that a slip of all wheels is not observable"
+                .to_owned(),
+        });
+    }
+    if let (Some(path), false) = (&command, arguments.quiet) {
+        say(&path.choice());
+    }
     let names: Vec<String> = robot
         .robot
         .wheels()
@@ -169,12 +191,40 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         is_quiet: arguments.quiet,
         names,
         subscriptions,
+        command: command.take(),
+        renewal_time: RENEWAL_TIMES.0,
+        unsent: 0,
     };
     for arrival in looked.backlog {
         node.take(&arrival, false)?;
     }
+    // what arrived meanwhile waited for these, not for the node's work
+    while let Ok(arrival) = arrivals.try_recv() {
+        node.take(&arrival, false)?;
+    }
     node.turn(&arrivals, &stop)?;
     node.finish(arguments, &robot.robot)
+}
+
+/// The command path, where one is requested.
+fn command_path(arguments: &Arguments, robot: &RobotFile) -> Result<Option<CommandPath>> {
+    let Some(topic) = &arguments.command else {
+        return Ok(None);
+    };
+    let topics = (
+        arguments.topic("--command", topic)?,
+        arguments.topic("--command-out", &arguments.command_out)?,
+    );
+    if topics.0 == topics.1 {
+        return Err(Error::Option {
+            name: "--command-out",
+            value: topics.1,
+            wanted: "another topic than --command".to_owned(),
+        });
+    }
+    let described = (&robot.robot, robot.steering.is_some());
+    let limits = arguments.command_limits()?;
+    CommandPath::new(topics, arguments.base_frame.clone(), described, limits).map(Some)
 }
 
 /// Another node that publishes `slip` would be mixed up with this one.
@@ -227,11 +277,22 @@ struct Node {
     is_quiet: bool,
     names: Vec<String>,
     subscriptions: Subscriptions,
+    command: Option<CommandPath>,
+    /// How long every topic is silent before the transport is renewed next.
+    renewal_time: Duration,
+    /// Messages that were not sent until the last diagnostics.
+    unsent: u64,
 }
 
 impl Node {
     /// Uses a message; `is_timed` where its latency counts: not where it waited for the choice of topics.
     fn take(&mut self, arrival: &Arrival, is_timed: bool) -> Result<()> {
+        if arrival.subscription == command::SUBSCRIPTION {
+            if let Some(path) = &mut self.command {
+                path.take(arrival, &mut self.outputs);
+            }
+            return Ok(());
+        }
         let Some(channel) = self.channels.get(arrival.subscription) else {
             return Ok(());
         };
@@ -295,16 +356,24 @@ impl Node {
             } else {
                 TURN.min(self.hold)
             };
+            let wait =
+                (self.command.as_ref()).map_or(wait, |path| wait.min(path.wait(Instant::now())));
             match arrivals.recv_timeout(wait) {
                 Ok(arrival) => self.take(&arrival, true)?,
                 Err(RecvTimeoutError::Timeout) => self.release()?,
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             let now = Instant::now();
+            if let Some(path) = &mut self.command {
+                path.tick(now, system_ns(), &mut self.outputs, &self.inbox)?;
+            }
             if now >= diagnostics_due {
                 diagnostics_due = now + DIAGNOSTICS_PERIOD;
                 self.diagnose(now)?;
             }
+        }
+        if let Some(path) = &mut self.command {
+            path.stop(system_ns(), &mut self.outputs)?;
         }
         // what has arrived by now still counts
         while let Ok(arrival) = arrivals.try_recv() {
@@ -329,12 +398,22 @@ impl Node {
                 problems.push(format!("`{}` is silent", channel.topic));
             }
         }
+        self.renew_transport(now);
+        let unsent = self.outputs.unsent();
+        if unsent > self.unsent {
+            problems
+                .push("messages were not sent: a subscriber or the machine is too slow".to_owned());
+        }
+        self.unsent = unsent;
         let left_out = self.intake.left_out();
         if let Some(problem) = &left_out.problem {
             problems.push(format!("messages cannot be decoded: {problem}"));
         }
         if self.inbox.dropped() > 0 {
             problems.push("messages were dropped: the machine is too slow".to_owned());
+        }
+        if let Some(path) = &self.command {
+            problems.extend(path.problems(now));
         }
         let transport = self.outputs.transport.as_mut();
         for topic in self.subscriptions.unknown(transport) {
@@ -363,16 +442,17 @@ impl Node {
             "grouser: live",
             &words,
             "grouser",
-            [
+            (self.command.iter().flat_map(CommandPath::values)).chain([
                 ("messages", self.messages.to_string()),
                 ("messages_late", late.to_string()),
                 ("messages_undecoded", undecoded.to_string()),
+                ("messages_unsent", unsent.to_string()),
                 ("messages_dropped", self.inbox.dropped().to_string()),
                 ("hold_ms", format!("{:.1}", 1e3 * self.hold.as_secs_f64())),
                 ("latency_median_us", format!("{median:.0}")),
                 ("latency_p999_us", format!("{high:.0}")),
                 ("latency_longest_us", format!("{longest:.0}")),
-            ],
+            ]),
         );
         self.problems = problems;
         if is_silent {
@@ -387,6 +467,22 @@ impl Node {
             self.print_wheels();
         }
         Ok(())
+    }
+
+    /// Renews the transport where all topics have fallen silent.
+    fn renew_transport(&mut self, now: Instant) {
+        let Some(newest) = self.last_heard.iter().flatten().max() else {
+            return;
+        };
+        let silent = now.saturating_duration_since(*newest);
+        if silent < RENEWAL_TIMES.0 {
+            self.renewal_time = RENEWAL_TIMES.0;
+        } else if silent >= self.renewal_time {
+            self.renewal_time = (self.renewal_time * 2).min(silent + RENEWAL_TIMES.1);
+            if let Err(error) = self.outputs.transport.renew() {
+                warn(&format!("the transport is not renewed: {error}"));
+            }
+        }
     }
 
     fn print_wheels(&self) {

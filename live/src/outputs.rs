@@ -1,6 +1,7 @@
 //! What the node publishes.
 
 use std::io;
+use std::time::Instant;
 
 use grouser_log::container::Channel;
 use grouser_log::message::{Definition, Value, build, known};
@@ -22,11 +23,34 @@ pub(crate) struct Frames {
 }
 
 /// A topic of the node's own.
-struct Topic {
+pub(crate) struct Topic {
     publisher: usize,
     channel: Channel,
     definition: Definition,
     record: Option<u16>,
+    /// Messages that the transport did not take.
+    unsent: u64,
+}
+
+impl Topic {
+    /// Announces a topic of a known type.
+    pub(crate) fn announce(
+        transport: &mut dyn Transport,
+        topic: String,
+        type_name: &str,
+    ) -> Result<Self> {
+        let channel = known::channel(&topic, type_name).ok_or_else(|| Error::UnknownType {
+            type_name: type_name.to_owned(),
+        })?;
+        let text = String::from_utf8_lossy(&channel.definition);
+        Ok(Self {
+            publisher: transport.advertise(&topic, type_name)?,
+            definition: Definition::parse(type_name, &text)?,
+            channel,
+            record: None,
+            unsent: 0,
+        })
+    }
 }
 
 /// The topics of the node.
@@ -44,6 +68,10 @@ pub(crate) struct Outputs {
     /// What was published last.
     pub(crate) latest: Vec<WheelEstimate>,
     pub(crate) latest_ns: Option<i64>,
+    /// When that was.
+    pub(crate) latest_at: Option<Instant>,
+    /// Forward speed of the robot with it, m/s.
+    pub(crate) latest_speed: Option<f64>,
     pub(crate) last_odometry: Option<Odometry>,
     /// Events that began or ended, for the terminal.
     pub(crate) changes: Vec<Change>,
@@ -59,19 +87,8 @@ impl Outputs {
         publishes_tf: bool,
         name: impl Fn(&str) -> Result<String>,
     ) -> Result<Self> {
-        let mut topic = |topic: String, type_name: &str| {
-            let unknown = || Error::UnknownType {
-                type_name: type_name.to_owned(),
-            };
-            let channel = known::channel(&topic, type_name).ok_or_else(unknown)?;
-            let text = String::from_utf8_lossy(&channel.definition);
-            Ok::<_, Error>(Topic {
-                publisher: transport.advertise(&topic, type_name)?,
-                definition: Definition::parse(type_name, &text)?,
-                channel,
-                record: None,
-            })
-        };
+        let mut topic =
+            |topic: String, type_name: &str| Topic::announce(transport.as_mut(), topic, type_name);
         let tf = publishes_tf.then(|| topic("/tf".to_owned(), "tf2_msgs/TFMessage"));
         Ok(Self {
             slip: topic(name("grouser/slip")?, known::WHEEL_SLIP)?,
@@ -89,10 +106,25 @@ impl Outputs {
             frames,
             latest: Vec::new(),
             latest_ns: None,
+            latest_at: None,
+            latest_speed: None,
             last_odometry: None,
             changes: Vec::new(),
             steps: 0,
         })
+    }
+
+    /// Messages of the estimate that the transport did not take.
+    pub(crate) fn unsent(&self) -> u64 {
+        let own = [
+            &self.slip,
+            &self.odometry,
+            &self.twist,
+            &self.events,
+            &self.diagnostics,
+        ];
+        let topics = own.into_iter().chain(&self.transform);
+        topics.map(|topic| topic.unsent).sum()
     }
 
     /// Publishes diagnostics: the node's own status first, then the wheels'.
@@ -161,7 +193,7 @@ impl Outputs {
 }
 
 /// Encodes, publishes and records a message. A recording that fails ends, with a warning, and the node goes on.
-fn send(
+pub(crate) fn send(
     topic: &mut Topic,
     transport: &mut Box<dyn Transport>,
     recorder: &mut Option<Recorder>,
@@ -176,7 +208,10 @@ fn send(
         u64::try_from(time_ns).unwrap_or(0),
         &bytes,
     );
-    transport.publish(topic.publisher, bytes)?;
+    // a reader that does not keep up, or a transport that is busy, does not end the node: the message is lost, and counted
+    if transport.publish(topic.publisher, bytes).is_err() {
+        topic.unsent += 1;
+    }
     Ok(())
 }
 
@@ -213,6 +248,8 @@ impl Sink for Outputs {
         self.latest.clear();
         self.latest.extend_from_slice(step.wheels);
         self.latest_ns = Some(step.time_ns);
+        self.latest_at = Some(Instant::now());
+        self.latest_speed = step.odometry.map(|odometry| odometry.velocity[0]);
         self.publish_slip(step.time_ns)?;
         if let Some(odometry) = step.odometry {
             self.last_odometry = Some(odometry);

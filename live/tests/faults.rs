@@ -4,7 +4,7 @@
 
 mod peers;
 
-use peers::{Node, Peer, Place, example, python, read};
+use peers::{Node, Peer, Place, python, read, wheel_robot};
 use serde_json::{Value, json};
 
 /// The driven wheels' slip: rims at 0.25 m/s, the robot at 0.2 m/s.
@@ -30,19 +30,6 @@ struct Run {
     place: Place,
 }
 
-/// The robot file with wheels measured by their angles; nothing shares a stamp.
-fn robot(place: &Place) -> std::path::PathBuf {
-    // joint states are those of the wheels, not of the motors
-    let text = read(&example().join("robot.toml"));
-    let text = text.replace(
-        "encoder_on = \"motor\"\ngear = 20.0",
-        "encoder_on = \"wheel\"",
-    );
-    let file = place.folder.join("robot.toml");
-    std::fs::write(&file, text).unwrap();
-    file
-}
-
 impl Run {
     fn begin(transport: &'static str, name: &str, arguments: &[&str]) -> Option<Self> {
         let python = python()?;
@@ -52,7 +39,7 @@ impl Run {
         peer.call(&json!(["listen", "driver"]));
         peer.call(&json!(["drive", "driver", {}]));
         let arguments = [&["--look-s", "1"], arguments].concat();
-        let node = Node::start(&place, &robot(&place), &arguments);
+        let node = Node::start(&place, &wheel_robot(&place), &arguments);
         let mut run = Self { peer, node, place };
         run.peer.until_slip(20.0, is_right);
         Some(run)
@@ -180,7 +167,7 @@ fn wrong_hash(transport: &'static str) {
     peer.call(&json!(["open", "driver"]));
     let wrong = format!("RIHS01_{}", "0".repeat(64));
     peer.call(&json!(["drive", "driver", { "hash": wrong }]));
-    let node = Node::start(&place, &robot(&place), &["--look-s", "1"]);
+    let node = Node::start(&place, &wheel_robot(&place), &["--look-s", "1"]);
     peer.call(&json!(["sleep", 3.0]));
     let ended = node.interrupt(&place);
     assert_eq!(ended.code, Some(1));
@@ -215,7 +202,7 @@ fn domains(transport: &'static str) {
     let mut peer = Peer::start(&python, &place);
     peer.call(&json!(["open", "driver", place.domain + 100]));
     peer.call(&json!(["drive", "driver", {}]));
-    let node = Node::start(&place, &robot(&place), &["--look-s", "1"]);
+    let node = Node::start(&place, &wheel_robot(&place), &["--look-s", "1"]);
     peer.call(&json!(["sleep", 3.0]));
     let ended = node.interrupt(&place);
     assert_eq!(ended.code, Some(1), "{}{}", ended.out, ended.err);
@@ -240,7 +227,7 @@ fn duplicated_node(transport: &'static str) {
         place.folder.join("zenoh.json5"),
     )
     .unwrap();
-    let second = Node::start(&place, &robot(&place), &["--look-s", "1"]);
+    let second = Node::start(&place, &wheel_robot(&place), &["--look-s", "1"]);
     run.peer.call(&json!(["sleep", 3.0]));
     let ended = second.interrupt(&place);
     assert!(
@@ -291,7 +278,7 @@ fn state_and_recording(transport: &'static str) {
     assert_eq!(again.end().code, Some(0));
     std::fs::write(&state, first.replace("five wheels", "another")).unwrap();
     let place = Place::new(transport, "other-robot");
-    let node = Node::start(&place, &robot(&place), &arguments[..2]);
+    let node = Node::start(&place, &wheel_robot(&place), &arguments[..2]);
     std::thread::sleep(std::time::Duration::from_secs(1));
     drop(node);
     assert!(read(&place.folder.join("err")).contains("the state is of the robot `another`"));

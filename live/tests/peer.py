@@ -31,7 +31,8 @@ OUTPUTS = {
     "/grouser/twist": "geometry_msgs/msg/TwistWithCovarianceStamped",
     "/grouser/events": "grouser_msgs/msg/SlipEvent",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
-    "/cmd_vel_limited": "geometry_msgs/msg/Twist",
+    "/grouser/cmd_vel": "geometry_msgs/msg/Twist",
+    "/stamped/cmd_vel": "geometry_msgs/msg/TwistStamped",
 }
 
 
@@ -136,6 +137,9 @@ class Drive:
         self.step = 0
         self.offset_ns = 0
         self.loss = 0.0
+        # so many of the next messages are kept, and sent at once
+        self.burst = 0
+        self.kept = []
         self.running = True
         self.random = random.Random(2012)
         transport.advertise("/joint_states", "sensor_msgs/msg/JointState", hash)
@@ -158,14 +162,88 @@ class Drive:
             # radius 0.1 m; it stands for the first second, and then drives
             angle = max(at - 1.0, 0.0)
             moves = 1.0 if at > 1.0 else 0.0
-            if self.random.random() >= self.loss:
-                self.transport.publish("/joint_states", joint_state(stamp, self.joints, [10 * v * angle for v in speeds], [10 * v * moves for v in speeds]))
-            if self.has_imu and self.random.random() >= self.loss:
-                self.transport.publish("/imu", imu(stamp + 1_000_000, 0.0))
+            self.send("/joint_states", joint_state(stamp, self.joints, [10 * v * angle for v in speeds], [10 * v * moves for v in speeds]))
+            if self.has_imu:
+                self.send("/imu", imu(stamp + 1_000_000, 0.0))
+
+    def send(self, topic, data):
+        if self.random.random() < self.loss:
+            return
+        if self.burst > 0:
+            self.burst -= 1
+            self.kept.append((topic, data))
+            if self.burst > 0:
+                return
+            for topic, data in self.kept:
+                self.transport.publish(topic, data)
+            self.kept = []
+            return
+        self.transport.publish(topic, data)
 
     def stop(self):
         self.running = False
         self.thread.join()
+
+
+def twist(speed, yaw_rate, sideways=0.0, stamped=False):
+    V = STORE.types["geometry_msgs/msg/Vector3"]
+    message = STORE.types["geometry_msgs/msg/Twist"](V(speed, sideways, 0.0), V(0.0, 0.0, yaw_rate))
+    name = "geometry_msgs/msg/Twist"
+    if stamped:
+        name = "geometry_msgs/msg/TwistStamped"
+        message = STORE.types[name](header(time.time_ns()), message)
+    return bytes(STORE.serialize_cdr(message, name))
+
+
+class Follower(Drive):
+    """A robot whose rims follow the limited commands, and who requests `speed` and `yaw_rate` at 20 Hz.
+
+    Its powered wheels slip by `slip`; `diverging` is the slip of the front left one alone, and a wheel of `stuck` stands.
+    Commands that are silent for longer than 0.6 s stop its rims, as a base's own timeout does.
+    """
+
+    def __init__(self, script, transport, stamped=False, **options):
+        self.speed, self.yaw_rate, self.sideways = 0.0, 0.0, 0.0
+        self.slip, self.diverging, self.stuck = 0.1, None, None
+        self.requests, self.senses = True, True
+        self.stamped, self.script = stamped, script
+        self.topic = "/stamped/cmd_vel" if stamped else "/grouser/cmd_vel"
+        self.angles = {}
+        self.rim = 0.0
+        transport.advertise("/cmd_vel", "geometry_msgs/msg/TwistStamped" if stamped else "geometry_msgs/msg/Twist")
+        super().__init__(transport, **options)
+
+    def run(self):
+        start_ns, begun = time.time_ns(), time.monotonic()
+        while self.running:
+            self.step += 1
+            at = self.step * self.period
+            wait = begun + at - time.monotonic()
+            if wait > 0:
+                time.sleep(wait)
+            if self.requests and self.step % 5 == 0:
+                self.transport.publish("/cmd_vel", twist(self.speed, self.yaw_rate, self.sideways, self.stamped))
+            limited, since = self.script.limited(self.topic)
+            self.rim = limited if since < 0.6 else 0.0
+            # the first metre is driven by hand: the estimate needs to have seen the wheels turn
+            rim = self.by_hand if at < 3.0 else self.rim
+            body = rim * (1.0 - self.slip)
+            rates = []
+            for joint in self.joints:
+                speed = body if joint == "fifth" else rim
+                if joint == "front_left" and self.diverging is not None:
+                    speed = body / (1.0 - self.diverging)
+                if joint == self.stuck:
+                    speed = 0.0
+                self.angles[joint] = self.angles.get(joint, 0.0) + 10 * speed * self.period
+                rates.append(10 * speed)
+            if self.senses:
+                stamp = start_ns + int(at * 1e9)
+                angles = [self.angles[joint] for joint in self.joints]
+                self.transport.publish("/joint_states", joint_state(stamp, self.joints, angles, rates))
+                self.transport.publish("/imu", imu(stamp + 1_000_000, 0.0))
+
+    by_hand = 0.2
 
 
 class Script:
@@ -179,11 +257,13 @@ class Script:
         self.sessions = {}
         self.drives = {}
         self.last = {}
+        self.times = {}
 
     def take(self, topic, data):
         with self.lock:
             self.counts[topic] = self.counts.get(topic, 0) + 1
             self.last[topic] = data
+            self.times[topic] = time.monotonic()
             self.out.write(f"{topic} {time.time_ns()} {data.hex()}\n")
 
     def open(self, name, domain=None):
@@ -226,7 +306,22 @@ class Script:
     def drive(self, name, **options):
         self.drives[name] = Drive(self.sessions[name], **options)
 
+    def follow(self, name, **options):
+        self.drives[name] = Follower(self, self.sessions[name], **options)
+
+    def limited(self, topic):
+        """Forward speed of the newest limited command, and the seconds since it came."""
+        with self.lock:
+            data, at = self.last.get(topic), self.times.get(topic, -1e9)
+        if data is None:
+            return 0.0, 1e9
+        message = STORE.deserialize_cdr(data, OUTPUTS[topic])
+        message = getattr(message, "twist", message)
+        return message.linear.x, time.monotonic() - at
+
     def change(self, name, field, value):
+        if value == "nan":
+            value = math.nan
         setattr(self.drives[name], field, value)
 
     def stop(self, name):

@@ -158,6 +158,7 @@ impl OnBoard {
         let request = Request {
             speed: speed_mps,
             heading: heading_rad,
+            yaw_rate: None,
         };
         let commands = self.computer.tick(now_ns, request).iter();
         commands

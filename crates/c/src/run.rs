@@ -65,6 +65,7 @@ pub unsafe extern "C" fn grouser_tick(
         let request = Request {
             speed: speed_m_per_s,
             heading: heading_rad,
+            yaw_rate: None,
         };
         let commands = object.on_board.tick(now_ns, request);
         object.commands.copy_from_slice(commands);

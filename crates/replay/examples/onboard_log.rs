@@ -30,6 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let request = Request {
         speed: 0.3,
         heading: 0.0,
+        yaw_rate: None,
     };
     let mut next_tick = None;
     for sample in log.samples(&[])? {

@@ -140,12 +140,12 @@ pub fn wheel_statuses(names: &[String], wheels: &[WheelEstimate]) -> Vec<Value> 
 
 /// `diagnostic_msgs/DiagnosticStatus`; `level` is OK 0, WARN 1, ERROR 2 or STALE 3.
 #[must_use]
-pub fn diagnostic_status<const N: usize>(
+pub fn diagnostic_status<'a>(
     level: u64,
     name: &str,
     message: &str,
     hardware_id: &str,
-    values: [(&str, String); N],
+    values: impl IntoIterator<Item = (&'a str, String)>,
 ) -> Value {
     let value = |(key, value): (&str, String)| {
         build::message([

@@ -6,8 +6,8 @@
 )]
 
 use grouser_slip::control::{
-    Action, ControlInput, ControlSettings, Controller, Decision, Ending, Mode, Reason, Request,
-    WheelCommand, WheelObservation,
+    Action, ControlInput, ControlSettings, Controller, Decides, Decision, Ending, Mode, Reason,
+    Request, WheelCommand, WheelObservation,
 };
 use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Wheel};
 use proptest::prelude::*;
@@ -56,6 +56,7 @@ fn input(time_s: f64, wheels: &[WheelObservation]) -> ControlInput<'_> {
         request: Request {
             speed: 0.2,
             heading: 0.0,
+            yaw_rate: None,
         },
     }
 }
@@ -137,6 +138,95 @@ fn a_stalled_wheel_sheds_its_torque_within_50_ms() {
     );
     // and it comes back once the wheel turns again
     assert!(log.last().unwrap().1[2].traction > 0.99 * full);
+}
+
+#[test]
+fn without_a_measured_torque_a_wheel_that_stands_sheds_its_torque_within_half_a_second() {
+    let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
+    let log = run(&mut controller, (0, 8), |time, commands| {
+        let mut seen = following(commands).map(|wheel| WheelObservation {
+            torque_share: None,
+            ..wheel
+        });
+        if (3.0..5.0).contains(&time) {
+            seen[2].rim_speed = Some(0.0);
+        }
+        seen
+    });
+    let full = log[200].1[2].traction;
+    // rims that start are no stalled ones
+    assert!(log[..300].iter().all(|(_, c, _)| c[2].traction == full));
+    let is_shed = |(_, c, _): &&(f64, Vec<WheelCommand>, _)| c[2].traction <= 0.11 * full;
+    let shed = log.iter().find(is_shed).unwrap().0 - 3.0;
+    assert!((0.45..=0.52).contains(&shed), "{shed} s");
+    assert!(log.iter().all(|(_, c, _)| c[0].traction == full));
+    assert!(log.last().unwrap().1[2].traction > 0.99 * full);
+}
+
+#[test]
+fn a_requested_yaw_rate_turns_the_robot_as_rims_of_a_rigid_body() {
+    let mut settings = ControlSettings::default();
+    settings.decides = Decides::Stops;
+    settings.max_feedforward = 0.0;
+    settings.max_turn = 0.5;
+    for (speed, yaw_rate, turns) in [
+        (0.2, 0.3, 0.3),
+        (0.2, 9.0, 0.5),
+        (0.0, -0.3, -0.3),
+        (0.2, f64::NAN, 0.0),
+    ] {
+        let mut controller = Controller::new(&robot(), settings).unwrap();
+        for step in 0..300 {
+            let seen = [0, 1, 2, 3].map(|i| rolling(controller.commands()[i].rim_speed));
+            let request = Request {
+                speed,
+                heading: 0.0,
+                yaw_rate: Some(yaw_rate),
+            };
+            // whatever the heading is, no other one is held
+            let heading = Some(0.01 * f64::from(step));
+            controller.step(&ControlInput {
+                request,
+                heading,
+                ..input(f64::from(step) * 0.01, &seen)
+            });
+        }
+        for (command, y) in controller.commands().iter().zip([0.2, -0.2, 0.2, -0.2]) {
+            let rim = speed - turns * y;
+            assert!(
+                (command.rim_speed - rim).abs() < 1e-9,
+                "{command:?}, not {rim}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_controller_that_decides_stops_alone_changes_no_direction_and_stops_without_sensors() {
+    let mut settings = ControlSettings::default();
+    settings.decides = Decides::Stops;
+    let mut controller = Controller::new(&robot(), settings).unwrap();
+    // wheels that spin for a minute: the default backs out
+    let spinning = |commands: &[WheelCommand]| {
+        following(commands).map(|wheel| WheelObservation {
+            slip: Some(0.98),
+            forward_speed: Some(0.0),
+            ..wheel
+        })
+    };
+    let log = run(&mut controller, (0, 60), |_, commands| spinning(commands));
+    assert_eq!(controller.mode(), Mode::Forward);
+    assert!(
+        log.iter()
+            .all(|(_, commands, _)| commands[0].rim_speed >= 0.0)
+    );
+    for step in 6000..6200 {
+        controller.step(&ControlInput {
+            speed: None,
+            ..input(f64::from(step) * 0.01, &[])
+        });
+    }
+    assert_eq!(controller.mode(), Mode::Stopped);
 }
 
 #[test]
@@ -234,6 +324,7 @@ proptest! {
                 request: Request {
                     speed: requested_speed,
                     heading: requested_heading,
+                    yaw_rate: None,
                 },
             });
             for command in output.commands {

@@ -116,6 +116,7 @@ fn drive(on_board: &mut OnBoard, course: &mut Course, soil: &Soil, slip: f64, ro
             Request {
                 speed: 0.25,
                 heading: 0.0,
+                yaw_rate: None,
             },
         );
         course.row += 1;

@@ -118,7 +118,7 @@ proptest! {
             setup.max_steering_angle = if noise.uniform() < 0.5 { 0.6 } else { 0.0 };
         }
         let mut on_board = OnBoard::new(&robot, settings).unwrap();
-        let request = Request { speed: 3.0 * noise.normal(), heading: noise.normal() };
+        let request = Request { speed: 3.0 * noise.normal(), heading: noise.normal(), yaw_rate: None };
         let mut wrong = None;
         let mut row_number = 0;
         world.run(|_, row| {

@@ -71,6 +71,7 @@ fn request() -> Request {
     Request {
         speed: 0.3,
         heading: 0.0,
+        yaw_rate: None,
     }
 }
 

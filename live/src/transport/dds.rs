@@ -96,9 +96,24 @@ pub(super) struct DdsTransport {
     participant: DomainParticipant,
     publisher: Publisher,
     subscriber: Subscriber,
-    readers: BTreeMap<usize, AbortHandle>,
-    writers: Vec<(String, DataWriter<Raw, RawAdapter>)>,
+    readers: BTreeMap<usize, Reader>,
+    writers: Vec<Writer>,
     warned: BTreeSet<(String, GUID)>,
+    domain: u16,
+}
+
+/// A subscription, with what it takes to make it again.
+struct Reader {
+    receiving: AbortHandle,
+    publisher: Endpoint,
+    inbox: Inbox,
+}
+
+/// A writer of the node's own.
+struct Writer {
+    topic: String,
+    type_name: String,
+    writer: DataWriter<Raw, RawAdapter>,
 }
 
 fn failed(error: impl std::fmt::Display) -> Error {
@@ -134,7 +149,10 @@ fn reader_qos(publisher: &Endpoint) -> QosPolicies {
 
 impl DdsTransport {
     pub(super) fn open(environment: &Environment) -> Result<Self> {
-        let domain = u16::try_from(environment.domain).map_err(failed)?;
+        Self::of_domain(u16::try_from(environment.domain).map_err(failed)?)
+    }
+
+    fn of_domain(domain: u16) -> Result<Self> {
         let participant = DomainParticipant::new(domain).map_err(failed)?;
         let none = QosPolicies::qos_none();
         Ok(Self {
@@ -144,6 +162,7 @@ impl DdsTransport {
             readers: BTreeMap::new(),
             writers: Vec::new(),
             warned: BTreeSet::new(),
+            domain,
         })
     }
 
@@ -227,7 +246,7 @@ impl Transport for DdsTransport {
             .subscriber
             .create_datareader_no_key::<Raw, RawAdapter>(&topic, Some(qos))
             .map_err(failed)?;
-        let inbox = inbox.clone();
+        let (inbox, kept) = (inbox.clone(), inbox.clone());
         let mut samples = reader.async_sample_stream();
         let (receiving, handle) = abortable(async move {
             while let Some(sample) = samples.next().await {
@@ -239,13 +258,18 @@ impl Transport for DdsTransport {
             }
         });
         std::thread::spawn(move || block_on(receiving));
-        self.readers.insert(subscription, handle);
+        let reader = Reader {
+            receiving: handle,
+            publisher: publisher.clone(),
+            inbox: kept,
+        };
+        self.readers.insert(subscription, reader);
         Ok(())
     }
 
     fn unsubscribe(&mut self, subscription: usize) {
         if let Some(reader) = self.readers.remove(&subscription) {
-            reader.abort();
+            reader.receiving.abort();
         }
     }
 
@@ -256,20 +280,24 @@ impl Transport for DdsTransport {
             .publisher
             .create_datawriter_no_key::<Raw, RawAdapter>(&dds_topic, Some(qos))
             .map_err(failed)?;
-        self.writers.push((topic.to_owned(), writer));
+        self.writers.push(Writer {
+            topic: topic.to_owned(),
+            type_name: type_name.to_owned(),
+            writer,
+        });
         Ok(self.writers.len() - 1)
     }
 
     fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()> {
-        let Some((_, writer)) = self.writers.get(publisher) else {
+        let Some(own) = self.writers.get(publisher) else {
             return Ok(());
         };
-        writer.write(Raw(bytes), None).map_err(failed)
+        own.writer.write(Raw(bytes), None).map_err(failed)
     }
 
     fn warnings(&mut self) -> Vec<String> {
         let mut words = Vec::new();
-        for (topic, writer) in &self.writers {
+        for Writer { topic, writer, .. } in &self.writers {
             while let Some(status) = writer.try_recv_status() {
                 if let DataWriterStatus::OfferedIncompatibleQos {
                     last_policy_id,
@@ -288,9 +316,25 @@ impl Transport for DdsTransport {
         words
     }
 
+    /// RustDDS forgets a participant whose announcements were lost for its lease; the other side, which still knows this one,
+    /// does not send its endpoints again. To a new participant it does.
+    fn renew(&mut self) -> Result<()> {
+        let mut new = Self::of_domain(self.domain)?;
+        for own in &self.writers {
+            new.advertise(&own.topic, &own.type_name)?;
+        }
+        for (subscription, reader) in &self.readers {
+            new.subscribe(*subscription, &reader.publisher, &reader.inbox)?;
+        }
+        let old = std::mem::replace(self, new);
+        // its threads take a moment to end
+        std::thread::spawn(move || Box::new(old).close());
+        Ok(())
+    }
+
     fn close(mut self: Box<Self>) {
         for reader in self.readers.values() {
-            reader.abort();
+            reader.receiving.abort();
         }
         self.readers.clear();
         self.writers.clear();

@@ -88,6 +88,14 @@ pub trait Transport {
     /// What the transport reports since the last call, in words: incompatible qualities of service.
     fn warnings(&mut self) -> Vec<String>;
 
+    /// Nothing has arrived for long: announces everything anew, where the transport may have lost a peer that is still there.
+    ///
+    /// # Errors
+    /// [`Error::Transport`]; what was announced before is kept then.
+    fn renew(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// Leaves the graph.
     fn close(self: Box<Self>);
 }

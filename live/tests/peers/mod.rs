@@ -40,6 +40,9 @@ pub(crate) struct Place {
     pub(crate) domain: u32,
     pub(crate) folder: PathBuf,
     pub(crate) endpoint: String,
+    /// What node and peer are run by.
+    pub(crate) node_by: Vec<&'static str>,
+    pub(crate) peer_by: Vec<&'static str>,
 }
 
 impl Place {
@@ -55,15 +58,22 @@ impl Place {
             domain: next_domain(),
             folder: folder(&format!("{transport}-{name}")),
             endpoint: format!("tcp/127.0.0.1:{port}"),
+            node_by: Vec::new(),
+            peer_by: Vec::new(),
         };
+        place.write_config();
+        place
+    }
+
+    /// Zenoh's session of the node.
+    pub(crate) fn write_config(&self) {
         let config = json!({
             "mode": "peer",
-            "connect": { "endpoints": [place.endpoint], "timeout_ms": -1, "exit_on_failure": false },
+            "connect": { "endpoints": [self.endpoint], "timeout_ms": -1, "exit_on_failure": false },
             "listen": { "endpoints": ["tcp/127.0.0.1:0"] },
             "scouting": { "multicast": { "enabled": false } },
         });
-        std::fs::write(place.config(), config.to_string()).unwrap();
-        place
+        std::fs::write(self.config(), config.to_string()).unwrap();
     }
 
     fn config(&self) -> PathBuf {
@@ -85,7 +95,14 @@ pub(crate) struct Peer {
 impl Peer {
     pub(crate) fn start(python: &Path, place: &Place) -> Self {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py");
-        let mut child = Command::new(python)
+        let words: Vec<&std::ffi::OsStr> = place
+            .peer_by
+            .iter()
+            .map(std::ffi::OsStr::new)
+            .chain([python.as_os_str()])
+            .collect();
+        let mut child = Command::new(words[0])
+            .args(&words[1..])
             .arg(script)
             .arg(place.received())
             .args([place.transport, &place.domain.to_string(), &place.endpoint])
@@ -161,7 +178,15 @@ impl Node {
             "rmw_cyclonedds_cpp"
         };
         let out = |name: &str| std::fs::File::create(place.folder.join(name)).unwrap();
-        let child = Command::new(env!("CARGO_BIN_EXE_grouser-live"))
+        // `chrt -f 20`, `nice`, `ip netns exec NAME`: what the node is run by
+        let by = std::env::var("GROUSER_LIVE_RUN_BY").unwrap_or_default();
+        let mut words: Vec<&str> = by
+            .split_whitespace()
+            .chain(place.node_by.iter().copied())
+            .collect();
+        words.push(env!("CARGO_BIN_EXE_grouser-live"));
+        let child = Command::new(words[0])
+            .args(&words[1..])
             .arg("--robot")
             .arg(robot)
             .args(arguments)
@@ -224,6 +249,19 @@ pub(crate) fn read(path: &Path) -> String {
 pub(crate) fn bytes(hex: &str) -> Vec<u8> {
     let digit = |at: usize| u8::from_str_radix(&hex[at..at + 2], 16).unwrap();
     (0..hex.len()).step_by(2).map(digit).collect()
+}
+
+/// The robot file with wheels measured by their angles; nothing shares a stamp.
+pub(crate) fn wheel_robot(place: &Place) -> PathBuf {
+    // joint states are those of the wheels, not of the motors
+    let text = read(&example().join("robot.toml"));
+    let text = text.replace(
+        "encoder_on = \"motor\"\ngear = 20.0",
+        "encoder_on = \"wheel\"",
+    );
+    let file = place.folder.join("robot.toml");
+    std::fs::write(&file, text).unwrap();
+    file
 }
 
 pub(crate) fn example() -> PathBuf {

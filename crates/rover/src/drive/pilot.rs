@@ -1,6 +1,6 @@
 //! Who drives: open loop, a fixed slip, or the controller.
 
-use grouser_slip::control::ControlSettings;
+use grouser_slip::control::{ControlSettings, Decides};
 
 /// Who drives.
 ///
@@ -53,12 +53,12 @@ impl Pilot {
             // heading is held, so that all drive the same way
             Self::OpenLoop => {
                 settings.limits_slip = false;
-                settings.decides = false;
+                settings.decides = Decides::Nothing;
                 settings.max_feedforward = 0.0;
             }
             Self::FixedSlip => {
                 settings.optimum = fixed;
-                settings.decides = false;
+                settings.decides = Decides::Nothing;
             }
             Self::KnownSoil | Self::Controller => settings.optimum = optimum,
         }

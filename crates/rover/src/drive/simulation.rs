@@ -211,18 +211,20 @@ impl Simulation {
         leg.map_or_else(Request::default, |leg| Request {
             speed: leg.speed,
             heading: leg.heading,
+            yaw_rate: None,
         })
     }
 
     /// Requests something else than the legs from now on: the door for a navigator.
     ///
     /// # Errors
-    /// [`grouser_slip::Error::OutOfRange`] for a speed or a heading that is not finite or absurd; nothing changes then.
+    /// [`grouser_slip::Error::OutOfRange`] for a speed, heading or yaw rate that is not finite or absurd; nothing changes then.
     pub fn set_request(&mut self, request: Request) -> Result<()> {
         const LIMITS: (f64, f64) = (-1e3, 1e3);
         for (field, value, unit) in [
             ("speed", request.speed, "m/s"),
             ("heading", request.heading, "rad"),
+            ("yaw rate", request.yaw_rate.unwrap_or(0.0), "rad/s"),
         ] {
             OutOfRange::check(field, value, LIMITS, unit).map_err(|range| {
                 grouser_slip::Error::OutOfRange {
@@ -381,6 +383,7 @@ impl Simulation {
     /// True against estimated slip.
     fn compare(&mut self) {
         self.frames.clear();
+        let (_, _, yaw) = self.vehicle.state().attitude.angles();
         let (mut sum, mut weight) = (0.0, 0.0);
         for index in 0..self.truths.len() {
             let truth = self.truths[index].tick(CONTROL_PERIOD_S);
@@ -405,6 +408,9 @@ impl Simulation {
                 load: wheel.load.normal,
                 sinkage: wheel.load.pressed,
                 speeds: [wheel.rim, wheel.velocity[0]],
+                forces: [wheel.load.along, wheel.load.across],
+                place: [wheel.place.x, wheel.place.y],
+                heading: yaw + self.vehicle.model().wheels[index].heading + wheel.steer,
             });
         }
         if weight > 0.0 {

@@ -43,7 +43,7 @@ use crate::robot::Robot;
 ///     let output = controller.step(&ControlInput {
 ///         time_ns: step * 10_000_000, wheels: &wheels, speed: Some(0.1), heading: Some(0.0),
 ///         pitch: Some(0.0), roll: Some(0.0), slip_demand: None,
-///         request: Request { speed: 0.3, heading: 0.0 },
+///         request: Request { speed: 0.3, ..Request::default() },
 ///     });
 ///     rim_speed = output.commands[0].rim_speed;
 ///     assert_eq!(output.mode, Mode::Forward);
@@ -137,11 +137,18 @@ impl Controller {
         self.supervisor.mode()
     }
 
+    /// The commands of the last step; wheels at rest before the first.
+    #[must_use]
+    pub const fn commands(&self) -> &[WheelCommand] {
+        &self.commands
+    }
+
     /// Takes what is known and gives a command for every wheel, and the decision that was taken, if any. Of
     /// several decisions in one step the next step gives the next one.
     pub fn step(&mut self, input: &ControlInput<'_>) -> ControlOutput<'_> {
         let step = self.watchdog.step(input.time_ns);
-        let robot = RobotObservation::new(input, &self.wheels);
+        let mut robot = RobotObservation::new(input, &self.wheels);
+        self.supervisor.set_requested_heading(&mut robot);
         let silence = self.watchdog.update(robot.is_measured, step);
         self.supervisor
             .update(&self.settings, &robot, silence, step, &mut self.decisions);
@@ -155,14 +162,13 @@ impl Controller {
             .update(&self.settings, &motion, robot.slip, step);
         for (index, (wheel, command)) in self.wheels.iter_mut().zip(&mut self.commands).enumerate()
         {
-            *command = input
-                .wheels
-                .get(index)
-                .map_or_else(WheelCommand::default, |observation| {
-                    let setpoint = (&motion, self.feedforward.share());
-                    let decisions = (index, &mut self.decisions);
-                    wheel.command(&self.settings, observation, setpoint, step, decisions)
-                });
+            *command = if let Some(observation) = input.wheels.get(index) {
+                let setpoint = (&motion, self.feedforward.share());
+                let decisions = (index, &mut self.decisions);
+                wheel.command(&self.settings, observation, setpoint, step, decisions)
+            } else {
+                wheel.rest()
+            };
         }
         ControlOutput {
             commands: &self.commands,

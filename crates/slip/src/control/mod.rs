@@ -31,7 +31,7 @@ pub use command::{ControlOutput, WheelCommand};
 pub use controller::Controller;
 pub use decision::{Action, Decision, Ending, Mode, Reason};
 pub use observation::{ControlInput, Request, WheelObservation};
-pub use settings::ControlSettings;
+pub use settings::{ControlSettings, Decides};
 
 /// A number that is finite.
 fn finite(x: Option<f64>) -> Option<f64> {

@@ -14,6 +14,16 @@ const FIRMNESS_AGREEMENT: f64 = 0.15;
 /// Loads outside these limits are no loads of a wheel, N.
 const LOAD_LIMITS_N: (f64, f64) = (1e-3, 1e9);
 
+/// Angles beyond this are no angles, rad: their fraction of a turn is lost in rounding, and differences could overflow.
+const MAX_ANGLE_RAD: f64 = 1e6;
+/// Requested speeds are limited to this before anything is computed of them, m/s.
+const MAX_SPEED_M_PER_S: f64 = 1e6;
+
+/// An angle that can be computed with.
+fn angle(x: Option<f64>) -> Option<f64> {
+    x.filter(|x| x.abs() <= MAX_ANGLE_RAD)
+}
+
 /// What is known of a wheel. Numbers that are NaN or infinite count as absent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelObservation {
@@ -63,13 +73,24 @@ impl WheelObservation {
     }
 }
 
-/// The motion that is requested of the robot. A number that is NaN or infinite counts as 0.
+/// The motion that is requested of the robot. A number that is NaN or infinite, or a heading beyond 10⁶ rad, counts as 0.
+///
+/// ```
+/// use grouser_slip::control::Request;
+///
+/// let to_the_north = Request { speed: 0.3, heading: 1.57, ..Request::default() }; // m/s, rad
+/// let arc = Request { speed: 0.3, yaw_rate: Some(0.1), ..Request::default() }; // rad/s
+/// assert_eq!((to_the_north.yaw_rate, arc.heading), (None, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
     /// Forward speed, m/s; negative: backwards.
     pub speed: f64,
     /// Heading, rad.
     pub heading: f64,
+    /// Yaw rate, to the left positive, rad/s; the robot then turns at it and `heading` does not count. `None`: it holds
+    /// the heading.
+    pub yaw_rate: Option<f64>,
 }
 
 /// What is known at one moment, and what is requested.
@@ -225,12 +246,15 @@ impl RobotObservation {
                 .filter(|demand| demand.mean.is_finite() && demand.sigma.is_finite()),
             speed,
             rim_speed: mean_rim_speed,
-            heading: finite(input.heading),
-            pitch: finite(input.pitch),
-            roll: finite(input.roll),
+            heading: angle(input.heading),
+            pitch: angle(input.pitch),
+            roll: angle(input.roll),
             request: Request {
-                speed: finite(Some(input.request.speed)).unwrap_or(0.0),
-                heading: finite(Some(input.request.heading)).unwrap_or(0.0),
+                speed: finite(Some(input.request.speed))
+                    .unwrap_or(0.0)
+                    .clamp(-MAX_SPEED_M_PER_S, MAX_SPEED_M_PER_S),
+                heading: angle(Some(input.request.heading)).unwrap_or(0.0),
+                yaw_rate: (input.request.yaw_rate).map(|rate| finite(Some(rate)).unwrap_or(0.0)),
             },
             is_measured: any_alive && speed.is_some(),
         }

@@ -3,6 +3,25 @@
 use crate::error::{Result, check_range};
 use crate::settings::{Field, check_fields};
 
+/// What the controller decides by itself.
+///
+/// ```
+/// use grouser_slip::control::{ControlSettings, Decides};
+///
+/// assert_eq!(ControlSettings::default().decides, Decides::Everything);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Decides {
+    /// Nothing: it drives as requested.
+    Nothing,
+    /// It ends the drive where the sensors fall silent or the robot leans too far, and changes no direction.
+    Stops,
+    /// It also backs out, traverses, makes detours, and ends a drive without progress.
+    #[default]
+    Everything,
+}
+
 /// How the controller works.
 ///
 /// ```
@@ -43,8 +62,8 @@ pub struct ControlSettings {
     pub max_traction: f64,
     /// Does the slip limit the rims' speed? Otherwise the controller holds speed and heading only.
     pub limits_slip: bool,
-    /// May the controller change direction and end the drive?
-    pub decides: bool,
+    /// What the controller decides by itself.
+    pub decides: Decides,
     /// Slip above which a change of direction is considered ...
     pub high_slip: f64,
     /// ... once it has lasted this long, s.
@@ -106,7 +125,7 @@ impl Default for ControlSettings {
             max_feedforward: 4.0,
             max_traction: 0.8,
             limits_slip: true,
-            decides: true,
+            decides: Decides::Everything,
             high_slip: 0.5,
             high_slip_time: 2.0,
             dig_slip: 0.8,

@@ -71,6 +71,12 @@ impl WheelController {
         self.guard.torque_share() < 1.0
     }
 
+    /// The command of a wheel of which nothing is known; once something is, its rim starts from rest.
+    pub(super) fn rest(&mut self) -> WheelCommand {
+        (self.rim_speed, self.integral) = (0.0, 0.0);
+        WheelCommand::default()
+    }
+
     /// The wheel's command for the robot's motion. `feedforward` is the share by which rims run faster than the robot is
     /// to travel.
     pub(super) fn command(

@@ -67,7 +67,7 @@ impl Core {
             },
             state: Kalman::new(motion_model::size(count)),
             wheels: WheelBank::new(robot, &settings),
-            path: InertialPath::new(span),
+            path: InertialPath::new(span, settings.max_rate),
             accelerometer: Accelerometer::default(),
             gyro: GyroMonitor::default(),
             reference: ReferenceSensor::default(),

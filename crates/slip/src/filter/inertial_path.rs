@@ -2,10 +2,10 @@
 
 use super::kalman::Kalman;
 use super::motion_model::{FORWARD, LEFT, YAW};
-use crate::history::{History, nanoseconds, seconds_between};
+use crate::history::{History, nanoseconds, seconds_between, whole};
 
-/// Entries of the history: the longest latency and the horizon at more than 100 Hz.
-const HISTORY_ENTRIES: usize = 512;
+/// Entries of the history at most: the longest latency and the horizon at 500 Hz; faster readings are merged.
+const MAX_HISTORY_ENTRIES: usize = 512;
 
 /// What the inertial sensors have measured of the motion so far.
 #[derive(Clone, Debug)]
@@ -18,9 +18,11 @@ pub(super) struct InertialPath {
 }
 
 impl InertialPath {
-    pub(super) fn new(span_s: f64) -> Self {
+    /// For sensors of at most `max_rate` (Hz).
+    pub(super) fn new(span_s: f64, max_rate: f64) -> Self {
+        let entries = usize::try_from(whole(span_s * max_rate) + 2).unwrap_or(MAX_HISTORY_ENTRIES);
         Self {
-            history: History::new(HISTORY_ENTRIES, nanoseconds(span_s)),
+            history: History::new(entries.min(MAX_HISTORY_ENTRIES), nanoseconds(span_s)),
             accel_integral: [0.0; 3],
             yaw_rate: 0.0,
         }

@@ -4,12 +4,16 @@ use alloc::{boxed::Box, vec};
 
 use super::reorder_buffer::{Offered, ReorderBuffer};
 use super::sensor_clocks::{ClockOutcome, SensorClocks};
+use super::settings::FilterSettings;
 use crate::fault::{Fault, Rejected};
-use crate::history::nanoseconds;
+use crate::history::{nanoseconds, whole};
 use crate::sample::{Measurement, Sample};
 
-/// Samples that can wait for earlier ones: a horizon of 20 ms at 12 kHz.
-const REORDER_CAPACITY: usize = 256;
+/// Samples that can wait for earlier ones: a horizon of 20 ms at 12 kHz at most, and at least so many that a burst of each
+/// sensor of a small robot finds room.
+const REORDER_CAPACITY: (usize, usize) = (32, 256);
+/// Samples that an inertial unit makes of a reading beside one for each wheel's carrier, and those of two references.
+const OTHER_SAMPLES: f64 = 4.0;
 
 /// Clocks, reorder buffer and the count of refused samples.
 #[derive(Clone, Debug)]
@@ -22,10 +26,17 @@ pub(super) struct Input {
 }
 
 impl Input {
-    pub(super) fn new(wheels: usize, horizon_s: f64) -> Self {
+    pub(super) fn new(wheels: usize, settings: &FilterSettings) -> Self {
+        let horizon_s = settings.horizon;
+        let sensors = 2.0 * wheels as f64 + OTHER_SAMPLES;
+        let capacity = whole(horizon_s * settings.max_rate * sensors);
+        let capacity = usize::try_from(capacity).unwrap_or(0);
         Self {
             clocks: SensorClocks::new(wheels),
-            buffer: ReorderBuffer::new(REORDER_CAPACITY, nanoseconds(horizon_s)),
+            buffer: ReorderBuffer::new(
+                capacity.clamp(REORDER_CAPACITY.0, REORDER_CAPACITY.1),
+                nanoseconds(horizon_s),
+            ),
             waiting: vec![0; wheels].into_boxed_slice(),
             rejected: Rejected::default(),
         }

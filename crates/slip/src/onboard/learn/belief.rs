@@ -65,7 +65,8 @@ impl SoilBelief {
             weights,
             error_scale: 1.0,
         };
-        out.normalise();
+        // a Gaussian of finite numbers vanishes nowhere
+        let _ = out.normalise();
         out
     }
 
@@ -80,11 +81,13 @@ impl SoilBelief {
         check_range(OF, "error_scale", self.error_scale, ERROR_SCALE_LIMITS, "1")
     }
 
-    pub(super) fn normalise(&mut self) {
+    /// False where all weights have vanished.
+    pub(super) fn normalise(&mut self) -> bool {
         let sum: f64 = self.weights.iter().sum();
         for weight in &mut self.weights {
             *weight /= sum;
         }
+        sum > 0.0
     }
 
     /// The total variation between two beliefs.

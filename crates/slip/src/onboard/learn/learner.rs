@@ -119,7 +119,9 @@ impl SoilLearner {
             let held = (1.0 - forget) * *own + forget * self.prior.weights[index];
             *own = held * Real::exp(weight * (likelihoods[index] - greatest));
         }
-        self.belief.normalise();
+        if !self.belief.normalise() {
+            self.belief.weights = self.prior.weights;
+        }
         self.count = self.count.saturating_add(1);
         self.use_belief()
     }

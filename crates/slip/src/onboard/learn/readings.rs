@@ -38,6 +38,23 @@ pub(super) struct SoilReading {
     pub(super) torque: Option<f64>,
 }
 
+/// No accelerometer of a robot measures more, m/s².
+const MAX_FORCE_M_PER_S2: f64 = 1000.0;
+/// No soil gives more pull or torque than this multiple of the load.
+const MAX_LOAD_MULTIPLE: f64 = 10.0;
+
+impl SoilReading {
+    /// False for NaN.
+    fn is_possible(&self) -> bool {
+        let (slip, sigma) = self.slip;
+        let is_share = |value: f64| value.abs() <= MAX_LOAD_MULTIPLE;
+        slip.abs() <= 1.0
+            && (0.0..=1.0).contains(&sigma)
+            && is_share(self.pull)
+            && self.torque.is_none_or(is_share)
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     /// Angle of the rims, rad.
@@ -88,6 +105,10 @@ impl SoilReadings {
 
     /// A sample of the accelerometer in the robot's axes, m/s².
     pub(super) fn add_force(&mut self, force: [f64; 3]) {
+        let is_possible = |value: f64| value.abs() <= MAX_FORCE_M_PER_S2;
+        if !(is_possible(force[0]) && is_possible(force[2])) {
+            return;
+        }
         self.force = [self.force[0] + force[0], self.force[1] + force[2]];
     }
 
@@ -156,10 +177,11 @@ impl SoilReadings {
             return None;
         }
         let sums = core::mem::take(&mut self.sums);
-        Some(SoilReading {
+        let reading = SoilReading {
             slip: (sums.slip / sums.ticks, sums.sigma / sums.ticks),
             pull: sums.force[0] / sums.force[1],
             torque: (sums.torques > 0.0).then(|| sums.torque / sums.torques),
-        })
+        };
+        reading.is_possible().then_some(reading)
     }
 }
