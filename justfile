@@ -73,7 +73,7 @@ terrain:
 mission:
     GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
 
-# soil learnt while driving, on 11 soils under two laws of shear: what was predicted against what was true; minutes
+# soil learnt while driving, on nine soils under two laws of shear: what was predicted against what was true; minutes
 learnt-soil seeds="2":
     GROUSER_SEEDS={{seeds}} cargo test --release --package grouser-rover --test learnt_soil -- --ignored --nocapture
 

@@ -273,16 +273,9 @@ fn soils(own: &Soil) -> Vec<(&'static str, Soil)> {
         ),
         ("slip-sinkage", changed(&|p| (p.n_1, p.c_1) = (0.5, 0.3))),
     ];
-    for key in [
-        "sandy-loam",
-        "lunar",
-        "lete-sand",
-        "dlr-mars-simulant",
-        "snow",
-    ] {
+    for key in ["sandy-loam", "lunar", "snow"] {
         let entry = catalogue::find(key).unwrap();
-        // soils whose source has no shear modulus are left out
-        out.extend(entry.soil().ok().map(|soil| (key, soil)));
+        out.push((key, entry.soil().unwrap()));
     }
     out
 }
