@@ -205,8 +205,7 @@ fn refused_and_limited(transport: &'static str) {
     run.change("speed", &json!(SPEED));
     run.until(6.0, |speed| (speed - SPEED).abs() < 0.01);
     run.node.interrupt(&run.place);
-    let (speed, _) = (run.peer.call(&json!(["sleep", 0.2])), ());
-    assert_eq!(speed, Value::Null);
+    run.peer.call(&json!(["sleep", 0.2]));
     let answer = run.peer.call(&json!(["limited", run.topic]));
     assert_eq!(answer[0].as_f64(), Some(0.0), "the last command");
 }

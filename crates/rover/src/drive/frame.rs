@@ -21,6 +21,12 @@ pub struct WheelFrame {
     pub sinkage: f64,
     /// Speed of the rim and of the centre along its heading, m/s.
     pub speeds: [f64; 2],
+    /// The ground's force along its heading and to the left, N.
+    pub forces: [f64; 2],
+    /// Place of its centre in the world, m.
+    pub place: [f64; 2],
+    /// Its direction in the world, rad from x towards y.
+    pub heading: f64,
 }
 
 /// What is true and what is known at one moment.

@@ -376,6 +376,7 @@ impl Simulation {
     /// True against estimated slip.
     fn compare(&mut self) {
         self.frames.clear();
+        let (_, _, yaw) = self.vehicle.state().attitude.angles();
         let (mut sum, mut weight) = (0.0, 0.0);
         for index in 0..self.truths.len() {
             let truth = self.truths[index].tick(CONTROL_PERIOD_S);
@@ -400,6 +401,9 @@ impl Simulation {
                 load: wheel.load.normal,
                 sinkage: wheel.load.pressed,
                 speeds: [wheel.rim, wheel.velocity[0]],
+                forces: [wheel.load.along, wheel.load.across],
+                place: [wheel.place.x, wheel.place.y],
+                heading: yaw + self.vehicle.model().wheels[index].heading + wheel.steer,
             });
         }
         if weight > 0.0 {
