@@ -99,6 +99,9 @@ pub struct Arguments {
     /// End after so long, s [default: at Ctrl-C]
     #[arg(long, value_name = "SECONDS")]
     pub duration_s: Option<f64>,
+    /// Show wheels, events and latencies on the terminal; `q` ends the node
+    #[arg(long, conflicts_with = "quiet")]
+    pub screen: bool,
     /// Print nothing but warnings
     #[arg(long, short)]
     pub quiet: bool,

@@ -18,10 +18,13 @@ mod latency;
 mod look;
 pub mod node;
 mod outputs;
+mod print;
 mod recorder;
+mod screen;
 mod senders;
 mod state_file;
 pub mod transport;
 pub mod type_hash;
 
 pub use error::{Error, Result};
+pub use print::complain;

@@ -10,7 +10,7 @@ use grouser_log::message::{View, known};
 use grouser_log::{Intake, Preview};
 
 use crate::error::Result;
-use crate::node::{say, warn};
+use crate::print::{say, warn};
 use crate::transport::{Arrival, Endpoint, Inbox, Transport};
 use crate::type_hash;
 

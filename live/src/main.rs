@@ -10,7 +10,7 @@ fn main() -> ExitCode {
     match node::run(&Arguments::parse()) {
         Ok(outcome) => ExitCode::from(outcome.exit_code()),
         Err(error) => {
-            node::complain(&error.to_string());
+            grouser_live::complain(&error.to_string());
             ExitCode::from(2)
         }
     }

@@ -1,6 +1,5 @@
 //! The node: from the first message to the summary.
 
-use std::io::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -10,9 +9,8 @@ use grouser_files::robot::{self, RobotFile};
 use grouser_log::Intake;
 use grouser_log::container::Channel;
 use grouser_replay::messages::diagnostic_status;
-use grouser_replay::{Engine, Inputs, Options, RobotSamples, Status, Summary};
+use grouser_replay::{Engine, Inputs, Options, RobotSamples, Status};
 use grouser_slip::Reference;
-use grouser_slip::detect::{Change, Event};
 
 use crate::arguments::Arguments;
 use crate::command::{self, CommandPath};
@@ -21,7 +19,9 @@ use crate::error::{Error, Result};
 use crate::latency::Latency;
 use crate::look::{Subscriptions, look};
 use crate::outputs::{Frames, Outputs, record};
+use crate::print::{SCREEN_IS_OPEN, complain, event_line, say, say_choice, summary_line, warn};
 use crate::recorder::Recorder;
+use crate::screen::{MAX_EVENTS, Screen, Snapshot};
 use crate::senders::Senders;
 use crate::state_file;
 use crate::transport::{self, Arrival, Inbox, Transport};
@@ -35,7 +35,7 @@ const SILENCE: Duration = Duration::from_millis(500);
 
 /// Where every topic has been silent for so long, the transport announces the node anew, and again after twice the time, up to
 /// the limit: a peer that is off costs little, one that was lost is back soon.
-const RENEWAL_TIMES: (Duration, Duration) = (Duration::from_secs(3), Duration::from_secs(60));
+const RENEWAL_TIMES: (Duration, Duration) = (Duration::from_secs(3), Duration::from_mins(1));
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,23 +58,6 @@ impl Outcome {
             Self::Doubtful => 3,
         }
     }
-}
-
-/// A line on standard output.
-pub(crate) fn say(line: &str) {
-    let mut out = std::io::stdout().lock();
-    // a closed terminal does not end the node
-    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
-}
-
-/// A warning on standard error.
-pub(crate) fn warn(line: &str) {
-    let _ = writeln!(std::io::stderr(), "warning: {line}");
-}
-
-/// An error on standard error.
-pub fn complain(line: &str) {
-    let _ = writeln!(std::io::stderr(), "error: {line}");
 }
 
 /// Runs the node until Ctrl-C, SIGTERM, or the end of its time.
@@ -144,36 +127,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     if !arguments.quiet {
         say_choice(&intake, &inputs, hold);
     }
-    if command.is_some() && inputs.reference == Reference::Grip {
-        return Err(Error::Option {
-            name: "--command",
-            value: arguments.command.clone().unwrap_or_default(),
-            wanted: "left out: nothing measures the robot's speed over ground, so that a slip of all wheels is not observable"
-                .to_owned(),
-        });
-    }
-    if let (Some(path), false) = (&command, arguments.quiet) {
-        say(&path.choice());
-    }
-    let names: Vec<String> = robot
-        .robot
-        .wheels()
-        .iter()
-        .map(|wheel| wheel.name.clone())
-        .collect();
-    let frames = Frames {
-        base: arguments.base_frame.clone(),
-        odom: arguments.odom_frame.clone(),
-    };
-    let full_name = |name: &str| arguments.full_name(name);
-    let mut outputs = Outputs::announce(
-        transport,
-        names.clone(),
-        frames,
-        arguments.publish_tf,
-        full_name,
-    )?;
-    outputs.recorder = recorder;
+    check_reference(command.as_ref(), arguments, &inputs)?;
+    let names = wheel_names(&robot);
+    let outputs = announce(transport, &names, arguments, recorder)?;
     let mut node = Node {
         senders: looked.channels.iter().map(Senders::new).collect(),
         record_ids: vec![None; looked.channels.len()],
@@ -194,7 +150,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         command: command.take(),
         renewal_time: RENEWAL_TIMES.0,
         unsent: 0,
+        screen: None,
+        title: format!("{node} on {}, domain {}", kind.name(), environment.domain),
+        events: Vec::new(),
     };
+    if arguments.screen {
+        node.is_quiet = true;
+        node.screen = Some((Screen::open(Arc::clone(&interrupted))?, Instant::now()));
+        SCREEN_IS_OPEN.store(true, Ordering::Relaxed);
+    }
     for arrival in looked.backlog {
         node.take(&arrival, false)?;
     }
@@ -204,6 +168,30 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     node.turn(&arrivals, &stop)?;
     node.finish(arguments, &robot.robot)
+}
+
+fn wheel_names(robot: &RobotFile) -> Vec<String> {
+    let wheels = robot.robot.wheels().iter();
+    wheels.map(|wheel| wheel.name.clone()).collect()
+}
+
+/// Announces the node's topics.
+fn announce(
+    transport: Box<dyn Transport>,
+    names: &[String],
+    arguments: &Arguments,
+    recorder: Option<Recorder>,
+) -> Result<Outputs> {
+    let frames = Frames {
+        base: arguments.base_frame.clone(),
+        odom: arguments.odom_frame.clone(),
+    };
+    let full_name = |name: &str| arguments.full_name(name);
+    let publishes_tf = arguments.publish_tf;
+    let mut outputs =
+        Outputs::announce(transport, names.to_vec(), frames, publishes_tf, full_name)?;
+    outputs.recorder = recorder;
+    Ok(outputs)
 }
 
 /// The command path, where one is requested.
@@ -227,6 +215,28 @@ fn command_path(arguments: &Arguments, robot: &RobotFile) -> Result<Option<Comma
     CommandPath::new(topics, arguments.base_frame.clone(), described, limits).map(Some)
 }
 
+/// Commands are limited only where something measures the robot's speed over ground.
+fn check_reference(
+    command: Option<&CommandPath>,
+    arguments: &Arguments,
+    inputs: &Inputs,
+) -> Result<()> {
+    let Some(path) = command else { return Ok(()) };
+    if inputs.reference == Reference::Grip {
+        return Err(Error::Option {
+            name: "--command",
+            value: path.topic().to_owned(),
+            wanted: "left out: nothing measures the robot's speed over ground, so that a slip of all wheels is not \
+                     observable"
+                .to_owned(),
+        });
+    }
+    if !arguments.quiet {
+        say(&path.choice());
+    }
+    Ok(())
+}
+
 /// Another node that publishes `slip` would be mixed up with this one.
 fn warn_of_others(transport: &mut dyn Transport, slip: &str) {
     let others = transport.graph().endpoints;
@@ -238,24 +248,6 @@ fn warn_of_others(transport: &mut dyn Transport, slip: &str) {
             "another node publishes `{slip}` too; `--namespace` separates the two"
         ));
     }
-}
-
-/// Prints what is used, and how.
-fn say_choice(intake: &Intake, inputs: &Inputs, hold: Duration) {
-    for topic in intake.topics() {
-        say(&format!(
-            "{} ({}): {}",
-            topic.topic, topic.type_name, topic.used_for
-        ));
-    }
-    for note in intake.notes() {
-        say(note);
-    }
-    say(&format!(
-        "reference: {}; messages are held back for {:.1} ms",
-        inputs.reference.name(),
-        1e3 * hold.as_secs_f64()
-    ));
 }
 
 /// The parts of a running node.
@@ -282,6 +274,11 @@ struct Node {
     renewal_time: Duration,
     /// Messages that were not sent until the last diagnostics.
     unsent: u64,
+    /// With the time of the next snapshot.
+    screen: Option<(Screen, Instant)>,
+    title: String,
+    /// Events for the screen, the newest last.
+    events: Vec<String>,
 }
 
 impl Node {
@@ -367,6 +364,7 @@ impl Node {
             if let Some(path) = &mut self.command {
                 path.tick(now, system_ns(), &mut self.outputs, &self.inbox)?;
             }
+            self.show(now);
             if now >= diagnostics_due {
                 diagnostics_due = now + DIAGNOSTICS_PERIOD;
                 self.diagnose(now)?;
@@ -469,6 +467,33 @@ impl Node {
         Ok(())
     }
 
+    /// Hands the screen, where there is one, a new snapshot.
+    fn show(&mut self, now: Instant) {
+        let Some((screen, due)) = &mut self.screen else {
+            return;
+        };
+        if now < *due {
+            return;
+        }
+        *due = now + Screen::period();
+        let motion = self.outputs.last_odometry.map(|odometry| {
+            let (velocity, covariance) = (odometry.velocity, odometry.velocity_covariance);
+            let sigma = |i: usize| covariance[i][i].max(0.0).sqrt();
+            [velocity[0], sigma(0), velocity[2], sigma(2)]
+        });
+        screen.show(Snapshot {
+            title: self.title.clone(),
+            names: self.names.clone(),
+            wheels: self.outputs.latest.clone(),
+            motion,
+            latency_us: self.latency.microseconds(),
+            messages: self.messages,
+            command_share: self.command.as_ref().map(CommandPath::share),
+            events: self.events.clone(),
+            problems: self.problems.clone(),
+        });
+    }
+
     /// Renews the transport where all topics have fallen silent.
     fn renew_transport(&mut self, now: Instant) {
         let Some(newest) = self.last_heard.iter().flatten().max() else {
@@ -505,10 +530,19 @@ impl Node {
             if !self.is_quiet {
                 say(&event_line(&change, &self.names));
             }
+            if self.screen.is_some() {
+                if self.events.len() >= MAX_EVENTS {
+                    self.events.remove(0);
+                }
+                self.events.push(event_line(&change, &self.names));
+            }
         }
     }
 
     fn finish(mut self, arguments: &Arguments, robot: &grouser_slip::Robot) -> Result<Outcome> {
+        // the terminal is given back before anything is printed
+        self.screen = None;
+        SCREEN_IS_OPEN.store(false, Ordering::Relaxed);
         if let (Some(path), Some(learnt)) = (&arguments.state, self.engine.learnt()) {
             state_file::write(path, robot, &learnt)?;
         }
@@ -542,33 +576,6 @@ impl Node {
             _ => Outcome::NoSlip,
         })
     }
-}
-
-fn event_line(change: &Change, names: &[String]) -> String {
-    let wheel = |index: usize| names.get(index).map_or("", String::as_str);
-    let what = match change.event {
-        Event::HighSlip { wheel: i } => format!("high slip of {}", wheel(i)),
-        Event::Stall { wheel: i } => format!("stall of {}", wheel(i)),
-        Event::LiftOff { wheel: i } => format!("lift-off of {}", wheel(i)),
-        Event::DigIn => "the wheels dig in".to_owned(),
-        Event::Immobilised => "the robot is immobilised".to_owned(),
-    };
-    format!(
-        "event: {what} {}",
-        if change.begins { "begins" } else { "ends" }
-    )
-}
-
-fn summary_line(summary: &Summary, messages: u64, steps: u64) -> String {
-    let wheels = summary
-        .wheels
-        .iter()
-        .filter_map(|wheel| Some(format!("{} {:.3}", wheel.name, wheel.slip.median?)));
-    let wheels: Vec<String> = wheels.collect();
-    format!(
-        "{messages} messages, {steps} estimates; median slip: {}",
-        wheels.join(", ")
-    )
 }
 
 fn system_ns() -> i64 {

@@ -36,15 +36,15 @@ impl Topic {
     /// Announces a topic of a known type.
     pub(crate) fn announce(
         transport: &mut dyn Transport,
-        topic: String,
+        topic: &str,
         type_name: &str,
     ) -> Result<Self> {
-        let channel = known::channel(&topic, type_name).ok_or_else(|| Error::UnknownType {
+        let channel = known::channel(topic, type_name).ok_or_else(|| Error::UnknownType {
             type_name: type_name.to_owned(),
         })?;
         let text = String::from_utf8_lossy(&channel.definition);
         Ok(Self {
-            publisher: transport.advertise(&topic, type_name)?,
+            publisher: transport.advertise(topic, type_name)?,
             definition: Definition::parse(type_name, &text)?,
             channel,
             record: None,
@@ -88,7 +88,7 @@ impl Outputs {
         name: impl Fn(&str) -> Result<String>,
     ) -> Result<Self> {
         let mut topic =
-            |topic: String, type_name: &str| Topic::announce(transport.as_mut(), topic, type_name);
+            |topic: String, type_name: &str| Topic::announce(transport.as_mut(), &topic, type_name);
         let tf = publishes_tf.then(|| topic("/tf".to_owned(), "tf2_msgs/TFMessage"));
         Ok(Self {
             slip: topic(name("grouser/slip")?, known::WHEEL_SLIP)?,
@@ -233,7 +233,7 @@ pub(crate) fn record(
         open.message(entered, time_ns, bytes)
     });
     if let Err(error) = written {
-        crate::node::warn(&format!("the recording ends here: {error}"));
+        crate::print::warn(&format!("the recording ends here: {error}"));
         *recorder = None;
     }
 }

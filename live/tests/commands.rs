@@ -168,7 +168,7 @@ fn silence_stops(transport: &'static str) {
     run.change("senses", &json!(true));
     // the sensors are back; the robot waits for a zero command
     run.until_reported("send a zero command");
-    assert_eq!(run.greatest(1.0), 0.0);
+    assert!(run.greatest(1.0) == 0.0, "it drives before a zero command");
     run.change("speed", &json!(0.0));
     run.peer.call(&json!(["sleep", 3.0]));
     run.change("speed", &json!(SPEED));
@@ -205,8 +205,7 @@ fn refused_and_limited(transport: &'static str) {
     run.change("speed", &json!(SPEED));
     run.until(6.0, |speed| (speed - SPEED).abs() < 0.01);
     run.node.interrupt(&run.place);
-    let (speed, _) = (run.peer.call(&json!(["sleep", 0.2])), ());
-    assert_eq!(speed, Value::Null);
+    run.peer.call(&json!(["sleep", 0.2]));
     let answer = run.peer.call(&json!(["limited", run.topic]));
     assert_eq!(answer[0].as_f64(), Some(0.0), "the last command");
 }

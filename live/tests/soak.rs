@@ -127,8 +127,8 @@ fn soak(transport: &'static str) {
         value("latency_p999_us"),
         value("latency_longest_us"),
     );
-    assert_eq!(value("messages_dropped"), 0.0);
-    assert_eq!(value("messages_undecoded"), 0.0);
+    assert!(value("messages_dropped") < 0.5, "{status}");
+    assert!(value("messages_undecoded") < 0.5, "{status}");
     assert!(
         value("messages") > 0.9 * 2.0 * RATE_HZ * seconds,
         "{status}"

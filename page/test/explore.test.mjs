@@ -117,6 +117,7 @@ test('a typed value, a slider and a handle change the numbers and the address', 
     await page.mouse.up();
     await page.waitForFunction((was) => window.grouser.views.get('explore').point.sinkage_m > 1.1 * was, sunk);
 
+    await page.locator('.plot').first().scrollIntoViewIfNeeded();
     const chart = await page.locator('.plot').first().boundingBox();
     await page.mouse.click(chart.x + chart.width * 0.7, chart.y + chart.height * 0.4);
     await page.waitForFunction(() => window.grouser.views.get('explore').state.slip > 0.5);
@@ -219,6 +220,25 @@ test('measured points are laid over the curves, and a bad file is said', async (
     await page.setInputFiles('#measured-file', file('bad.csv', 'slip,drawbar_pull_n\n0.1,much\n'));
     await page.waitForFunction(() => document.querySelector('.compare [role="status"]').textContent.includes('row 2'));
   });
+});
+
+test('the 2012 model beside ours has the numbers of the command that it shows', async () => {
+  for (const [theta, share] of [[10, 0], [14.5, 0.3], [32, 0]]) {
+    await withPage({ hash: `#explore?soil=dry-sand&slip=0.4&tab=2012&theta_deg=${theta}&mobilised=${share}` }, async (page) => {
+      await page.waitForSelector('#tab-paper:not([hidden]) .plot .line');
+      const command = await page.locator('#tab-paper .command').textContent();
+      const theirs = commandJson(command);
+      const mine = await page.evaluate(() => window.grouser.views.get('explore').paper.slip);
+      assertSame(mine, theirs.slip, command);
+      const words = await page.locator('.paper-words').textContent();
+      assert.equal(words.includes('outside the contact'), !theirs.in_contact, command);
+      assert.equal(await page.locator('#tab-paper .chart').count(), 4);
+      assert.deepEqual(await seriousFindings(page), []);
+      await page.getByRole('tab', { name: 'The 2012 model' }).press('ArrowLeft');
+      await page.waitForSelector('#tab-slip:not([hidden])');
+      assert.ok(!(await page.evaluate(() => location.hash)).includes('tab='));
+    });
+  }
 });
 
 for (const [name, options] of [['light', {}], ['dark', { dark: true }], ['a phone', { width: 390, height: 844 }]]) {

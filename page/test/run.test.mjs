@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, statSync } from 'node:fs';
+import { mkdtempSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -11,7 +11,8 @@ import { ROOT, assertSame, commandJson, seriousFindings, withPage } from './brow
 const EXAMPLE = `${ROOT}examples/five-wheel`;
 const GROUSER = process.env.GROUSER ?? 'grouser';
 const folder = mkdtempSync(join(tmpdir(), 'grouser-run-'));
-const runOf = (page) => page.evaluate(() => window.grouser.views.get('run').run);
+/** The run that is shown; numbers that are missing are null. */
+const runOf = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.grouser.views.get('run').run, (_, value) => (value instanceof Float64Array ? [...value] : value))));
 const shown = (page) => page.waitForSelector('.run-body:not([hidden])', { timeout: 240000 });
 
 let table = null;
@@ -31,6 +32,7 @@ test('a log dropped with its robot file gives the rows of the command', async ()
   await withPage({ hash: '#run' }, async (page) => {
     await page.setInputFiles('#run-files', [`${EXAMPLE}/log.csv`, `${EXAMPLE}/robot.toml`, `${EXAMPLE}/columns.toml`]);
     await shown(page);
+    await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('estimated in'), null, { timeout: 240000 });
     const run = await runOf(page);
     const places = new Map(run.time_s.map((time, i) => [time, i]));
     let compared = 0;
@@ -87,6 +89,59 @@ test('playing moves the cursor, and a click on the chart sets it', async () => {
   });
 });
 
+test('a log of two hours is there in seconds, and is scrubbed while it is estimated', async (t) => {
+  // the example over and over, at 100 Hz
+  const [head, ...rows] = readFileSync(`${EXAMPLE}/log.csv`, 'utf8').trimEnd().split('\n');
+  const cells = rows.map((row) => row.split(',').map(Number));
+  const counts = cells.map((row) => row.slice(1, 6));
+  for (let i = 1; i < counts.length; i += 1) {
+    counts[i] = counts[i].map((count, wheel) => counts[i - 1][wheel] + ((((count - cells[i - 1][wheel + 1]) % 65536) + 98304) % 65536) - 32768);
+  }
+  const lap = counts.at(-1).map((count, wheel) => count - counts[0][wheel]);
+  const lines = [head];
+  for (let k = 0; k < 720000; k += 1) {
+    const i = k % rows.length;
+    const laps = Math.floor(k / rows.length);
+    lines.push(`${10 * k},${counts[i].map((count, wheel) => (((count + laps * lap[wheel]) % 65536) + 65536) % 65536).join()},${cells[i][6]}`);
+  }
+  const path = join(mkdtempSync(join(tmpdir(), 'grouser-long-')), 'log.csv');
+  writeFileSync(path, `${lines.join('\n')}\n`);
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', [path, `${EXAMPLE}/robot.toml`, `${EXAMPLE}/columns.toml`]);
+    await shown(page);
+    const seconds = await page.evaluate(() => window.grouser.views.get('run').timings.overview / 1e3);
+    t.diagnostic(`the whole log's rim speeds after ${seconds.toFixed(2)} s`);
+    assert.ok(seconds < 30, `${seconds} s`);
+    assert.match(await page.locator('.now').textContent(), /2:00:00$/);
+    await page.waitForFunction(() => window.grouser.views.get('run').run.time_s.length > 40000, null, { timeout: 60000 });
+    const found = await page.evaluate(async () => {
+      const { run } = window.grouser.views.get('run');
+      const scrub = document.querySelector('.player input');
+      const times = [];
+      const read = (time) => {
+        scrub.value = time;
+        scrub.dispatchEvent(new Event('input'));
+        document.body.getBoundingClientRect(); // lays out
+        return document.querySelector('.wheels tbody tr').textContent;
+      };
+      for (let i = 0; i < 60; i += 1) {
+        const start = performance.now();
+        read(120 * i);
+        times.push(performance.now() - start);
+        await new Promise(requestAnimationFrame);
+      }
+      return { growing: run.is_growing, late: read(7000), early: read(9), rims: run.overview.rims[0].length, p95: times.sort((a, b) => a - b)[56] };
+    });
+    t.diagnostic(`a scrub p95 ${found.p95.toFixed(1)} ms while it is estimated`);
+    assert.ok(found.growing && found.rims > 4000);
+    assert.match(found.early, /0\.\d+ ± 0\.\d+.*Ok/, 'estimated');
+    assert.match(found.late, /^\S*–––$/, 'not estimated yet');
+    assert.ok(found.p95 < 333);
+    await page.getByRole('button', { name: 'Stop' }).click();
+    await page.waitForFunction(() => document.querySelector('.run-status').textContent === 'stopped');
+  });
+});
+
 test('scrubbing keeps thirty frames a second', async (t) => {
   await withPage({ hash: '#run' }, async (page) => {
     await page.setInputFiles('#run-files', estimates().path);
@@ -122,6 +177,19 @@ test('a drive in the page is the drive of the command', async (t) => {
     const seconds = await page.evaluate(() => window.grouser.views.get('run').timings.compute);
     t.diagnostic(`${mine.duration_s.toFixed(1)} s driven in ${seconds.toFixed(2)} s: ${(mine.duration_s / seconds).toFixed(1)} times real time`);
     assert.ok(await page.locator('.way path').count() > 2, 'the way has colours');
+    assert.ok(await page.locator('.track .rut').count() > 0, 'the wheels leave ruts');
+    // level ground: the loads carry the weight, within what the suspension adds for a moment
+    const loads = await page.evaluate(() => {
+      const { run } = window.grouser.views.get('run');
+      const sums = [...run.time_s].map((_, i) => run.wheels.reduce((sum, wheel) => sum + wheel.load_n[i], 0)).slice(20).sort((a, b) => a - b);
+      return { median: sums[sums.length >> 1], wheels: document.querySelectorAll('.wheel-from-above').length, names: document.querySelector('.robot-view').getAttribute('aria-label') };
+    });
+    assert.equal(loads.wheels, mine.wheels.length);
+    assert.match(loads.names, /front_left: .* N along/);
+    t.diagnostic(`median of the loads' sum ${loads.median.toFixed(1)} N`);
+    const masses = [...readFileSync(`${ROOT}examples/robots/five-wheel.toml`, 'utf8').matchAll(/^\s*mass_kg\s*=\s*([\d.]+)/gm)].map(([, mass]) => Number(mass));
+    const weight = 9.80665 * masses.reduce((sum, mass) => sum + mass, 0);
+    assert.ok(Math.abs(loads.median - weight) < 0.02 * weight, `${loads.median} N carry ${weight} N`);
     assert.deepEqual(await seriousFindings(page), []);
     assert.ok(!(await page.locator('main').textContent()).includes('NaN'));
   });

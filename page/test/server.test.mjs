@@ -2,12 +2,17 @@
 
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
+import { appendFileSync, copyFileSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { test } from 'node:test';
-import { commandJson, seriousFindings, withPage } from './browser.mjs';
+import { ROOT, commandJson, seriousFindings, withPage } from './browser.mjs';
+
+const EXAMPLE = `${ROOT}examples/five-wheel`;
 
 /** Starts the server and gives its address. */
-async function served(use) {
-  const server = spawn(process.env.GROUSER_VIEW ?? 'grouser-view', [], { stdio: ['ignore', 'pipe', 'inherit'] });
+async function served(use, args = []) {
+  const server = spawn(process.env.GROUSER_VIEW ?? 'grouser-view', args, { stdio: ['ignore', 'pipe', 'inherit'] });
   try {
     const address = await new Promise((resolve, reject) => {
       let text = '';
@@ -53,4 +58,74 @@ test('every view loads from the server, which computes the same as the page', as
       await page.waitForSelector('.run-body:not([hidden])', { timeout: 240000 });
     });
   });
+});
+
+test('a log that the server estimates has the numbers of the command', async () => {
+  const theirs = commandJson(`grouser estimate ${EXAMPLE}/log.mcap --robot ${EXAMPLE}/robot.toml`);
+  await served(async (address) => {
+    const { origin } = new URL(address);
+    await withPage({ address, allow: (to) => to.startsWith(origin) }, async (page) => {
+      await page.waitForFunction(() => document.querySelector('.run-status')?.textContent === 'the run has ended', null, { timeout: 60000 });
+      const mine = await page.evaluate(() => {
+        const { run } = window.grouser.views.get('run');
+        return { medians: Object.fromEntries(run.wheels.map(({ name, median_slip }) => [name, median_slip])), end: run.time_s.at(-1) };
+      });
+      assert.ok(Math.abs(mine.end - theirs.duration_s) < 1e-9);
+      for (const [name, { median }] of Object.entries(theirs.wheels)) {
+        if (median === null) assert.equal(mine.medians[name], null, name);
+        else assert.ok(Math.abs(mine.medians[name] - median) < 1e-9, `${name}: ${mine.medians[name]} and ${median}`);
+      }
+      assert.deepEqual(await seriousFindings(page), []);
+    });
+  }, [`${EXAMPLE}/log.mcap`, '--robot', `${EXAMPLE}/robot.toml`]);
+});
+
+test('a table that is still written is shown as it grows, and a chosen time keeps the picture', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'grouser-live-'));
+  for (const name of ['robot.toml', 'columns.toml']) copyFileSync(`${EXAMPLE}/${name}`, join(folder, name));
+  const [head, ...rows] = readFileSync(`${EXAMPLE}/log.csv`, 'utf8').trimEnd().split('\n');
+  const log = join(folder, 'log.csv');
+  writeFileSync(log, `${head}\n`);
+  await served(async (address) => {
+    const { origin } = new URL(address);
+    await withPage({ address, allow: (to) => to.startsWith(origin) }, async (page) => {
+      const write = (from, to) => appendFileSync(log, `${rows.slice(from, to).join('\n')}\n`);
+      const last = () => page.evaluate(() => window.grouser.views.get('run').run.time_s.at(-1));
+      const until = (time) => page.waitForFunction((t) => window.grouser.views.get('run').run?.time_s.at(-1) >= t, time, { timeout: 20000 });
+      write(0, 500);
+      // four rows are held back, and one whose time may still come
+      await until(9.88);
+      assert.ok(await last() < 9.99);
+      await page.waitForFunction(() => document.querySelector('.player input').value > 9.8);
+      // a part of a row waits for its rest
+      appendFileSync(log, rows[500].slice(0, 12));
+      const started = Date.now();
+      appendFileSync(log, `${rows[500].slice(12)}\n`);
+      write(501, 800);
+      await until(15.88);
+      await page.waitForFunction(() => document.querySelector('.player input').value > 15.8);
+      assert.ok(Date.now() - started < 5000, `${Date.now() - started} ms`);
+      assert.match(await page.locator('.wheels tbody tr').first().textContent(), /0\.\d+ ± 0\.\d+/);
+      // a reader who chooses a time keeps it, and the picture
+      await page.evaluate(() => {
+        const scrub = document.querySelector('.player input');
+        scrub.value = 12;
+        scrub.dispatchEvent(new Event('input'));
+      });
+      const picture = () => page.evaluate(() => document.querySelector('.run .plot .lines').innerHTML);
+      const before = await picture();
+      write(800, 1200);
+      await until(23.88);
+      await page.waitForTimeout(600);
+      assert.equal(await picture(), before);
+      assert.equal(await page.locator('.player input').inputValue(), '12');
+      await page.getByRole('button', { name: 'Live' }).click();
+      await page.waitForFunction(() => document.querySelector('.player input').value > 23.8);
+      assert.notEqual(await picture(), before);
+      assert.deepEqual(await seriousFindings(page), []);
+      // what is wrong with a row is said in words
+      appendFileSync(log, 'x,y\n');
+      await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('line 1202'), null, { timeout: 20000 });
+    });
+  }, [log, '--robot', join(folder, 'robot.toml'), '--follow']);
 });

@@ -9,7 +9,7 @@ use grouser_files::columns::{Column, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
 
 use crate::container::Container;
-use crate::csv::CsvReader;
+use crate::csv::{CsvReader, TABLE_LOOK_AHEAD};
 use crate::error::{Error, Result};
 use crate::find::expand;
 use crate::measures::Measures;
@@ -40,6 +40,8 @@ pub struct Log {
     recording: Option<Recording>,
     unused: Vec<PathBuf>,
     wheels: Vec<String>,
+    /// How many rows a row of a table may be from its place in time.
+    look_ahead: usize,
     /// Bytes read of the files, by all readers together.
     read: Arc<AtomicU64>,
 }
@@ -205,8 +207,30 @@ impl Log {
             recording,
             unused: unused.iter().map(|file| file.path().to_owned()).collect(),
             wheels,
+            look_ahead: TABLE_LOOK_AHEAD,
             read: Arc::default(),
         })
+    }
+
+    /// The same log, whose tables are read with fewer rows held back: a table that is still written gives its newest
+    /// row after `rows` later ones, and a row that is farther from its place in time is an error. Without this they are
+    /// 1024.
+    ///
+    /// ```
+    /// use grouser_files::columns;
+    /// use grouser_log::Log;
+    ///
+    /// let map = columns::read("../../examples/five-wheel/columns.toml".as_ref())?;
+    /// let log = Log::find(&["../../examples/five-wheel/log.csv".into()], map)?;
+    /// assert_eq!(log.with_look_ahead(0).samples(&[])?.count(), 6 * 2001);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_look_ahead(self, rows: usize) -> Self {
+        Self {
+            look_ahead: rows,
+            ..self
+        }
     }
 
     fn all_files(&self) -> impl Iterator<Item = &Source> {
@@ -332,7 +356,7 @@ impl Log {
         let mut samples = Samples::new();
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
-            let reader = CsvReader::open(file, table, (&self.wheels, &self.read))?;
+            let reader = CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.read))?;
             let shift = shift_ns.get(clock).copied().unwrap_or(0);
             samples.add(
                 reader,

@@ -12,6 +12,7 @@ const MARGIN = { left: 52, right: 14, top: 10, bottom: 40 };
 export class Chart {
   #options;
   #plot;
+  #layer;
   #data = { series: [], range: [0, 1], marks: [], levels: [], cursor: null };
   #hover = null;
   #width = 0;
@@ -23,11 +24,13 @@ export class Chart {
     this.#options = { height: 230, ...options };
     this.values = h('div', { class: 'chart-values' });
     this.#plot = svg('svg', { class: 'plot', role: 'img' });
+    // the cursor moves in a layer of its own: thousands of points are not painted anew
+    this.#layer = svg('svg', { class: 'plot-layer', 'aria-hidden': 'true' });
     this.element = h(
       'section',
       { class: 'card chart', 'aria-label': options.title },
       h('header', {}, h('h3', {}, options.title), this.values),
-      this.#plot,
+      h('div', { class: 'plot-box' }, this.#plot, this.#layer),
     );
     new ResizeObserver(([entry]) => {
       const width = Math.round(entry.contentRect.width);
@@ -83,7 +86,7 @@ export class Chart {
     const { series, range, levels } = this.#data;
     const width = this.#width;
     const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
-    const values = series.flatMap((one) => (one.band ? one.y.concat(one.band.low, one.band.high) : one.y));
+    const values = series.flatMap((one) => (one.band ? [...one.y, ...one.band.low, ...one.band.high] : [...one.y]));
     const [low, high] = this.#options.y.range ?? rangeOf(values.concat(levels.map((level) => level.y)), zero);
     const px = (value) => MARGIN.left + (inner.width * (value - range[0])) / (range[1] - range[0]);
     const py = (value) => MARGIN.top + inner.height * (1 - (value - low) / (high - low));
@@ -124,7 +127,9 @@ export class Chart {
     this.#plot.setAttribute('height', height);
     this.#plot.setAttribute('aria-label', `${title} against ${x.name}. ${series.map((one) => one.name).filter(Boolean).join(', ')}`);
     this.#lines = svg('g', { class: 'lines' });
-    this.#plot.replaceChildren(grid, this.#lines, text, svg('g', { class: 'cursor' }));
+    this.#plot.replaceChildren(grid, this.#lines, text);
+    this.#layer.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    this.#layer.setAttribute('height', height);
   }
 
   #renderLines({ width, px, py }) {
@@ -144,7 +149,7 @@ export class Chart {
     for (const one of series) {
       if (one.points) {
         for (let i = 0; i < one.x.length; i += 1) {
-          if (one.y[i] === null || one.x[i] < range[0] || one.x[i] > range[1]) continue;
+          if (!Number.isFinite(one.y[i]) || one.x[i] < range[0] || one.x[i] > range[1]) continue;
           lines.append(svg('circle', { cx: px(one.x[i]), cy: py(one.y[i]), r: 3, class: 'measured' }));
         }
         continue;
@@ -162,8 +167,7 @@ export class Chart {
   }
 
   #renderCursor() {
-    const group = this.#plot.querySelector('.cursor');
-    if (!group || !this.#frame) return;
+    if (!this.#frame) return;
     const { px, py, inner } = this.#frame;
     const { series, range, cursor } = this.#data;
     const parts = [];
@@ -181,7 +185,7 @@ export class Chart {
       }
       shownValues.push(this.#options.value?.(one, value, unit) ?? null);
     }
-    group.replaceChildren(...parts);
+    this.#layer.replaceChildren(...parts);
     const written = shownValues.filter(Boolean);
     this.values.replaceChildren(...written, ...(written.length && unit ? [h('span', { class: 'unit' }, unit)] : []));
   }
@@ -201,7 +205,7 @@ export function linePath(x, y, px, py) {
   let d = '';
   let pen = false;
   for (let i = 0; i < x.length; i += 1) {
-    if (y[i] === null || !Number.isFinite(y[i])) {
+    if (!Number.isFinite(y[i])) {
       pen = false;
       continue;
     }
@@ -220,7 +224,7 @@ function bandPath(x, { low, high }, px, py) {
     start = null;
   };
   for (let i = 0; i < x.length; i += 1) {
-    if (low[i] === null || high[i] === null) {
+    if (!Number.isFinite(low[i]) || !Number.isFinite(high[i])) {
       if (start !== null) close(i);
       continue;
     }
@@ -241,8 +245,8 @@ export function valueAt(x, y, at) {
     if (x[middle] <= at) low = middle;
     else high = middle;
   }
-  if (at === x[low]) return y[low] ?? null;
-  if (at === x[high]) return y[high] ?? null;
-  if (y[low] === null || y[high] === null || y[low] === undefined || y[high] === undefined) return null;
+  if (at === x[low]) return Number.isFinite(y[low]) ? y[low] : null;
+  if (at === x[high]) return Number.isFinite(y[high]) ? y[high] : null;
+  if (!Number.isFinite(y[low]) || !Number.isFinite(y[high])) return null;
   return y[low] + ((y[high] - y[low]) * (at - x[low])) / (x[high] - x[low]);
 }

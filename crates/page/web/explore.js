@@ -6,13 +6,15 @@ import { copyMenu } from './copy_as.js';
 import { h, svg } from './dom.js';
 import { shown, significant } from './format.js';
 import { bands, outside, readIntervals } from './intervals.js';
+import { measuredPoints } from './measured_points.js';
 import { CURVES } from './palette.js';
+import { Paper2012 } from './paper_2012.js';
 import { Refusal } from './physics.js';
 import { curveRequest, hasLugs, pointRequest } from './requests.js';
 import { SOIL_FIELDS, numbersOf } from './soils.js';
 import {
   GRAVITY_FIELD, LOAD_FIELD, LUG_FIELDS, MASS_FIELD, MOTION_FIELDS, WHEEL_FIELDS,
-  chooseSoil, firstState, fromQuery, toQuery, weight,
+  changedSoil, chooseSoil, firstState, fromQuery, toQuery, weight,
 } from './state.js';
 import { StressPicture } from './stress.js';
 
@@ -125,9 +127,41 @@ export class Explore {
           h('p', { class: 'key' },
             h('span', { class: 'key-normal' }, 'normal stress σ'), h('span', { class: 'key-shear' }, 'shear stress τ'),
             this.peak = h('span', { class: 'key-peak' }))),
-        this.#compareBar(),
-        h('div', { class: 'charts' }, charts)),
+        this.#tabs(),
+        this.slipTab = h('div', { id: 'tab-slip', role: 'tabpanel', 'aria-label': 'Against slip', class: 'slip-tab' }, this.#compareBar(), h('div', { class: 'charts' }, charts)),
+        this.paper.element),
     );
+  }
+
+  #tabs() {
+    this.paper = new Paper2012((change) => this.#set(change));
+    const tab = (key, name, panel) => h('button', {
+      type: 'button', role: 'tab', 'data-tab': key, 'aria-controls': panel,
+      on: {
+        click: () => this.#set({ tab: key }),
+        keydown: ({ key: pressed }) => {
+          if (pressed !== 'ArrowLeft' && pressed !== 'ArrowRight') return;
+          const other = this.tabs.find(({ dataset }) => dataset.tab !== key);
+          other.click();
+          other.focus();
+        },
+      },
+    }, name);
+    this.tabs = [tab('slip', 'Against slip', 'tab-slip'), tab('2012', 'The 2012 model', 'tab-paper')];
+    return h('div', { class: 'tabs', role: 'tablist', 'aria-label': 'Curves' }, this.tabs);
+  }
+
+  #showTab(state, point) {
+    const isPaper = state.tab === '2012';
+    this.slipTab.hidden = isPaper;
+    this.paper.element.hidden = !isPaper;
+    for (const tab of this.tabs) {
+      const isShown = tab.dataset.tab === state.tab;
+      tab.setAttribute('aria-selected', String(isShown));
+      tab.tabIndex = isShown ? 0 : -1;
+    }
+    const hasOwnK = !this.#catalogue.has(state.soil) || changedSoil(this.#catalogue, state).includes('k_shear_m');
+    if (isPaper) this.paper.show(state, point, hasOwnK ? 'soil.toml' : state.soil, (request) => this.#physics.askNow(request));
   }
 
   /** On a phone the controls are a sheet over the lower half. */
@@ -254,7 +288,7 @@ export class Explore {
     this.measuredFile = h('input', { type: 'file', accept: '.csv,text/csv', class: 'sr-only', id: 'measured-file', on: { change: () => this.#readMeasured() } });
     this.measuredNote = h('span', { class: 'muted', role: 'status' });
     return h('section', { class: 'compare', 'aria-label': 'Curves against slip' },
-      h('h2', {}, 'Against slip'), this.chips, this.addSoil, this.pin,
+      this.chips, this.addSoil, this.pin,
       h('label', { class: 'quiet button', for: 'measured-file' }, 'Measured points'), this.measuredFile, this.measuredNote);
   }
 
@@ -309,7 +343,7 @@ export class Explore {
     const [file] = this.measuredFile.files;
     if (!file) return;
     try {
-      this.#measured = measuredPoints(await file.text());
+      this.#measured = measuredPoints(await file.text(), QUANTITIES.map(({ key }) => key));
       this.measuredNote.textContent = `${this.#measured.slip.length} points of ${file.name}`;
     } catch (error) {
       this.#measured = null;
@@ -345,7 +379,8 @@ export class Explore {
     this.picture.show(state, point);
     this.#showReadouts(state, point);
     this.#showCautions(state, point, this.curve);
-    this.#showCurves(state, point, curves);
+    if (state.tab !== '2012') this.#showCurves(state, point, curves);
+    this.#showTab(state, point);
     const drawn = performance.now();
     this.timings.push({ compute: computed - started, draw: drawn - computed, wait: started - (this.#requestedAt ?? started) });
     this.#requestedAt = null;
@@ -544,28 +579,4 @@ export class Explore {
 
 function sentence(text) {
   return `${text[0].toUpperCase()}${text.slice(1)}.`;
-}
-
-/** Measured points out of a CSV with a column `slip` and at least one of the curves' keys. */
-export function measuredPoints(text) {
-  const rows = text.replace(/^\ufeff/, '').split(/\r?\n/).filter((line) => line.trim() !== '' && !line.startsWith('#'));
-  if (rows.length < 2) throw new Error('a header and at least one row are needed');
-  const header = rows[0].split(',').map((name) => name.trim());
-  const column = (name) => {
-    const at = header.indexOf(name);
-    if (at < 0) return null;
-    return rows.slice(1).map((row, i) => {
-      const cell = (row.split(',')[at] ?? '').trim();
-      if (cell === '') return null;
-      const value = Number(cell);
-      if (!Number.isFinite(value)) throw new Error(`row ${i + 2}, column ${name}: “${cell.slice(0, 20)}” is not a number`);
-      return value;
-    });
-  };
-  const out = { slip: column('slip') };
-  if (!out.slip) throw new Error('no column `slip`');
-  const known = QUANTITIES.map(({ key }) => key).filter((key) => header.includes(key));
-  if (!known.length) throw new Error(`none of the columns ${QUANTITIES.map(({ key }) => key).join(', ')}`);
-  for (const key of known) out[key] = column(key);
-  return out;
 }

@@ -31,7 +31,7 @@ export function significant(value, digits) {
 export function clock(seconds, decimals = 0) {
   if (!Number.isFinite(seconds)) return '–';
   const sign = seconds < 0 ? '−' : '';
-  const whole = Math.abs(seconds);
+  const whole = Number(Math.abs(seconds).toFixed(decimals));
   const h = Math.floor(whole / 3600);
   const m = Math.floor((whole % 3600) / 60);
   const s = (whole % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, '0');

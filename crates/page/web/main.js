@@ -34,7 +34,7 @@ async function start() {
   if (!report?.answer) views.set('run', new Run(drive, new WorkerPhysics('log'), report));
 
   // a page that brings a run opens with it
-  const first = report?.answer ? 'optimise' : main.dataset.file || document.getElementById('embedded') ? 'run' : 'explore';
+  const first = report?.answer ? 'optimise' : main.dataset.file || main.dataset.run || document.getElementById('embedded') ? 'run' : 'explore';
 
   function current() {
     const [, name = first, query = ''] = location.hash.match(/^#([a-z]+)(?:\?(.*))?$/s) ?? [];

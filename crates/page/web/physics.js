@@ -23,8 +23,8 @@ export class WasmPhysics {
   #encoder = new TextEncoder();
   #decoder = new TextDecoder();
 
-  constructor(instance) {
-    this.#exports = instance.exports;
+  constructor(exports) {
+    this.#exports = exports;
   }
 
   /** Compiles a module of the page. */
@@ -37,19 +37,24 @@ export class WasmPhysics {
     return moduleBytes(name);
   }
 
-  /** A module out of its bytes. */
-  static async of(bytes) {
-    const { instance } = await WebAssembly.instantiate(bytes, {});
-    return new WasmPhysics(instance);
+  /** A module out of its bytes; `take` receives the parts of a run (ArrayBuffer) before its answer. */
+  static async of(bytes, take = () => {}) {
+    let exports = null;
+    const take_part = (address, length) => take(exports.memory.buffer.slice(address, address + length));
+    ({ instance: { exports } } = await WebAssembly.instantiate(bytes, { page: { take_part } }));
+    return new WasmPhysics(exports);
   }
 
-  /** The answer at once. */
-  askNow(request) {
+  /** The answer at once; `file` (ArrayBuffer) is what the request is about. */
+  askNow(request, file = new ArrayBuffer(0)) {
     const { grouser_room, grouser_answer, grouser_release, memory } = this.#exports;
+    const placed = (bytes) => {
+      const room = grouser_room(bytes.length);
+      new Uint8Array(memory.buffer, room, bytes.length).set(bytes);
+      return [room, bytes.length];
+    };
     const bytes = this.#encoder.encode(typeof request === 'string' ? request : JSON.stringify(request));
-    const room = grouser_room(bytes.length);
-    new Uint8Array(memory.buffer, room, bytes.length).set(bytes);
-    const packed = grouser_answer(room, bytes.length);
+    const packed = grouser_answer(...placed(bytes), ...placed(new Uint8Array(file)));
     const address = Number(packed >> 32n);
     const length = Number(packed & 0xffffffffn);
     const text = this.#decoder.decode(new Uint8Array(memory.buffer, address, length));

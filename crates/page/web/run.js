@@ -2,16 +2,21 @@
 
 import { Chart, plotWidth } from './chart.js';
 import { h, svg } from './dom.js';
+import { factsOf, notesOf } from './facts.js';
 import { clock, shown } from './format.js';
 import { CURVES } from './palette.js';
+import { withFile } from './opening.js';
 import { Refusal, blockBytes, hasModule } from './physics.js';
 import { decisionList, drivesTable, energyTable, grouped, readReport, sources } from './report.js';
-import { BadFile, common, isEstimates, masked, nameAt, runOfEstimates, spansOf, thinned } from './run_data.js';
-import { SLIP_CLASSES, Track } from './track.js';
+import { GrowingRun, follow, readPart } from './growth.js';
+import { BadFile, common, inColumns, masked, nameAt, placeOf, runOfEstimates, spansOf, thinned, valuesAt } from './run_data.js';
+import { RobotView } from './robot_view.js';
+import { SLIP_CLASSES } from './slip_classes.js';
+import { Track } from './track.js';
 
 const NO_REFERENCE = /ReferenceLost|Relative/;
-/** Largest log that the page reads, bytes. */
-const MAX_LOG_BYTES = 192 * 1024 * 1024;
+/** A run that grows is drawn anew after this time, ms; one from a live source sooner. */
+const REDRAW_MS = { file: 600, live: 150 };
 
 /** The view; `drive` simulates, `log` reads recorded logs. */
 export class Run {
@@ -28,6 +33,8 @@ export class Run {
   #time = 0;
   #playing = null;
   #examples = null;
+  #redraw = null;
+  #isFollowing = false;
 
   constructor(drive, log, report = null) {
     this.#drive = drive;
@@ -43,7 +50,11 @@ export class Run {
       if (!this.#run) this.#showReport();
       return;
     }
-    const { file } = document.getElementById('main').dataset;
+    const { file, run } = document.getElementById('main').dataset;
+    if (run) {
+      if (!this.#run) this.#followServer(run === 'live');
+      return;
+    }
     if (file && !this.#run) {
       fetch('api/file').then((response) => response.blob()).then((blob) => this.#take([new File([blob], file)]));
       return;
@@ -70,11 +81,12 @@ export class Run {
         ['controller', 'fixed-slip', 'open-loop'].map((pilot) => h('option', { value: `${name} ${pilot}` }, `${name}, ${pilot}`)))));
     this.status = h('p', { class: 'run-status', role: 'status' });
     this.stopButton = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => Promise.all([this.#drive.stop(), this.#log.stop()]) } }, 'Stop');
+    this.robotView = new RobotView();
     this.empty = h('section', { class: 'card drop' },
       h('h2', {}, 'A run under one cursor of time'),
       h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS 1 bag) with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
     this.files = h('p', { class: 'muted file-list' });
-    this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), this.#slipCard()), this.#more());
+    this.body = h('div', { class: 'run-body', hidden: true }, this.#player(), h('div', { class: 'run-grid' }, h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()), h('div', { class: 'run-side' }, this.#slipCard(), this.robotView.element)), this.#more());
     this.exampleButton.hidden = !hasModule('drive');
     this.exampleChoice.hidden = !hasModule('drive');
     this.drives = h('div', { hidden: true });
@@ -97,16 +109,17 @@ export class Run {
   #player() {
     this.playButton = h('button', { type: 'button', class: 'primary play', 'aria-label': 'Play', on: { click: () => this.#play() } }, '▶');
     this.rate = h('select', { 'aria-label': 'Speed of playing' }, [1, 4, 16, 64].map((rate) => h('option', { value: rate, selected: rate === 4 }, `${rate}×`)));
-    this.scrub = h('input', { type: 'range', 'aria-label': 'Time', step: 'any', on: { input: () => this.#seek(Number(this.scrub.value)) } });
+    this.scrub = h('input', { type: 'range', 'aria-label': 'Time', step: 'any', on: { input: () => this.#choose(Number(this.scrub.value)) } });
     this.now = h('output', { class: 'now' });
     this.zoom = h('select', { 'aria-label': 'Time shown', on: { change: () => this.#zoomTo() } },
       [['', 'whole run'], ['120', '2 min'], ['30', '30 s'], ['10', '10 s']].map(([value, text]) => h('option', { value }, text)));
-    return h('div', { class: 'card player' }, this.playButton, this.scrub, this.now, this.rate, this.zoom);
+    this.liveButton = h('button', { type: 'button', class: 'quiet', hidden: true, 'aria-pressed': 'false', on: { click: () => this.#setFollowing(!this.#isFollowing) } }, 'Live');
+    return h('div', { class: 'card player' }, this.playButton, this.scrub, this.now, this.liveButton, this.rate, this.zoom);
   }
 
   #mapCard() {
     this.place = h('output', { class: 'muted place' });
-    this.track = new Track((time) => this.#seek(time), (under) => {
+    this.track = new Track((time) => this.#choose(time), (under) => {
       this.place.textContent = under ? `x ${shown(under.x)} m, y ${shown(under.y)} m, height ${shown(under.height)} m, ${under.soil}` : this.#soils();
     });
     const names = ['0', ...SLIP_CLASSES.slice(0, -1).map(String)];
@@ -126,11 +139,11 @@ export class Run {
   #slipCard() {
     this.slipChart = new Chart({
       title: 'Slip of each wheel', height: 340, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' },
-      pick: (time) => this.#seek(time),
+      pick: (time) => this.#choose(time),
     });
     this.table = h('table', { class: 'wheels' });
     this.slipChart.element.append(
-      h('p', { class: 'key' }, h('span', { class: 'key-band' }, 'band: one sigma'), h('span', { class: 'key-rest' }, 'at rest: no slip'), h('span', { class: 'key-lost' }, 'nothing measures the speed')),
+      h('p', { class: 'key' }, h('span', { class: 'key-band' }, 'band: one sigma'), h('span', { class: 'key-rest' }, 'at rest: no slip'), h('span', { class: 'key-lost' }, 'nothing measures the speed'), this.todoKey = h('span', { class: 'key-todo' }, 'not estimated yet')),
       this.table);
     return this.slipChart.element;
   }
@@ -143,14 +156,15 @@ export class Run {
   }
 
   #more() {
-    this.speedChart = new Chart({ title: 'Forward speed', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#seek(time), value: valueOf });
-    this.torqueChart = new Chart({ title: 'Torque of each motor', x: { name: 'Time', unit: 's' }, y: { name: 'Torque', unit: 'N m' }, pick: (time) => this.#seek(time) });
-    this.energyChart = new Chart({ title: 'Electrical energy used', x: { name: 'Time', unit: 's' }, y: { name: 'Energy', unit: 'J' }, zero: true, pick: (time) => this.#seek(time), value: valueOf });
+    this.speedChart = new Chart({ title: 'Forward speed', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#choose(time), value: valueOf });
+    this.rimChart = new Chart({ title: 'Rim speed of each wheel, as logged', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#choose(time) });
+    this.torqueChart = new Chart({ title: 'Torque of each motor', x: { name: 'Time', unit: 's' }, y: { name: 'Torque', unit: 'N m' }, pick: (time) => this.#choose(time) });
+    this.energyChart = new Chart({ title: 'Electrical energy used', x: { name: 'Time', unit: 's' }, y: { name: 'Energy', unit: 'J' }, zero: true, pick: (time) => this.#choose(time), value: valueOf });
     this.decisions = h('section', { class: 'card decisions', 'aria-label': 'Decisions' });
     this.multiples = h('div', { class: 'charts' });
     this.multiplesButton = h('button', { type: 'button', class: 'quiet', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
     this.many = [];
-    return h('div', { class: 'run-more' }, h('div', { class: 'charts' }, this.speedChart.element, this.torqueChart.element, this.energyChart.element), this.decisions, h('div', {}, this.multiplesButton), this.multiples);
+    return h('div', { class: 'run-more' }, h('div', { class: 'charts' }, this.rimChart.element, this.speedChart.element, this.torqueChart.element, this.energyChart.element), this.decisions, h('div', {}, this.multiplesButton), this.multiples);
   }
 
   // ---- opening ------------------------------------------------------------------------------
@@ -158,35 +172,13 @@ export class Run {
   async #take(files) {
     this.input.value = '';
     try {
-      for (const file of files) await this.#sort(file);
+      for (const file of files) this.#files = await withFile(this.#files, file);
       this.files.textContent = Object.entries(this.#files).map(([kind, { name }]) => `${kind}: ${name}`).join(' · ');
       await this.#go();
     } catch (error) {
       if (!(error instanceof BadFile) && !(error instanceof Refusal)) throw error;
       this.#say(error.message, true);
     }
-  }
-
-  /** What a file is, by what it holds. */
-  async #sort(file) {
-    if (file.size > MAX_LOG_BYTES) throw new BadFile(`${file.name} has ${shown(file.size / 1048576)} MiB, but the page reads at most ${MAX_LOG_BYTES / 1048576} MiB: use grouser estimate`);
-    if (/\.toml$/i.test(file.name)) {
-      const text = await file.text();
-      const kind = /^\s*\[\[leg\]\]/m.test(text) ? 'scenario' : /^\s*\[\[wheel/m.test(text) && !/^\s*\[\[column/m.test(text) && /radius/m.test(text) ? 'robot' : 'columns';
-      this.#files[kind] = { name: file.name, text };
-      return;
-    }
-    if (/\.json$/i.test(file.name)) {
-      this.#files = { report: { name: file.name, text: await file.text() } };
-      return;
-    }
-    const head = await file.slice(0, 4096).text();
-    if (isEstimates(head)) {
-      this.#files = { table: { name: file.name, text: await file.text() } };
-      return;
-    }
-    delete this.#files.table;
-    this.#files.log = { name: file.name, file };
   }
 
   async #go() {
@@ -206,8 +198,7 @@ export class Run {
       this.show(runOfEstimates(table.text, table.name));
       delete this.#files.table;
     } else if (log && robot) {
-      const log_base64 = await base64(log.file);
-      await this.#compute(`estimating ${log.name}`, { call: 'estimate', log_name: log.name, log_base64, robot: robot.text, columns: columns?.text ?? null });
+      await this.#estimate(log, { call: 'estimate', log_name: log.name, robot: robot.text, columns: columns?.text ?? null });
       delete this.#files.log;
     } else if (scenario && robot) {
       await this.#compute(`driving ${scenario.name}`, { call: 'drive', name: scenario.name.replace(/\.toml$/, ''), scenario: scenario.text, robot: robot.text, pilot: 'controller' });
@@ -243,15 +234,66 @@ export class Run {
     this.stopButton.hidden = false;
     const started = performance.now();
     try {
-      const run = await (request.call === 'estimate' ? this.#log : this.#drive).ask(request);
+      const run = await this.#drive.ask(request);
       const seconds = (performance.now() - started) / 1e3;
       const before = this.#run;
       // two drivers of one scenario lie on one map
       this.show(run, before?.kind === 'drive' && run.kind === 'drive' && before.title === run.title && before.controller !== run.controller ? [before] : []);
       this.timings.compute = seconds;
-      this.#say(`${clock(run.duration_s)} ${run.kind === 'drive' ? 'driven' : 'estimated'} in ${shown(seconds, 2)} s`);
+      this.#say(`${clock(run.duration_s)} driven in ${shown(seconds, 2)} s`);
     } finally {
       this.stopButton.hidden = true;
+    }
+  }
+
+  /** A log through the estimator beside the page: its rim speeds at once, its slips as they are found. */
+  async #estimate({ name, file }, request) {
+    this.#say(`reading ${name} …`);
+    this.stopButton.hidden = false;
+    const started = performance.now();
+    const growing = new GrowingRun();
+    const take = (part) => {
+      growing.add(readPart(part));
+      if (growing.run.overview && this.#run !== growing.run) {
+        this.#showGrowing(growing.run);
+        this.timings.overview = performance.now() - started;
+      }
+      this.#grown(() => `estimated to ${clock(growing.run.time_s.at(-1) ?? 0)} of ${clock(growing.run.end_s)}; what is there can be looked at`);
+    };
+    try {
+      const end = await this.#log.ask(request, { file: await file.arrayBuffer(), take });
+      this.#ended(growing, end);
+      this.timings.compute = (performance.now() - started) / 1e3;
+      this.#say(`${clock(growing.run.time_s.at(-1) - growing.run.time_s[0])} estimated in ${shown(this.timings.compute, 2)} s`);
+    } finally {
+      this.stopButton.hidden = true;
+      clearTimeout(this.#redraw);
+      this.#redraw = null;
+    }
+  }
+
+  /** The run that the server reads, from its beginning to now and on. */
+  async #followServer(isLive) {
+    const growing = new GrowingRun();
+    this.#say('waiting for the first measurements …');
+    const take = (parts, lost) => {
+      for (const part of parts) {
+        if (part.head.failed) throw new Refusal({ field: null, message: part.head.failed });
+        if (part.head.end) {
+          this.#ended(growing, part.head.end);
+          this.#say('the run has ended');
+        } else growing.add(part);
+      }
+      const { run } = growing;
+      if (!run || (!run.time_s.length && !run.overview)) return;
+      run.is_live = isLive;
+      if (this.#run !== run) this.#showGrowing(run);
+      if (run.is_growing) this.#grown(() => `${isLive ? 'live' : 'estimated'} to ${clock(run.time_s.at(-1) ?? 0)}${lost ? '; what is older than the server keeps is not shown' : ''}`);
+    };
+    try {
+      await follow(take, new AbortController().signal);
+    } catch (error) {
+      this.#say(error instanceof Refusal ? error.message : `the server cannot be reached any more: ${error.message}`, true);
     }
   }
 
@@ -274,42 +316,111 @@ export class Run {
 
   /** Shows a run, with others of the same ground in grey. */
   show(run, others = []) {
-    this.#others = others;
+    this.#others = others.map(inColumns);
+    this.#begin(inColumns(run));
+    this.#seek(this.#start());
+  }
+
+  #begin(run) {
     this.#run = run;
     this.#pause();
-    this.#wheels = run.wheels.map((wheel, i) => ({ ...wheel, shown: masked(run, wheel), look: CURVES[i % CURVES.length] }));
-    this.#slips = run.time_s.map((_, i) => {
-      let greatest = null;
-      for (const { shown: columns } of this.#wheels) {
-        const slip = columns.slip[i];
-        if (slip !== null && slip !== undefined && (greatest === null || Math.abs(slip) > Math.abs(greatest))) greatest = slip;
-      }
-      return greatest;
-    });
+    this.#isFollowing = false;
     this.#hidden.clear();
-    const end = run.time_s.at(-1);
-    const start = run.time_s[0];
-    this.#range = [start, end];
-    this.#time = start;
-    Object.assign(this.scrub, { min: start, max: end, value: start });
     this.zoom.value = '';
+    this.#range = [this.#start(), this.#end()];
+    this.#time = this.#start();
     this.empty.hidden = true;
     this.body.hidden = false;
-    const hasWay = run.x_m?.some((value) => value !== null);
-    this.mapCard.hidden = !hasWay;
-    this.body.classList.toggle('has-way', Boolean(hasWay));
-    const spans = (wheel, is) => spansOf(wheel.motion ?? [], end, is);
-    const powered = this.#wheels.filter((wheel) => !wheel.is_reference && wheel.slip.some((slip) => slip !== null));
-    const counted = powered.length ? powered : this.#wheels;
-    this.rests = common(counted.map((wheel) => spans(wheel, (name) => name === 'Standstill')));
-    this.lost = common(counted.map((wheel) => spansOf(wheel.health ?? [], end, (name) => NO_REFERENCE.test(name))));
-    if (hasWay) this.track.show(run, this.#slips, this.#events(run), this.#others);
-    this.place.textContent = this.#soils();
+    this.#derive();
     this.#showTable();
-    this.#showFacts(run);
     this.#showDecisions(run);
     this.#draw();
-    this.#seek(start);
+  }
+
+  /** The times between which the cursor moves. */
+  #start() {
+    return this.#run.time_s[0] ?? 0;
+  }
+
+  #end() {
+    return Math.max(this.#run.end_s ?? 0, this.#run.time_s.at(-1) ?? 0);
+  }
+
+  /** What follows from the run's columns. */
+  #derive() {
+    const run = this.#run;
+    this.#wheels = run.wheels.map((wheel, i) => ({ ...wheel, shown: masked(run, wheel), look: CURVES[i % CURVES.length] }));
+    this.#slips = new Float64Array(run.time_s.length).fill(NaN);
+    for (const { shown: { slip } } of this.#wheels) {
+      for (let i = 0; i < slip.length; i += 1) if (slip[i] === slip[i] && !(Math.abs(slip[i]) <= Math.abs(this.#slips[i]))) this.#slips[i] = slip[i];
+    }
+    const end = run.time_s.at(-1) ?? 0;
+    Object.assign(this.scrub, { min: this.#start(), max: this.#end() });
+    this.liveButton.hidden = !run.is_live;
+    const hasWay = run.x_m?.some((value) => value === value) ?? false;
+    this.mapCard.hidden = !hasWay;
+    this.body.classList.toggle('has-way', hasWay);
+    const powered = this.#wheels.filter((wheel) => !wheel.is_reference && wheel.slip.some((slip) => slip === slip));
+    const counted = powered.length ? powered : this.#wheels;
+    this.rests = common(counted.map((wheel) => spansOf(wheel.motion ?? [], end, (name) => name === 'Standstill')));
+    this.lost = common(counted.map((wheel) => spansOf(wheel.health ?? [], end, (name) => NO_REFERENCE.test(name))));
+    if (hasWay) this.track.show(run, this.#slips, this.#events(run), this.#others);
+    this.robotView.show(run);
+    this.place.textContent = this.#soils();
+    this.#showFacts(run);
+  }
+
+  #showGrowing(run) {
+    this.#others = [];
+    this.#begin(run);
+    if (run.is_live) this.#setFollowing(true);
+    else this.#seek(this.#start());
+  }
+
+  /** The run has grown: drawn anew after a while, with all that came meanwhile. */
+  #grown(words) {
+    this.#redraw ??= setTimeout(() => {
+      this.#redraw = null;
+      if (!this.#run?.is_growing) return;
+      this.#say(words());
+      // a reader who chose a time keeps the picture
+      if (this.#run.is_live && !this.#isFollowing) return;
+      this.#refresh();
+    }, REDRAW_MS[this.#run?.is_live ? 'live' : 'file']);
+  }
+
+  #refresh() {
+    this.#derive();
+    if (this.#isFollowing) {
+      this.#time = this.#end();
+      this.#fitRange();
+    }
+    this.#draw();
+    this.#seek(this.#time);
+  }
+
+  #ended(growing, end) {
+    growing.end(end);
+    if (this.#run !== growing.run) this.#showGrowing(growing.run);
+    this.#isFollowing = false;
+    this.liveButton.hidden = true;
+    this.#refresh();
+  }
+
+  /** Does the cursor stay at the newest moment? */
+  #setFollowing(on) {
+    this.#isFollowing = on;
+    this.liveButton.setAttribute('aria-pressed', String(on));
+    if (on) {
+      this.#pause();
+      this.#refresh();
+    }
+  }
+
+  /** The reader chose a time: the picture stays. */
+  #choose(time) {
+    this.#setFollowing(false);
+    this.#seek(time);
   }
 
   #events(run) {
@@ -318,12 +429,11 @@ export class Run {
 
   #series(wheel, range, pixels) {
     const { slip, sigma, true_slip } = wheel.shown;
-    const low = slip.map((value, i) => (value === null || sigma[i] === null ? null : value - sigma[i]));
-    const high = slip.map((value, i) => (value === null || sigma[i] === null ? null : value + sigma[i]));
-    const thin = thinned(this.#run.time_s, [slip, low, high, ...(true_slip.length ? [true_slip] : [])], range, pixels);
-    const [y, bandLow, bandHigh, truth] = thin.columns;
-    const series = [{ name: wheel.name, x: thin.x, y, colour: wheel.look.colour, dash: null, width: 1.6, band: { low: bandLow, high: bandHigh } }];
-    if (truth) series.push({ name: `${wheel.name}, true`, x: thin.x, y: truth, colour: wheel.look.colour, dash: '2 3', width: 1.2, ghost: true });
+    const places = thinned(this.#run.time_s, slip, range, pixels);
+    const [x, y, spread] = [this.#run.time_s, slip, sigma].map((values) => valuesAt(values, places));
+    const band = { low: y.map((value, i) => value - spread[i]), high: y.map((value, i) => value + spread[i]) };
+    const series = [{ name: wheel.name, x, y, colour: wheel.look.colour, dash: null, width: 1.6, band }];
+    if (true_slip) series.push({ name: `${wheel.name}, true`, x, y: valuesAt(true_slip, places), colour: wheel.look.colour, dash: '2 3', width: 1.2, ghost: true });
     return series;
   }
 
@@ -331,14 +441,21 @@ export class Run {
     const run = this.#run;
     const range = this.#range;
     const spans = [...this.rests.map(([from, to]) => ({ from, to, kind: 'rest' })), ...this.lost.map(([from, to]) => ({ from, to, kind: 'lost' }))];
+    if (run.end_s) spans.push({ from: run.time_s.at(-1) ?? 0, to: run.end_s, kind: 'todo' });
+    this.todoKey.hidden = !run.end_s;
     const pixels = plotWidth(this.slipChart);
     const visible = this.#wheels.filter(({ name }) => !this.#hidden.has(name));
     const cursor = this.#time;
     this.slipChart.show({ range, spans, cursor, series: visible.flatMap((wheel) => this.#series(wheel, range, pixels)) });
-    const columns = (list) => list.filter(([, column]) => column).map(([name, column, look]) => {
-      const thin = thinned(run.time_s, [column], range, pixels);
-      return { name, x: thin.x, y: thin.columns[0], width: 1.6, ...look };
-    });
+    const line = (times, values, look) => {
+      const places = thinned(times, values, range, pixels);
+      return { x: valuesAt(times, places), y: valuesAt(values, places), width: 1.6, ...look };
+    };
+    const columns = (list) => list.filter(([, column]) => column).map(([name, column, look]) => line(run.time_s, column, { name, ...look }));
+    this.rimChart.element.hidden = !run.overview;
+    if (run.overview) {
+      this.rimChart.show({ range, spans: [], cursor, series: visible.map(({ name, look }) => line(run.overview.time_s, run.overview.rims[this.#wheels.findIndex((wheel) => wheel.name === name)], { name, colour: look.colour })) });
+    }
     this.speedChart.element.hidden = !run.speed_m_per_s;
     if (run.speed_m_per_s) {
       this.speedChart.show({ range, spans, cursor, series: columns([
@@ -352,10 +469,7 @@ export class Run {
     if (turned.length) this.torqueChart.show({ range, spans: [], cursor, series: columns(turned.map(({ name, torque_nm: torque, look }) => [name, torque, { colour: look.colour }])) });
     this.energyChart.element.hidden = !run.used_energy_j;
     if (run.used_energy_j) {
-      const ghosts = this.#others.map((other) => {
-        const thin = thinned(other.time_s, [other.used_energy_j], range, pixels);
-        return { name: other.controller, x: thin.x, y: thin.columns[0], colour: 'var(--muted)', dash: '3 3', width: 1.3, ghost: true };
-      });
+      const ghosts = this.#others.map((other) => line(other.time_s, other.used_energy_j, { name: other.controller, colour: 'var(--muted)', dash: '3 3', width: 1.3, ghost: true }));
       this.energyChart.show({ range, spans: [], cursor, series: [...columns([[run.controller ?? 'used', run.used_energy_j, { colour: CURVES[2].colour }]]), ...ghosts] });
     }
     this.many.forEach((chart, i) => chart.show({ range, spans, cursor, series: this.#series(this.#wheels[i], range, pixels / 2) }));
@@ -364,7 +478,7 @@ export class Run {
   #toggleMultiples() {
     const open = this.many.length === 0;
     this.multiplesButton.setAttribute('aria-expanded', String(open));
-    this.many = open ? this.#wheels.map(({ name }) => new Chart({ title: name, height: 180, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' }, pick: (time) => this.#seek(time) })) : [];
+    this.many = open ? this.#wheels.map(({ name }) => new Chart({ title: name, height: 180, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' }, pick: (time) => this.#choose(time) })) : [];
     this.multiples.replaceChildren(...this.many.map((chart) => chart.element));
     if (open) this.#draw();
   }
@@ -389,25 +503,9 @@ export class Run {
   }
 
   #showFacts(run) {
-    const item = (name, value, unit = '', note = '') => h('div', {}, h('dt', {}, name), h('dd', {}, h('span', { class: 'number' }, value), unit ? h('span', { class: 'unit' }, ` ${unit}`) : null, note ? h('span', { class: 'note' }, note) : null));
-    const items = [item(run.kind === 'drive' ? 'Drive' : 'Log', clock(run.time_s.at(-1) - run.time_s[0]), '', run.title)];
-    if (run.kind === 'drive') {
-      items.push(
-        item('Outcome', run.outcome, '', `driver ${run.controller}, slip to run at ${shown(run.optimum_slip)}`),
-        item('Way', shown(run.distance_m), 'm', 'along the legs'),
-        item('Energy', shown(run.energy_j), 'J', run.energy_j_per_m === null ? '' : `${shown(run.energy_j_per_m)} J/m; ${shown((100 * run.energy_in_soil_j) / run.energy_j, 2)} % into the soil`),
-        item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; greatest slip ${shown(run.worst_slip, 2)}`));
-      if (run.planned) items.push(item('Plans anew', String(run.planned.replans), '', `held ${run.planned.held} times; risk of a place at most ${shown(run.planned.risk, 2)}; squares: soil that was learnt`));
-      for (const other of this.#others.slice(0, 4)) items.push(item('Compared', other.controller, '', `${other.outcome}, ${shown(other.distance_m)} m, ${shown(other.energy_j)} J: grey on the map`));
-    } else {
-      if (run.distance_m !== null && run.distance_m !== undefined) items.push(item('Way', shown(run.distance_m), 'm', 'by the estimator’s odometry'));
-      for (const wheel of run.wheels) if (wheel.median_slip !== null && wheel.median_slip !== undefined) items.push(item(wheel.name, shown(wheel.median_slip), '', 'median slip'));
-    }
-    this.facts.replaceChildren(...items);
+    this.facts.replaceChildren(...factsOf(run, this.#others, this.#end() - this.#start()));
     this.books.replaceChildren(...[energyTable(run)].filter(Boolean));
-    const notes = [...(run.doubts ?? []).map((text) => h('li', { class: 'is-error' }, `Doubtful: ${text}`))];
-    if (run.every > 1) notes.push(h('li', {}, `The log is long: every ${run.every}th moment is shown; motion and health are complete.`));
-    this.notes.replaceChildren(...notes);
+    this.notes.replaceChildren(...notesOf(run));
   }
 
   #showDecisions(run) {
@@ -418,25 +516,22 @@ export class Run {
 
   // ---- time ---------------------------------------------------------------------------------
 
+  /** The last moment that is not after a time; −1 where the run has none yet. */
   #index(time) {
     const times = this.#run.time_s;
-    let low = 0;
-    let high = times.length - 1;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (times[middle] <= time) low = middle;
-      else high = middle - 1;
-    }
-    return low;
+    const next = placeOf(times, time);
+    const index = times[next] === time ? next : next - 1;
+    // what is not estimated yet is not the last moment's
+    return this.#run.is_growing && time > times.at(-1) + 1 ? -1 : index;
   }
 
   #seek(time) {
     const run = this.#run;
-    const end = run.time_s.at(-1);
-    this.#time = Math.min(end, Math.max(run.time_s[0], time));
+    const [start, end] = [this.#start(), this.#end()];
+    this.#time = Math.min(end, Math.max(start, time));
     const index = this.#index(this.#time);
     this.scrub.value = this.#time;
-    this.scrub.style.setProperty('--share', `${((100 * (this.#time - run.time_s[0])) / (end - run.time_s[0])).toFixed(2)}%`);
+    this.scrub.style.setProperty('--share', `${((100 * (this.#time - start)) / (end - start || 1)).toFixed(2)}%`);
     this.scrub.setAttribute('aria-valuetext', `${shown(this.#time, 4)} s`);
     this.now.textContent = `${clock(this.#time, 1)} / ${clock(end)}`;
     if (this.zoom.value && (this.#time < this.#range[0] || this.#time > this.#range[1])) {
@@ -444,29 +539,30 @@ export class Run {
       return;
     }
     this.track.cursor(index);
-    for (const chart of [this.slipChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
+    this.robotView.cursor(index);
+    for (const chart of [this.slipChart, this.rimChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
     this.#wheels.forEach((wheel, i) => {
       const { slip, truth, motion, health } = this.cells[i];
       const value = wheel.shown.slip[index];
       const sigma = wheel.shown.sigma[index];
-      slip.textContent = value === null || value === undefined ? '–' : `${value.toFixed(3).replace('-', '−')}${sigma === null ? '' : ` ± ${sigma.toFixed(3)}`}`;
-      if (this.truth) truth.textContent = wheel.true_slip[index] === null ? '–' : wheel.true_slip[index].toFixed(3).replace('-', '−');
-      motion.textContent = nameAt(wheel.motion ?? [], this.#time) || '–';
-      health.textContent = nameAt(wheel.health ?? [], this.#time) || '–';
+      slip.textContent = Number.isFinite(value) ? `${value.toFixed(3).replace('-', '−')}${Number.isFinite(sigma) ? ` ± ${sigma.toFixed(3)}` : ''}` : '–';
+      if (this.truth) truth.textContent = Number.isFinite(wheel.true_slip[index]) ? wheel.true_slip[index].toFixed(3).replace('-', '−') : '–';
+      motion.textContent = (index >= 0 && nameAt(wheel.motion ?? [], this.#time)) || '–';
+      health.textContent = (index >= 0 && nameAt(wheel.health ?? [], this.#time)) || '–';
     });
     const mode = run.mode ? nameAt(run.mode, this.#time) : '';
     this.modeBadge.hidden = !mode;
     this.modeBadge.textContent = mode;
   }
 
+  #fitRange() {
+    const [start, end, width] = [this.#start(), this.#end(), Number(this.zoom.value)];
+    const from = width ? Math.max(start, Math.min(this.#time - 0.2 * width, end - width)) : start;
+    this.#range = [from, width ? Math.min(end, from + width) : end];
+  }
+
   #zoomTo() {
-    const { time_s: times } = this.#run;
-    const width = Number(this.zoom.value);
-    if (!width) this.#range = [times[0], times.at(-1)];
-    else {
-      const from = Math.max(times[0], Math.min(this.#time - 0.2 * width, times.at(-1) - width));
-      this.#range = [from, Math.min(times.at(-1), from + width)];
-    }
+    this.#fitRange();
     this.#draw();
     this.#seek(this.#time);
   }
@@ -476,14 +572,15 @@ export class Run {
       this.#pause();
       return;
     }
-    if (this.#time >= this.#run.time_s.at(-1)) this.#seek(this.#run.time_s[0]);
+    this.#setFollowing(false);
+    if (this.#time >= this.#end()) this.#seek(this.#start());
     this.playButton.textContent = '❚❚';
     this.playButton.setAttribute('aria-label', 'Pause');
     let last = performance.now();
     const frame = (now) => {
       this.#seek(this.#time + ((now - last) / 1e3) * Number(this.rate.value));
       last = now;
-      if (this.#time >= this.#run.time_s.at(-1)) this.#pause();
+      if (this.#time >= this.#end()) this.#pause();
       else this.#playing = requestAnimationFrame(frame);
     };
     this.#playing = requestAnimationFrame(frame);
@@ -499,13 +596,4 @@ export class Run {
 
 function valueOf(one, value) {
   return h('span', { class: one.ghost ? 'value ghost' : 'value', style: { color: one.colour } }, `${one.name} ${value === null ? '–' : shown(value)}`);
-}
-
-function base64(file) {
-  return new Promise((resolve, reject) => {
-    const reader = new FileReader();
-    reader.addEventListener('load', () => resolve(reader.result.slice(reader.result.indexOf(',') + 1)));
-    reader.addEventListener('error', () => reject(new BadFile(`${file.name}: ${reader.error.message}`)));
-    reader.readAsDataURL(file);
-  });
 }

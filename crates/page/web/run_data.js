@@ -111,50 +111,81 @@ export function common(lists) {
   });
 }
 
-/** Columns with gaps where the wheel stands: a slip at rest is a quotient of two noises. */
-export function masked(run, wheel) {
-  let i = 0;
-  const spans = wheel.motion ?? [];
-  const mask = (column) => {
-    i = 0;
-    return column.map((value, k) => {
-      while (i + 1 < spans.length && spans[i + 1][0] <= run.time_s[k]) i += 1;
-      return spans[i]?.[1] === 'Standstill' ? null : value;
-    });
-  };
-  return { slip: mask(wheel.slip), sigma: mask(wheel.slip_sigma), true_slip: wheel.true_slip?.length ? mask(wheel.true_slip) : [] };
+/** Numbers as a typed column; what is missing is not a number. */
+export function column(values) {
+  if (values instanceof Float64Array) return values;
+  const out = new Float64Array(values.length);
+  for (let i = 0; i < out.length; i += 1) out[i] = values[i] ?? NaN;
+  return out;
 }
 
-/** Every point that a line of `pixels` places can show: the least and the greatest of each place. */
-export function thinned(x, columns, [from, to], pixels) {
-  let first = 0;
-  while (first < x.length && x[first] < from) first += 1;
-  let last = x.length - 1;
-  while (last > first && x[last] > to) last -= 1;
-  first = Math.max(0, first - 1);
-  last = Math.min(x.length - 1, last + 1);
-  const count = last - first + 1;
-  if (count <= 2 * pixels) {
-    return { x: x.slice(first, last + 1), columns: columns.map((column) => column.slice(first, last + 1)) };
+const BODY = ['time_s', 'x_m', 'y_m', 'heading_deg', 'progress_m', 'speed_m_per_s', 'estimated_speed_m_per_s', 'requested_speed_m_per_s', 'used_energy_j'];
+const OF_WHEEL = ['slip', 'slip_sigma', 'true_slip', 'torque_nm', 'sinkage_m', 'drawbar_pull_n', 'side_force_n', 'load_n', 'wheel_x_m', 'wheel_y_m', 'wheel_heading_deg'];
+
+/** A run in typed columns. */
+export function inColumns(run) {
+  const typed = (of, names) => Object.fromEntries(names.filter((name) => of[name]).map((name) => [name, column(of[name])]));
+  return { ...run, ...typed(run, BODY), wheels: run.wheels.map((wheel) => ({ ...wheel, ...typed(wheel, OF_WHEEL) })) };
+}
+
+/** Columns with gaps where the wheel stands: a slip at rest is a quotient of two noises. */
+export function masked(run, wheel) {
+  const rests = spansOf(wheel.motion ?? [], Infinity, (name) => name === 'Standstill').map(([from, to]) => [placeOf(run.time_s, from), to === Infinity ? run.time_s.length : placeOf(run.time_s, to)]);
+  const mask = (values) => {
+    const out = values.slice();
+    for (const [from, to] of rests) out.fill(NaN, from, to);
+    return out;
+  };
+  return { slip: mask(wheel.slip), sigma: mask(wheel.slip_sigma), true_slip: wheel.true_slip?.length ? mask(wheel.true_slip) : null };
+}
+
+/** The first place in a rising column that is not before `time`. */
+export function placeOf(times, time) {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1;
+    else high = middle;
   }
-  const keep = new Set([first, last]);
+  return low;
+}
+
+/** The places of a column that a line of `pixels` places shows: the least and the greatest of each, and a gap. */
+export function thinned(x, lead, [from, to], pixels) {
+  const first = Math.max(0, placeOf(x, from) - 1);
+  const last = Math.min(x.length - 1, placeOf(x, to));
+  const count = last - first + 1;
+  const kept = [];
+  if (count <= 2 * pixels) {
+    for (let i = first; i <= last; i += 1) kept.push(i);
+    return kept;
+  }
   const per = count / pixels;
-  const lead = columns[0];
+  let end = first;
   for (let p = 0; p < pixels; p += 1) {
-    const a = first + Math.floor(p * per);
-    const b = Math.min(last, first + Math.floor((p + 1) * per) - 1);
+    const begin = end;
+    end = p === pixels - 1 ? last + 1 : first + Math.floor((p + 1) * per);
     let low = -1;
     let high = -1;
     let gap = -1;
-    for (let i = a; i <= b; i += 1) {
-      if (lead[i] === null) gap = i;
+    for (let i = begin; i < end; i += 1) {
+      const value = lead[i];
+      if (value !== value) gap = i;
       else {
-        if (low < 0 || lead[i] < lead[low]) low = i;
-        if (high < 0 || lead[i] > lead[high]) high = i;
+        if (low < 0 || value < lead[low]) low = i;
+        if (high < 0 || value > lead[high]) high = i;
       }
     }
-    for (const i of [low, high, gap]) if (i >= 0) keep.add(i);
+    const places = new Set([...(p ? [] : [first]), low, high, gap, ...(p === pixels - 1 ? [last] : [])].filter((i) => i >= 0));
+    kept.push(...[...places].sort((a, b) => a - b));
   }
-  const kept = [...keep].sort((a, b) => a - b);
-  return { x: kept.map((i) => x[i]), columns: columns.map((column) => kept.map((i) => column[i])) };
+  return kept;
+}
+
+/** The values of a column at some places. */
+export function valuesAt(values, places) {
+  const out = new Float64Array(places.length);
+  for (let k = 0; k < out.length; k += 1) out[k] = values[places[k]];
+  return out;
 }

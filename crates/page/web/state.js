@@ -27,12 +27,13 @@ const DEFAULTS = {
   grouser_count: 0, grouser_height_m: 0, grouser_thickness_m: 0,
   load_by: 'load', load_n: 80, mass_kg: 8, gravity_m_per_s2: 9.80665,
   slip: 0.35, slope_deg: 0, slip_angle_deg: 0,
+  theta_deg: 10, mobilised: 0,
 };
 const NUMBERS = Object.keys(DEFAULTS).filter((key) => key !== 'load_by');
 
 /** The state that the page opens with. */
 export function firstState(catalogue) {
-  return { ...DEFAULTS, ...chooseSoil(catalogue, catalogue.get('dry-sand'), {}), compare: [], pinned: null, intervals: null };
+  return { ...DEFAULTS, ...chooseSoil(catalogue, catalogue.get('dry-sand'), {}), compare: [], pinned: null, intervals: null, tab: 'slip' };
 }
 
 /** What changes when a soil of the catalogue is chosen. */
@@ -60,6 +61,7 @@ export function toQuery(catalogue, state) {
   for (const key of changedSoil(catalogue, state)) query.set(key, state[key]);
   for (const key of NUMBERS) if (state[key] !== DEFAULTS[key] || !isMinor(key, state)) query.set(key, state[key]);
   if (state.load_by === 'mass') query.set('load_by', 'mass');
+  if (state.tab === '2012') query.set('tab', '2012');
   if (state.extra) query.set('extra', state.extra);
   if (state.soil_name && !catalogue.has(state.soil)) query.set('soil_name', state.soil_name);
   if (state.intervals) query.set('intervals', intervalsText(state.intervals));
@@ -86,6 +88,7 @@ export function fromQuery(catalogue, text, depth = 0) {
     if (given !== null && given.trim() !== '' && Number.isFinite(Number(given))) state[name] = Number(given);
   }
   if (query.get('load_by') === 'mass') state.load_by = 'mass';
+  if (query.get('tab') === '2012') state.tab = '2012';
   state.intervals = intervalsOf(query.get('intervals'));
   state.extra = (query.get('extra') ?? '').slice(0, 4000);
   state.compare = (query.get('compare') ?? '').split(',').filter((name) => catalogue.has(name)).slice(0, 5);

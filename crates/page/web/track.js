@@ -3,17 +3,11 @@
 import { svg } from './dom.js';
 import { shown } from './format.js';
 import { contours, groundAt, picture, soilNames } from './ground.js';
+import { hasWheelPlaces, ruts } from './robot_view.js';
+import { slipClass } from './slip_classes.js';
 import { tickLabels, ticks } from './ticks.js';
 
-/** Upper limits of the colours of slip. */
-export const SLIP_CLASSES = [0.05, 0.1, 0.2, 0.35, 0.6, Infinity];
 const MARGIN = 34;
-
-/** The class of a slip; −1 where none is known. */
-export function slipClass(slip) {
-  if (slip === null || slip === undefined) return -1;
-  return SLIP_CLASSES.findIndex((limit) => Math.abs(slip) < limit);
-}
 
 /** The picture. `pick(time)` is called where the track is clicked, `over(place)` with what lies under the pointer. */
 export class Track {
@@ -57,7 +51,7 @@ export class Track {
   cursor(index) {
     if (!this.#place || !this.#run) return;
     const { x_m: x, y_m: y, heading_deg: heading } = this.#run;
-    if (x[index] === null || x[index] === undefined) {
+    if (!Number.isFinite(x[index])) {
       this.#robot.setAttribute('visibility', 'hidden');
       return;
     }
@@ -73,7 +67,7 @@ export class Track {
     const { x_m: x, y_m: y, time_s: time } = this.#run;
     let best = [Infinity, 0];
     for (let i = 0; i < x.length; i += 1) {
-      if (x[i] === null) continue;
+      if (!Number.isFinite(x[i])) continue;
       const [px, py] = this.#place(x[i], y[i]);
       const far = (px - ex) ** 2 + (py - ey) ** 2;
       if (far < best[0]) best = [far, i];
@@ -125,10 +119,16 @@ export class Track {
   #render() {
     if (!this.#width || !this.#run?.x_m) return;
     const runs = [this.#run, ...this.#others];
-    const finite = (column) => runs.flatMap((run) => run[column].filter((value) => value !== null));
     let [low, high, left, right] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const value of finite('y_m')) { low = Math.min(low, value); high = Math.max(high, value); }
-    for (const value of finite('x_m')) { left = Math.min(left, value); right = Math.max(right, value); }
+    for (const { x_m: x, y_m: y } of runs) {
+      // a place that is missing compares as neither
+      for (let i = 0; i < x.length; i += 1) {
+        if (x[i] < left) left = x[i];
+        if (x[i] > right) right = x[i];
+        if (y[i] < low) low = y[i];
+        if (y[i] > high) high = y[i];
+      }
+    }
     if (!(right >= left)) {
       this.#root.replaceChildren();
       return;
@@ -172,6 +172,11 @@ export class Track {
       text.append(svg('text', { x: MARGIN - 6, y: y + 4, 'text-anchor': 'end' }, label));
     });
 
+    const sunk = svg('g', { class: 'ruts' });
+    if (hasWheelPlaces(this.#run)) {
+      const stride = Math.max(1, Math.floor(this.#run.x_m.length / 3000));
+      for (const { d, depth, width_m } of ruts(this.#run, this.#place, 0, this.#run.x_m.length - 1, stride)) sunk.append(svg('path', { d, class: `rut rut-${depth}`, 'stroke-width': Math.max(0.8, width_m * scale).toFixed(1) }));
+    }
     const ways = svg('g', { class: 'way' });
     for (const other of this.#others) ways.append(svg('path', { d: whole(other, (i) => at(i, other)), class: 'other-way' }, svg('title', {}, other.controller)));
     ways.append(svg('path', { d: whole(this.#run, (i) => at(i, this.#run)), class: 'way-edge' }));
@@ -180,8 +185,9 @@ export class Track {
     const x = this.#run.x_m;
     const stride = Math.max(1, Math.floor(x.length / 6000));
     for (let i = stride; i < x.length; i += stride) {
-      if (x[i] === null || x[i - stride] === null) continue;
-      const kind = slipClass(this.#slips[i]);
+      if (!Number.isFinite(x[i]) || !Number.isFinite(x[i - stride])) continue;
+      let kind = -1;
+      for (let k = i - stride + 1; k <= i; k += 1) kind = Math.max(kind, slipClass(this.#slips[k]));
       parts.set(kind, `${parts.get(kind) ?? ''}M${at(i - stride, this.#run)}L${at(i, this.#run)}`);
     }
     for (const [kind, d] of [...parts].sort(([a], [b]) => a - b)) ways.append(svg('path', { d, class: `slip-${kind < 0 ? 'none' : kind}` }));
@@ -191,13 +197,13 @@ export class Track {
       if (!number) return svg('circle', { cx: px, cy: py, r: 4.5, class: 'event' }, title);
       return svg('g', { class: 'numbered' }, svg('circle', { cx: px, cy: py, r: 8 }), svg('text', { x: px, y: py + 3.5, 'text-anchor': 'middle' }, number), title);
     });
-    const first = x.findIndex((value) => value !== null);
+    const first = x.findIndex((value) => value === value);
     const [sx, sy] = this.#place(x[first], this.#run.y_m[first]);
     const start = svg('g', { class: 'start' }, svg('circle', { cx: sx, cy: sy, r: 3.5 }), svg('text', { x: sx, y: sy - 12, 'text-anchor': 'middle' }, 'start'));
     this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#root.setAttribute('height', height.toFixed(0));
     this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
-    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, ways, ...marks, start, this.#robot);
+    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, sunk, ways, ...marks, start, this.#robot);
   }
 }
 
@@ -206,7 +212,7 @@ function whole(run, at) {
   let pen = false;
   const stride = Math.max(1, Math.floor(run.x_m.length / 6000));
   for (let i = 0; i < run.x_m.length; i += stride) {
-    if (run.x_m[i] === null) {
+    if (!Number.isFinite(run.x_m[i])) {
       pen = false;
       continue;
     }

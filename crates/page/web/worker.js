@@ -5,15 +5,17 @@ import { Refusal, WasmPhysics } from './physics.js';
 /** Answers requests of the page; the first message brings the module's bytes. */
 export function work() {
   let physics = null;
+  let current = null;
   self.addEventListener('message', async ({ data }) => {
     if (data.bytes) {
-      physics = WasmPhysics.of(data.bytes);
+      physics = WasmPhysics.of(data.bytes, (part) => self.postMessage({ id: current, part }, [part]));
       return;
     }
-    const { id, request } = data;
+    const { id, request, file } = data;
     try {
       const ready = await physics;
-      self.postMessage({ id, answer: ready.askNow(request) });
+      current = id;
+      self.postMessage({ id, answer: ready.askNow(request, file) });
     } catch (error) {
       self.postMessage({ id, refused: { field: error instanceof Refusal ? error.field : null, message: error.message } });
     }
@@ -31,14 +33,15 @@ export class WorkerPhysics {
     this.#name = name;
   }
 
-  async ask(request) {
+  /** The answer; `file` (ArrayBuffer) goes to the worker, `take` receives the parts of a run. */
+  async ask(request, { file, take } = {}) {
     this.#worker ??= this.#start();
     const worker = await this.#worker;
     this.#next += 1;
     const id = this.#next;
     return new Promise((resolve, reject) => {
-      this.#waiting.set(id, { resolve, reject });
-      worker.postMessage({ id, request });
+      this.#waiting.set(id, { resolve, reject, take });
+      worker.postMessage({ id, request, file }, file ? [file] : []);
     });
   }
 
@@ -59,6 +62,10 @@ export class WorkerPhysics {
       : new Worker('main.js', { type: 'module' });
     worker.addEventListener('message', ({ data }) => {
       const waiting = this.#waiting.get(data.id);
+      if (data.part) {
+        waiting?.take?.(data.part);
+        return;
+      }
       this.#waiting.delete(data.id);
       if (data.refused) waiting?.reject(new Refusal(data.refused));
       else waiting?.resolve(data.answer);

@@ -158,9 +158,9 @@ fn is_allowed(from: Mode, to: Mode) -> bool {
 }
 
 impl Drive {
-    fn new(settings: ControlSettings) -> Self {
+    fn new(settings: &ControlSettings) -> Self {
         Self {
-            controller: Controller::new(&robot(), settings).unwrap(),
+            controller: Controller::new(&robot(), *settings).unwrap(),
             time_ns: 0,
             heading: 0.0,
             rims: [0.0; WHEELS],
@@ -337,7 +337,7 @@ fn search(drive: &Drive, depth: usize, path: &mut Vec<Behaviour>, seen: &mut See
 #[test]
 fn every_sequence_of_behaviours_keeps_the_promises_and_reaches_every_transition() {
     let mut seen = Seen::default();
-    search(&Drive::new(settings()), DEPTH, &mut Vec::new(), &mut seen);
+    search(&Drive::new(&settings()), DEPTH, &mut Vec::new(), &mut seen);
     println!(
         "{} steps, {} transitions, slowest stop {:.2} s, {:?}",
         seen.steps,
@@ -370,7 +370,7 @@ fn a_controller_that_decides_stops_alone_only_stops() {
     let mut settings = settings();
     settings.decides = Decides::Stops;
     let mut seen = Seen::default();
-    search(&Drive::new(settings), 3, &mut Vec::new(), &mut seen);
+    search(&Drive::new(&settings), 3, &mut Vec::new(), &mut seen);
     assert_eq!(
         seen.transitions.into_iter().collect::<Vec<_>>(),
         [(Mode::Forward, Mode::Stopped)]

@@ -144,11 +144,8 @@ impl CommandPath {
                 speed: outputs.latest_speed,
             },
         );
-        match (motion, &mut self.open) {
-            (Some(motion), Some(open)) => {
-                publish(open, outputs, (&self.frame, now_ns), motion)?;
-            }
-            _ => {}
+        if let (Some(motion), Some(open)) = (motion, &mut self.open) {
+            publish(open, outputs, (&self.frame, now_ns), motion)?;
         }
         Ok(())
     }
@@ -193,11 +190,7 @@ impl CommandPath {
         Ok(Some(OpenTopics {
             decoder: Decoder::new(&input)?,
             senders: Senders::new(&input),
-            output: Topic::announce(
-                outputs.transport.as_mut(),
-                self.output_topic.clone(),
-                type_name,
-            )?,
+            output: Topic::announce(outputs.transport.as_mut(), &self.output_topic, type_name)?,
             is_stamped: type_name == "geometry_msgs/TwistStamped",
             input,
             input_record: None,
@@ -220,6 +213,11 @@ impl CommandPath {
         }
         problems.extend(open.senders.problem(now));
         problems
+    }
+
+    /// The share of the requested motion that passed last.
+    pub(crate) fn share(&self) -> f64 {
+        self.limiter.share()
     }
 
     /// For the diagnostics.

@@ -113,7 +113,7 @@ struct Reader {
 struct Writer {
     topic: String,
     type_name: String,
-    writer: DataWriter<Raw, RawAdapter>,
+    data: DataWriter<Raw, RawAdapter>,
 }
 
 fn failed(error: impl std::fmt::Display) -> Error {
@@ -283,7 +283,7 @@ impl Transport for DdsTransport {
         self.writers.push(Writer {
             topic: topic.to_owned(),
             type_name: type_name.to_owned(),
-            writer,
+            data: writer,
         });
         Ok(self.writers.len() - 1)
     }
@@ -292,12 +292,17 @@ impl Transport for DdsTransport {
         let Some(own) = self.writers.get(publisher) else {
             return Ok(());
         };
-        own.writer.write(Raw(bytes), None).map_err(failed)
+        own.data.write(Raw(bytes), None).map_err(failed)
     }
 
     fn warnings(&mut self) -> Vec<String> {
         let mut words = Vec::new();
-        for Writer { topic, writer, .. } in &self.writers {
+        for Writer {
+            topic,
+            data: writer,
+            ..
+        } in &self.writers
+        {
             while let Some(status) = writer.try_recv_status() {
                 if let DataWriterStatus::OfferedIncompatibleQos {
                     last_policy_id,

@@ -26,6 +26,12 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// A log, or a file that describes it, is refused.
+    #[error("{message}")]
+    Refused {
+        /// What is wrong with which file.
+        message: String,
+    },
     /// The file is larger than the page takes.
     #[error("{} has {bytes} bytes, but at most {limit} bytes are taken", path.display())]
     TooLarge {

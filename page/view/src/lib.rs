@@ -12,7 +12,10 @@
 
 pub mod assets;
 mod error;
+pub mod feed;
+mod follow;
 mod gate;
+pub mod run;
 pub mod server;
 
 pub use error::{Error, Result};

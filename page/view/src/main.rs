@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use grouser_view::assets;
-use grouser_view::server::{Server, Shown};
+use grouser_view::run::RecordedRun;
+use grouser_view::server::{Running, Server, Shown};
 use grouser_view::{Error, Result};
 
 /// Largest file that is put into a page or shown, bytes.
@@ -19,6 +20,20 @@ const MAX_FILE_BYTES: u64 = 64 << 20;
 struct Arguments {
     /// A run to open: the table of `grouser estimate -o`, or a log
     file: Option<PathBuf>,
+    /// The robot of the log: the server estimates, so that a log of any size opens
+    #[arg(
+        long,
+        value_name = "R.toml",
+        requires = "file",
+        conflicts_with = "export"
+    )]
+    robot: Option<PathBuf>,
+    /// The column map of a log in CSV; the robot file's, or `columns.toml` beside it, unless given
+    #[arg(long, value_name = "C.toml", requires = "robot")]
+    map: Option<PathBuf>,
+    /// The log is a table that is still written: the page shows its newest row
+    #[arg(long, requires = "robot")]
+    follow: bool,
     /// Write the page, with the run in it, as one HTML file instead of serving it; it opens without a server
     #[arg(long, value_name = "F.html")]
     export: Option<PathBuf>,
@@ -38,7 +53,17 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<()> {
-    let shown = arguments.file.as_deref().map(read).transpose()?;
+    let run = match (&arguments.file, &arguments.robot) {
+        (Some(log), Some(robot)) => Some(RecordedRun::open(
+            log,
+            robot,
+            arguments.map.as_deref(),
+            arguments.follow,
+        )?),
+        _ => None,
+    };
+    let file = arguments.file.as_deref().filter(|_| run.is_none());
+    let shown = file.map(read).transpose()?;
     if let Some(path) = &arguments.export {
         let file = shown
             .as_ref()
@@ -51,7 +76,12 @@ fn run(arguments: &Arguments) -> Result<()> {
         .build();
     let served = runtime.and_then(|runtime| {
         runtime.block_on(async {
-            let server = Server::listen(arguments.port, shown).await?;
+            let mut server = Server::listen(arguments.port, shown).await?;
+            if let Some(run) = run {
+                let is_live = run.is_live();
+                let feed = run.start();
+                server = server.with_run(Running { feed, is_live });
+            }
             let mut out = std::io::stdout();
             writeln!(
                 out,

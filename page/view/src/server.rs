@@ -24,6 +24,7 @@ use tokio::time::{sleep, timeout};
 use grouser_page::{attribute, files, server_policy};
 
 use crate::assets;
+use crate::feed::{Feed, PartsFrom};
 use crate::gate::{COOKIE_NAME, Gate, Refused, same};
 
 /// Longest body of a request, bytes.
@@ -46,12 +47,22 @@ pub struct Shown {
     pub bytes: Vec<u8>,
 }
 
+/// A run that the page shows while it is read.
+#[derive(Clone, Debug)]
+pub struct Running {
+    /// Its parts.
+    pub feed: Feed,
+    /// Is its log still written?
+    pub is_live: bool,
+}
+
 struct Shared {
     gate: Gate,
     /// The token of the printed address, until it is used.
     token: Mutex<Option<String>>,
     session: String,
     shown: Option<Shown>,
+    running: Option<Running>,
     computing: Semaphore,
 }
 
@@ -62,6 +73,7 @@ pub struct Server {
     port: u16,
     token: String,
     shown: Option<Shown>,
+    running: Option<Running>,
 }
 
 impl Server {
@@ -81,7 +93,17 @@ impl Server {
             port,
             token: secret()?,
             shown,
+            running: None,
         })
+    }
+
+    /// The same server with a run.
+    #[must_use]
+    pub fn with_run(self, running: Running) -> Self {
+        Self {
+            running: Some(running),
+            ..self
+        }
     }
 
     /// The port.
@@ -116,6 +138,7 @@ impl Server {
             token: Mutex::new(Some(self.token)),
             session,
             shown: self.shown,
+            running: self.running,
             computing: Semaphore::new(MAX_COMPUTATIONS),
         });
         let router = Router::new().fallback(answer).with_state(shared);
@@ -223,6 +246,14 @@ async fn respond(shared: &Arc<Shared>, request: Request<Body>) -> Result<Respons
             Some(shown) => Ok(bytes("application/octet-stream", shown.bytes.clone())),
             None => Err((StatusCode::NOT_FOUND, "no file was given")),
         },
+        (&Method::GET, path) if path.starts_with("/api/run/") => match &shared.running {
+            Some(running) => {
+                let next = path["/api/run/".len()..].parse();
+                let next = next.map_err(|_| (StatusCode::NOT_FOUND, "no such part"))?;
+                Ok(parts(running.feed.wait_from(next).await))
+            }
+            None => Err((StatusCode::NOT_FOUND, "no log was given")),
+        },
         (&Method::POST, "/api/answer") => compute(shared, request).await,
         (&Method::GET, path) => {
             let name = path.strip_prefix('/').unwrap_or_default();
@@ -267,9 +298,16 @@ fn index(shared: &Shared) -> Result<Response<Body>, Refused> {
     let file = shared.shown.as_ref().map_or_else(String::new, |shown| {
         format!(" data-file=\"{}\"", attribute(&shown.name))
     });
+    let run = shared.running.as_ref().map_or("", |running| {
+        if running.is_live {
+            " data-run=\"live\""
+        } else {
+            " data-run=\"file\""
+        }
+    });
     let html = html.replacen(
         "<main id=\"main\"",
-        &format!("<main id=\"main\" data-server=\"true\"{file}"),
+        &format!("<main id=\"main\" data-server=\"true\"{file}{run}"),
         1,
     );
     Ok(bytes("text/html; charset=utf-8", html.into_bytes()))
@@ -307,6 +345,17 @@ async fn compute(shared: &Arc<Shared>, request: Request<Body>) -> Result<Respons
         *response.status_mut() = StatusCode::BAD_REQUEST;
     }
     Ok(response)
+}
+
+fn parts(found: PartsFrom) -> Response<Body> {
+    let length = found.length();
+    let pieces = found.pieces().map(Ok::<_, std::convert::Infallible>);
+    let body = Body::from_stream(futures_util::stream::iter(pieces));
+    let mut response = bytes("application/octet-stream", body);
+    response
+        .headers_mut()
+        .insert(header::CONTENT_LENGTH, length.into());
+    response
 }
 
 fn text(status: StatusCode, text: &'static str) -> Response<Body> {

@@ -1,119 +1,16 @@
 //! What a hostile page, program or network sends to the server, over real sockets.
 
-use std::io::{Read, Write};
+mod running;
+
+use std::io::{BufRead, BufReader, Write};
 use std::net::{IpAddr, TcpStream};
-use std::sync::mpsc;
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use grouser_view::server::{Server, Shown};
-
-/// A server of its own in a thread, which ends with the tests' process.
-struct Running {
-    port: u16,
-    token: String,
-    addresses: Vec<IpAddr>,
-}
-
-fn start(shown: Option<Shown>) -> Running {
-    let (ready, started) = mpsc::channel();
-    thread::spawn(move || {
-        let runtime = tokio::runtime::Builder::new_current_thread()
-            .enable_all()
-            .build()
-            .expect("a runtime");
-        runtime.block_on(async {
-            let server = Server::listen(0, shown).await.expect("a free port");
-            let token = server.address();
-            let token = token.split("token=").nth(1).expect("a token").to_owned();
-            let addresses = server
-                .addresses()
-                .iter()
-                .map(std::net::SocketAddr::ip)
-                .collect();
-            ready
-                .send(Running {
-                    port: server.port(),
-                    token,
-                    addresses,
-                })
-                .expect("the test waits");
-            server.serve().await.expect("it serves");
-        });
-    });
-    started.recv().expect("it starts")
-}
-
-impl Running {
-    fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect(("127.0.0.1", self.port)).expect("it listens");
-        stream
-            .set_read_timeout(Some(Duration::from_secs(30)))
-            .expect("a limit");
-        stream
-    }
-
-    /// The whole answer to bytes as they stand.
-    fn raw(&self, request: &str) -> String {
-        let mut stream = self.connect();
-        stream.write_all(request.as_bytes()).expect("sent");
-        read_all(&mut stream)
-    }
-
-    fn host(&self) -> String {
-        format!("127.0.0.1:{}", self.port)
-    }
-
-    /// A request with this server's host and these further lines.
-    fn get(&self, path: &str, lines: &str) -> String {
-        let host = self.host();
-        self.raw(&format!(
-            "GET {path} HTTP/1.1\r\nHost: {host}\r\n{lines}\r\n"
-        ))
-    }
-
-    fn post(&self, lines: &str, body: &str) -> String {
-        let (host, length) = (self.host(), body.len());
-        self.raw(&format!(
-            "POST /api/answer HTTP/1.1\r\nHost: {host}\r\nContent-Length: {length}\r\n{lines}\r\n{body}"
-        ))
-    }
-
-    /// The cookie for the token.
-    fn sign_in(&self) -> String {
-        let answer = self.get(&format!("/?token={}", self.token), "");
-        assert!(answer.starts_with("HTTP/1.1 303"), "{answer}");
-        let cookie = header(&answer, "set-cookie").expect("a cookie");
-        assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
-        let value = cookie.split(';').next().expect("a value");
-        format!("Cookie: {value}\r\n")
-    }
-
-    /// The lines of a request that may write.
-    fn writer(&self, cookie: &str) -> String {
-        let host = self.host();
-        format!("{cookie}Origin: http://{host}\r\nContent-Type: application/json\r\n")
-    }
-}
-
-fn read_all(stream: &mut TcpStream) -> String {
-    let mut bytes = Vec::new();
-    let _ = stream.read_to_end(&mut bytes);
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
-fn header<'a>(answer: &'a str, name: &str) -> Option<&'a str> {
-    let head = answer.split("\r\n\r\n").next()?;
-    head.lines().find_map(|line| {
-        let (own, value) = line.split_once(": ")?;
-        own.eq_ignore_ascii_case(name).then_some(value)
-    })
-}
-
-fn status(answer: &str) -> u16 {
-    let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok());
-    code.unwrap_or(0)
-}
+use grouser_view::feed::Feed;
+use grouser_view::server::Shown;
+use running::{header, read_all, start, start_with, status};
 
 #[test]
 fn it_listens_on_this_machine_only_with_a_random_token() {
@@ -169,11 +66,133 @@ fn another_sites_page_is_refused() {
         let lines = format!("{cookie}Sec-Fetch-Site: {site}\r\n");
         assert_eq!(status(&server.get("/", &lines)), 403, "{site}");
     }
-    // an upgrade to a web socket is no way round: there is none
-    let lines = format!(
-        "{cookie}Origin: https://evil.com\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-    );
-    assert_eq!(status(&server.get("/api/answer", &lines)), 403);
+}
+
+#[test]
+fn no_connection_becomes_a_web_socket() {
+    let server = start_with(None, Some(Feed::new()));
+    let cookie = server.sign_in();
+    let upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+        Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+    for (origin, expected) in [
+        ("https://evil.com", 403),
+        (&format!("http://{}", server.host()), 405),
+    ] {
+        let lines = format!("{cookie}Origin: {origin}\r\n{upgrade}");
+        let answer = server.get("/api/answer", &lines);
+        let found = status(&answer);
+        // with a path that is there, the answer is that of a request without an upgrade
+        assert!(found == expected || found == 404, "{origin}: {answer}");
+        let page = server.get("/", &lines);
+        assert_eq!(
+            status(&page),
+            if expected == 403 { 403 } else { 200 },
+            "{origin}"
+        );
+        assert!(header(&page, "upgrade").is_none());
+    }
+}
+
+#[test]
+fn nothing_can_be_commanded_and_two_pages_see_the_same() {
+    let feed = Feed::new();
+    feed.add(b"part\0\0\0\0");
+    let server = start_with(None, Some(feed));
+    let cookie = server.sign_in();
+    let (host, writer) = (server.host(), server.writer(&cookie));
+    for method in ["PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"] {
+        for path in ["/", "/api/run/0", "/api/answer", "/api/file"] {
+            let answer = server.raw(&format!(
+                "{method} {path} HTTP/1.1\r\nHost: {host}\r\n{writer}\r\n"
+            ));
+            assert!(
+                matches!(status(&answer), 400 | 405),
+                "{method} {path}: {answer}"
+            );
+        }
+    }
+    for path in ["/api/run/0", "/api/file", "/"] {
+        let answer = server.raw(&format!(
+            "POST {path} HTTP/1.1\r\nHost: {host}\r\n{writer}Content-Length: 2\r\n\r\n{{}}"
+        ));
+        assert_eq!(status(&answer), 405, "{path}: {answer}");
+    }
+    // an answer depends on its request alone, whatever another page requested before
+    let request = r#"{"call": "catalogue"}"#;
+    let body = |answer: &str| {
+        answer
+            .split("\r\n\r\n")
+            .nth(1)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let first = body(&server.post(&writer, request));
+    server.post(&writer, r#"{"call": "stop", "speed_m_per_s": 1}"#);
+    assert_eq!(body(&server.post(&writer, request)), first);
+    let parts = server.get("/api/run/0", &cookie);
+    assert_eq!(parts, server.get("/api/run/0", &cookie));
+}
+
+#[test]
+fn a_run_needs_the_session_and_a_number() {
+    let feed = Feed::new();
+    feed.add(b"secret\0\0");
+    let server = start_with(None, Some(feed));
+    let answer = server.get("/api/run/0", "");
+    assert_eq!(status(&answer), 401);
+    assert!(!answer.contains("secret"));
+    let cookie = server.sign_in();
+    assert!(server.get("/api/run/0", &cookie).contains("secret"));
+    for path in [
+        "/api/run/",
+        "/api/run/-1",
+        "/api/run/1e9",
+        "/api/run/0/0",
+        "/api/run/99999999999999999999999",
+    ] {
+        assert_eq!(status(&server.get(path, &cookie)), 404, "{path}");
+    }
+    // a number that is not there yet is waited for, and answered without parts
+    let answer = server.get("/api/run/18446744073709551615", &cookie);
+    assert!(status(&answer) == 200 && !answer.contains("secret"));
+}
+
+/// The program with few descriptors: connections that it cannot accept wait, and it goes on once others end.
+#[test]
+#[cfg(unix)]
+fn without_descriptors_it_waits_and_goes_on() {
+    let program = env!("CARGO_BIN_EXE_grouser-view");
+    let mut server = Command::new("sh")
+        .args(["-c", "ulimit -n 40; exec \"$0\"", program])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("a shell");
+    let mut line = String::new();
+    BufReader::new(server.stdout.take().expect("its output"))
+        .read_line(&mut line)
+        .expect("a line");
+    let address = line.split_whitespace().nth(1).expect("an address");
+    let (host, token) = address
+        .trim_start_matches("http://")
+        .split_once("/?token=")
+        .expect("a token");
+    let idle: Vec<TcpStream> = (0..120)
+        .filter_map(|_| TcpStream::connect(host).ok())
+        .collect();
+    assert!(idle.len() >= 100, "{}", idle.len());
+    thread::sleep(Duration::from_millis(300));
+    assert!(server.try_wait().expect("its state").is_none(), "it lives");
+    drop(idle);
+    let mut stream = TcpStream::connect(host).expect("it listens");
+    stream
+        .set_read_timeout(Some(Duration::from_secs(30)))
+        .expect("a limit");
+    stream
+        .write_all(format!("GET /?token={token} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+        .expect("sent");
+    assert_eq!(status(&read_all(&mut stream)), 303);
+    server.kill().expect("it ends");
+    let _ = server.wait();
 }
 
 #[test]

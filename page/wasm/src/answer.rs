@@ -7,7 +7,13 @@ use crate::request::{Problem, Request};
 /// Answers a request. A request that cannot be answered gives `{"error": {"field", "message"}}`.
 #[must_use]
 pub fn answer(request: &str) -> String {
-    let answered = Request::parse(request).and_then(|request| dispatch(&request));
+    answer_with(request, Vec::new(), &mut |_| ())
+}
+
+/// Answers a request about a file; `take` receives parts of a run before it has ended.
+#[must_use]
+pub fn answer_with(request: &str, file: Vec<u8>, take: &mut dyn FnMut(Vec<u8>)) -> String {
+    let answered = Request::parse(request).and_then(|request| dispatch(&request, file, take));
     answered
         .unwrap_or_else(
             |problem| json!({ "error": { "field": problem.field, "message": problem.message } }),
@@ -15,12 +21,22 @@ pub fn answer(request: &str) -> String {
         .to_string()
 }
 
-fn dispatch(request: &Request<'_>) -> Result<Value, Problem> {
+#[cfg_attr(
+    not(feature = "log"),
+    allow(unused_variables, reason = "only logs are files")
+)]
+fn dispatch(
+    request: &Request<'_>,
+    file: Vec<u8>,
+    take: &mut dyn FnMut(Vec<u8>),
+) -> Result<Value, Problem> {
     match request.text("call")? {
         #[cfg(feature = "explore")]
         "catalogue" => Ok(crate::catalogue::soils()),
         #[cfg(feature = "explore")]
         "wheel" => crate::wheel::solve(request),
+        #[cfg(feature = "explore")]
+        "slip_model" => crate::slip_model::solve(request),
         #[cfg(feature = "explore")]
         "curve" => crate::curve::solve(request),
         #[cfg(feature = "drive")]
@@ -32,7 +48,7 @@ fn dispatch(request: &Request<'_>) -> Result<Value, Problem> {
         #[cfg(feature = "drive")]
         "drive" => crate::drive::solve(request),
         #[cfg(feature = "log")]
-        "estimate" => crate::estimate::solve(request),
+        "estimate" => crate::estimate::solve(request, file, take),
         other => Err(Problem::new(
             "call",
             format!("`{other}` is not a call of this module"),

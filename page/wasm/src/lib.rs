@@ -27,6 +27,8 @@ mod examples;
 mod optimize;
 mod request;
 #[cfg(feature = "explore")]
+mod slip_model;
+#[cfg(feature = "explore")]
 mod wheel;
 
-pub use answer::answer;
+pub use answer::{answer, answer_with};

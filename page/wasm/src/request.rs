@@ -2,11 +2,7 @@
 
 use serde_json::{Map, Value};
 
-/// Longest request, bytes: a log of 192 MiB in base64.
-#[cfg(feature = "log")]
-const MAX_REQUEST_BYTES: usize = 256 << 20;
-/// Longest request, bytes: a few soils and numbers.
-#[cfg(not(feature = "log"))]
+/// Longest request, bytes: a few soils and numbers, or the text of some files.
 const MAX_REQUEST_BYTES: usize = 1 << 20;
 
 /// Why a request has no answer.

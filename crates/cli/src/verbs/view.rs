@@ -25,12 +25,27 @@ const PROGRAM: Companion = Companion {
     long_about = "Open the page: a wheel on soil to explore, a run to look at. The page is a local server's \
         (127.0.0.1, with a random token), or one HTML file that opens without a server. It is shown by the \
         program `grouser-view`, which `page/build` builds and which is found beside `grouser` or on the path.",
-    after_help = "Examples:\n  grouser view\n  grouser view estimates.csv\n  grouser view --export page.html"
+    after_help = "Examples:\n  grouser view\n  grouser view estimates.csv\n  grouser view log.mcap --robot robot.toml\n  \
+        grouser view log.csv --robot robot.toml --follow\n  grouser view --export page.html"
 )]
 pub(crate) struct Arguments {
     /// A run to open: the table of `estimate -o`, or a log
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+    /// The robot of the log: the server estimates while the page shows it, so that a log of any size opens
+    #[arg(
+        long,
+        value_name = "R.toml",
+        requires = "file",
+        conflicts_with = "export"
+    )]
+    robot: Option<PathBuf>,
+    /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
+    #[arg(long, value_name = "C.toml", requires = "robot")]
+    map: Option<PathBuf>,
+    /// The log is a table that is still written: the page shows its newest row
+    #[arg(long, requires = "robot")]
+    follow: bool,
     /// Write the page, with the run in it, as one HTML file instead of serving it
     #[arg(long, value_name = "F.html")]
     export: Option<PathBuf>,
@@ -52,6 +67,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
     let mut command = Command::new(&program);
     if let Some(file) = &arguments.file {
         files_in_use::reads(file);
+    }
+    for (flag, path) in [("--robot", &arguments.robot), ("--map", &arguments.map)] {
+        if let Some(path) = path {
+            files_in_use::reads(path);
+            command.arg(flag).arg(path);
+        }
+    }
+    if arguments.follow {
+        command.arg("--follow");
     }
     if let Some(path) = &arguments.export {
         // refused here, by the rules of all outputs, before the program begins it

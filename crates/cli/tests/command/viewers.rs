@@ -24,7 +24,7 @@ fn a_layout_names_what_a_recording_has() {
     let info = info.json();
     let topics = info["topics"].as_array().unwrap();
     let mut named = 0;
-    for layout in ["foxglove.json", "plotjuggler.xml"] {
+    for layout in ["foxglove.json", "plotjuggler.xml", "rerun_blueprint.py"] {
         let text = std::fs::read_to_string(format!("{root}/viewers/{layout}")).unwrap();
         for path in paths(&text) {
             let topic = topics.iter().find(|topic| {

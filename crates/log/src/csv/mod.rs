@@ -13,4 +13,4 @@ mod row;
 pub use fields::{BadQuote, Field, quoted, split};
 pub use lines::{LINE_LIMIT, Lines};
 pub use number::{NotANumber, finite};
-pub(crate) use reader::CsvReader;
+pub(crate) use reader::{CsvReader, TABLE_LOOK_AHEAD};

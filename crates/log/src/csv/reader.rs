@@ -16,7 +16,7 @@ use crate::source::Source;
 use grouser_slip::Sample;
 
 /// How many rows a row may stand from its place in time.
-pub(crate) const LOOK_AHEAD: usize = 1024;
+pub(crate) const TABLE_LOOK_AHEAD: usize = 1024;
 /// Rows of several sensors may be written out of order, but not by this much: a clock was set, s.
 const SET_BACK_S: f64 = 60.0;
 /// A message shows this much of a bad field.
@@ -32,18 +32,19 @@ pub(crate) struct CsvReader {
     separator: u8,
     fields: Vec<Field>,
     ordered: Ordered<Sample>,
+    look_ahead: usize,
     rows: u64,
     last_ns: Option<i64>,
     done: bool,
 }
 
 impl CsvReader {
-    /// Opens a table and reads its header. `wheels` are the log's wheels, to which the samples' indices refer; bytes
-    /// read are added to `count`.
+    /// Opens a table and reads its header. `wheels` are the log's wheels, to which the samples' indices refer;
+    /// `look_ahead` rows are held back; bytes read are added to `count`.
     pub(crate) fn open(
         source: &Source,
         table: &Table,
-        (wheels, count): (&[String], &Arc<AtomicU64>),
+        (wheels, look_ahead, count): (&[String], usize, &Arc<AtomicU64>),
     ) -> Result<Self> {
         let mut lines = Lines::of(source, count)?;
         let mut names: Vec<String> = Vec::new();
@@ -83,7 +84,8 @@ impl CsvReader {
             names,
             separator: table.separator,
             fields,
-            ordered: Ordered::new(LOOK_AHEAD),
+            ordered: Ordered::new(look_ahead),
+            look_ahead,
             rows: 0,
             last_ns: None,
             done: false,
@@ -132,7 +134,7 @@ impl CsvReader {
             .map_err(|by_s| Error::OutOfOrder {
                 at: here.clone(),
                 by_s,
-                look_ahead: LOOK_AHEAD,
+                look_ahead: self.look_ahead,
             })?;
         let ordered = &mut self.ordered;
         self.plan

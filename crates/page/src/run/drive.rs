@@ -3,7 +3,7 @@
 use grouser_rover::drive::{DriveResult, Frame, NamedDecision, Pilot, Scenario};
 use serde_json::{Value, json};
 
-use super::columns::{Spans, WheelColumns};
+use super::columns::{Spans, WheelColumns, WheelTruth};
 use super::ground;
 
 /// Frames kept a second: enough for a figure.
@@ -99,6 +99,14 @@ impl DriveRecorder {
             columns.sigma.push(wheel.observation.sigma.map(rounded));
             columns.torque.push(Some(rounded(wheel.torque)));
             columns.sinkage.push(Some(rounded(wheel.sinkage)));
+            // to a tenth of a millimetre, of a degree and a hundredth of a newton: a page stays small
+            let coarse = |value: f64, steps: f64| (value * steps).round() / steps;
+            let [along, across] = wheel.forces;
+            columns.truth.push(WheelTruth {
+                place: wheel.place.map(|place| coarse(place, 1e4)),
+                heading: coarse(wheel.heading.to_degrees(), 10.0),
+                forces: [along, across, wheel.load].map(|force| coarse(force, 1e2)),
+            });
             let motion = wheel
                 .observation
                 .motion
@@ -124,6 +132,8 @@ impl DriveRecorder {
             .map(|(wheel, columns)| {
                 let mut object = columns.object(&wheel.name);
                 object["is_reference"] = json!(wheel.motor.is_none());
+                object["radius_m"] = json!(wheel.wheel.radius());
+                object["width_m"] = json!(wheel.wheel.width());
                 object
             })
             .collect();

@@ -7,8 +7,18 @@ mod drive;
 mod ground;
 #[cfg(feature = "log")]
 mod log;
+#[cfg(feature = "log")]
+mod overview;
+#[cfg(feature = "log")]
+mod part;
+#[cfg(feature = "log")]
+mod parts;
 
 #[cfg(feature = "drive")]
 pub use drive::{Drive, DriveRecorder};
 #[cfg(feature = "log")]
 pub use log::LogRecorder;
+#[cfg(feature = "log")]
+pub use overview::overview;
+#[cfg(feature = "log")]
+pub use parts::{LogParts, failed};

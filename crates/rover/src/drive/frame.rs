@@ -2,6 +2,7 @@
 
 use grouser_slip::Sample;
 use grouser_slip::control::{Mode, WheelObservation};
+use grouser_slip::onboard::SoilEstimate;
 
 /// A wheel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +22,12 @@ pub struct WheelFrame {
     pub sinkage: f64,
     /// Speed of the rim and of the centre along its heading, m/s.
     pub speeds: [f64; 2],
+    /// The ground's force along its heading and to the left, N.
+    pub forces: [f64; 2],
+    /// Place of its centre in the world, m.
+    pub place: [f64; 2],
+    /// Its direction in the world, rad from x towards y.
+    pub heading: f64,
 }
 
 /// What is true and what is known at one moment.
@@ -47,6 +54,8 @@ pub struct Frame<'a> {
     pub distance: f64,
     /// The wheels.
     pub wheels: &'a [WheelFrame],
+    /// What the robot's computer has learnt of the soil, where it learns.
+    pub soil: Option<SoilEstimate>,
     /// The samples that arrived in this period.
     pub samples: &'a [Sample],
 }

@@ -1,0 +1,165 @@
+//! A log through the estimator in parts: rows as they are found, so that the page shows a run while it grows.
+
+use std::io;
+
+use grouser_files::robot::RobotFile;
+use grouser_replay::{Row, Sink, Step, Summary};
+use grouser_slip::WheelRole;
+use serde_json::{Value, json};
+
+use super::part;
+
+/// A part has at most so many rows.
+const MAX_ROWS: usize = 4096;
+/// Columns before those of the wheels.
+const BODY_COLUMNS: [&str; 5] = ["time_s", "x_m", "y_m", "heading_deg", "speed_m_per_s"];
+
+/// The last part of a run that cannot go on, with the reason.
+///
+/// ```
+/// let part = grouser_page::run::failed("log.csv: line 3: …");
+/// assert_eq!(part.len() % 8, 0);
+/// ```
+#[must_use]
+pub fn failed(message: &str) -> Vec<u8> {
+    part::bytes(json!({ "failed": message }), &[])
+}
+
+/// The rows of a log through the estimator, in parts of bytes; `take` receives each part.
+///
+/// ```
+/// use grouser_files::{columns, robot};
+/// use grouser_log::Log;
+/// use grouser_page::run::LogParts;
+/// use grouser_replay::{Options, run_into};
+///
+/// let example = std::path::Path::new("../../examples/five-wheel");
+/// let robot = robot::read(&example.join("robot.toml"))?;
+/// let map = columns::read(&example.join("columns.toml"))?;
+/// let log = Log::find(&[example.join("log.csv")], map)?;
+/// let mut parts = 0;
+/// let mut run = LogParts::new("log.csv", &robot, |_part| parts += 1);
+/// let summary = run_into(&log, &robot, &Options::default(), &mut run)?;
+/// let end = run.end(&summary);
+/// assert_eq!(end["wheels"].as_array().map(Vec::len), Some(5));
+/// assert_eq!(parts, 2); // the names of the wheels, then 2001 rows
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct LogParts<F> {
+    take: F,
+    columns: Vec<Vec<f64>>,
+    names: Vec<String>,
+    /// Of each wheel: the motion and the health that hold.
+    states: Vec<[String; 2]>,
+    changes: Vec<Value>,
+    distance: Option<f64>,
+}
+
+impl<F: FnMut(Vec<u8>)> LogParts<F> {
+    /// Begins a run of `robot`; `title` names the log. The first part has the wheels' names.
+    pub fn new(title: &str, robot: &RobotFile, mut take: F) -> Self {
+        let wheels = robot.robot.wheels();
+        let begin = json!({ "begin": {
+            "kind": "estimate",
+            "title": title,
+            "wheels": wheels.iter().map(|wheel| json!({
+                "name": wheel.name,
+                "is_reference": wheel.role == WheelRole::Free,
+            })).collect::<Vec<_>>(),
+        } });
+        take(part::bytes(begin, &[]));
+        let body = BODY_COLUMNS.iter().map(|name| (*name).to_owned());
+        let of_wheels =
+            (0..wheels.len()).flat_map(|i| [format!("slip {i}"), format!("slip_sigma {i}")]);
+        let names: Vec<String> = body.chain(of_wheels).collect();
+        Self {
+            take,
+            columns: vec![Vec::with_capacity(MAX_ROWS); names.len()],
+            names,
+            states: vec![[const { String::new() }; 2]; wheels.len()],
+            changes: Vec::new(),
+            distance: None,
+        }
+    }
+
+    /// Sends a part of this run that was made elsewhere: its [`overview`](super::overview()).
+    pub fn add(&mut self, part: Vec<u8>) {
+        (self.take)(part);
+    }
+
+    /// Sends what is there, however little: a live run shows its newest row at once.
+    pub fn flush(&mut self) {
+        if self.columns[0].is_empty() && self.changes.is_empty() {
+            return;
+        }
+        let head =
+            json!({ "changes": std::mem::take(&mut self.changes), "distance_m": self.distance });
+        let columns: Vec<(String, &[f64])> = self
+            .names
+            .iter()
+            .cloned()
+            .zip(self.columns.iter().map(Vec::as_slice))
+            .collect();
+        (self.take)(part::bytes(head, &columns));
+        self.columns.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Ends the run: what is known once the whole log was read.
+    pub fn end(&mut self, summary: &Summary) -> Value {
+        self.flush();
+        let doubts: Vec<String> = summary.doubts().iter().map(ToString::to_string).collect();
+        let wheels: Vec<Value> = summary
+            .wheels
+            .iter()
+            .map(|wheel| json!({ "median_slip": wheel.slip.median, "is_reference": wheel.is_reference }))
+            .collect();
+        json!({ "doubts": doubts, "distance_m": self.distance, "wheels": wheels })
+    }
+
+    /// As [`LogParts::end`], as the last part.
+    pub fn finish(&mut self, summary: &Summary) {
+        let end = self.end(summary);
+        (self.take)(part::bytes(json!({ "end": end }), &[]));
+    }
+}
+
+impl<F: FnMut(Vec<u8>)> Sink for LogParts<F> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        let [motion, health] = &mut self.states[row.wheel];
+        let now = row.motion.map_or("", grouser_slip::Motion::name);
+        if motion != now {
+            now.clone_into(motion);
+            self.changes
+                .push(json!(["motion", row.wheel, row.time_s, now]));
+        }
+        let now = row.health.to_string();
+        if *health != now {
+            self.changes
+                .push(json!(["health", row.wheel, row.time_s, now]));
+            *health = now;
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        let odometry = step.odometry.as_ref();
+        self.distance = odometry.map(|odometry| odometry.distance).or(self.distance);
+        let body = odometry.map_or([f64::NAN; 4], |odometry| {
+            let [x, y, yaw] = odometry.pose;
+            [x, y, yaw.to_degrees(), odometry.velocity[0]]
+        });
+        let of_wheels = step.wheels.iter().flat_map(|wheel| {
+            let slip = wheel.slip.map(grouser_terra::Slip::value);
+            [slip.unwrap_or(f64::NAN), wheel.sigma.unwrap_or(f64::NAN)]
+        });
+        let row = [step.time_s].into_iter().chain(body).chain(of_wheels);
+        for (column, value) in self.columns.iter_mut().zip(row) {
+            column.push(value);
+        }
+        if self.columns[0].len() >= MAX_ROWS {
+            self.flush();
+        }
+        Ok(())
+    }
+}

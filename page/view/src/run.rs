@@ -1,0 +1,154 @@
+//! A log through the estimator in the server, for a page that shows it while it is read.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use grouser_files::columns::ColumnMap;
+use grouser_files::robot::RobotFile;
+use grouser_files::{columns, robot};
+use grouser_log::Log;
+use grouser_log::container::Container;
+use grouser_page::run::{LogParts, failed, overview};
+use grouser_replay::{Options, Row, Sink, Step, run_into};
+
+use crate::error::{Error, Result};
+use crate::feed::Feed;
+use crate::follow::Growing;
+
+/// Rows of a growing table that are held back, to be put into the order of time.
+const LIVE_LOOK_AHEAD: usize = 4;
+
+/// A log and the files that describe it, read and checked.
+#[derive(Debug)]
+pub struct RecordedRun {
+    log: PathBuf,
+    robot: RobotFile,
+    map: Option<ColumnMap>,
+    is_live: bool,
+}
+
+impl RecordedRun {
+    /// Reads the robot file and the column map: `map`, the robot file's, or `columns.toml` beside it. With `is_live` the
+    /// log is a table that is still written.
+    ///
+    /// # Errors
+    /// What is wrong with one of the files; a log to follow that is a recording, whose end must be known.
+    pub fn open(log: &Path, robot: &Path, map: Option<&Path>, is_live: bool) -> Result<Self> {
+        let refused = |error: &dyn std::fmt::Display| Error::Refused {
+            message: error.to_string(),
+        };
+        let file = robot::read(robot).map_err(|error| refused(&error))?;
+        let beside = robot.with_file_name("columns.toml");
+        let map = match map {
+            Some(map) => Some(columns::read(map).map_err(|error| refused(&error))?),
+            None if file.columns.is_some() => file.columns.clone(),
+            None if beside.is_file() => {
+                Some(columns::read(&beside).map_err(|error| refused(&error))?)
+            }
+            None => None,
+        };
+        let kind = Container::kind(log).map_err(|error| refused(&error))?;
+        if is_live && kind.is_some() {
+            return Err(Error::Refused {
+                message: format!(
+                    "{}: only a table (CSV) can be followed while it is written",
+                    log.display()
+                ),
+            });
+        }
+        Ok(Self {
+            log: log.to_owned(),
+            robot: file,
+            map,
+            is_live,
+        })
+    }
+
+    /// Does it still grow?
+    #[must_use]
+    pub const fn is_live(&self) -> bool {
+        self.is_live
+    }
+
+    /// Runs the log into `feed`, in a thread that ends with it.
+    #[must_use]
+    pub fn start(self) -> Feed {
+        let feed = Feed::new();
+        let into = feed.clone();
+        std::thread::spawn(move || {
+            if let Err(message) = self.run(&into) {
+                into.add(&failed(&message));
+            }
+        });
+        feed
+    }
+
+    fn run(self, feed: &Feed) -> std::result::Result<(), String> {
+        let name = self
+            .log
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let into = feed.clone();
+        let parts = Parts(Arc::new(Mutex::new(LogParts::new(
+            &name,
+            &self.robot,
+            move |part: Vec<u8>| into.add(&part),
+        ))));
+        let log = self.open_log(&parts)?;
+        if !self.is_live {
+            feed.add(&overview(&log, &self.robot).map_err(|error| error.to_string())?);
+        }
+        let mut sink = parts.clone();
+        let summary = run_into(&log, &self.robot, &Options::default(), &mut sink)
+            .map_err(|error| error.to_string())?;
+        parts.with(|parts| parts.finish(&summary));
+        Ok(())
+    }
+
+    fn open_log<F: FnMut(Vec<u8>) + Send + 'static>(
+        &self,
+        parts: &Parts<F>,
+    ) -> std::result::Result<Log, String> {
+        let map = self.map.clone();
+        if !self.is_live {
+            let paths = std::slice::from_ref(&self.log);
+            return Log::find_any(paths, map, &self.robot.topics)
+                .map_err(|error| error.to_string());
+        }
+        let file = File::open(&self.log).map_err(|error| error.to_string())?;
+        let waiting = parts.clone();
+        let growing = Growing::new(file, move || waiting.with(LogParts::flush));
+        let log = Log::over(&self.log, growing, map, &self.robot.topics)
+            .map_err(|error| error.to_string())?;
+        Ok(log.with_look_ahead(LIVE_LOOK_AHEAD))
+    }
+}
+
+/// The parts of a run, which the reader of a growing table sends on before it waits.
+struct Parts<F>(Arc<Mutex<LogParts<F>>>);
+
+impl<F> Clone for Parts<F> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<F> Parts<F> {
+    fn with<T>(&self, act: impl FnOnce(&mut LogParts<F>) -> T) -> T {
+        act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl<F: FnMut(Vec<u8>)> Sink for Parts<F> {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        self.with(|parts| parts.row(row))
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
+        self.with(|parts| parts.step(step))
+    }
+}
