@@ -73,6 +73,10 @@ terrain:
 mission:
     GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
 
+# soil learnt while driving, on nine soils under two laws of shear: what was predicted against what was true; minutes
+learnt-soil seeds="2":
+    GROUSER_SEEDS={{seeds}} cargo test --release --package grouser-rover --test learnt_soil -- --ignored --nocapture
+
 # 6000 black-box cases against the program, with overflow checks; minutes. Another first case draws others
 attack cases="6000" first="0":
     GROUSER_ATTACK_CASES={{cases}} GROUSER_ATTACK_FIRST={{first}} cargo test --package grouser --test attack -- --nocapture

@@ -164,7 +164,7 @@ fn track_row(frame: &Frame<'_>) -> [f64; TRACK.len()] {
 
 #[pymethods]
 impl Simulation {
-    /// `pilot` is `open-loop`, `fixed-slip` or `controller`.
+    /// `pilot` is `open-loop`, `fixed-slip`, `known-soil` or `controller`.
     #[new]
     fn new(py: Python<'_>, scenario: Scenario, pilot: &str, seed: u64) -> PyResult<Self> {
         let Some(pilot) = Pilot::ALL.into_iter().find(|own| own.name() == pilot) else {

@@ -27,6 +27,9 @@ pub enum Error {
         /// The number and its limits.
         range: OutOfRange,
     },
+    /// Soil is to be learnt, but there are no soils to choose between.
+    #[error("soil is to be learnt, but the soil tables have no family: give `SoilTables::family`")]
+    MissingFamily,
     /// The number of wheels is outside its limits.
     #[error("the robot has {count} wheels, but must have 1 to {limit}")]
     WheelCount {

@@ -5,12 +5,15 @@ use grouser_real::OutOfRange;
 /// Why a sample was refused.
 ///
 /// ```
-/// use grouser_slip::Fault;
-/// use grouser_slip::ground::{Uncertain, sinkage_from_camera};
+/// use grouser_slip::filter::{FilterSettings, SlipFilter};
+/// use grouser_slip::{Fault, Measurement, Robot, Sample, Wheel};
 ///
-/// let radius = Uncertain { value: 0.1, sigma: 0.0 }; // m
-/// let fault = sinkage_from_camera(Uncertain { value: f64::NAN, sigma: 0.02 }, radius).unwrap_err();
+/// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
+/// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
+/// let measurement = Measurement::YawRate { rate: f64::NAN }; // rad/s
+/// let fault = filter.update(Sample { time_ns: 0, measurement }).unwrap_err();
 /// assert!(matches!(fault, Fault::NotFinite { .. }));
+/// # Ok::<(), grouser_slip::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -33,7 +33,7 @@
 //! means over windows of time and keeps no model of the motion. On the slips of either stand [`detect::Detector`], which
 //! reports the events that an operator must know, and [`control::Controller`], which drives the wheels.
 //! [`prior`] holds what a soil model predicts of slip, [`start::StartCheck`] compares the sensors with the robot's
-//! description before the first drive, and [`ground`] learns the soil's strength and the contact angles.
+//! description before the first drive.
 //!
 //! Three outcomes are never mixed: a robot or settings that cannot be used are an [`Error`] with field, value, limit and
 //! unit; a sample that cannot be used is a [`Fault`], which is counted and changes nothing; an estimate that cannot be
@@ -53,7 +53,6 @@ pub mod detect;
 mod error;
 mod fault;
 pub mod filter;
-pub mod ground;
 mod history;
 mod measured_slip;
 pub mod onboard;
@@ -66,6 +65,7 @@ mod speed;
 pub mod start;
 mod state;
 mod wheel_estimate;
+mod wheel_steering;
 mod wheel_track;
 pub mod window;
 

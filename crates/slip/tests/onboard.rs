@@ -5,7 +5,9 @@
 )]
 
 use grouser_slip::control::Request;
-use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, StartPolicy};
+use grouser_slip::onboard::{
+    OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
+};
 use grouser_slip::prior::SoilDoubt;
 use grouser_slip::{Measurement, Robot, Sample, Wheel};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
@@ -103,6 +105,9 @@ fn neither_samples_nor_ticks_allocate() {
         .unwrap();
     let tables = SoilTables::solve(&robot, &with_soil.wheels, &soil, SoilDoubt::default());
     with_soil.soil = tables.unwrap();
+    let family = SoilFamily::solve(&robot, &with_soil.wheels, &soil);
+    with_soil.soil.family = Some(family.unwrap());
+    with_soil.learn = Some(SoilLearnSettings::default());
     let mut on_board = OnBoard::new(&robot, with_soil).unwrap();
     let samples = [
         Measurement::Inertial {

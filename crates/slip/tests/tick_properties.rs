@@ -15,8 +15,9 @@ mod noise;
 use std::collections::BTreeMap;
 
 use grouser_slip::control::{Decides, Mode, Request, WheelCommand};
-use grouser_slip::onboard::{OnBoard, OnBoardSettings, StartPolicy};
+use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, StartPolicy};
 use grouser_slip::{Measurement, Robot, Sample, Wheel};
+use grouser_terra::catalogue;
 use noise::Noise;
 
 const PERIOD_NS: i64 = 20_000_000;
@@ -182,6 +183,12 @@ impl Drive {
         for setup in &mut settings.wheels[..POWERED] {
             setup.max_torque = Some(5.0);
             setup.max_steering_angle = if kind.steers { MAX_STEERING_RAD } else { 0.0 };
+        }
+        if seed % 2 == 0 {
+            let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+            let family = SoilFamily::solve(&robot, &settings.wheels, &soil);
+            settings.soil.family = Some(family.unwrap());
+            settings.learn = Some(SoilLearnSettings::default());
         }
         let control = settings.control;
         Self {

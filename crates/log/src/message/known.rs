@@ -13,7 +13,8 @@ pub const WHEEL_TICKS: &str = "grouser_msgs/WheelTicks";
 pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
 /// Slip by wheel.
 pub const WHEEL_SLIP: &str = "grouser_msgs/WheelSlip";
-
+/// What is learnt of the soil.
+pub const SOIL: &str = "grouser_msgs/Soil";
 /// An event of a wheel or of the robot.
 pub const SLIP_EVENT: &str = "grouser_msgs/SlipEvent";
 
@@ -227,6 +228,14 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         "# Slip of wheels: 0 rolls freely, 1 spins on the spot, negative brakes; NaN: none worth a number.\n\
          # slip_sigma is the standard deviation of its error.\nstd_msgs/Header header\nstring[] name\n\
          float64[] slip\nfloat64[] slip_sigma\nstring[] motion\nstring[] health\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        SOIL,
+        "# Strength (cohesion, tan phi) and stiffness (pressure-sinkage moduli) as multiples of the known soil's, friction\n\
+         # angle in rad: each as mean, lower and upper end of its 90 % interval. Readings, and changes of the belief in use.\n\
+         std_msgs/Header header\nfloat64[3] strength\nfloat64[3] stiffness\nfloat64[3] friction_angle\n\
+         uint32 readings\nuint32 changes\n",
         &["std_msgs/Header"],
     ),
     (

@@ -97,7 +97,8 @@ fn read(
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
     let plan = root.section("plan", read_plan)?;
-    let learn = root.section("learn", read_learn)?;
+    let standard = if plan.is_some() { 0.15 } else { 0.3 };
+    let learn = root.section("learn", |s| read_learn(s, standard))?;
     let mut legs = root.sections("leg", read_leg)?;
     if let Some(plan) = &plan {
         if !legs.is_empty() {
@@ -114,11 +115,6 @@ fn read(
             heading: (plan.goal.1 - start.1).atan2(plan.goal.0 - start.0),
             distance: None,
             duration: Some(duration),
-        });
-    } else if learn.is_some() {
-        return Err(Error::Missing {
-            of: "[learn]".to_owned(),
-            what: "a [plan] that uses what is learnt".to_owned(),
         });
     }
     let scenario = Scenario {
@@ -182,11 +178,11 @@ fn read_plan(s: &Section<'_>) -> grouser_files::Result<PlanSpec> {
     })
 }
 
-fn read_learn(s: &Section<'_>) -> grouser_files::Result<LearnSpec> {
+fn read_learn(s: &Section<'_>, hysteresis: f64) -> grouser_files::Result<LearnSpec> {
     let or = |key, limits, other: f64| Ok(s.optional_number(key, limits)?.unwrap_or(other));
     Ok(LearnSpec {
         tile: or("tile_m", (0.1, 1e4), 2.0)?,
-        hysteresis: or("hysteresis", (0.0, 1.0), 0.15)?,
+        hysteresis: or("hysteresis", (0.0, 1.0), hysteresis)?,
     })
 }
 

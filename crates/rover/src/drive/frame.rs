@@ -2,6 +2,7 @@
 
 use grouser_slip::Sample;
 use grouser_slip::control::{Mode, WheelObservation};
+use grouser_slip::onboard::SoilEstimate;
 
 /// A wheel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,8 @@ pub struct Frame<'a> {
     pub distance: f64,
     /// The wheels.
     pub wheels: &'a [WheelFrame],
+    /// What the robot's computer has learnt of the soil, where it learns.
+    pub soil: Option<SoilEstimate>,
     /// The samples that arrived in this period.
     pub samples: &'a [Sample],
 }

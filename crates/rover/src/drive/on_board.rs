@@ -2,7 +2,9 @@
 
 use grouser_slip::control::ControlSettings;
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilTables, WheelSetup};
+use grouser_slip::onboard::{
+    OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, WheelSetup,
+};
 use grouser_slip::prior::SoilDoubt;
 use grouser_terra::Soil;
 
@@ -27,11 +29,19 @@ fn wheel_setups(model: &RobotModel, loads: &[f64]) -> Vec<WheelSetup> {
     setups.collect()
 }
 
-/// What the computer of `model` under `loads` (N) knows of the soil.
-pub(super) fn soil_tables(model: &RobotModel, loads: &[f64], soil: &Soil) -> Result<SoilTables> {
+/// What the computer of `model` under `loads` (N) knows of the soil, with a family to choose from where it `learns`.
+pub(super) fn soil_tables(
+    model: &RobotModel,
+    loads: &[f64],
+    soil: &Soil,
+    learns: bool,
+) -> Result<SoilTables> {
     let setups = wheel_setups(model, loads);
-    let doubt = SoilDoubt::default();
-    Ok(SoilTables::solve(&model.robot, &setups, soil, doubt)?)
+    let mut tables = SoilTables::solve(&model.robot, &setups, soil, SoilDoubt::default())?;
+    if learns {
+        tables.family = Some(SoilFamily::solve(&model.robot, &setups, soil)?);
+    }
+    Ok(tables)
 }
 
 /// The computer of `model` under `loads` (N), which knows the soil on which it starts, its heading (rad) and its sensors.
@@ -39,7 +49,7 @@ pub(super) fn on_board(
     model: &RobotModel,
     (loads, tables, heading): (&[f64], &SoilTables, f64),
     sensors: &SensorSettings,
-    control: &ControlSettings,
+    (control, learn): (&ControlSettings, Option<SoilLearnSettings>),
 ) -> Result<OnBoard> {
     let mut settings = OnBoardSettings::new(&model.robot);
     settings.wheels = wheel_setups(model, loads);
@@ -49,6 +59,7 @@ pub(super) fn on_board(
     settings.heading = heading;
     settings.uses_poses = sensors.camera_rate <= 0.0;
     settings.soil = tables.clone();
+    settings.learn = learn;
     Ok(OnBoard::new(&model.robot, settings)?)
 }
 

@@ -1,6 +1,7 @@
 //! What came of a drive.
 
 use grouser_slip::control::Decision;
+use grouser_slip::onboard::SoilEstimate;
 
 use crate::dynamics::Ledger;
 
@@ -106,6 +107,8 @@ pub struct DriveResult {
     pub refused: u64,
     /// The place where it ended, m.
     pub end: (f64, f64),
+    /// What the robot's computer has learnt of the soil, where it learns.
+    pub soil: Option<SoilEstimate>,
 }
 
 impl DriveResult {

@@ -7,7 +7,7 @@ use grouser_slip::control::{ControlSettings, Decides};
 /// ```
 /// use grouser_rover::drive::Pilot;
 ///
-/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "fixed-slip", "controller"]);
+/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "fixed-slip", "known-soil", "controller"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -16,13 +16,20 @@ pub enum Pilot {
     OpenLoop,
     /// The slip loop at a fixed slip, without decisions.
     FixedSlip,
-    /// The whole controller at the optimiser's slip.
+    /// The whole controller, which takes the ground for the known soil even where the scenario has it learnt.
+    KnownSoil,
+    /// The whole controller; it learns the soil where the scenario has it learnt.
     Controller,
 }
 
 impl Pilot {
     /// Every pilot.
-    pub const ALL: [Self; 3] = [Self::OpenLoop, Self::FixedSlip, Self::Controller];
+    pub const ALL: [Self; 4] = [
+        Self::OpenLoop,
+        Self::FixedSlip,
+        Self::KnownSoil,
+        Self::Controller,
+    ];
 
     /// Its name in tables, files and flags.
     #[must_use]
@@ -30,6 +37,7 @@ impl Pilot {
         match self {
             Self::OpenLoop => "open-loop",
             Self::FixedSlip => "fixed-slip",
+            Self::KnownSoil => "known-soil",
             Self::Controller => "controller",
         }
     }
@@ -52,7 +60,7 @@ impl Pilot {
                 settings.optimum = fixed;
                 settings.decides = Decides::Nothing;
             }
-            Self::Controller => settings.optimum = optimum,
+            Self::KnownSoil | Self::Controller => settings.optimum = optimum,
         }
         settings
     }

@@ -48,13 +48,14 @@ pub struct PlanSpec {
     pub margin: f64,
 }
 
-/// Soil that is learnt while driving; without it the plan's soil stays the first one of the scenario.
+/// Soil that is learnt while driving; without it the robot takes the first soil of the scenario for known. A drive that plans
+/// its way learns by tiles, one along legs a single soil that follows the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LearnSpec {
-    /// Side of a tile, m.
+    /// Side of a tile of a drive that plans its way, m.
     pub tile: f64,
-    /// Planning uses a new belief once it differs from the one in use by this probability.
+    /// The robot uses a new belief once it differs from the one in use by this probability.
     pub hysteresis: f64,
 }
 
@@ -244,6 +245,12 @@ impl Scenario {
         Error::check(&of, "fixed_slip", self.fixed_slip, (0.01, 0.95), "1")?;
         self.sensors.check()?;
         self.control.check().map_err(Error::from)
+    }
+
+    /// Does the robot's own computer learn the soil? A drive that plans its way leaves that to the navigator.
+    #[must_use]
+    pub const fn learns_on_board(&self) -> bool {
+        self.learn.is_some() && self.plan.is_none()
     }
 
     /// The total progress of its legs, m; legs that only last have none.

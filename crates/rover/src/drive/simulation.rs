@@ -2,7 +2,7 @@
 
 use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
-use grouser_slip::onboard::{OnBoard, SoilTables};
+use grouser_slip::onboard::{OnBoard, SoilLearnSettings, SoilLearner, SoilTables};
 
 use grouser_terra::{Accuracy, OutOfRange};
 
@@ -101,7 +101,8 @@ impl Simulation {
     /// What is wrong with robot or soil.
     pub fn soil_tables(scenario: &Scenario) -> Result<SoilTables> {
         let loads = wheel_loads(&scenario.robot, 0.0, 0.0).loads;
-        soil_tables(&scenario.robot, &loads, &scenario.ground.soils[0].soil)
+        let soil = &scenario.ground.soils[0].soil;
+        soil_tables(&scenario.robot, &loads, soil, scenario.learns_on_board())
     }
 
     /// [`Simulation::new`] with the [`Simulation::soil_tables`] of the same scenario, for many drives of it: the same bits.
@@ -126,7 +127,13 @@ impl Simulation {
         let loads = wheel_loads(model, 0.0, 0.0).loads;
         let known = (loads.as_slice(), tables, scenario.start.2);
         let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
-        let on_board = on_board(model, known, &scenario.sensors, &control)?;
+        let spec = scenario.learn.filter(|_| scenario.learns_on_board());
+        let learn = spec.filter(|_| pilot == Pilot::Controller).map(|spec| {
+            let mut settings = SoilLearnSettings::default();
+            settings.hysteresis = spec.hysteresis;
+            settings
+        });
+        let on_board = on_board(model, known, &scenario.sensors, (&control, learn))?;
         let count = model.wheels.len();
         // the filter's speeds are means over its window, as old as its horizon
         let filter = filter_settings(model, &scenario.sensors);
@@ -428,6 +435,7 @@ impl Simulation {
             energy: self.electric(),
             distance: self.referee.distance(),
             wheels: &self.frames,
+            soil: self.on_board.soil().map(SoilLearner::estimate),
             samples: &self.samples,
         }
     }
@@ -459,6 +467,7 @@ impl Simulation {
             decision_count: self.decision_count,
             refused: self.on_board.estimate().rejected.total(),
             end: (place.x, place.y),
+            soil: self.on_board.soil().map(SoilLearner::estimate),
         }
     }
 }

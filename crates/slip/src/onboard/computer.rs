@@ -8,6 +8,7 @@ use super::attitude::AttitudeFilter;
 use super::carrier::Carriers;
 use super::clock::Clock;
 use super::firmness::Firmness;
+use super::learn::SoilLearner;
 use super::settings::OnBoardSettings;
 use super::start_guard::StartGuard;
 use super::state::OnBoardState;
@@ -15,7 +16,7 @@ use crate::control::{
     ControlInput, Controller, Decision, Mode, Request, WheelCommand, WheelObservation,
 };
 use crate::detect::Detector;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fault::Fault;
 use crate::filter::{FilterOutput, SlipFilter, SlipPrior};
 use crate::prior::SlipDemand;
@@ -70,6 +71,7 @@ pub struct OnBoard {
     controller: Controller,
     start: StartGuard,
     demand: Option<SlipDemand>,
+    learner: Option<Box<SoilLearner>>,
     demand_now: Option<SlipPrior>,
     demand_due: f64,
     clock: Clock,
@@ -108,6 +110,15 @@ impl OnBoard {
             .iter()
             .map(|setup| setup.max_steering_angle)
             .collect();
+        let learner = match (settings.learn, settings.soil.family) {
+            (Some(learn), Some(family)) => {
+                Some(Box::new(SoilLearner::new(robot, setups, family, learn)?))
+            }
+            (Some(_), None) => {
+                return Err(Error::MissingFamily);
+            }
+            _ => None,
+        };
         let observations = setups
             .iter()
             .map(|setup| WheelObservation::unknown(setup.load));
@@ -125,6 +136,7 @@ impl OnBoard {
                 settings.gravity,
             ),
             demand: settings.soil.slip_demand,
+            learner,
             demand_now: None,
             demand_due: 0.0,
             clock: Clock::default(),
@@ -185,6 +197,9 @@ impl OnBoard {
         if !is_warm {
             self.start.add_force(force);
             return false;
+        }
+        if let Some(learner) = &mut self.learner {
+            learner.add_force(force);
         }
         for sample in self.carriers.samples(time_ns, rate[1]) {
             // a refusal is counted by the filter
@@ -251,6 +266,7 @@ impl OnBoard {
                 ..request
             }
         };
+        let is_settled = self.learner.as_deref().is_none_or(SoilLearner::is_settled);
         let output = self.controller.step(&ControlInput {
             time_ns: now_ns,
             wheels: &self.observations,
@@ -258,7 +274,7 @@ impl OnBoard {
             heading: Some(self.attitude.heading()),
             pitch: Some(self.attitude.pitch()),
             roll: Some(self.attitude.roll()),
-            slip_demand: self.demand_now,
+            slip_demand: self.demand_now.filter(|_| is_settled),
             request,
         });
         self.decision = output.decision;
@@ -284,8 +300,14 @@ impl OnBoard {
             .detector
             .update(sensor_ns, wheels, &self.torques)
             .count();
+        let learner = self.learner.as_deref();
+        let is_settled = learner.is_none_or(SoilLearner::is_settled);
         for ((index, wheel), seen) in wheels.iter().enumerate().zip(&mut self.observations) {
             let slip = wheel.slip.map(Slip::value);
+            let torque_ratio = slip.map_or(1.0, |slip| {
+                learner.map_or(1.0, |own| own.torque_ratio(slip))
+            });
+            let by_soil = (slip.filter(|_| is_settled), torque_ratio);
             *seen = WheelObservation {
                 slip,
                 sigma: wheel.sigma,
@@ -297,17 +319,45 @@ impl OnBoard {
                 motion: self.detector.motion(index, wheel.motion),
                 forward_speed: wheel.forward_speed.map(|speed| speed.value),
                 rim_speed: wheel.rim_speed.map(|speed| speed.value),
-                firmness: self.firmness.update(index, self.torques[index], slip, step),
+                firmness: self
+                    .firmness
+                    .update(index, self.torques[index], by_soil, step),
                 ..*seen
             };
+        }
+        self.learn(step);
+    }
+
+    /// What slips, torques and specific force since the last tick show of the soil.
+    fn learn(&mut self, step: f64) {
+        let Some(learner) = &mut self.learner else {
+            return;
+        };
+        // going round, back or aside a robot turns and stops, and soft ground is no ground to get used to
+        if self.controller.mode() != Mode::Forward {
+            learner.discard();
+            return;
+        }
+        let latest = self.filter.latest();
+        let speed = forward_speed(&latest).unwrap_or(0.0);
+        let motion = (speed, latest.body.yaw_rate.value);
+        let has_changed = learner.update(&self.observations, &self.torques, motion, step);
+        if has_changed && let Some(slip) = learner.running_slip() {
+            // the slip is held within the controller's limits
+            let _ = self.controller.set_optimum(slip);
         }
     }
 
     /// What the soil demands on the slope on which the robot stands; the filter's prior follows it.
     fn look_up_demand(&mut self) {
-        let Some(demand) = &self.demand else { return };
         // nose down is downhill
-        self.demand_now = demand.at(Angle::from_rad(-self.attitude.pitch()));
+        let slope = -self.attitude.pitch();
+        let learnt = self.learner.as_ref().and_then(|own| own.demand(slope));
+        self.demand_now = match (learnt, &self.demand) {
+            (Some(learnt), _) => learnt.slip,
+            (None, Some(demand)) => demand.at(Angle::from_rad(slope)),
+            (None, None) => return,
+        };
         if let Some(prior) = self.demand_now {
             let sigma = prior.sigma.max(MIN_PRIOR_SIGMA);
             // the table holds slips only, so that none is refused
@@ -357,6 +407,12 @@ impl OnBoard {
         self.decision
     }
 
+    /// What is learnt of the soil; `None` where it is not learnt.
+    #[must_use]
+    pub fn soil(&self) -> Option<&SoilLearner> {
+        self.learner.as_deref()
+    }
+
     /// What in the sensors contradicts the robot's description; `None` while nothing does.
     #[must_use]
     pub const fn start_fault(&self) -> Option<Fault> {
@@ -369,6 +425,7 @@ impl OnBoard {
         OnBoardState {
             learnt: self.filter.learnt(),
             heading: self.attitude.heading(),
+            soil: self.learner.as_ref().map(|learner| *learner.belief()),
         }
     }
 
@@ -389,7 +446,16 @@ impl OnBoard {
     /// ```
     pub fn restore(&mut self, state: &OnBoardState) -> Result<()> {
         crate::error::check_range("onboard", "heading", state.heading, (-1e6, 1e6), "rad")?;
+        if let Some(belief) = &state.soil {
+            belief.check()?;
+        }
         self.filter.restore(&state.learnt)?;
+        if let (Some(learner), Some(belief)) = (&mut self.learner, &state.soil) {
+            learner.restore(belief);
+            if let Some(slip) = learner.running_slip() {
+                self.controller.set_optimum(slip)?;
+            }
+        }
         self.attitude.set_heading(state.heading);
         Ok(())
     }

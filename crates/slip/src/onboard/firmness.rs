@@ -40,16 +40,17 @@ impl Firmness {
         }
     }
 
-    /// Firmness of the ground under a wheel that takes `torque` (N m) at `slip`, `step` (s) after the last one.
+    /// Firmness of the ground under a wheel that takes `torque` (N m) at `slip`, `step` (s) after the last one, where the soil
+    /// takes `torque_ratio` times the torque of the known one.
     pub(super) fn update(
         &mut self,
         wheel: usize,
         torque: Option<f64>,
-        slip: Option<f64>,
+        (slip, torque_ratio): (Option<f64>, f64),
         step: f64,
     ) -> Option<f64> {
         let own = self.wheels.get_mut(wheel)?.as_mut()?;
-        let ratio = own.ratio_now(torque, slip).map(|now| {
+        let ratio = own.ratio_now(torque, slip, torque_ratio).map(|now| {
             let before = own.ratio.unwrap_or(1.0);
             before + step / (TIME_CONSTANT_S + step) * (now - before)
         });
@@ -59,9 +60,9 @@ impl Firmness {
 }
 
 impl Wheel {
-    fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>) -> Option<f64> {
+    fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>, torque_ratio: f64) -> Option<f64> {
         let (torque, slip) = (torque.filter(|torque| torque.is_finite())?, slip?);
-        let expected = self.expected_at(slip);
+        let expected = torque_ratio * self.expected_at(slip);
         let tells = slip >= MIN_SLIP && expected >= MIN_TORQUE_SHARE * self.max_torque;
         tells.then(|| torque.abs() / expected)
     }

@@ -3,7 +3,7 @@
 //! ```text
 //! samples ─► attitude, carriers ─► filter ─► detector, firmness ─► controller ─► wheel commands
 //!                                    ▲
-//!                  soil tables (slip demand on the slope, free wheel's skid)
+//!                  soil tables (slip demand on the slope, free wheel's skid), or the soil learnt while driving
 //! ```
 //!
 //! [`OnBoard::update`] takes every sample as it arrives; [`OnBoard::tick`] runs at the rate of the control loop. Nothing is
@@ -18,6 +18,7 @@ mod carrier;
 mod clock;
 mod computer;
 mod firmness;
+mod learn;
 mod settings;
 mod soil_tables;
 mod start_guard;
@@ -26,6 +27,10 @@ mod state;
 pub use attitude::AttitudeFilter;
 pub use carrier::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
 pub use computer::OnBoard;
+pub use learn::{
+    LEVELS, SLIP_POINTS, SlipTable, SoilBelief, SoilDemand, SoilEstimate, SoilFamily, SoilInterval,
+    SoilLearnSettings, SoilLearner, SoilMember,
+};
 pub use settings::{OnBoardSettings, StartPolicy, WheelSetup};
 pub use soil_tables::{SoilTables, TORQUE_POINTS, TorqueTable};
 pub use state::OnBoardState;

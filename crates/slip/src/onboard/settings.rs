@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::carrier::WheelCarrier;
+use super::learn::SoilLearnSettings;
 use super::soil_tables::SoilTables;
 use crate::control::ControlSettings;
 use crate::detect::DetectSettings;
@@ -75,6 +76,8 @@ pub struct OnBoardSettings {
     pub wheels: Vec<WheelSetup>,
     /// What the known soil says of the robot.
     pub soil: SoilTables,
+    /// How soil is learnt while driving, among the family of `soil`; `None`: it stays the known soil.
+    pub learn: Option<SoilLearnSettings>,
 }
 
 impl OnBoardSettings {
@@ -97,6 +100,7 @@ impl OnBoardSettings {
             start_policy: StartPolicy::default(),
             wheels: wheels.collect(),
             soil: SoilTables::default(),
+            learn: None,
         }
     }
 

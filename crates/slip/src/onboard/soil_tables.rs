@@ -6,6 +6,7 @@ use grouser_terra::{
     Angle, Kinematics, RigidWheel, Settings as LawSettings, Slip, Soil, WheelOnSoil,
 };
 
+use super::learn::SoilFamily;
 use super::settings::WheelSetup;
 use crate::error::{Error, Result};
 use crate::filter::{FilterSettings, SlipPrior};
@@ -37,6 +38,8 @@ pub struct SoilTables {
     pub slip_demand: Option<SlipDemand>,
     /// One per wheel in the robot's order; `None` for a free wheel.
     pub torques: Vec<Option<TorqueTable>>,
+    /// The soils to choose between, for a robot that learns its soil; [`SoilTables::solve`] leaves it out.
+    pub family: Option<SoilFamily>,
 }
 
 impl SoilTables {

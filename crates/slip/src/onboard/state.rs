@@ -1,5 +1,6 @@
 //! What the robot's computer has learnt, as plain numbers that outlast a restart.
 
+use super::learn::SoilBelief;
 use crate::filter::Learnt;
 
 /// What [`OnBoard::state`](super::OnBoard::state) saves and [`OnBoard::restore`](super::OnBoard::restore) takes back.
@@ -20,4 +21,6 @@ pub struct OnBoardState {
     pub learnt: Learnt,
     /// Heading, rad.
     pub heading: f64,
+    /// What is believed of the soil, where it is learnt.
+    pub soil: Option<SoilBelief>,
 }

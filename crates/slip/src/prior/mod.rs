@@ -6,8 +6,10 @@
 mod doubt;
 mod skid;
 mod slope;
+mod soil_levels;
 mod table;
 
 pub use doubt::SoilDoubt;
 pub use skid::FreeWheelSkid;
 pub use slope::SlipDemand;
+pub use soil_levels::{STIFFNESSES, STRENGTHS, scaled_soil};

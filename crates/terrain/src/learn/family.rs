@@ -1,17 +1,12 @@
 //! A soil at several strengths and stiffnesses.
 
 use grouser_rover::robot::RobotModel;
-use grouser_terra::{Angle, Bekker, Pressure, Reece, Soil, SoilParams};
+use grouser_slip::prior::{STIFFNESSES, STRENGTHS, scaled_soil};
+use grouser_terra::Soil;
 
 use crate::demand::DemandSolver;
 use crate::error::{Error, Result};
 use crate::table::{Envelope, SlipTable};
-
-/// Cohesion and tan φ as multiples of the known soil's. The catalogue's tan φ lie between 0.23 and 0.76, dry sand's is 0.58.
-const STRENGTHS: [f64; 4] = [0.45, 0.7, 1.0, 1.4];
-/// Pressure-sinkage moduli as multiples of the known soil's. At 2 cm, snow of the catalogue has 0.02 of the pressure of dry
-/// sand, sandy loam 4 times as much.
-const STIFFNESSES: [f64; 4] = [0.05, 0.25, 1.0, 4.0];
 
 /// The known soil with another strength and stiffness.
 #[derive(Clone, Debug)]
@@ -29,7 +24,7 @@ pub struct Level {
 
 /// A soil at four strengths and four stiffnesses, ordered by the slope that they let the robot climb.
 ///
-/// Equation: cohesion ρ c, tan φ' = ρ tan φ, pressure-sinkage moduli κ k; n, K, c_1, c_2 and the laws are the known soil's.
+/// Each is the known soil by [`scaled_soil`].
 /// Assumes: soil of another kind is described well enough by the mixture of levels that demands the same slip and energy.
 /// Strength alone does not do: firm ground with a short contact mobilises less of its strength than loose sand, and climbs
 /// less, but takes less energy.
@@ -47,10 +42,11 @@ impl StrengthFamily {
         let mut levels = Vec::with_capacity(STRENGTHS.len() * STIFFNESSES.len());
         for strength in STRENGTHS {
             for stiffness in STIFFNESSES {
-                let scaled = scaled(soil, strength, stiffness).map_err(|source| Error::Law {
-                    of: format!("soil at strength {strength} and stiffness {stiffness}"),
-                    source,
-                })?;
+                let scaled =
+                    scaled_soil(soil, strength, stiffness).map_err(|source| Error::Law {
+                        of: format!("soil at strength {strength} and stiffness {stiffness}"),
+                        source,
+                    })?;
                 let solver = DemandSolver::new(model.clone(), scaled)?;
                 levels.push(Level {
                     strength,
@@ -69,28 +65,4 @@ impl StrengthFamily {
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
-}
-
-/// The soil at another strength and stiffness.
-fn scaled(soil: &Soil, ratio: f64, modulus: f64) -> Result<Soil, grouser_terra::Error> {
-    let p = *soil.params();
-    Soil::new(SoilParams {
-        cohesion: ratio * p.cohesion,
-        phi: Angle::from_rad((ratio * p.phi.rad().tan()).atan()),
-        pressure: match p.pressure {
-            Pressure::Bekker(Bekker { k_c, k_phi }) => Pressure::Bekker(Bekker {
-                k_c: modulus * k_c,
-                k_phi: modulus * k_phi,
-            }),
-            Pressure::Reece(Reece {
-                k_c_prime,
-                k_phi_prime,
-            }) => Pressure::Reece(Reece {
-                k_c_prime: modulus * k_c_prime,
-                k_phi_prime: modulus * k_phi_prime,
-            }),
-            other => other,
-        },
-        ..p
-    })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_rover::drive::{Frame, Scenario};
 use grouser_slip::Measurement;
+use grouser_slip::onboard::SoilEstimate;
 
 use super::mcap::Recording;
 use crate::error::{Error, Result, shown};
@@ -69,7 +70,8 @@ impl Log {
     }
 }
 
-/// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer.
+/// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer,
+/// and the soil where it is learnt.
 struct Table {
     out: OutputFile,
     last_ns: i64,
@@ -77,6 +79,8 @@ struct Table {
     torques: Vec<Option<f64>>,
     /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
     max_torques: Vec<Option<f64>>,
+    /// Does the robot learn its soil?
+    has_soil: bool,
 }
 
 impl Table {
@@ -91,11 +95,18 @@ impl Table {
             write!(out, ",{}_torque_nm", mount.name)?;
         }
         out.write_all(
-            b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2\n",
+            b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2",
         )?;
+        let has_soil = scenario.learns_on_board();
+        if has_soil {
+            out.write_all(b",soil_strength,soil_strength_low,soil_strength_high,soil_stiffness,soil_stiffness_low")?;
+            out.write_all(b",soil_stiffness_high,soil_phi_deg,soil_phi_low_deg,soil_phi_high_deg")?;
+        }
+        out.write_all(b"\n")?;
         Ok(Self {
             out,
             last_ns: 0,
+            has_soil,
             counts: vec![None; wheels.len()],
             torques: vec![None; wheels.len()],
             max_torques: mounts
@@ -142,7 +153,14 @@ impl Table {
         }
         let torques = self.torques.iter().zip(&self.max_torques);
         let torques = torques.filter_map(|(torque, most)| most.map(|_| *torque));
-        for value in torques.chain(inertial) {
+        let soil = frame
+            .soil
+            .as_ref()
+            .filter(|_| self.has_soil)
+            .map(soil_columns);
+        let soil = soil.unwrap_or_default();
+        let soil = soil.iter().take(if self.has_soil { 9 } else { 0 });
+        for value in torques.chain(inertial).chain(soil.copied()) {
             // a table holds numbers; what a broken sensor shows instead is an empty cell
             match value.filter(|value| value.is_finite()) {
                 Some(value) => write!(self.out, ",{}", exact(value))?,
@@ -151,4 +169,21 @@ impl Table {
         }
         self.out.write_all(b"\n")
     }
+}
+
+/// Strength, stiffness and friction angle (°), each with its interval.
+fn soil_columns(soil: &SoilEstimate) -> [Option<f64>; 9] {
+    let mut out = [None; 9];
+    let degrees = std::f64::consts::PI.recip() * 180.0;
+    let quantities = [
+        (soil.strength, 1.0),
+        (soil.stiffness, 1.0),
+        (soil.friction_angle, degrees),
+    ];
+    for (slots, (of, unit)) in out.chunks_mut(3).zip(quantities) {
+        for (slot, value) in slots.iter_mut().zip([of.mean, of.low, of.high]) {
+            *slot = Some(unit * value);
+        }
+    }
+    out
 }

@@ -9,6 +9,7 @@
 //! | `/camera/displacement` | `grouser_msgs/Displacement` | way since the last picture |
 //! | `/gnss/pose` | `geometry_msgs/PoseStamped` | fixes |
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | what the estimator in the loop said |
+//! | `/grouser/soil` | `grouser_msgs/Soil` | what it has learnt of the soil, where it learns |
 //! | `/simulation/truth/pose` | `geometry_msgs/PoseStamped` | where the robot was |
 //! | `/simulation/truth/slip` | `grouser_msgs/WheelSlip` | slips that the wheels had |
 //!
@@ -21,6 +22,7 @@ use std::io;
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
+use grouser_slip::onboard::{SoilEstimate, SoilInterval};
 use grouser_slip::{Counter, Health, Measurement};
 
 use crate::output::OutputFile;
@@ -57,6 +59,7 @@ pub(super) struct Recording {
     camera: Option<Topic>,
     gnss: Option<Topic>,
     seen: Topic,
+    soil: Option<Topic>,
     pose: Topic,
     slip: Topic,
 }
@@ -98,6 +101,10 @@ impl Recording {
                 .then(|| topic("/gnss/pose", "geometry_msgs/PoseStamped"))
                 .transpose()?,
             seen: topic("/grouser/slip", known::WHEEL_SLIP)?,
+            soil: scenario
+                .learns_on_board()
+                .then(|| topic("/grouser/soil", known::SOIL))
+                .transpose()?,
             pose: topic(
                 &format!("{}pose", known::TRUTH),
                 "geometry_msgs/PoseStamped",
@@ -230,7 +237,12 @@ impl Recording {
                 health.to_string(),
             )
         });
-        self.writer.send(&mut self.seen, now_ns, &seen)
+        self.writer.send(&mut self.seen, now_ns, &seen)?;
+        if let (Some(topic), Some(soil)) = (&mut self.soil, &frame.soil) {
+            self.writer
+                .send(topic, now_ns, &soil_message(now_ns, soil))?;
+        }
+        Ok(())
     }
 
     fn slips(
@@ -262,6 +274,19 @@ impl Recording {
             ("health", build::texts(&healths)),
         ])
     }
+}
+
+/// `grouser_msgs/Soil`.
+fn soil_message(now_ns: i64, soil: &SoilEstimate) -> Value {
+    let interval = |of: SoilInterval| build::numbers(&[of.mean, of.low, of.high]);
+    build::message([
+        ("header", build::header(now_ns, "base_link")),
+        ("strength", interval(soil.strength)),
+        ("stiffness", interval(soil.stiffness)),
+        ("friction_angle", interval(soil.friction_angle)),
+        ("readings", Value::UInt(soil.readings.into())),
+        ("changes", Value::UInt(soil.changes.into())),
+    ])
 }
 
 /// `sensor_msgs/Imu` without an orientation; how good the rest is, is not said.

@@ -6,6 +6,7 @@ mod object;
 pub(crate) mod optimum;
 mod report;
 mod run;
+mod soil;
 mod text;
 
 use std::path::PathBuf;
@@ -42,7 +43,7 @@ pub(crate) struct Arguments {
     /// The scenario (.toml)
     #[arg(value_name = "SCENARIO.toml")]
     scenario: PathBuf,
-    /// Drive the same ground with each of these: `open-loop`, `fixed-slip`, `controller`
+    /// Drive the same ground with each of these: `open-loop`, `fixed-slip`, `known-soil`, `controller`
     #[arg(
         long,
         value_name = "NAMES",
@@ -126,7 +127,7 @@ fn pilot(name: &str) -> Result<Pilot> {
         .ok_or_else(|| {
             Error::usage(
                 format!("`--compare` names `{name}`, which is no driver"),
-                "drivers are `open-loop`, `fixed-slip` and `controller`",
+                "drivers are `open-loop`, `fixed-slip`, `known-soil` and `controller`",
             )
         })
 }

@@ -56,6 +56,7 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
         );
     }
     planned(runs, &mut out);
+    super::soil::text(runs, &mut out);
     if let Some(law) = scenario.ground.world_laws
         && scenario.plan.is_none()
     {

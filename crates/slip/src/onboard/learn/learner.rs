@@ -1,0 +1,310 @@
+//! Bayes' rule over the family, and what the belief says of slip, pull and torque.
+
+use grouser_real::Real;
+
+use super::super::settings::WheelSetup;
+use super::belief::{ERROR_SCALE_LIMITS, SoilBelief, SoilEstimate, SoilInterval};
+use super::family::{LEVELS, SLIP_POINTS, SoilFamily, slip_at, value_at};
+use super::readings::{SoilReading, SoilReadings};
+use super::settings::SoilLearnSettings;
+use crate::control::WheelObservation;
+use crate::error::Result;
+use crate::filter::SlipPrior;
+use crate::robot::Robot;
+
+/// No reading is taken for less likely than one this many sigma away: soil has surprises that no family holds.
+const MAX_SIGMA: f64 = 3.0;
+/// Sigmas on either side of an interval of 90 %.
+const INTERVAL_SIGMA: f64 = 1.645;
+/// Share of readings that an interval of 90 % misses.
+const MISS_SHARE: f64 = 0.1;
+/// How fast the intervals follow their misses, per reading: a miss widens them by 57 %, nine readings within narrow them by
+/// as much. In the long run a tenth of the readings is missed whatever the soil, as in adaptive conformal inference (Gibbs &
+/// Candès 2021). Set by `tests/learnt_soil.rs` of `grouser-rover`.
+const ERROR_SCALE_GAIN: f64 = 0.5;
+/// Before so many readings nothing is compared with the soil that is believed in: it may be another one.
+const MIN_READINGS: u32 = 3;
+/// Greatest standard deviation of one soil's slip demand: that of a slip of which nothing is known, in [0, 1].
+const MAX_DEMAND_SIGMA: f64 = 0.3;
+/// Below this derivative of the pull by slip the slip is not determined by the pull.
+const MIN_PULL_SLOPE: f64 = 0.05;
+/// 1/(1 + exp(−1.702 x)) lies within 0.01 of the normal distribution (Haley 1952, by way of item response theory).
+const LOGISTIC_FACTOR: f64 = 1.702;
+/// Limits of the slip to run at, as those of a scenario's computed one.
+const RUNNING_SLIP_LIMITS: (f64, f64) = (0.05, 0.8);
+/// Limits of the believed torque over the known soil's.
+const TORQUE_RATIO_LIMITS: (f64, f64) = (0.1, 10.0);
+
+/// The slip that a slope demands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SoilDemand {
+    /// Mean and standard deviation over the soils that hold the slope; `None` where probably none does.
+    pub slip: Option<SlipPrior>,
+    /// Probability that no slip holds the slope.
+    pub fails: f64,
+}
+
+/// Learns the soil. It allocates nothing after construction, reads no clock and never panics.
+#[derive(Clone, Debug)]
+pub struct SoilLearner {
+    family: SoilFamily,
+    settings: SoilLearnSettings,
+    readings: SoilReadings,
+    prior: SoilBelief,
+    belief: SoilBelief,
+    /// `None`: the known soil, since too little has been learnt.
+    in_use: Option<SoilBelief>,
+    count: u32,
+    changes: u32,
+}
+
+impl SoilLearner {
+    pub(in crate::onboard) fn new(
+        robot: &Robot,
+        setups: &[WheelSetup],
+        family: SoilFamily,
+        settings: SoilLearnSettings,
+    ) -> Result<Self> {
+        settings.check()?;
+        let prior = SoilBelief::prior(&settings, &family);
+        Ok(Self {
+            readings: SoilReadings::new(robot, setups),
+            family,
+            settings,
+            belief: prior,
+            prior,
+            in_use: None,
+            count: 0,
+            changes: 0,
+        })
+    }
+
+    /// A sample of the accelerometer in the robot's axes, m/s².
+    pub(in crate::onboard) fn add_force(&mut self, force: [f64; 3]) {
+        self.readings.add_force(force);
+    }
+
+    /// What was begun is no reading.
+    pub(in crate::onboard) fn discard(&mut self) {
+        self.readings.discard();
+    }
+
+    /// One tick; true where the belief in use has changed.
+    pub(in crate::onboard) fn update(
+        &mut self,
+        observations: &[WheelObservation],
+        torques: &[Option<f64>],
+        motion: (f64, f64),
+        step: f64,
+    ) -> bool {
+        let reading = self.readings.update(observations, torques, motion, step);
+        reading.is_some_and(|reading| self.learn(&reading))
+    }
+
+    fn learn(&mut self, reading: &SoilReading) -> bool {
+        let (slip, sigma) = reading.slip;
+        let SoilInterval { low, high, .. } = self.predict_pull(slip, sigma);
+        let is_missed = !(low <= reading.pull && reading.pull <= high);
+        let off = if is_missed { 1.0 } else { 0.0 } - MISS_SHARE;
+        let scale = self.belief.error_scale * Real::exp(ERROR_SCALE_GAIN * off);
+        self.belief.error_scale = scale.clamp(ERROR_SCALE_LIMITS.0, ERROR_SCALE_LIMITS.1);
+        let likelihoods = self.log_likelihoods(reading);
+        let greatest = likelihoods
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let SoilLearnSettings { forget, weight, .. } = self.settings;
+        for (index, own) in self.belief.weights.iter_mut().enumerate() {
+            let held = (1.0 - forget) * *own + forget * self.prior.weights[index];
+            *own = held * Real::exp(weight * (likelihoods[index] - greatest));
+        }
+        if !self.belief.normalise() {
+            self.belief.weights = self.prior.weights;
+        }
+        self.count = self.count.saturating_add(1);
+        self.use_belief()
+    }
+
+    /// Takes up the belief once it differs enough from the one in use.
+    fn use_belief(&mut self) -> bool {
+        let before = self.in_use.as_ref().unwrap_or(&self.prior);
+        if self.belief.difference(before) <= self.settings.hysteresis {
+            return false;
+        }
+        self.in_use = Some(self.belief);
+        self.changes = self.changes.saturating_add(1);
+        true
+    }
+
+    /// Pull and torque share the error of the slip, so that their difference, the resistance, is known better than either.
+    fn log_likelihoods(&self, reading: &SoilReading) -> [f64; LEVELS] {
+        let (slip, sigma) = reading.slip;
+        let mut out = [0.0; LEVELS];
+        for (out, member) in out.iter_mut().zip(self.family.members()) {
+            let (pull, by_slip) = value_at(&member.pulls, slip);
+            let a = self.model_variance(pull) + square(by_slip * sigma);
+            let x = reading.pull - pull;
+            let (distance, determinant) = match reading.torque {
+                None => (x * x / a, a),
+                Some(torque) => {
+                    let (expected, torque_by_slip) = value_at(&member.torques, slip);
+                    let b = self.model_variance(expected) + square(torque_by_slip * sigma);
+                    let c = by_slip * torque_by_slip * sigma * sigma;
+                    let y = torque - expected;
+                    let determinant = a * b - c * c;
+                    let distance = (b * x * x - 2.0 * c * x * y + a * y * y) / determinant;
+                    (distance, determinant)
+                }
+            };
+            *out = -0.5 * (distance.min(2.0 * MAX_SIGMA * MAX_SIGMA) + Real::ln(determinant));
+        }
+        out
+    }
+
+    /// Variance of the model's own error in a share of the load.
+    fn model_variance(&self, value: f64) -> f64 {
+        let [part, share] = self.settings.model_error;
+        square(part) + square(share * value)
+    }
+
+    /// The pull of all wheels over their load where the powered ones run at a slip that is known up to `sigma`, with its interval of 90 %.
+    #[must_use]
+    pub fn predict_pull(&self, slip: f64, sigma: f64) -> SoilInterval {
+        let (mut mean, mut second) = (0.0, 0.0);
+        for (weight, member) in self.belief.weights.iter().zip(self.family.members()) {
+            let (pull, by_slip) = value_at(&member.pulls, slip);
+            let variance = self.model_variance(pull) + square(by_slip * sigma);
+            mean += weight * pull;
+            second += weight * (variance + pull * pull);
+        }
+        let scale = INTERVAL_SIGMA * self.belief.error_scale;
+        let half = scale * Real::sqrt((second - mean * mean).max(0.0));
+        SoilInterval {
+            mean,
+            low: mean - half,
+            high: mean + half,
+        }
+    }
+
+    /// The slip that the soil demands on a slope (rad, uphill positive) by the belief in use; `None` while that is the known
+    /// soil.
+    #[must_use]
+    pub fn demand(&self, slope: f64) -> Option<SoilDemand> {
+        let belief = self.in_use.as_ref()?;
+        let pull = Real::tan(slope);
+        let (mut fails, mut held, mut mean, mut second) = (0.0, 0.0, 0.0, 0.0);
+        for (weight, member) in belief.weights.iter().zip(self.family.members()) {
+            let most = member.max_pull();
+            let sigma = belief.error_scale * Real::sqrt(self.model_variance(most));
+            fails += weight / (1.0 + Real::exp(-LOGISTIC_FACTOR * (pull - most) / sigma));
+            if let Some((slip, by_slip)) = member.slip_of_pull(pull) {
+                let sigma = Real::sqrt(self.model_variance(pull)) / by_slip.max(MIN_PULL_SLOPE);
+                held += weight;
+                mean += weight * slip;
+                second += weight * (slip * slip + square(sigma.min(MAX_DEMAND_SIGMA)));
+            }
+        }
+        let is_held = held > 0.5;
+        let slip = is_held.then(|| {
+            let mean = mean / held;
+            SlipPrior {
+                mean,
+                sigma: belief.error_scale * Real::sqrt((second / held - mean * mean).max(1e-8)),
+            }
+        });
+        Some(SoilDemand { slip, fails })
+    }
+
+    /// The slip of the greatest tractive efficiency by the belief in use; `None` while that is the known soil, and where no
+    /// slip pulls.
+    #[must_use]
+    pub fn running_slip(&self) -> Option<f64> {
+        let belief = self.in_use.as_ref()?;
+        let mut efficiencies = [0.0; SLIP_POINTS];
+        for (index, efficiency) in efficiencies.iter_mut().enumerate() {
+            let slip = slip_at(index);
+            for (weight, member) in belief.weights.iter().zip(self.family.members()) {
+                let (pull, torque) = (member.pulls[index], member.torques[index]);
+                if slip > 0.0 && pull > 0.0 && torque > 0.0 {
+                    *efficiency += weight * (1.0 - slip) * pull / torque;
+                }
+            }
+        }
+        let best = (1..SLIP_POINTS - 1)
+            .max_by(|a, b| efficiencies[*a].total_cmp(&efficiencies[*b]))
+            .filter(|best| efficiencies[*best] > 0.0)?;
+        // the top of the parabola through the best point and its neighbours
+        let [before, top, after] = [best - 1, best, best + 1].map(|i| efficiencies[i]);
+        let bend = before - 2.0 * top + after;
+        let off = if bend < 0.0 {
+            0.5 * (before - after) / bend
+        } else {
+            0.0
+        };
+        let step = slip_at(1) - slip_at(0);
+        let slip = slip_at(best) + off.clamp(-0.5, 0.5) * step;
+        Some(slip.clamp(RUNNING_SLIP_LIMITS.0, RUNNING_SLIP_LIMITS.1))
+    }
+
+    /// Torque that the belief in use expects at a slip, over that of the known soil.
+    #[must_use]
+    pub fn torque_ratio(&self, slip: f64) -> f64 {
+        let (Some(belief), Some(known)) = (&self.in_use, self.family.known()) else {
+            return 1.0;
+        };
+        let members = belief.weights.iter().zip(self.family.members());
+        let expected: f64 = members
+            .map(|(weight, member)| weight * value_at(&member.torques, slip).0)
+            .sum();
+        let (known, _) = value_at(&known.torques, slip);
+        let ratio = expected / known;
+        if ratio.is_finite() {
+            ratio.clamp(TORQUE_RATIO_LIMITS.0, TORQUE_RATIO_LIMITS.1)
+        } else {
+            1.0
+        }
+    }
+
+    /// Is the soil known well enough to tell softer ground from it?
+    #[must_use]
+    pub const fn is_settled(&self) -> bool {
+        self.count >= MIN_READINGS
+    }
+
+    /// What has been learnt.
+    #[must_use]
+    pub fn estimate(&self) -> SoilEstimate {
+        let strength = self.belief.strength();
+        let angle = |strength: f64| Real::atan(strength * self.family.friction());
+        SoilEstimate {
+            friction_angle: SoilInterval {
+                mean: angle(strength.mean),
+                low: angle(strength.low),
+                high: angle(strength.high),
+            },
+            strength,
+            stiffness: self.belief.stiffness(),
+            readings: self.count,
+            changes: self.changes,
+            error_scale: self.belief.error_scale,
+        }
+    }
+
+    /// The belief, for the next start.
+    #[must_use]
+    pub const fn belief(&self) -> &SoilBelief {
+        &self.belief
+    }
+
+    /// Takes back a belief that was checked.
+    pub(in crate::onboard) fn restore(&mut self, belief: &SoilBelief) {
+        self.belief = *belief;
+        self.count = MIN_READINGS;
+        self.use_belief();
+    }
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}

@@ -1,0 +1,187 @@
+//! Readings: means over half a turn of the wheels.
+
+use alloc::{boxed::Box, vec::Vec};
+
+use super::super::settings::WheelSetup;
+use crate::control::WheelObservation;
+use crate::robot::Robot;
+use crate::state::{Health, Motion};
+
+/// A robot slower than this stands, m/s: the limit of the soft-ground test.
+const STANDSTILL_SPEED_M_PER_S: f64 = 0.02;
+/// Soil under a wheel that starts is sheared once it has rolled this far, m: ten times the shear modulus of the shipped
+/// soils.
+const SHEARED_DISTANCE_M: f64 = 0.25;
+/// A wheel that moves by more than this share of the robot's speed by turning does not roll straight.
+const MAX_TURN_SHARE: f64 = 0.2;
+/// The wheels whose slip is `Ok` must carry this share of the powered wheels' load: they stand for the others.
+const MIN_LOAD_SHARE: f64 = 0.5;
+/// A reading is the mean over this angle of the rims, rad: half a turn, so that the lugs' pulses and the runout of a wheel
+/// average out.
+const READING_ANGLE_RAD: f64 = core::f64::consts::PI;
+
+/// A powered wheel.
+#[derive(Clone, Copy, Debug)]
+struct PoweredWheel {
+    load: f64,
+    radius: f64,
+}
+
+/// What half a turn of the wheels has shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SoilReading {
+    /// Mean slip of the powered wheels, and its standard deviation, which the wheels share.
+    pub(super) slip: (f64, f64),
+    /// Pull of all wheels over their load.
+    pub(super) pull: f64,
+    /// Torque of the powered wheels over load and radius, where it is measured.
+    pub(super) torque: Option<f64>,
+}
+
+/// No accelerometer of a robot measures more, m/s².
+const MAX_FORCE_M_PER_S2: f64 = 1000.0;
+/// No soil gives more pull or torque than this multiple of the load.
+const MAX_LOAD_MULTIPLE: f64 = 10.0;
+
+impl SoilReading {
+    /// False for NaN.
+    fn is_possible(&self) -> bool {
+        let (slip, sigma) = self.slip;
+        let is_share = |value: f64| value.abs() <= MAX_LOAD_MULTIPLE;
+        slip.abs() <= 1.0
+            && (0.0..=1.0).contains(&sigma)
+            && is_share(self.pull)
+            && self.torque.is_none_or(is_share)
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Angle of the rims, rad.
+    angle: f64,
+    ticks: f64,
+    slip: f64,
+    sigma: f64,
+    torque: f64,
+    torques: f64,
+    force: [f64; 2],
+}
+
+/// Sums samples up to readings.
+#[derive(Clone, Debug)]
+pub(super) struct SoilReadings {
+    wheels: Box<[Option<PoweredWheel>]>,
+    /// N.
+    powered_load: f64,
+    /// Greatest distance of a wheel from the robot's middle line, m.
+    half_width: f64,
+    /// Specific force forwards and upwards since the last tick, m/s².
+    force: [f64; 2],
+    rolled: f64,
+    sums: Sums,
+}
+
+impl SoilReadings {
+    pub(super) fn new(robot: &Robot, setups: &[WheelSetup]) -> Self {
+        let pairs = robot.wheels().iter().zip(setups);
+        let wheels: Vec<_> = pairs
+            .map(|(wheel, setup)| {
+                setup.max_torque.map(|_| PoweredWheel {
+                    load: setup.load.max(0.0),
+                    radius: wheel.radius,
+                })
+            })
+            .collect();
+        let powered_load: f64 = wheels.iter().flatten().map(|wheel| wheel.load).sum();
+        Self {
+            half_width: robot.wheels().iter().map(|w| w.y.abs()).fold(0.0, f64::max),
+            wheels: wheels.into_boxed_slice(),
+            powered_load,
+            force: [0.0; 2],
+            rolled: 0.0,
+            sums: Sums::default(),
+        }
+    }
+
+    /// A sample of the accelerometer in the robot's axes, m/s².
+    pub(super) fn add_force(&mut self, force: [f64; 3]) {
+        let is_possible = |value: f64| value.abs() <= MAX_FORCE_M_PER_S2;
+        if !(is_possible(force[0]) && is_possible(force[2])) {
+            return;
+        }
+        self.force = [self.force[0] + force[0], self.force[1] + force[2]];
+    }
+
+    /// What was begun is no reading: the robot does something else than to drive on.
+    pub(super) fn discard(&mut self) {
+        self.sums = Sums::default();
+        self.force = [0.0; 2];
+        self.rolled = 0.0;
+    }
+
+    /// One tick of `step` seconds at `speed` (m/s) and a turning rate (rad/s); a reading once there is one.
+    pub(super) fn update(
+        &mut self,
+        observations: &[WheelObservation],
+        torques: &[Option<f64>],
+        (speed, yaw_rate): (f64, f64),
+        step: f64,
+    ) -> Option<SoilReading> {
+        let force = core::mem::take(&mut self.force);
+        if !(speed >= STANDSTILL_SPEED_M_PER_S) {
+            self.rolled = 0.0;
+            return None;
+        }
+        self.rolled += speed * step;
+        let is_straight = yaw_rate.abs() * self.half_width < MAX_TURN_SHARE * speed;
+        if !is_straight || self.rolled < SHEARED_DISTANCE_M {
+            return None;
+        }
+        let mut now = Sums::default();
+        let mut load = 0.0;
+        let mut lever = 0.0;
+        for ((seen, torque), wheel) in observations.iter().zip(torques).zip(&self.wheels) {
+            let Some(wheel) = wheel else { continue };
+            let (Some(slip), Some(sigma), Some(rim)) = (seen.slip, seen.sigma, seen.rim_speed)
+            else {
+                continue;
+            };
+            let drives = matches!(seen.motion, Some(Motion::Driving | Motion::Braking));
+            if seen.health != Health::Ok || !drives {
+                continue;
+            }
+            load += wheel.load;
+            now.slip += wheel.load * slip;
+            now.sigma += wheel.load * sigma;
+            now.angle += wheel.load * rim.abs() / wheel.radius * step;
+            if let Some(torque) = torque.filter(|torque| torque.is_finite()) {
+                now.torque += torque;
+                lever += wheel.load * wheel.radius;
+            }
+        }
+        let is_known = load > 0.0 && load >= MIN_LOAD_SHARE * self.powered_load;
+        if !is_known || !(force[1] > 0.0) || !now.slip.is_finite() {
+            return None;
+        }
+        let sums = &mut self.sums;
+        sums.ticks += 1.0;
+        sums.slip += now.slip / load;
+        sums.sigma += now.sigma / load;
+        sums.angle += now.angle / load;
+        if lever > 0.0 {
+            sums.torque += now.torque / lever;
+            sums.torques += 1.0;
+        }
+        sums.force = [sums.force[0] + force[0], sums.force[1] + force[1]];
+        if sums.angle < READING_ANGLE_RAD {
+            return None;
+        }
+        let sums = core::mem::take(&mut self.sums);
+        let reading = SoilReading {
+            slip: (sums.slip / sums.ticks, sums.sigma / sums.ticks),
+            pull: sums.force[0] / sums.force[1],
+            torque: (sums.torques > 0.0).then(|| sums.torque / sums.torques),
+        };
+        reading.is_possible().then_some(reading)
+    }
+}

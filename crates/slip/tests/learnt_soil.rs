@@ -1,0 +1,219 @@
+//! Soil learnt by the on-board computer, from sensors that the exact solver of another soil drives: not from the tables that
+//! it chooses between.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use grouser_slip::control::Request;
+use grouser_slip::onboard::{
+    OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilMember, SoilTables,
+};
+use grouser_slip::prior::{SoilDoubt, scaled_soil};
+use grouser_slip::{Error, Measurement, Robot, Sample, Wheel};
+use grouser_terra::{
+    EARTH_GRAVITY_M_PER_S2, Kinematics, RigidWheel, Settings, Slip, SlopeOutcome, Soil,
+    WheelOnSoil, catalogue,
+};
+
+const PERIOD_NS: i64 = 10_000_000;
+const RADIUS_M: f64 = 0.1;
+const WIDTH_M: f64 = 0.08;
+const LOAD_N: f64 = 40.0;
+const MAX_TORQUE_N_M: f64 = 8.0;
+const TICKS_PER_TURN: u32 = 10_000;
+
+/// Two powered wheels; a camera measures the way, so that no free wheel's skid is in the slip.
+fn robot() -> Robot {
+    let powered = |name: &str, y| {
+        let wheel = Wheel::powered(name).at(0.0, y).radius(RADIUS_M);
+        wheel
+            .ticks_per_turn(TICKS_PER_TURN)
+            .width(WIDTH_M)
+            .load(LOAD_N)
+    };
+    Robot::new(
+        "cart".into(),
+        vec![powered("left", 0.2), powered("right", -0.2)],
+    )
+    .unwrap()
+}
+
+fn sand() -> Soil {
+    catalogue::find("dry-sand").unwrap().soil().unwrap()
+}
+
+fn on_board() -> OnBoard {
+    let robot = robot();
+    let mut settings = OnBoardSettings::new(&robot);
+    for setup in &mut settings.wheels {
+        setup.max_torque = Some(MAX_TORQUE_N_M);
+    }
+    let doubt = SoilDoubt::default();
+    settings.soil = SoilTables::solve(&robot, &settings.wheels, &sand(), doubt).unwrap();
+    settings.soil.family = Some(SoilFamily::solve(&robot, &settings.wheels, &sand()).unwrap());
+    settings.learn = Some(SoilLearnSettings::default());
+    OnBoard::new(&robot, settings).unwrap()
+}
+
+/// Where the robot is in its drive.
+struct Course {
+    row: i64,
+    angle: f64,
+    way: f64,
+}
+
+/// Drives `rows` of 0.01 s at 0.25 m/s on `soil` at a slip; pull, torque and counts are those of the exact solver.
+fn drive(on_board: &mut OnBoard, course: &mut Course, soil: &Soil, slip: f64, rows: i64) {
+    let wheel = RigidWheel::new(RADIUS_M, WIDTH_M).unwrap();
+    let contact = WheelOnSoil::new(wheel, *soil, Settings::default()).unwrap();
+    let kinematics = Kinematics::straight(Slip::new(slip).unwrap());
+    let forces = contact.under_load(LOAD_N, &kinematics).unwrap();
+    let forces = forces.point().unwrap().forces;
+    let pull = forces.drawbar_pull / LOAD_N;
+    // uphill as steep as it can, so that it travels steadily
+    let (sin, cos) = pull.atan().sin_cos();
+    let force = [
+        sin * EARTH_GRAVITY_M_PER_S2,
+        0.0,
+        cos * EARTH_GRAVITY_M_PER_S2,
+    ];
+    for _ in 0..rows {
+        let time_ns = course.row * PERIOD_NS;
+        let runs = course.row > 200;
+        let speed = if runs { 0.25 } else { 0.0 };
+        course.way += 0.01 * speed;
+        course.angle += 0.01 * speed / (1.0 - slip) / RADIUS_M;
+        let turns = course.angle / std::f64::consts::TAU;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a counter of whole ticks"
+        )]
+        let raw = (turns * f64::from(TICKS_PER_TURN)) as u64;
+        let torque = if runs { forces.torque } else { 0.0 };
+        let mut measurements = vec![
+            Measurement::Inertial {
+                force,
+                rate: [0.0; 3],
+            },
+            Measurement::Displacement {
+                forward: 0.01 * speed,
+                left: 0.0,
+                turn: None,
+            },
+        ];
+        for wheel in 0..2 {
+            measurements.push(Measurement::WheelCount { wheel, raw });
+            let share = torque / MAX_TORQUE_N_M;
+            measurements.push(Measurement::MotorCurrent { wheel, share });
+        }
+        for measurement in measurements {
+            on_board.update(Sample {
+                time_ns,
+                measurement,
+            });
+        }
+        on_board.tick(
+            time_ns,
+            Request {
+                speed: 0.25,
+                heading: 0.0,
+                yaw_rate: None,
+            },
+        );
+        course.row += 1;
+    }
+}
+
+fn start() -> Course {
+    Course {
+        row: 0,
+        angle: 0.0,
+        way: 0.0,
+    }
+}
+
+#[test]
+fn strength_and_stiffness_are_found_and_forgotten_again() {
+    let mut robot = on_board();
+    let mut course = start();
+    let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
+    assert!(robot.soil().unwrap().demand(0.1).is_none());
+    drive(&mut robot, &mut course, &weak, 0.3, 6000);
+    let learnt = robot.soil().unwrap().estimate();
+    assert!(learnt.readings > 30, "{learnt:?}");
+    for (of, truth) in [(learnt.strength, 0.7), (learnt.stiffness, 4.0)] {
+        assert!(of.low < truth && truth < of.high, "{learnt:?}");
+    }
+    assert!(learnt.strength.mean < 0.8 && learnt.stiffness.mean > 2.5);
+    // the exact solver of the weak soil: the slip that it demands on 1° uphill
+    let slope = 1.0_f64.to_radians();
+    let wheel = RigidWheel::new(RADIUS_M, WIDTH_M).unwrap();
+    let contact = WheelOnSoil::new(wheel, weak, Settings::default()).unwrap();
+    let exact = contact
+        .slip_demand(LOAD_N, grouser_terra::Angle::from_rad(slope))
+        .unwrap();
+    let SlopeOutcome::Holds { slip: exact } = exact else {
+        panic!("{exact:?}");
+    };
+    let exact = exact.value();
+    let demand = robot.soil().unwrap().demand(slope).unwrap();
+    let slip = demand.slip.unwrap();
+    assert!(
+        (slip.mean - exact).abs() < 2.0 * slip.sigma,
+        "{slip:?} {exact}"
+    );
+    assert!(demand.fails < 0.5);
+    assert!(robot.soil().unwrap().demand(0.5).unwrap().fails > 0.9);
+    // back on the known sand
+    drive(&mut robot, &mut course, &sand(), 0.2, 6000);
+    let back = robot.soil().unwrap().estimate();
+    assert!(
+        back.strength.mean > 0.85 && back.stiffness.mean < 2.0,
+        "{back:?}"
+    );
+    assert!(back.changes > learnt.changes);
+}
+
+#[test]
+fn a_belief_outlasts_a_restart_and_a_broken_one_is_refused() {
+    let mut robot = on_board();
+    let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
+    drive(&mut robot, &mut start(), &weak, 0.3, 4000);
+    let state = robot.state();
+    let mut after = on_board();
+    after.restore(&state).unwrap();
+    assert_eq!(after.state().soil, state.soil);
+    // the belief in use before is older by less than the hysteresis
+    let fails = |robot: &OnBoard| robot.soil().unwrap().demand(0.15).unwrap().fails;
+    let hysteresis = SoilLearnSettings::default().hysteresis;
+    assert!((fails(&after) - fails(&robot)).abs() < hysteresis);
+    let unchanged = after.state();
+    for weight in [f64::NAN, -0.1, 0.9] {
+        let mut broken = state;
+        let mut belief = broken.soil.unwrap();
+        belief.weights[15] = weight;
+        broken.soil = Some(belief);
+        assert!(after.restore(&broken).is_err(), "{weight}");
+        assert_eq!(after.state(), unchanged);
+    }
+}
+
+#[test]
+fn a_family_that_is_none_is_refused() {
+    let robot = robot();
+    let mut settings = OnBoardSettings::new(&robot);
+    settings.learn = Some(SoilLearnSettings::default());
+    let error = OnBoard::new(&robot, settings.clone()).unwrap_err();
+    assert_eq!(error, Error::MissingFamily);
+    // no wheel has a motor
+    assert!(SoilFamily::solve(&robot, &settings.wheels, &sand()).is_err());
+    for setup in &mut settings.wheels {
+        setup.max_torque = Some(MAX_TORQUE_N_M);
+    }
+    let family = SoilFamily::solve(&robot, &settings.wheels, &sand()).unwrap();
+    let members: Vec<SoilMember> = family.members().to_vec();
+    assert!(SoilFamily::from_members(&members, family.friction()).is_ok());
+    assert!(SoilFamily::from_members(&members[1..], family.friction()).is_err());
+    let mut broken = members;
+    broken[3].pulls[7] = f64::NAN;
+    assert!(SoilFamily::from_members(&broken, family.friction()).is_err());
+}
