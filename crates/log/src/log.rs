@@ -212,6 +212,28 @@ impl Log {
         })
     }
 
+    /// The same log without the topics that measure no wheel: their messages are passed over undecoded. Tables are read
+    /// as they are. What is read of it counts apart ([`Log::bytes_read`], [`Log::left_out`]).
+    ///
+    /// ```
+    /// use grouser_files::topics::Topics;
+    /// use grouser_log::Log;
+    ///
+    /// let log = Log::find_any(&["../../examples/five-wheel/log.mcap".into()], None, &Topics::default())?;
+    /// let wheels = log.of_wheels().samples(&[])?.count();
+    /// assert_eq!(wheels, 5 * 2001); // the inertial unit's messages are not among them
+    /// assert!(log.samples(&[])?.count() > wheels);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn of_wheels(&self) -> Self {
+        Self {
+            recording: self.recording.as_ref().map(Recording::of_wheels),
+            read: Arc::default(),
+            ..self.clone()
+        }
+    }
+
     /// The same log, whose tables are read with fewer rows held back: a table that is still written gives its newest
     /// row after `rows` later ones, and a row that is farther from its place in time is an error. Without this they are
     /// 1024.

@@ -65,6 +65,7 @@ mod speed;
 pub mod start;
 mod state;
 mod wheel_estimate;
+mod wheel_steering;
 mod wheel_track;
 pub mod window;
 

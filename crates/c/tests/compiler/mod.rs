@@ -63,7 +63,8 @@ pub(crate) fn library() -> PathBuf {
     let built = files.filter_map(|file| {
         let path = file.unwrap().path();
         let name = path.file_name()?.to_str()?;
-        let is_library = name.starts_with("libgrouser_c-") && name.ends_with(".a");
+        let is_library = name.starts_with("libgrouser_c-")
+            && path.extension().is_some_and(|ending| ending == "a");
         let modified = path.metadata().unwrap().modified().unwrap();
         is_library.then_some((modified, path))
     });

@@ -77,6 +77,19 @@ impl Recording {
         })
     }
 
+    /// The same files, of which only the topics that measure a wheel are decoded.
+    pub(crate) fn of_wheels(&self) -> Self {
+        let mut choice = Choice::clone(&self.choice);
+        choice
+            .topics
+            .retain(|topic| topic.measures.iter().any(|(_, wheel)| wheel.is_some()));
+        Self {
+            files: self.files.clone(),
+            choice: Arc::new(choice),
+            left_out: Arc::default(),
+        }
+    }
+
     pub(crate) fn begin(&self) {
         *self.lock() = LeftOut::default();
     }

@@ -47,7 +47,7 @@ impl Core {
     /// not known.
     fn side_slip_angle(&self, index: usize) -> Option<Measured> {
         let wheel = &self.wheels.channels[index];
-        let (ahead, sideways) = (wheel.row, wheel.across());
+        let (ahead, sideways) = (wheel.row, wheel.steering.across());
         let speed = self.state.mean_of(&along(ahead));
         let drift = self.state.mean_of(&along(sideways));
         let square = speed * speed + drift * drift;

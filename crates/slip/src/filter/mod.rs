@@ -61,7 +61,6 @@ mod settings;
 mod turn_agreement;
 mod wheel_bank;
 mod wheel_channel;
-mod wheel_steering;
 mod wheel_update;
 
 use grouser_real::Real;

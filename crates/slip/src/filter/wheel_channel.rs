@@ -1,12 +1,11 @@
 //! One wheel in the filter: its readings, its windows, and what is learnt of it.
 
-use grouser_real::Real;
-
 use crate::history::seconds_between;
 use crate::robot::{Robot, WheelRole};
 use crate::speed::Measured;
 use crate::state::Health;
 use crate::wheel_estimate::WheelEstimate;
+use crate::wheel_steering::Steering;
 use crate::wheel_track::{TrackSettings, WheelTrack};
 
 use super::carrier::Carrier;
@@ -16,7 +15,6 @@ use super::pulse_check::PulseCheck;
 use super::radius_check::RadiusCheck;
 use super::rolling_history::RollingHistory;
 use super::settings::FilterSettings;
-use super::wheel_steering::Steering;
 
 /// A window is extended until it has this many ticks: fewer say little of the speed.
 const MIN_WINDOW_TICKS: f64 = 4.0;
@@ -31,8 +29,6 @@ const HISTORY_ENTRIES: usize = 64;
 #[derive(Clone, Debug)]
 pub(super) struct WheelChannel {
     pub(super) row: [f64; 3],
-    /// Position of its centre, m.
-    place: [f64; 2],
     pub(super) steering: Steering,
     pub(super) carrier: Carrier,
     pub(super) free: bool,
@@ -82,7 +78,6 @@ impl WheelChannel {
             .enumerate()
             .map(move |(index, wheel)| Self {
                 row: wheel.speed_row(),
-                place: [wheel.x, wheel.y],
                 steering: Steering::new(wheel),
                 carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.role == WheelRole::Free,
@@ -112,15 +107,8 @@ impl WheelChannel {
 
     /// Sets the steering angle, rad.
     pub(super) fn steer(&mut self, angle: f64) {
-        self.place = self.steering.turn(angle);
-        let (sin, cos) = Real::sin_cos(self.steering.heading + angle);
-        self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
-    }
-
-    /// The row of its centre's speed to the left of its heading, n · (v + Ω × p).
-    pub(super) fn across(&self) -> [f64; 3] {
-        let [cos, sin, _] = self.row;
-        [-sin, cos, cos * self.place[0] + sin * self.place[1]]
+        self.steering.turn(angle);
+        self.row = self.steering.along();
     }
 
     /// Its slip, as a row of the state: the wheel at `index` shares the common slip unless it is free.

@@ -153,7 +153,7 @@ impl WindowEstimator {
         let wheel = &self.means.wheels()[index];
         let settings = self.means.settings();
         let rim = self.means.speeds()[index]?;
-        let forward = body.along(wheel.row);
+        let forward = body.along(wheel.row());
         let measured = MeasuredSlip::from_speeds(forward, rim, &settings.limits());
         let mut estimate = WheelEstimate {
             slip: measured.slip,

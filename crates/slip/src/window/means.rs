@@ -10,13 +10,14 @@ use super::settings::WindowSettings;
 use crate::body::{BodyMotion, Observations, dot};
 use crate::error::Result;
 use crate::fault::{Fault, Rejected};
-use crate::history::{nanoseconds, seconds_between};
+use crate::history::{History, nanoseconds, seconds_between};
 use crate::measured_slip::MeasuredSlip;
 use crate::reference::Reference;
 use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
 use crate::speed::Measured;
 use crate::state::Motion;
+use crate::wheel_steering::Steering;
 use crate::wheel_track::WheelTrack;
 
 /// Wheels whose headings differ by less than this (sine) drive one way only.
@@ -26,6 +27,9 @@ const UNKNOWN_SPEED_SIGMA: f64 = 10.0;
 /// Distances grow in steps of this share of the window: in shorter ones the sensors' resolution would
 /// weigh too little against the priors.
 const TRAVEL_STEP: f64 = 0.25;
+/// Steering angles kept of each wheel, and over how many windows: the older end of a window lags behind by a dropout.
+const SWINGS: usize = 64;
+const SWING_WINDOWS: f64 = 4.0;
 /// Yaw rate of a robot that is taken to drive straight, rad/s.
 const STRAIGHT_YAW_RATE_RAD_PER_S: f64 = 0.05;
 
@@ -37,8 +41,10 @@ const STRAIGHT_YAW_RATE_RAD_PER_S: f64 = 0.05;
 pub struct WindowMeans {
     settings: WindowSettings,
     wheels: Box<[Tracked]>,
-    /// Do all powered wheels drive one way, so that the robot cannot move sideways?
+    /// Do all powered wheels drive one way, so that the robot cannot move sideways? Not once they are steered.
     one_way: bool,
+    /// Has any wheel been steered?
+    is_steered: bool,
     reference: ReferenceTrack,
     /// The window that was measured last, ns, and every wheel's rim speed over it.
     measured: (i64, i64),
@@ -55,9 +61,44 @@ pub struct WindowMeans {
 
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
-    pub(super) row: [f64; 3],
     pub(super) role: WheelRole,
     pub(super) track: WheelTrack,
+    steering: Steering,
+    /// The way of its centre along its heading by steering alone, m.
+    swings: History<1>,
+}
+
+impl Tracked {
+    /// The row of its centre's speed along its heading.
+    pub(super) const fn row(&self) -> [f64; 3] {
+        self.steering.along()
+    }
+
+    fn steer(&mut self, time_ns: i64, angle: f64) -> core::result::Result<(), Fault> {
+        Fault::check_range("steering angle", angle, -7.0, 7.0, "rad")?;
+        if self
+            .swings
+            .newest()
+            .is_some_and(|(last, _)| last >= time_ns)
+        {
+            // the clock was set back
+            self.swings.clear();
+        }
+        self.steering.turn(angle);
+        self.swings.push(time_ns, [self.steering.swung_in_all()]);
+        Ok(())
+    }
+
+    /// Its rim speed over a window by which its centre moves with the robot: what it rolls by steering alone is left out.
+    fn speed(&self, from: i64, until: i64) -> Option<Measured> {
+        let rim = self.track.speed(from, until)?;
+        let swung = self.swings.at(until).zip(self.swings.at(from));
+        let swung = swung.map_or(0.0, |([to], [from])| to - from);
+        Some(Measured {
+            value: rim.value - swung / seconds_between(from, until),
+            ..rim
+        })
+    }
 }
 
 impl WindowMeans {
@@ -72,15 +113,16 @@ impl WindowMeans {
             .iter()
             .enumerate()
             .map(|(index, wheel)| Tracked {
-                row: wheel.speed_row(),
                 role: wheel.role,
                 track: WheelTrack::new(index, wheel, settings.track()),
+                steering: Steering::new(wheel),
+                swings: History::new(SWINGS, nanoseconds(SWING_WINDOWS * settings.window)),
             })
             .collect();
         let mut powered = wheels.iter().filter(|w| w.role == WheelRole::Powered);
         let one_way = powered.next().is_none_or(|first| {
-            powered
-                .all(|w| (first.row[0] * w.row[1] - first.row[1] * w.row[0]).abs() < PARALLEL_SINE)
+            let [x, y, _] = first.row();
+            powered.all(|w| (x * w.row()[1] - y * w.row()[0]).abs() < PARALLEL_SINE)
         });
         Ok(Self {
             speeds: vec![None; wheels.len()].into_boxed_slice(),
@@ -88,6 +130,7 @@ impl WindowMeans {
             reference_until: None,
             wheels: wheels.into_boxed_slice(),
             one_way,
+            is_steered: false,
             reference: ReferenceTrack::new(&settings),
             measured: (0, 0),
             body: WindowBody::default(),
@@ -126,6 +169,18 @@ impl WindowMeans {
                 let wheels = self.wheels.len();
                 match self.wheels.get_mut(wheel) {
                     Some(tracked) => tracked.track.take(sample.time_ns, &sample.measurement),
+                    None => Err(Fault::UnknownWheel {
+                        index: wheel,
+                        wheels,
+                    }),
+                }
+            }
+            Measurement::SteeringAngle { wheel, angle } => {
+                let wheels = self.wheels.len();
+                self.is_steered = true;
+                self.one_way = false;
+                match self.wheels.get_mut(wheel) {
+                    Some(tracked) => tracked.steer(sample.time_ns, angle),
                     None => Err(Fault::UnknownWheel {
                         index: wheel,
                         wheels,
@@ -181,7 +236,7 @@ impl WindowMeans {
         if self.body.until_ns == Some(until) {
             return self.rims[wheel];
         }
-        track.speed(self.window_start(until), until)
+        self.wheels[wheel].speed(self.window_start(until), until)
     }
 
     pub(super) fn window_start(&self, until: i64) -> i64 {
@@ -238,7 +293,7 @@ impl WindowMeans {
     /// Measures the rims over a window; [`Self::reference_motion`] and [`Self::wheels_motion`] are of that window.
     pub(super) fn measure(&mut self, from: i64, until: i64) {
         for (speed, wheel) in self.speeds.iter_mut().zip(&self.wheels) {
-            *speed = wheel.track.speed(from, until);
+            *speed = wheel.speed(from, until);
         }
         self.measured = (from, until);
     }
@@ -252,14 +307,9 @@ impl WindowMeans {
     pub(super) fn reference_motion(&self) -> Option<BodyMotion> {
         let (from, until) = self.measured;
         let mut seen = Observations::default();
-        // What is measured needs no assumption.
-        let lateral = if self.one_way && !self.reference.measures_displacement() {
-            self.settings.lateral_sigma
-        } else {
-            UNKNOWN_SPEED_SIGMA
-        };
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
-        seen.add(self.sideways(), prior(lateral));
+        // What is measured needs no assumption.
+        self.hold_sideways(&mut seen, !self.reference.measures_displacement());
         let yaw = self.reference.yaw_rate(from, until);
         seen.add(
             [0.0, 0.0, 1.0],
@@ -269,7 +319,7 @@ impl WindowMeans {
         match self.settings.reference {
             Reference::FreeWheel => {
                 for (wheel, speed) in self.of(WheelRole::Free) {
-                    seen.add(wheel.row, speed?);
+                    seen.add(wheel.row(), speed?);
                 }
             }
             Reference::Grip => {
@@ -287,13 +337,30 @@ impl WindowMeans {
         all.filter(move |(wheel, _)| wheel.role == role)
     }
 
+    /// Assumes no motion to the side where it `is_held`: a robot whose wheels all point one way does not move across it, and
+    /// steered wheels roll along their headings, each at its place.
+    fn hold_sideways(&self, seen: &mut Observations, is_held: bool) {
+        let held = self.settings.lateral_sigma;
+        if !self.is_steered {
+            let is_held = is_held && self.one_way;
+            let sigma = if is_held { held } else { UNKNOWN_SPEED_SIGMA };
+            return seen.add(self.sideways(), prior(sigma));
+        }
+        seen.add([0.0, 1.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
+        if is_held {
+            for (wheel, _) in self.of(WheelRole::Powered) {
+                seen.add(wheel.steering.across(), prior(held));
+            }
+        }
+    }
+
     /// The direction in which a robot whose wheels all point one way cannot move.
     fn sideways(&self) -> [f64; 3] {
         let heading = self
             .wheels
             .iter()
             .find(|w| w.role == WheelRole::Powered)
-            .map_or([1.0, 0.0, 0.0], |w| w.row);
+            .map_or([1.0, 0.0, 0.0], Tracked::row);
         if self.one_way {
             [-heading[1], heading[0], 0.0]
         } else {
@@ -307,9 +374,9 @@ impl WindowMeans {
         let mut slowest: Option<([f64; 3], Measured, f64)> = None;
         for (wheel, speed) in self.of(WheelRole::Powered) {
             let rim = speed?;
-            let straight = (rim.value - wheel.row[2] * yaw.value).abs();
+            let straight = (rim.value - wheel.row()[2] * yaw.value).abs();
             if slowest.is_none_or(|(_, _, least)| straight < least) {
-                slowest = Some((wheel.row, rim, straight));
+                slowest = Some((wheel.row(), rim, straight));
             }
         }
         slowest.map(|(row, rim, _)| (row, rim))
@@ -318,13 +385,8 @@ impl WindowMeans {
     /// The motion that the powered wheels would give the robot without slip.
     fn wheels_motion(&self) -> Option<BodyMotion> {
         let mut seen = Observations::default();
-        let lateral = if self.one_way {
-            self.settings.lateral_sigma
-        } else {
-            UNKNOWN_SPEED_SIGMA
-        };
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
-        seen.add(self.sideways(), prior(lateral));
+        self.hold_sideways(&mut seen, true);
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN_SPEED_SIGMA));
         // All wheels weigh the same, as the least resolved of them: what differs is their slip.
         let mut variance = 1e-8_f64;
@@ -332,7 +394,7 @@ impl WindowMeans {
             variance = variance.max(speed?.variance);
         }
         for (wheel, speed) in self.of(WheelRole::Powered) {
-            seen.add(wheel.row, Measured { variance, ..speed? });
+            seen.add(wheel.row(), Measured { variance, ..speed? });
         }
         seen.solve()
     }

@@ -28,7 +28,7 @@ pub(crate) struct Chosen {
 }
 
 /// What was chosen.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Choice {
     pub(crate) topics: Vec<Chosen>,
     pub(crate) wheels: Vec<String>,
