@@ -340,3 +340,58 @@ fn a_log_names_the_joints_of_the_robot_file() {
         said.err
     );
 }
+
+/// What is learnt of the soil is in every output, and the table of its sensors is still a log.
+#[test]
+fn what_is_learnt_of_the_soil_is_in_json_text_report_and_logs() {
+    let folder = Folder::new();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let robot = format!("{root}/robots/five-wheel.toml");
+    let scenario = std::fs::read_to_string(format!("{root}/scenarios/unknown-soil.toml")).unwrap();
+    let short = scenario
+        .replace("../robots/five-wheel.toml", &robot)
+        .replace("duration_s = 120.0", "duration_s = 12.0")
+        .replace("world_laws = \"slip-velocity-regular\"\n", "");
+    let path = folder.file("short.toml", short).display().to_string();
+    let [table, recording, page] = ["drive.csv", "drive.mcap", "page.html"]
+        .map(|name| folder.path(name).display().to_string());
+    let compare = "known-soil,controller";
+    let arguments = [
+        "drive",
+        &path,
+        "--compare",
+        compare,
+        "-o",
+        &table,
+        "--report",
+        &page,
+        "--json",
+    ];
+    let runs = grouser(arguments).assert_done().json();
+    assert!(runs["runs"][0]["soil"].is_null());
+    let soil = &runs["runs"][1]["soil"];
+    assert!(soil["readings"].as_u64().unwrap() >= 3, "{soil}");
+    let number = |key: &str| soil[key].as_f64().unwrap();
+    assert!(number("phi_low_deg") < number("phi_deg"), "{soil}");
+    assert!(number("phi_deg") < number("phi_high_deg"), "{soil}");
+    let report = embedded(&std::fs::read_to_string(&page).unwrap());
+    assert_eq!(report["runs"][1]["soil"]["readings"], soil["readings"]);
+    // the last row of the table has the last belief
+    let rows = std::fs::read_to_string(&table).unwrap();
+    let header: Vec<&str> = rows.lines().next().unwrap().split(',').collect();
+    let column = header
+        .iter()
+        .position(|name| *name == "soil_phi_deg")
+        .unwrap();
+    let last: Vec<&str> = rows.lines().last().unwrap().split(',').collect();
+    assert_eq!(last.len(), header.len());
+    let shown: f64 = last[column].parse().unwrap();
+    assert!((shown - number("phi_deg")).abs() < 1e-9, "{shown} {soil}");
+    grouser(["estimate", &table, "--robot", &robot, "--json"]).assert_done();
+    let said = grouser(["drive", &path, "-o", &recording]).assert_done();
+    assert!(said.out.contains("soil learnt from"), "{said:?}");
+    let topics = grouser(["log", "info", &recording, "--json"])
+        .assert_done()
+        .json();
+    assert!(topics.to_string().contains("/grouser/soil"), "{topics}");
+}
