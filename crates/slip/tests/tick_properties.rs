@@ -184,7 +184,7 @@ impl Drive {
             setup.max_torque = Some(5.0);
             setup.max_steering_angle = if kind.steers { MAX_STEERING_RAD } else { 0.0 };
         }
-        if seed % 2 == 0 {
+        if seed.is_multiple_of(2) {
             let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
             let family = SoilFamily::solve(&robot, &settings.wheels, &soil);
             settings.soil.family = Some(family.unwrap());
