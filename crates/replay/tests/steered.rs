@@ -88,8 +88,10 @@ fn slips(log: &Log, steering: &str) -> [f64; 4] {
 
 fn slips_by(log: &Log, steering: &str, method: Option<Method>) -> [f64; 4] {
     let mut worst = [0.0_f64; 4];
-    let mut options = Options::default();
-    options.method = method;
+    let options = Options {
+        method,
+        ..Options::default()
+    };
     run(log, &robot_file(steering), &options, |row| {
         if let Some(slip) = row.slip.filter(|_| row.time_s > 5.0) {
             worst[row.wheel] = worst[row.wheel].max(slip.abs());

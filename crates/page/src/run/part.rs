@@ -16,7 +16,7 @@ pub(super) fn bytes(mut head: Value, columns: &[(String, &[f64])]) -> Vec<u8> {
         head["columns"] = json!(names);
     }
     let mut head = head.to_string().into_bytes();
-    while (4 + head.len()) % 8 != 0 {
+    while !(4 + head.len()).is_multiple_of(8) {
         head.push(b' ');
     }
     let mut out = Vec::with_capacity(4 + head.len() + 8 * rows * columns.len());
