@@ -85,6 +85,8 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-terra",
             "grouser-opt",
             "grouser-slip",
+            "grouser-files",
+            "grouser-log",
             "grouser-replay",
             "grouser-design",
             "grouser-rover",
