@@ -216,10 +216,11 @@ impl Log {
     /// as they are. What is read of it counts apart ([`Log::bytes_read`], [`Log::left_out`]).
     ///
     /// ```
-    /// use grouser_files::topics::Topics;
+    /// use grouser_files::robot;
     /// use grouser_log::Log;
     ///
-    /// let log = Log::find_any(&["../../examples/five-wheel/log.mcap".into()], None, &Topics::default())?;
+    /// let robot = robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+    /// let log = Log::find_any(&["../../examples/five-wheel/log.mcap".into()], None, &robot.topics)?;
     /// let wheels = log.of_wheels().samples(&[])?.count();
     /// assert_eq!(wheels, 5 * 2001); // the inertial unit's messages are not among them
     /// assert!(log.samples(&[])?.count() > wheels);
