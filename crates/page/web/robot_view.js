@@ -4,9 +4,9 @@ import { h, svg } from './dom.js';
 import { shown } from './format.js';
 import { slipClass } from './slip_classes.js';
 
-/** The picture shows so much around the outermost wheel, m. */
+/** Room around the outermost wheel, m. */
 const ROOM_M = 0.35;
-/** The longest arrow is a force of the load on the wheel; arrows are so much of the robot's length for it. */
+/** Length of the arrow of a force as great as the load on the wheel, as a share of what the picture shows. */
 const ARROW_SHARE = 0.55;
 /** Depths of ruts, m, from which they are drawn darker. */
 const DEPTHS_M = [0.005, 0.015, 0.03];

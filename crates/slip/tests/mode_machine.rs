@@ -19,7 +19,7 @@ use grouser_slip::{Health, Motion, Robot, Wheel};
 /// The loop's period.
 const PERIOD_S: f64 = 0.05;
 const PERIOD_NS: i64 = 50_000_000;
-/// A behaviour lasts for so many periods: longer than each shortened limit.
+/// The number of periods of a behaviour: longer than each shortened limit.
 const HELD: usize = 10;
 /// Sequences have at most this many behaviours.
 const DEPTH: usize = 5;

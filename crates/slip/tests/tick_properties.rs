@@ -155,7 +155,7 @@ struct Kind {
     steers: bool,
 }
 
-/// A robot that follows its commands, and everything that it is told between.
+/// A robot that follows its commands, with arbitrary samples in between.
 struct Drive {
     on_board: OnBoard,
     noise: Noise,

@@ -28,7 +28,7 @@ struct Arguments {
         conflicts_with = "export"
     )]
     robot: Option<PathBuf>,
-    /// The column map of a log in CSV; the robot file's, or `columns.toml` beside it, unless given
+    /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
     /// The log is a table that is still written: the page shows its newest row

@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
         conflicts_with = "export"
     )]
     robot: Option<PathBuf>,
-    /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
+    /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
     /// The log is a table that is still written: the page shows its newest row

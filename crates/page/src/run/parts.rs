@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::part;
 
-/// A part has at most so many rows.
+/// The largest number of rows in a part.
 const MAX_ROWS: usize = 4096;
 /// Columns before those of the wheels.
 const BODY_COLUMNS: [&str; 5] = ["time_s", "x_m", "y_m", "heading_deg", "speed_m_per_s"];

@@ -9,8 +9,8 @@ use crate::fault::{Fault, Rejected};
 use crate::history::{nanoseconds, whole};
 use crate::sample::{Measurement, Sample};
 
-/// Samples that can wait for earlier ones: a horizon of 20 ms at 12 kHz at most, and at least so many that a burst of each
-/// sensor of a small robot finds room.
+/// Least and greatest number of samples that can wait for earlier ones: a burst of each sensor of a small robot, and a
+/// horizon of 20 ms at 12 kHz.
 const REORDER_CAPACITY: (usize, usize) = (32, 256);
 /// Samples that an inertial unit makes of a reading beside one for each wheel's carrier, and those of two references.
 const OTHER_SAMPLES: f64 = 4.0;

@@ -153,14 +153,10 @@ impl Table {
         }
         let torques = self.torques.iter().zip(&self.max_torques);
         let torques = torques.filter_map(|(torque, most)| most.map(|_| *torque));
-        let soil = frame
-            .soil
-            .as_ref()
-            .filter(|_| self.has_soil)
-            .map(soil_columns);
-        let soil = soil.unwrap_or_default();
-        let soil = soil.iter().take(if self.has_soil { 9 } else { 0 });
-        for value in torques.chain(inertial).chain(soil.copied()) {
+        let soil = self
+            .has_soil
+            .then(|| frame.soil.as_ref().map_or([None; 9], soil_columns));
+        for value in torques.chain(inertial).chain(soil.into_iter().flatten()) {
             // a table holds numbers; what a broken sensor shows instead is an empty cell
             match value.filter(|value| value.is_finite()) {
                 Some(value) => write!(self.out, ",{}", exact(value))?,
@@ -173,17 +169,17 @@ impl Table {
 
 /// Strength, stiffness and friction angle (°), each with its interval.
 fn soil_columns(soil: &SoilEstimate) -> [Option<f64>; 9] {
-    let mut out = [None; 9];
-    let degrees = std::f64::consts::PI.recip() * 180.0;
-    let quantities = [
-        (soil.strength, 1.0),
-        (soil.stiffness, 1.0),
-        (soil.friction_angle, degrees),
-    ];
-    for (slots, (of, unit)) in out.chunks_mut(3).zip(quantities) {
-        for (slot, value) in slots.iter_mut().zip([of.mean, of.low, of.high]) {
-            *slot = Some(unit * value);
-        }
-    }
-    out
+    let (strength, stiffness, angle) = (soil.strength, soil.stiffness, soil.friction_angle);
+    [
+        strength.mean,
+        strength.low,
+        strength.high,
+        stiffness.mean,
+        stiffness.low,
+        stiffness.high,
+        angle.mean.to_degrees(),
+        angle.low.to_degrees(),
+        angle.high.to_degrees(),
+    ]
+    .map(Some)
 }

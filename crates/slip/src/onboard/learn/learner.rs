@@ -22,7 +22,7 @@ const MISS_SHARE: f64 = 0.1;
 /// as much. In the long run a tenth of the readings is missed whatever the soil, as in adaptive conformal inference (Gibbs &
 /// Candès 2021). Set by `tests/learnt_soil.rs` of `grouser-rover`.
 const ERROR_SCALE_GAIN: f64 = 0.5;
-/// Before so many readings nothing is compared with the soil that is believed in: it may be another one.
+/// The number of readings from which the ground is compared with the learnt soil: before, the prior may be a wrong soil.
 const MIN_READINGS: u32 = 3;
 /// Greatest standard deviation of one soil's slip demand: that of a slip of which nothing is known, in [0, 1].
 const MAX_DEMAND_SIGMA: f64 = 0.3;
