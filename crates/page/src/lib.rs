@@ -15,7 +15,9 @@
 //! ```
 //!
 //! [`run`] has the runs in columns: [`run::DriveRecorder`] takes the frames of a simulated drive, [`run::LogRecorder`]
-//! the rows of a log through the estimator. [`answer`] has what the optimiser found. The crate neither simulates nor estimates, and reads and writes no files.
+//! the rows of a log through the estimator, [`run::LogParts`] the same in parts while they are found, and [`run::overview`]
+//! reads the whole log's rim speeds before. [`answer`] has what the optimiser found. The crate neither simulates nor
+//! estimates, and opens and writes no files.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "optimize")]

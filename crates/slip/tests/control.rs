@@ -5,29 +5,25 @@
     reason = "a test fails by panicking; its times are short"
 )]
 
+mod four_wheels;
+
+use four_wheels::four_wheels;
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Decision, Ending, Mode, Reason,
     Request, WheelCommand, WheelObservation,
 };
-use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot, Wheel};
+use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot};
 use proptest::prelude::*;
 
 /// A robot of four powered wheels.
 fn robot() -> Robot {
-    let wheel = |name: &str, x, y| {
-        Wheel::powered(name)
-            .at(x, y)
-            .radius(0.1)
-            .encoder(Encoder::counting(1000).counter(CounterWidth::new(32).unwrap()))
-            .load(50.0)
-    };
-    let wheels = vec![
-        wheel("a", 0.3, 0.2),
-        wheel("b", 0.3, -0.2),
-        wheel("c", -0.3, 0.2),
-        wheel("d", -0.3, -0.2),
-    ];
-    Robot::new("four wheels".into(), wheels).unwrap()
+    let encoder = Encoder::counting(1000).counter(CounterWidth::new(32).unwrap());
+    let wheels = four_wheels(1000).into_iter();
+    Robot::new(
+        "four wheels".into(),
+        wheels.map(|wheel| wheel.encoder(encoder)).collect(),
+    )
+    .unwrap()
 }
 
 fn rolling(rim: f64) -> WheelObservation {

@@ -9,12 +9,15 @@
     reason = "a test fails by panicking, and prints what it covered"
 )]
 
+mod four_wheels;
+
 use std::collections::{BTreeMap, BTreeSet};
 
+use four_wheels::four_wheels;
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Mode, Request, WheelObservation,
 };
-use grouser_slip::{Health, Motion, Robot, Wheel};
+use grouser_slip::{Health, Motion, Robot};
 
 /// The loop's period.
 const PERIOD_S: f64 = 0.05;
@@ -97,20 +100,7 @@ impl Behaviour {
 }
 
 fn robot() -> Robot {
-    let wheel = |name: &str, x, y| {
-        Wheel::powered(name)
-            .at(x, y)
-            .radius(0.1)
-            .ticks_per_turn(1000)
-            .load(50.0)
-    };
-    let wheels = vec![
-        wheel("a", 0.3, 0.2),
-        wheel("b", 0.3, -0.2),
-        wheel("c", -0.3, 0.2),
-        wheel("d", -0.3, -0.2),
-    ];
-    Robot::new("four wheels".into(), wheels).unwrap()
+    Robot::new("four wheels".into(), four_wheels(1000)).unwrap()
 }
 
 fn settings() -> ControlSettings {

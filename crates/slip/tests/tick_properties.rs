@@ -10,10 +10,12 @@
     reason = "a test fails by panicking, and prints what it covered; its counts are small"
 )]
 
+mod four_wheels;
 mod noise;
 
 use std::collections::BTreeMap;
 
+use four_wheels::four_wheels;
 use grouser_slip::control::{Decides, Mode, Request, WheelCommand};
 use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, StartPolicy};
 use grouser_slip::{Measurement, Robot, Sample, Wheel};
@@ -32,24 +34,9 @@ const MAX_STEP_S: f64 = 0.1;
 const NOTICED_S: f64 = 0.55;
 
 fn robot() -> Robot {
-    let wheel = |name: &str, x, y| {
-        Wheel::powered(name)
-            .at(x, y)
-            .radius(0.1)
-            .ticks_per_turn(4096)
-            .load(50.0)
-    };
-    let wheels = vec![
-        wheel("a", 0.3, 0.2),
-        wheel("b", 0.3, -0.2),
-        wheel("c", -0.3, 0.2),
-        wheel("d", -0.3, -0.2),
-        Wheel::free("e")
-            .at(-0.5, 0.0)
-            .radius(0.1)
-            .ticks_per_turn(4096)
-            .load(3.0),
-    ];
+    let mut wheels = four_wheels(4096);
+    let free = Wheel::free("e").at(-0.5, 0.0).radius(0.1);
+    wheels.push(free.ticks_per_turn(4096).load(3.0));
     Robot::new("five wheels".into(), wheels).unwrap()
 }
 
@@ -507,29 +494,19 @@ fn from_any_moment_a_clock_that_stands_ends_in_the_safe_stop() {
         }
         let mut drive = Drive::new(seed, kind);
         drive.run(|_| {});
+        let ahead = Request {
+            speed: 0.3,
+            ..Request::default()
+        };
         let mut ticks = 0;
         // a second of silence in steps of 0.025 s, and the way to rest at 1 m/s²
         while drive.mode != Mode::Stopped {
             ticks += 1;
-            drive.tick(
-                0.025,
-                Request {
-                    speed: 0.3,
-                    heading: 0.0,
-                    yaw_rate: None,
-                },
-            );
+            drive.tick(0.025, ahead);
             assert!(ticks <= 42, "seed {seed}");
         }
         for _ in 0..26 {
-            drive.tick(
-                0.025,
-                Request {
-                    speed: 0.3,
-                    heading: 0.0,
-                    yaw_rate: None,
-                },
-            );
+            drive.tick(0.025, ahead);
         }
         assert!(
             drive

@@ -60,6 +60,7 @@ mod shear;
 mod sinkage;
 mod slip;
 mod slip_model;
+mod slip_search;
 mod slip_velocity;
 mod soil;
 mod soil_history;

@@ -202,9 +202,9 @@ class _Problem:
         equalities: Functions | None,
         gradients: Functions | None,
         linear: Sequence[Linear],
-        absolute: int,
-        names: Sequence[str] | None,
-        objective_names: Sequence[str] | None,
+        absolute: int = 0,
+        names: Sequence[str] | None = None,
+        objective_names: Sequence[str] | None = None,
         worlds: Sequence[Any] = (),
     ) -> None:
         for name, function in (
@@ -406,9 +406,7 @@ def attain(
 
     Parameters as in `minimax`.
     """
-    problem = _Problem(
-        objectives, start, lower, upper, inequalities, equalities, gradients, linear, 0, None, None
-    )
+    problem = _Problem(objectives, start, lower, upper, inequalities, equalities, gradients, linear)
     method = ("attain", _vector("goals", goals).tolist(), _vector("weights", weights).tolist())
     return _solve(problem, problem.as_parts(settings, method), starts, seed, None)
 
@@ -432,9 +430,7 @@ def weighted(
 
     Parameters as in `minimax`.
     """
-    problem = _Problem(
-        objectives, start, lower, upper, inequalities, equalities, gradients, linear, 0, None, None
-    )
+    problem = _Problem(objectives, start, lower, upper, inequalities, equalities, gradients, linear)
     method: tuple[str, list[float], list[float]] = ("weighted", [], _vector("weights", weights).tolist())
     return _solve(problem, problem.as_parts(settings, method), starts, seed, None)
 
@@ -459,9 +455,7 @@ def chebyshev(
 
     Parameters as in `minimax`.
     """
-    problem = _Problem(
-        objectives, start, lower, upper, inequalities, equalities, gradients, linear, 0, None, None
-    )
+    problem = _Problem(objectives, start, lower, upper, inequalities, equalities, gradients, linear)
     method = ("chebyshev", _vector("ideal", ideal).tolist(), _vector("weights", weights).tolist())
     return _solve(problem, problem.as_parts(settings, method), starts, seed, None)
 
@@ -508,9 +502,7 @@ def pareto(
     >>> bool((front.x >= -1e-6).all() and (front.x <= 2.0 + 1e-6).all())
     True
     """
-    problem = _Problem(
-        objectives, start, lower, upper, inequalities, equalities, gradients, linear, 0, None, None
-    )
+    problem = _Problem(objectives, start, lower, upper, inequalities, equalities, gradients, linear)
     found = _core.solve_front(
         problem.as_parts(settings),
         _count("population", population),
@@ -564,7 +556,7 @@ def robust(
     if len(worlds) == 0:
         raise InputError("worlds is empty, but one is needed at least", "worlds", 0, 1, "1")
     problem = _Problem(
-        objectives, start, lower, upper, inequalities, equalities, gradients, linear, 0, None, None, worlds
+        objectives, start, lower, upper, inequalities, equalities, gradients, linear, worlds=worlds
     )
     names = _names("world_names", world_names, "world ", len(worlds))
     parts = problem.as_parts(settings, measure=(measure, float(parameter)), world_names=names)

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::gravity::read_gravity;
 use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_slip::control::ControlSettings;
+use grouser_slip::onboard::SoilLearnSettings;
 use grouser_terra::{Angle, MultiPass, ShearLaw, Soil, SoilParams, catalogue};
 
 use super::scenario::{
@@ -19,6 +20,8 @@ use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 const PLACE_LIMITS_M: (f64, f64) = (-1e6, 1e6);
 const LENGTH_LIMITS_M: (f64, f64) = (1e-6, 1e6);
 const ANY_NUMBER: (f64, f64) = (-1e18, 1e18);
+/// The standard of a drive that plans its way, which is that of `LearnSettings` in grouser-terrain.
+const PLAN_HYSTERESIS: f64 = 0.15;
 /// A slip to run at.
 const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 
@@ -97,8 +100,11 @@ fn read(
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
     let plan = root.section("plan", read_plan)?;
-    let standard = if plan.is_some() { 0.15 } else { 0.3 };
-    let learn = root.section("learn", |s| read_learn(s, standard))?;
+    let hysteresis = match &plan {
+        Some(_) => PLAN_HYSTERESIS,
+        None => SoilLearnSettings::default().hysteresis,
+    };
+    let learn = root.section("learn", |s| read_learn(s, hysteresis))?;
     let mut legs = root.sections("leg", read_leg)?;
     if let Some(plan) = &plan {
         if !legs.is_empty() {
