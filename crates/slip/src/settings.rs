@@ -90,23 +90,6 @@ impl<S: Copy> Field<S> {
         *(self.slot)(settings) = value;
     }
 
-    /// The value in the unit of a file.
-    ///
-    /// ```
-    /// use grouser_slip::filter::FilterSettings;
-    ///
-    /// let settings = FilterSettings { gyro_bias: 1_f64.to_radians(), ..FilterSettings::default() };
-    /// let field = FilterSettings::FIELDS.iter().find(|field| field.name == "gyro_bias").unwrap();
-    /// assert!((field.get_for_file(&settings) - 1.0).abs() < 1e-12); // in degrees
-    /// ```
-    #[must_use]
-    pub fn get_for_file(&self, settings: &S) -> f64 {
-        match self.file_unit {
-            FileUnit::Same => self.get(settings),
-            FileUnit::Degrees => self.get(settings).to_degrees(),
-        }
-    }
-
     /// Sets the value from a file, in the unit of the file.
     pub fn set_from_file(&self, settings: &mut S, value: f64) {
         self.set(

@@ -4,7 +4,6 @@ use crate::caution::Cautions;
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
-use crate::operating_point::OperatingPoint;
 use crate::wheel_on_soil::WheelOnSoil;
 
 /// What a wheel's way, and wheels before it, have made of the soil under it, for simulations in time.
@@ -75,25 +74,8 @@ impl WheelOnSoil {
         Ok(self.forces_of(&contact, kinematics))
     }
 
-    /// The whole operating point at a sinkage (m) on soil with a history: [`WheelOnSoil::at_sinkage`] otherwise.
-    ///
-    /// # Errors
-    /// As [`WheelOnSoil::forces_after`].
-    pub fn at_sinkage_after(
-        &self,
-        sinkage: f64,
-        kinematics: &Kinematics,
-        history: &SoilHistory,
-    ) -> Result<OperatingPoint> {
-        let theta_1 = self.entry_angle(sinkage)?;
-        self.check_history(history)?;
-        let mut point = self.point_after(theta_1, kinematics, history);
-        point.sinkage = sinkage;
-        Ok(point)
-    }
-
     /// Forces at a sinkage (m) on soil with a history, and the side force with the ploughed soil's part
-    /// ([`OperatingPoint::side_force`]), N: all that a step in time needs of an operating point.
+    /// ([`OperatingPoint::side_force`](crate::OperatingPoint::side_force)), N: all that a step in time needs of an operating point.
     ///
     /// # Errors
     /// As [`WheelOnSoil::forces_after`].

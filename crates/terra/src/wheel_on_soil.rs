@@ -196,22 +196,9 @@ impl WheelOnSoil {
         )
     }
 
-    /// The whole operating point at an entry angle of the forward-rolling wheel (rad) on soil with a history.
-    pub(crate) fn point_after(
-        &self,
-        theta_1: f64,
-        kinematics: &Kinematics,
-        history: &SoilHistory,
-    ) -> OperatingPoint {
-        self.point_of(self.contact_after(theta_1, kinematics, history), kinematics)
-    }
-
     /// The whole operating point at an entry angle of the forward-rolling wheel (rad).
     pub(crate) fn point(&self, theta_1: f64, kinematics: &Kinematics) -> OperatingPoint {
-        self.point_of(self.contact(theta_1, kinematics), kinematics)
-    }
-
-    fn point_of(&self, contact: Contact<f64>, kinematics: &Kinematics) -> OperatingPoint {
+        let contact = self.contact(theta_1, kinematics);
         let theta_1 = contact.angles().theta_1;
         let forces = contact.forces_by(self.tables(), self.order());
         let finer = match self.settings.accuracy {

@@ -253,12 +253,6 @@ impl Scenario {
         self.learn.is_some() && self.plan.is_none()
     }
 
-    /// The total progress of its legs, m; legs that only last have none.
-    #[must_use]
-    pub fn asked_distance(&self) -> f64 {
-        self.legs.iter().filter_map(|leg| leg.distance).sum()
-    }
-
     /// Mean load of the robot's powered wheels on the level, N, and the first of them.
     ///
     /// ```

@@ -212,12 +212,6 @@ impl Vehicle {
         &self.state
     }
 
-    /// Replaces the state, for tests and for starts in motion.
-    pub fn set_state(&mut self, state: BodyState) {
-        self.state = state;
-        self.model.linkage.update_pose(&self.state, &mut self.pose);
-    }
-
     /// Sets a wheel's spin, rad/s.
     pub fn set_spin(&mut self, wheel: usize, spin: f64) {
         self.wheels[wheel].spin = spin;

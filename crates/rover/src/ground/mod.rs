@@ -153,7 +153,6 @@ pub struct Spot {
 /// let mut ground = Ground::new(HeightMap::from_shape((4.0, 2.0), 0.1, |_, _| 0.0)?, vec![sand])?;
 /// ground.press((1.0, 0.0), (2.0, 0.0), 0.2, 0.03); // a wheel of 0.2 m has passed, 0.03 m deep
 /// assert!((ground.at(1.5, 0.0).height + 0.03).abs() < 1e-6);
-/// assert!(ground.rut_volume() > 0.0);
 /// # Ok::<(), grouser_rover::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -388,12 +387,5 @@ impl Ground {
                 }
             }
         }
-    }
-
-    /// Volume of all ruts, m³.
-    #[must_use]
-    pub fn rut_volume(&self) -> f64 {
-        let area = self.map.cell() * self.map.cell();
-        self.rut.iter().map(|depth| f64::from(*depth) * area).sum()
     }
 }
