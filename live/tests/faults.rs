@@ -289,6 +289,36 @@ fn state_and_recording(transport: &'static str) {
     assert!(read(&place.folder.join("err")).contains("the state is of the robot `another`"));
 }
 
+/// DDS itself names no nodes: the node announces itself as ROS 2's own do, with readers and writers that exist.
+#[cfg(feature = "dds")]
+fn name_in_the_graph(transport: &'static str) {
+    let Some(mut run) = Run::begin(transport, "named", &[]) else {
+        return;
+    };
+    let begun = std::time::Instant::now();
+    let expected = json!([{
+        "namespace": "/",
+        "name": "grouser",
+        "publishes": [
+            "rt/diagnostics",
+            "rt/grouser/events",
+            "rt/grouser/odom",
+            "rt/grouser/slip",
+            "rt/grouser/twist",
+        ],
+        "subscriptions": 2,
+    }]);
+    loop {
+        let nodes = run.peer.call(&json!(["nodes", "driver"]));
+        if nodes == expected {
+            break;
+        }
+        assert!(begun.elapsed().as_secs() < 8, "{nodes}");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    run.end();
+}
+
 macro_rules! over {
     ($transport:ident, $feature:literal: $($fault:ident),* $(,)?) => {
         #[cfg(feature = $feature)]
@@ -302,4 +332,4 @@ macro_rules! over {
 }
 
 over!(zenoh, "zenoh": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, state_and_recording);
-over!(dds, "dds": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node);
+over!(dds, "dds": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, name_in_the_graph);

@@ -335,6 +335,9 @@ class Script:
     def graph(self, name):
         return self.sessions[name].graph()
 
+    def nodes(self, name):
+        return self.sessions[name].nodes()
+
     def sleep(self, seconds):
         time.sleep(seconds)
 

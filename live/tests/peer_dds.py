@@ -1,6 +1,6 @@
 """The peer's DDS side: cyclonedds, with the types of rosbags as its own."""
 
-from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsSubscription
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
 from cyclonedds.core import Listener, Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
@@ -88,6 +88,31 @@ class Dds:
 
     def graph(self):
         return sorted(self.seen)
+
+    def nodes(self):
+        """Each node as ROS 2's own participants announce it, with the topics whose publishers it names."""
+        if self.own is None:
+            name = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+            policies = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(1), Policy.Durability.TransientLocal)
+            topic = Topic(self.participant, "ros_discovery_info", self.type_of(name))
+            self.own = (
+                DataReader(self.participant, topic, policies),
+                BuiltinDataReader(self.participant, BuiltinTopicDcpsPublication),
+            )
+        infos, publications = self.own
+        topics = {sample.key.bytes: sample.topic_name for sample in publications.read(N=1000) if sample.topic_name}
+        # the end of a writer comes as a sample without content
+        infos = [info for info in infos.read(N=100) if isinstance(info, self.type_of("rmw_dds_common/msg/ParticipantEntitiesInfo"))]
+        return [
+            {
+                "namespace": node.node_namespace,
+                "name": node.node_name,
+                "publishes": sorted(topics.get(bytes(gid.data), "unknown") for gid in node.writer_gid_seq),
+                "subscriptions": len(node.reader_gid_seq),
+            }
+            for info in infos
+            for node in info.node_entities_info_seq
+        ]
 
     def close(self):
         self.kept.clear()

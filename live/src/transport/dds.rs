@@ -18,6 +18,7 @@ use rustdds::{
     RTPSEntity as _, RepresentationIdentifier, StatusEvented as _, Subscriber, Topic, TopicKind,
 };
 
+use super::dds_node::{self, GidLength, Guid};
 use super::names::{dds_type, ros_type};
 use super::{Endpoint, Graph, Inbox, Transport};
 use crate::environment::Environment;
@@ -100,10 +101,14 @@ pub(super) struct DdsTransport {
     writers: Vec<Writer>,
     warned: BTreeSet<(String, GUID)>,
     domain: u16,
+    node: String,
+    /// Announces the node in ROS 2's graph.
+    announcer: DataWriter<Raw, RawAdapter>,
 }
 
 /// A subscription, with what it takes to make it again.
 struct Reader {
+    guid: Guid,
     receiving: AbortHandle,
     publisher: Endpoint,
     inbox: Inbox,
@@ -131,6 +136,15 @@ fn writer_qos() -> QosPolicies {
         .build()
 }
 
+/// As of every participant of ROS 2: who comes later still gets the last announcement.
+fn announcement_qos() -> QosPolicies {
+    QosPolicyBuilder::new()
+        .reliable(Duration::from_millis(MAX_BLOCKING_MS))
+        .durability(Durability::TransientLocal)
+        .history(History::KeepLast { depth: 1 })
+        .build()
+}
+
 /// What the publisher offers is requested, so that every publisher fits.
 fn reader_qos(publisher: &Endpoint) -> QosPolicies {
     let qos = QosPolicyBuilder::new().history(History::KeepLast { depth: DEPTH });
@@ -148,22 +162,56 @@ fn reader_qos(publisher: &Endpoint) -> QosPolicies {
 }
 
 impl DdsTransport {
-    pub(super) fn open(environment: &Environment) -> Result<Self> {
-        Self::of_domain(u16::try_from(environment.domain).map_err(failed)?)
+    pub(super) fn open(environment: &Environment, node: &str) -> Result<Self> {
+        Self::of_domain(u16::try_from(environment.domain).map_err(failed)?, node)
     }
 
-    fn of_domain(domain: u16) -> Result<Self> {
+    fn of_domain(domain: u16, node: &str) -> Result<Self> {
         let participant = DomainParticipant::new(domain).map_err(failed)?;
-        let none = QosPolicies::qos_none();
+        let default = QosPolicies::qos_none();
+        let publisher = participant.create_publisher(&default).map_err(failed)?;
+        let qos = announcement_qos();
+        let (name, kind) = (dds_node::TOPIC.to_owned(), dds_node::TYPE.to_owned());
+        let topic = participant.create_topic(name, kind, &qos, TopicKind::NoKey);
+        let announcer = publisher
+            .create_datawriter_no_key::<Raw, RawAdapter>(&topic.map_err(failed)?, Some(qos))
+            .map_err(failed)?;
         Ok(Self {
-            publisher: participant.create_publisher(&none).map_err(failed)?,
-            subscriber: participant.create_subscriber(&none).map_err(failed)?,
+            node: node.to_owned(),
+            announcer,
+            publisher,
+            subscriber: participant.create_subscriber(&default).map_err(failed)?,
             participant,
             readers: BTreeMap::new(),
             writers: Vec::new(),
             warned: BTreeSet::new(),
             domain,
         })
+    }
+
+    /// Announces which readers and writers the node has. Until a publisher of ROS 2 is known, its release is not, on which
+    /// the message depends.
+    fn announce_node(&self) -> Result<()> {
+        let publishers = self.readers.values().map(|reader| &reader.publisher);
+        let Some(has_hashes) = publishers
+            .map(|publisher| publisher.type_hash.is_some())
+            .reduce(|a, b| a || b)
+        else {
+            return Ok(());
+        };
+        let length = if has_hashes {
+            GidLength::Later
+        } else {
+            GidLength::Humble
+        };
+        let readers: Vec<Guid> = self.readers.values().map(|reader| reader.guid).collect();
+        let writers = self.writers.iter();
+        let writers: Vec<Guid> = writers
+            .map(|writer| writer.data.guid().to_bytes())
+            .collect();
+        let participant = self.participant.guid().to_bytes();
+        let message = dds_node::message(length, participant, &self.node, [&readers, &writers])?;
+        self.announcer.write(Raw(message), None).map_err(failed)
     }
 
     fn topic(&self, topic: &str, type_name: &str, qos: &QosPolicies) -> Result<Topic> {
@@ -246,7 +294,7 @@ impl Transport for DdsTransport {
             .subscriber
             .create_datareader_no_key::<Raw, RawAdapter>(&topic, Some(qos))
             .map_err(failed)?;
-        let (inbox, kept) = (inbox.clone(), inbox.clone());
+        let (inbox, kept, guid) = (inbox.clone(), inbox.clone(), reader.guid().to_bytes());
         let mut samples = reader.async_sample_stream();
         let (receiving, handle) = abortable(async move {
             while let Some(sample) = samples.next().await {
@@ -259,17 +307,20 @@ impl Transport for DdsTransport {
         });
         std::thread::spawn(move || block_on(receiving));
         let reader = Reader {
+            guid,
             receiving: handle,
             publisher: publisher.clone(),
             inbox: kept,
         };
         self.readers.insert(subscription, reader);
-        Ok(())
+        self.announce_node()
     }
 
     fn unsubscribe(&mut self, subscription: usize) {
         if let Some(reader) = self.readers.remove(&subscription) {
             reader.receiving.abort();
+            // a reader too many in the graph is no reason to end
+            let _ = self.announce_node();
         }
     }
 
@@ -285,6 +336,7 @@ impl Transport for DdsTransport {
             type_name: type_name.to_owned(),
             data: writer,
         });
+        self.announce_node()?;
         Ok(self.writers.len() - 1)
     }
 
@@ -324,7 +376,7 @@ impl Transport for DdsTransport {
     /// RustDDS forgets a participant whose announcements were lost for its lease; the other side, which still knows this one,
     /// does not send its endpoints again. To a new participant it does.
     fn renew(&mut self) -> Result<()> {
-        let mut new = Self::of_domain(self.domain)?;
+        let mut new = Self::of_domain(self.domain, &self.node)?;
         for own in &self.writers {
             new.advertise(&own.topic, &own.type_name)?;
         }

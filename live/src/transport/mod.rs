@@ -2,6 +2,8 @@
 
 #[cfg(feature = "dds")]
 mod dds;
+#[cfg(feature = "dds")]
+mod dds_node;
 mod inbox;
 mod names;
 #[cfg(feature = "zenoh")]
@@ -109,7 +111,7 @@ pub fn open(kind: Kind, environment: &Environment, node: &str) -> Result<Box<dyn
         #[cfg(feature = "zenoh")]
         Kind::Zenoh => Ok(Box::new(zenoh::ZenohTransport::open(environment, node)?)),
         #[cfg(feature = "dds")]
-        Kind::Dds => Ok(Box::new(dds::DdsTransport::open(environment)?)),
+        Kind::Dds => Ok(Box::new(dds::DdsTransport::open(environment, node)?)),
         #[allow(
             unreachable_patterns,
             reason = "reached where a transport is not built in"
