@@ -106,7 +106,7 @@ impl Core {
             self.apply_pseudo_measurements(time_ns);
             self.recover_from_runaway(time_ns);
             self.check_sensors(time_ns);
-            self.state.symmetrise();
+            self.state.limit_correlations();
         }
         let outcome = self.update(time_ns, &measurement);
         if moves_on || self.changes_estimate(time_ns, &measurement) {

@@ -14,10 +14,12 @@ const MAX_SQUARED_CORRELATION: f64 = 0.999_999;
 pub(crate) struct Kalman {
     n: usize,
     mean: Box<[f64]>,
-    /// Row after row, symmetric.
+    /// Row after row, each from the diagonal on: the matrix is symmetric, and a pair is stored once.
     covariance: Box<[f64]>,
     /// P hᵀ of the measurement at hand.
     spread: Box<[f64]>,
+    /// Its gain, 0 for considered parameters.
+    gain: Box<[f64]>,
     /// Considered parameters: not estimated, but their uncertainty counts (Schmidt's filter).
     considered: Box<[bool]>,
 }
@@ -35,13 +37,21 @@ pub(crate) struct ScalarMeasurement<'a> {
 
 impl Kalman {
     pub(crate) fn new(n: usize) -> Self {
+        let zeros = |count: usize| vec![0.0; count].into_boxed_slice();
         Self {
             n,
-            mean: vec![0.0; n].into_boxed_slice(),
-            covariance: vec![0.0; n * n].into_boxed_slice(),
-            spread: vec![0.0; n].into_boxed_slice(),
+            mean: zeros(n),
+            covariance: zeros(n * (n + 1) / 2),
+            spread: zeros(n),
+            gain: zeros(n),
             considered: vec![false; n].into_boxed_slice(),
         }
+    }
+
+    /// Where the covariance of two numbers is stored.
+    const fn place(&self, i: usize, j: usize) -> usize {
+        let (low, high) = if i < j { (i, j) } else { (j, i) };
+        low * (2 * self.n - low - 1) / 2 + high
     }
 
     pub(crate) fn mean(&self, i: usize) -> f64 {
@@ -55,8 +65,7 @@ impl Kalman {
 
     /// Sets the covariance of two numbers.
     pub(crate) fn set_covariance(&mut self, i: usize, j: usize, value: f64) {
-        self.covariance[i * self.n + j] = value;
-        self.covariance[j * self.n + i] = value;
+        self.covariance[self.place(i, j)] = value;
     }
 
     /// Keeps a mean within limits.
@@ -69,7 +78,11 @@ impl Kalman {
     }
 
     pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {
-        self.covariance[i * self.n + j]
+        self.covariance[self.place(i, j)]
+    }
+
+    fn variance_mut(&mut self, i: usize) -> &mut f64 {
+        &mut self.covariance[self.place(i, i)]
     }
 
     pub(crate) fn sigma(&self, i: usize) -> f64 {
@@ -83,17 +96,14 @@ impl Kalman {
 
     /// Sets number `i`, without correlation to the others.
     pub(crate) fn reset(&mut self, i: usize, mean: f64, variance: f64) {
-        for j in 0..self.n {
-            self.covariance[i * self.n + j] = 0.0;
-            self.covariance[j * self.n + i] = 0.0;
-        }
+        self.change_row(i, |slot| *slot = 0.0);
         self.mean[i] = mean;
-        self.covariance[i * self.n + i] = variance;
+        *self.variance_mut(i) = variance;
     }
 
     /// Adds to the variance of number `i`, up to `limit`.
     pub(crate) fn inflate(&mut self, i: usize, variance: f64, limit: f64) {
-        let slot = &mut self.covariance[i * self.n + i];
+        let slot = self.variance_mut(i);
         if *slot < limit {
             *slot = (*slot + variance).min(limit);
         }
@@ -101,28 +111,49 @@ impl Kalman {
 
     /// Keeps the variance of number `i` from growing past `limit`.
     pub(crate) fn limit_variance(&mut self, i: usize, limit: f64) {
-        let slot = &mut self.covariance[i * self.n + i];
+        let slot = self.variance_mut(i);
         *slot = slot.min(limit);
     }
 
     /// Number `i` decays towards `rest`: x ← rest + a (x − rest).
     pub(crate) fn decay(&mut self, i: usize, rest: f64, a: f64) {
         self.mean[i] = rest + a * (self.mean[i] - rest);
-        for j in 0..self.n {
-            self.covariance[i * self.n + j] *= a;
-            self.covariance[j * self.n + i] *= a;
+        self.change_row(i, |slot| *slot *= a);
+        *self.variance_mut(i) *= a;
+    }
+
+    /// Changes the covariances of number `i`, its variance among them.
+    fn change_row(&mut self, i: usize, change: impl Fn(&mut f64)) {
+        let mut place = i;
+        for k in 0..i {
+            change(&mut self.covariance[place]);
+            place += self.n - 1 - k;
+        }
+        for slot in &mut self.covariance[place..place + self.n - i] {
+            change(slot);
         }
     }
 
-    /// Propagates the covariance by x_i ← x_i + coefficient x_j; the caller sets the means.
+    /// Propagates the covariance by x_i ← x_i + coefficient x_j, i ≠ j; the caller sets the means.
     pub(crate) fn propagate(&mut self, i: usize, j: usize, coefficient: f64) {
-        let n = self.n;
-        for k in 0..n {
-            self.covariance[i * n + k] += coefficient * self.covariance[j * n + k];
+        let before = self.covariance(i, j);
+        let (low, high) = if i < j { (i, j) } else { (j, i) };
+        for k in (0..=high).filter(|k| *k != i) {
+            let place = self.place(i, k);
+            self.covariance[place] += coefficient * self.covariance(j, k);
         }
-        for k in 0..n {
-            self.covariance[k * n + i] += coefficient * self.covariance[k * n + j];
+        // beyond both, the two rows lie in one piece each
+        let count = self.n - 1 - high;
+        let (ends, starts) = (self.place(low, high) + 1, self.place(high, high) + 1);
+        let (lows, highs) = self.covariance.split_at_mut(starts);
+        let (lows, highs) = (&mut lows[ends..ends + count], &mut highs[..count]);
+        if i < j {
+            add_multiple(lows, coefficient, highs);
+        } else {
+            add_multiple(highs, coefficient, lows);
         }
+        let after = self.covariance(i, j);
+        *self.variance_mut(i) += coefficient * (before + after);
     }
 
     /// The variance of Σ coefficient x.
@@ -144,16 +175,23 @@ impl Kalman {
         )
     }
 
+    /// P hᵀ.
+    fn set_spread(&mut self, jacobian: &[(usize, f64)]) {
+        self.spread.fill(0.0);
+        for &(j, coefficient) in jacobian {
+            let (before, after) = self.spread.split_at_mut(j);
+            let mut place = j;
+            for (k, slot) in before.iter_mut().enumerate() {
+                *slot += coefficient * self.covariance[place];
+                place += self.n - 1 - k;
+            }
+            add_multiple(after, coefficient, &self.covariance[place..]);
+        }
+    }
+
     /// Updates the state by a measurement; returns its normalised innovation squared.
     pub(crate) fn update(&mut self, measured: &ScalarMeasurement<'_>) -> f64 {
-        let n = self.n;
-        self.spread.fill(0.0);
-        for &(j, coefficient) in measured.jacobian {
-            let column = &self.covariance[j * n..(j + 1) * n];
-            for (slot, entry) in self.spread.iter_mut().zip(column) {
-                *slot += coefficient * entry;
-            }
-        }
+        self.set_spread(measured.jacobian);
         let mut total = measured.variance;
         for &(j, coefficient) in measured.jacobian {
             total += coefficient * self.spread[j];
@@ -162,43 +200,59 @@ impl Kalman {
             return 0.0;
         }
         let inverse = 1.0 / total;
-        for i in 0..n {
-            let gain = self.spread[i] * inverse;
-            if gain == 0.0 || self.considered[i] {
-                continue;
-            }
-            self.mean[i] += gain * measured.residual;
-            let row = &mut self.covariance[i * n..(i + 1) * n];
-            for (slot, spread) in row.iter_mut().zip(&self.spread) {
-                *slot -= gain * spread;
-            }
+        for (i, gain) in self.gain.iter_mut().enumerate() {
+            *gain = if self.considered[i] {
+                0.0
+            } else {
+                self.spread[i] * inverse
+            };
+            self.mean[i] += *gain * measured.residual;
         }
-        for i in (0..n).filter(|&i| self.considered[i]) {
-            for j in (0..n).filter(|&j| !self.considered[j]) {
-                self.covariance[i * n + j] = self.covariance[j * n + i];
+        let mut rest = &mut self.covariance[..];
+        for i in 0..self.n {
+            let (row, below) = rest.split_at_mut(self.n - i);
+            let (gain, spread) = (&self.gain[i..], &self.spread[i..]);
+            if self.considered[i] {
+                add_multiple(row, -spread[0], gain);
+            } else if gain[0] != 0.0 {
+                add_multiple(row, -gain[0], spread);
             }
-        }
-        for i in 0..n {
-            let slot = &mut self.covariance[i * n + i];
-            *slot = slot.max(VARIANCE_FLOOR);
+            row[0] = row[0].max(VARIANCE_FLOOR);
+            rest = below;
         }
         measured.residual * measured.residual * inverse
     }
 
-    /// Keeps the covariance symmetric and correlations within ±1 against rounding.
-    pub(crate) fn symmetrise(&mut self) {
+    /// Keeps correlations within ±1 against rounding.
+    pub(crate) fn limit_correlations(&mut self) {
         for i in 0..self.n {
-            self.spread[i] =
-                Real::sqrt(MAX_SQUARED_CORRELATION * self.covariance(i, i).max(VARIANCE_FLOOR));
+            let variance = self.covariance(i, i).max(VARIANCE_FLOOR);
+            self.spread[i] = Real::sqrt(MAX_SQUARED_CORRELATION * variance);
         }
+        let mut rest = &mut self.covariance[..];
         for i in 0..self.n {
-            for j in 0..i {
-                let limit = self.spread[i] * self.spread[j];
-                let (a, b) = (self.covariance(i, j), self.covariance(j, i));
-                let mean = (0.5 * (a + b)).clamp(-limit, limit);
-                self.covariance[i * self.n + j] = mean;
-                self.covariance[j * self.n + i] = mean;
-            }
+            let (row, below) = rest.split_at_mut(self.n - i);
+            limit_row(&mut row[1..], self.spread[i], &self.spread[i + 1..]);
+            rest = below;
         }
+    }
+}
+
+/// Limits each entry to ± the product of the sigmas. Not inlined, as [`add_multiple`].
+#[inline(never)]
+fn limit_row(row: &mut [f64], sigma: f64, sigmas: &[f64]) {
+    for (slot, other) in row.iter_mut().zip(sigmas) {
+        let limit = sigma * other;
+        let upper = if *slot > limit { limit } else { *slot };
+        *slot = if upper < -limit { -limit } else { upper };
+    }
+}
+
+/// `to += factor * from`, element by element, as long as `to` is. Not inlined: only of arguments does the compiler know that they
+/// do not overlap, so that it makes lanes of the loop.
+#[inline(never)]
+fn add_multiple(to: &mut [f64], factor: f64, from: &[f64]) {
+    for (slot, entry) in to.iter_mut().zip(from) {
+        *slot += factor * entry;
     }
 }
