@@ -212,6 +212,36 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         ],
     ),
     (
+        "std_msgs/MultiArrayDimension",
+        "string label\nuint32 size\nuint32 stride\n",
+        &[],
+    ),
+    (
+        "std_msgs/MultiArrayLayout",
+        "MultiArrayDimension[] dim\nuint32 data_offset\n",
+        &["std_msgs/MultiArrayDimension"],
+    ),
+    (
+        "std_msgs/Float32MultiArray",
+        "MultiArrayLayout layout\nfloat32[] data\n",
+        &["std_msgs/MultiArrayLayout"],
+    ),
+    (
+        "grid_map_msgs/GridMapInfo",
+        "float64 resolution\nfloat64 length_x\nfloat64 length_y\ngeometry_msgs/Pose pose\n",
+        &["geometry_msgs/Pose"],
+    ),
+    (
+        "grid_map_msgs/GridMap",
+        "std_msgs/Header header\nGridMapInfo info\nstring[] layers\nstring[] basic_layers\n\
+         std_msgs/Float32MultiArray[] data\nuint16 outer_start_index\nuint16 inner_start_index\n",
+        &[
+            "std_msgs/Header",
+            "grid_map_msgs/GridMapInfo",
+            "std_msgs/Float32MultiArray",
+        ],
+    ),
+    (
         WHEEL_TICKS,
         "# Tick counters of wheels, as the hardware shows them.\nstd_msgs/Header header\nstring[] name\n\
          uint64[] ticks\n",

@@ -24,29 +24,25 @@ const BUILD_SHARE: f64 = 0.25;
 /// The error of a limit is never taken smaller, rad.
 const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
 
-pub(super) fn refined(
-    solver: &DemandSolver,
-    envelope: Envelope,
-    with_costs: bool,
-) -> Result<SlipTable> {
+pub(super) fn refined(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
     let [mut rolls, mut steps] = COARSEST;
     for _ in 0..MAX_DOUBLINGS {
-        let table = built(solver, envelope, [rolls, steps], with_costs)?;
+        let table = built(solver, envelope, [rolls, steps])?;
         if table.error.slip <= BUILD_SHARE * SLIP_BOUND {
             return Ok(table);
         }
         (rolls, steps) = (2 * rolls - 1, 2 * steps - 1);
     }
-    built(solver, envelope, [rolls, steps], with_costs)
+    built(solver, envelope, [rolls, steps])
 }
 
-/// The coarsest grid, with costs and without a check.
+/// The coarsest grid, without a check.
 pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
     let near = Near {
         solver,
         skids: RefCell::default(),
     };
-    let mut table = filled(&near, envelope, COARSEST, true)?;
+    let mut table = filled(&near, envelope, COARSEST)?;
     // a table that was not checked has no marginal poses: what it reads is what it says
     for side in [&mut table.climbing, &mut table.braking] {
         side.limit_error = 0.0;
@@ -89,25 +85,19 @@ fn built(
     solver: &DemandSolver,
     envelope: Envelope,
     [rolls, steps]: [usize; 2],
-    with_costs: bool,
 ) -> Result<SlipTable> {
     let near = Near {
         solver,
         skids: RefCell::default(),
     };
-    let mut table = filled(&near, envelope, [rolls, steps], with_costs)?;
+    let mut table = filled(&near, envelope, [rolls, steps])?;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
     check(&mut table, solver, &roll_of)?;
     Ok(table)
 }
 
 /// The nodes.
-fn filled(
-    near: &Near<'_>,
-    envelope: Envelope,
-    [rolls, steps]: [usize; 2],
-    with_costs: bool,
-) -> Result<SlipTable> {
+fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Result<SlipTable> {
     let solver = near.solver;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
     let mut rolling = Vec::with_capacity(rolls);
@@ -128,13 +118,17 @@ fn filled(
             envelope,
             &rolling,
             (limits, sense),
-            (steps, with_costs),
+            steps,
             &roll_of,
         )?);
     }
     let (Some(braking), Some(climbing)) = (sides.pop(), sides.pop()) else {
         return Err(does_not_move(solver));
     };
+    let energies = climbing.work.iter().zip(&climbing.slip);
+    let greatest_energy = energies
+        .map(|(work, slip)| work / (1.0 - slip))
+        .fold(0.0, f64::max);
     Ok(SlipTable {
         envelope,
         rolls,
@@ -143,6 +137,7 @@ fn filled(
         climbing,
         braking,
         error: TableError::default(),
+        greatest_energy,
         is_closed: false,
     })
 }
@@ -275,7 +270,7 @@ fn side(
     envelope: Envelope,
     rolling: &[f64],
     (limits, sense): (&[Limit], f64),
-    (steps, with_costs): (usize, bool),
+    steps: usize,
     roll_of: &impl Fn(f64) -> f64,
 ) -> Result<Side> {
     let capped = limits.iter().filter(|limit| limit.slip.is_none()).count();
@@ -302,8 +297,8 @@ fn side(
         limit,
         beyond,
         slip: vec![0.0; count],
-        work: vec![f64::NAN; if with_costs { count } else { 0 }],
-        sinkage: vec![f64::NAN; if with_costs { count } else { 0 }],
+        work: vec![f64::NAN; count],
+        sinkage: vec![f64::NAN; count],
         limit_error: MIN_LIMIT_ERROR_RAD,
         marginal: 0.0,
     };
@@ -323,15 +318,13 @@ fn side(
             };
             let at = index * steps + step;
             out.slip[at] = slip;
-            if with_costs {
-                let Driving {
-                    work_per_metre,
-                    sinkage,
-                    ..
-                } = here.driving(slip)?;
-                out.work[at] = work_per_metre * (1.0 - slip.max(0.0));
-                out.sinkage[at] = sinkage;
-            }
+            let Driving {
+                work_per_metre,
+                sinkage,
+                ..
+            } = here.driving(slip)?;
+            out.work[at] = work_per_metre * (1.0 - slip.max(0.0));
+            out.sinkage[at] = sinkage;
         }
     }
     Ok(out)
@@ -404,15 +397,13 @@ fn check(
                 let read = table.driving(&spot);
                 error.checks += 1;
                 error.slip = error.slip.max((read.slip - exact.slip).abs());
-                if !side.work.is_empty() {
-                    let scale = exact
-                        .work_per_metre
-                        .abs()
-                        .max(0.01 * solver.model().weight());
-                    let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
-                    error.energy = error.energy.max(off);
-                    error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
-                }
+                let scale = exact
+                    .work_per_metre
+                    .abs()
+                    .max(0.01 * solver.model().weight());
+                let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
+                error.energy = error.energy.max(off);
+                error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
             }
         }
     }
