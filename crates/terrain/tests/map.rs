@@ -418,7 +418,8 @@ fn mars_keeps_its_place_and_its_relief() {
     ));
 }
 
-/// On draws of a soil: the mean of the worst part of their exact energies, by the definition that sorts nothing.
+/// On draws of a soil: the mean of the worst part of their exact energies, by the definition that sorts
+/// nothing.
 #[test]
 fn the_cvar_of_a_cell_is_that_of_the_exact_solver_on_every_draw() {
     const LEVEL: f64 = 0.7;

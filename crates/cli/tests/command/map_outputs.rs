@@ -1,5 +1,5 @@
-//! What `map` writes beside the map, read back as its readers read it: gz-sim's slip map by the formulas of gz-sim, the grid map
-//! by ROS's own tools in Python, the table by a Parquet reader.
+//! What `map` writes beside the map, read back as its readers read it: gz-sim's slip map by the formulas of
+//! gz-sim, the grid map by ROS's own tools in Python, the table by a Parquet reader.
 
 use std::fs;
 use std::process::Command;

@@ -28,7 +28,8 @@ pub enum Value {
     Text(String),
     /// An array of bytes.
     Bytes(Vec<u8>),
-    /// An array of 32-bit floats, to be written: a large one in one piece. A decoded one is an [`Value::Array`].
+    /// An array of 32-bit floats, to be written: a large one in one piece. A decoded one is an
+    /// [`Value::Array`].
     Floats(Vec<f32>),
     /// An array.
     Array(Vec<Value>),

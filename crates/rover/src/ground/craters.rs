@@ -4,13 +4,14 @@ use super::shape::Lattice;
 
 /// Craters of a surface in equilibrium: as many form as fade.
 ///
-/// N(≥D) = `density` / D² craters with diameters of D and more lie on a unit of area. A crater is a paraboloid with a depth of
-/// 0.196 D from its rim, whose rim is 0.036 D above the plane, with a blanket that falls as the cube of the distance and ends at 2 radii;
-/// all heights are faded by a factor that is uniform from 0.1 to 1. Craters add up.
+/// N(≥D) = `density` / D² craters with diameters of D and more lie on a unit of area. A crater is a
+/// paraboloid with a depth of 0.196 D from its rim, whose rim is 0.036 D above the plane, with a blanket that
+/// falls as the cube of the distance and ends at 2 radii; all heights are faded by a factor that is uniform
+/// from 0.1 to 1. Craters add up.
 ///
-/// Source: D^−2 and the density 10^−1.1: Trask (1966), as the Moon's maria have it; Minton et al. (2019) discuss both. Depth
-/// and rim of fresh craters: Pike (1977), whose exponents of 1.010 and 1.014 are taken for 1. The factor of fading is this
-/// project's: fresh and faded craters alike.
+/// Source: D^−2 and the density 10^−1.1: Trask (1966), as the Moon's maria have it; Minton et al. (2019)
+/// discuss both. Depth and rim of fresh craters: Pike (1977), whose exponents of 1.010 and 1.014 are taken
+/// for 1. The factor of fading is this project's: fresh and faded craters alike.
 /// Valid range: the law is counted from metres to some hundreds of metres.
 ///
 /// ```
@@ -52,8 +53,8 @@ const RIM_SHARE: f64 = 0.036;
 const BLANKET_RADII: f64 = 2.0;
 /// The least freshness.
 const MIN_FRESHNESS: f64 = 0.1;
-/// Diameters of a class differ by up to this factor; its lattice has cells of twice the greatest diameter, so that no crater
-/// reaches beyond the cells beside its own.
+/// Diameters of a class differ by up to this factor; its lattice has cells of twice the greatest diameter, so
+/// that no crater reaches beyond the cells beside its own.
 const CLASS_FACTOR: f64 = 2.0;
 /// More craters of a class in a cell are not drawn: fewer than one cell in 10^5 has as many in equilibrium.
 const MAX_IN_CELL: u64 = 8;

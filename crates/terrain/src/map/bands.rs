@@ -14,8 +14,9 @@ pub enum Quantity {
     Sinkage,
     /// Energy at the wheels per metre of travel, J/m.
     Energy,
-    /// The mean of [`Quantity::Energy`] over the worst soil draws, J/m: its conditional value at risk (CVaR) at the map's level. A draw
-    /// on which the robot does not drive here counts with the greatest energy that it takes anywhere it drives.
+    /// The mean of [`Quantity::Energy`] over the worst soil draws, J/m: its conditional value at risk (CVaR)
+    /// at the map's level. A draw on which the robot does not drive here counts with the greatest energy that
+    /// it takes anywhere it drives.
     EnergyCvar,
     /// How much further the ground may tilt until the robot tips over, deg.
     TipOver,

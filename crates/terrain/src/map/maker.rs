@@ -264,7 +264,8 @@ struct DrawScratch {
 }
 
 impl DrawScratch {
-    /// Reads all draws; gives the index of the strongest one that is immobilised or slides, or their number where all drive.
+    /// Reads all draws; gives the index of the strongest one that is immobilised or slides, or their number
+    /// where all drive.
     fn read(&mut self, draws: &[SoilTable], pitch: f64, roll: f64) -> Result<usize> {
         self.slips.clear();
         self.energies.clear();
@@ -301,7 +302,8 @@ impl DrawScratch {
     }
 }
 
-/// The mean of the greatest 1 − `level` of the values; one of them counts in part where that is no whole number.
+/// The mean of the greatest 1 − `level` of the values; one of them counts in part where that is no whole
+/// number.
 ///
 /// Source: Rockafellar and Uryasev (2002), section 3, for a discrete distribution.
 fn cvar(values: &mut [f64], level: f64) -> f64 {

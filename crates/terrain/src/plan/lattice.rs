@@ -245,8 +245,8 @@ impl<'a> Lattice<'a> {
         self.of_step(ends, heading, &self.map.energy)
     }
 
-    /// The CVaR of the energy of a step, J: at most the sum of its cells' CVaRs, and this sum where the soil draws have the same
-    /// order in all cells.
+    /// The CVaR of the energy of a step, J: at most the sum of its cells' CVaRs, and this sum where the soil
+    /// draws have the same order in all cells.
     pub(super) fn energy_cvar(&self, ends: (usize, usize), heading: usize) -> f64 {
         self.of_step(ends, heading, &self.map.energy_cvar)
     }

@@ -44,8 +44,8 @@ pub struct Route {
     pub waypoints: Vec<Waypoint>,
     /// J.
     pub energy: f64,
-    /// The CVaR of the energy over the soil draws at the map's level, at most, J: the sum of its cells'. It is the CVaR itself where the
-    /// draws have the same order in all cells.
+    /// The CVaR of the energy over the soil draws at the map's level, at most, J: the sum of its cells'. It
+    /// is the CVaR itself where the draws have the same order in all cells.
     pub energy_cvar: f64,
     /// s.
     pub time: f64,

@@ -193,9 +193,10 @@ fn pitch_of(
     Ok((!pitch.is_nan()).then_some(pitch))
 }
 
-/// The pitch at which the surplus vanishes, by the method of secants from a pitch that is near it; `None` where it leaves the range or does
-/// not converge. A change of pitch moves loads from wheel to wheel, which changes their pull by little: the surplus falls nearly by
-/// the weight's share along the slope, which is the first step.
+/// The pitch at which the surplus vanishes, by the method of secants from a pitch that is near it; `None`
+/// where it leaves the range or does not converge. A change of pitch moves loads from wheel to wheel, which
+/// changes their pull by little: the surplus falls nearly by the weight's share along the slope, which is the
+/// first step.
 fn secant(
     guess: f64,
     weight: f64,
@@ -222,11 +223,11 @@ fn secant(
     Ok(None)
 }
 
-/// How far up (`sense` 1) or down (−1) the robot drives at this roll: the peak of the pitch over the slip near the peak of a roll beside it;
-/// `None` where it is not there.
+/// How far up (`sense` 1) or down (−1) the robot drives at this roll: the peak of the pitch over the slip
+/// near the peak of a roll beside it; `None` where it is not there.
 ///
-/// Two parabolas through three places each, the second one a tenth as wide: the pitch is flat at the peak, and the error of the vertex enters
-/// as its square.
+/// Two parabolas through three places each, the second one a tenth as wide: the pitch is flat at the peak,
+/// and the error of the vertex enters as its square.
 fn limit_near(
     near: &Near<'_>,
     envelope: Envelope,
@@ -460,7 +461,8 @@ fn side(
     Ok(out)
 }
 
-/// The slip that is demanded a little further on, between the one before and the limit's; `known` of the slips before are those of nodes.
+/// The slip that is demanded a little further on, between the one before and the limit's; `known` of the
+/// slips before are those of nodes.
 ///
 /// It is sought near the parabola through three of them.
 fn next_slip(
@@ -494,8 +496,8 @@ fn next_slip(
     here.between((before, at_before), (end, at_end), NODE_TOLERANCE)
 }
 
-/// The exact demand of a pose at which a table reads a slip: by its own equation between slips about that one, or by a search over all
-/// slips where it does not lie there.
+/// The exact demand of a pose at which a table reads a slip: by its own equation between slips about that
+/// one, or by a search over all slips where it does not lie there.
 fn exact_near(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64) -> Result<Option<Driving>> {
     const HALF_BRACKET: f64 = 0.5 * SLIP_BOUND;
     let posed = near.posed(pitch, roll)?;

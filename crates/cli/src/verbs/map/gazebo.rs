@@ -1,12 +1,13 @@
 //! A slip map for gz-sim's system `LookupWheelSlip`: a picture, and the SDF of the systems that read it.
 //!
-//! Source: `LookupWheelSlip.hh` and `.cc` of gz-sim 10 (gazebosim/gz-sim, pull request 3003) and `WheelSlip.cc`. A pixel's green
-//! value G adds (G − 128) · delta to the longitudinal slip compliance c of the wheel on it, its blue value the same to
-//! the friction coefficients; red, the sideways compliance, is not in a map and stays 128, "unchanged". The wheel slips by
-//! c · F / N, with its pull F and the constant N of the system.
+//! Source: `LookupWheelSlip.hh` and `.cc` of gz-sim 10 (gazebosim/gz-sim, pull request 3003) and
+//! `WheelSlip.cc`. A pixel's green value G adds (G − 128) · delta to the longitudinal slip compliance c of
+//! the wheel on it, its blue value the same to the friction coefficients; red, the sideways compliance, is
+//! not in a map and stays 128, "unchanged". The wheel slips by c · F / N, with its pull F and the constant N
+//! of the system.
 //!
-//! Pixel (u, v) is read within half a pixel around x = u·p − S/2, y = S/2 − v·p, for a picture of the side S with pixels of p. Rows
-//! are found by v · height + u, so that only a square picture is read as it is drawn.
+//! Pixel (u, v) is read within half a pixel around x = u·p − S/2, y = S/2 − v·p, for a picture of the side S
+//! with pixels of p. Rows are found by v · height + u, so that only a square picture is read as it is drawn.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
@@ -21,12 +22,14 @@ use crate::output::OutputFile;
 
 /// The value of a colour that changes nothing.
 const NOMINAL: u8 = 128;
-/// Steps of the two colours: compliances up to 5.1, friction from −0.28, which the system takes for 0, to 2.27.
+/// Steps of the two colours: compliances up to 5.1, friction from −0.28, which the system takes for 0, to
+/// 2.27.
 const COMPLIANCE_STEP: f64 = 0.02;
 const FRICTION_STEP: f64 = 0.01;
 /// The friction coefficient of SDF's collisions unless the model gives another one.
 const FRICTION: f64 = 1.0;
-/// On flatter ground the pull of the wheels is that of this pitch, rad (5°): rolling itself takes slip, but no pull in gz-sim.
+/// On flatter ground the pull of the wheels is that of this pitch, rad (5°): rolling itself takes slip, but
+/// no pull in gz-sim.
 const MIN_PITCH_RAD: f64 = 0.087;
 
 /// The picture in the making.
@@ -115,11 +118,13 @@ impl<'a> SlipPicture<'a> {
             let _ = writeln!(names, "      <wheel_link_name>{name}</wheel_link_name>");
         }
         format!(
-            "<?xml version=\"1.0\"?>\n<!--\n  Put both systems into the model of the robot; link_name is that of the wheel's link there. The \
-             wheels' collisions have the friction\n  coefficients mu = mu2 = {FRICTION}. The centre of the map's upper left cell lies at \
-             x = {}, y = {} of the world.\n-->\n<sdf version=\"1.9\">\n  <model name=\"{}\">\n    \
-             <plugin filename=\"gz-sim-wheel-slip-system\" name=\"gz::sim::systems::WheelSlip\">\n{wheels}    </plugin>\n    \
-             <plugin filename=\"gz-sim-lookup-wheel-slip-system\" name=\"gz::sim::systems::LookupWheelSlip\">\n      \
+            "<?xml version=\"1.0\"?>\n<!--\n  Put both systems into the model of the robot; link_name is that of the wheel's link \
+             there.\n  The wheels' collisions have the friction coefficients mu = mu2 = {FRICTION}.\n  The centre of the \
+             map's upper left cell lies at x = {}, y = {} of the world.\n-->\n<sdf version=\"1.9\">\n  <model name=\"{}\">\n    \
+             <plugin filename=\"gz-sim-wheel-slip-system\" name=\"gz::sim::systems::WheelSlip\">\n{wheels}    \
+             </plugin>\n    \
+             <plugin filename=\"gz-sim-lookup-wheel-slip-system\" \
+             name=\"gz::sim::systems::LookupWheelSlip\">\n      \
              <slip_map>{image}</slip_map>\n      <size_x>{side}</size_x>\n      <size_y>{side}</size_y>\n      \
              <slip_compliance_longitudinal_delta>{COMPLIANCE_STEP}</slip_compliance_longitudinal_delta>\n      \
              <friction_delta>{FRICTION_STEP}</friction_delta>\n{names}    </plugin>\n  </model>\n</sdf>\n",

@@ -1,7 +1,7 @@
 //! A map as one message `grid_map_msgs/GridMap` of ROS 2 in an MCAP file.
 //!
-//! Sources: `grid_map_msgs/msg` and `GridMapMsgHelpers.hpp` of grid_map (ANYbotics/grid_map, branch ros2): matrices of Eigen,
-//! column by column, whose rows run against x and whose columns run against y.
+//! Sources: `grid_map_msgs/msg` and `GridMapMsgHelpers.hpp` of grid_map (ANYbotics/grid_map, branch ros2):
+//! matrices of Eigen, column by column, whose rows run against x and whose columns run against y.
 
 use std::io;
 
@@ -61,7 +61,8 @@ impl<'a> GridMap<'a> {
         }
     }
 
-    /// The place in a matrix: its rows are the map's columns from the right, its columns the map's rows from the top.
+    /// The place in a matrix: its rows are the map's columns from the right, its columns the map's rows from
+    /// the top.
     fn place(&self, row: usize, column: usize) -> usize {
         let columns = self.layout.columns as usize;
         row * columns + (columns - 1 - column)

@@ -91,8 +91,9 @@ pub(crate) struct Arguments {
     /// Join the parts of N shards
     #[arg(long, value_name = "N", conflicts_with = "shard", value_parser = clap::value_parser!(u16).range(1..=9999))]
     join: Option<u16>,
-    /// The map (.tif; needed), a figure (.svg, .png), a Nav2 costmap (.yaml and a .pgm), a `grid_map` message (.mcap), gz-sim's slip
-    /// map (.sdf and a .png), a table (.parquet, where built with it); may be given several times
+    /// The map (.tif; needed), a figure (.svg, .png), a Nav2 costmap (.yaml and a .pgm), a `grid_map` message
+    /// (.mcap), gz-sim's slip map (.sdf and a .png), a table (.parquet, where built with it); may be given
+    /// several times
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
 }
