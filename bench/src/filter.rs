@@ -8,6 +8,8 @@ use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel};
 
 const CYCLES: usize = 50_000;
 const RUNS: usize = 5;
+/// After so many cycles their work repeats: a window lasts five, a pseudo-measurement's period two.
+const PATTERN: usize = 10;
 
 fn robot() -> Robot {
     let width = CounterWidth::new(32).expect("a width");
@@ -46,8 +48,9 @@ fn cycle(row: u64, samples: &mut [Sample; 8]) {
     }
 }
 
-/// Median, 99.9 % and greatest of the cycles' times, ns.
-fn timed() -> [f64; 3] {
+/// Median of all cycles' times, of those of the dearest cycle of the pattern, 99.9 % and greatest, ns. Other work on the
+/// machine lengthens the last two and hardly the others.
+fn timed() -> [f64; 4] {
     let mut filter = SlipFilter::new(&robot(), FilterSettings::default()).expect("a filter");
     let mut samples = [Sample {
         time_ns: 0,
@@ -62,20 +65,29 @@ fn timed() -> [f64; 3] {
         }
         times.push(start.elapsed().as_secs_f64() * 1e9);
     }
-    times.sort_by(f64::total_cmp);
-    [0.5, 0.999, 1.0].map(|q| times[((times.len() - 1) as f64 * q) as usize])
+    let at = |times: &mut Vec<f64>, share: f64| {
+        times.sort_by(f64::total_cmp);
+        times[((times.len() - 1) as f64 * share) as usize]
+    };
+    let phase = |phase: usize| times.iter().skip(phase).step_by(PATTERN).copied();
+    let dearest = (0..PATTERN)
+        .map(|start| at(&mut phase(start).collect(), 0.5))
+        .fold(0.0, f64::max);
+    let [p50, p999, most] = [0.5, 0.999, 1.0].map(|share| at(&mut times, share));
+    [p50, dearest, p999, most]
 }
 
 pub fn run() {
-    println!("one cycle: six wheels, gyro, accelerometer; ns      p50     p99.9       max");
-    let mut best = [f64::MAX; 3];
-    for _ in 0..RUNS {
-        let [p50, p999, most] = timed();
-        println!("{p50:>55.0}{p999:>10.0}{most:>10.0}");
-        best = [best[0].min(p50), best[1].min(p999), best[2].min(most)];
-    }
     println!(
-        "best of {RUNS}{:>46.0}{:>10.0}{:>10.0}",
-        best[0], best[1], best[2]
+        "one cycle: six wheels, gyro, accelerometer; ns      p50   dearest     p99.9       max"
     );
+    let mut best = [f64::MAX; 4];
+    for _ in 0..RUNS {
+        let times = timed();
+        let [p50, dearest, p999, most] = times;
+        println!("{p50:>55.0}{dearest:>10.0}{p999:>10.0}{most:>10.0}");
+        best = std::array::from_fn(|i| best[i].min(times[i]));
+    }
+    let [p50, dearest, p999, most] = best;
+    println!("best of {RUNS}{p50:>46.0}{dearest:>10.0}{p999:>10.0}{most:>10.0}");
 }
