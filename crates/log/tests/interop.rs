@@ -286,7 +286,76 @@ fn messages(dice: &mut Dice, time_ns: i64) -> Vec<(&'static str, &'static str, V
             "tf2_msgs/TFMessage",
             build::message([("transforms", Value::Array(vec![transform]))]),
         ),
+        (
+            "/robot",
+            "visualization_msgs/MarkerArray",
+            build::message([(
+                "markers",
+                Value::Array(vec![marker(head(), dice, 1), marker(head(), dice, 3)]),
+            )]),
+        ),
     ]
+}
+
+/// `visualization_msgs/Marker` of a kind, with all of its fields.
+fn marker(header: Value, dice: &mut Dice, kind: i64) -> Value {
+    let text = |text: &str| Value::Text(text.into());
+    let colour = |r| {
+        let part = |name, value| (name, Value::Float(value));
+        build::message([
+            part("r", r),
+            part("g", 0.25),
+            part("b", 0.5),
+            part("a", 1.0),
+        ])
+    };
+    let nothing = || Value::Array(Vec::new());
+    build::message([
+        ("header", header.clone()),
+        ("ns", text("wheels")),
+        ("id", Value::Int(7)),
+        ("type", Value::Int(kind)),
+        ("action", Value::Int(0)),
+        (
+            "pose",
+            build::message([
+                ("position", build::vector(dice.numbers())),
+                ("orientation", build::orientation([0.1, 0.2, 0.3])),
+            ]),
+        ),
+        ("scale", build::vector(dice.numbers())),
+        ("color", colour(0.75)),
+        (
+            "lifetime",
+            build::message([("sec", Value::Int(0)), ("nanosec", Value::UInt(0))]),
+        ),
+        ("frame_locked", Value::Bool(false)),
+        (
+            "points",
+            Value::Array((0..kind).map(|_| build::vector(dice.numbers())).collect()),
+        ),
+        (
+            "colors",
+            Value::Array((0..kind).map(|_| colour(0.125)).collect()),
+        ),
+        ("texture_resource", text("")),
+        (
+            "texture",
+            build::message([
+                ("header", header),
+                ("format", text("")),
+                ("data", nothing()),
+            ]),
+        ),
+        ("uv_coordinates", nothing()),
+        ("text", text("")),
+        ("mesh_resource", text("")),
+        (
+            "mesh_file",
+            build::message([("filename", text("")), ("data", nothing())]),
+        ),
+        ("mesh_use_embedded_materials", Value::Bool(false)),
+    ])
 }
 
 #[test]
