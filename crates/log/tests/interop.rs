@@ -286,15 +286,15 @@ fn messages(dice: &mut Dice, time_ns: i64) -> Vec<(&'static str, &'static str, V
             "tf2_msgs/TFMessage",
             build::message([("transforms", Value::Array(vec![transform]))]),
         ),
-        (
-            "/robot",
-            "visualization_msgs/MarkerArray",
-            build::message([(
-                "markers",
-                Value::Array(vec![marker(head(), dice, 1), marker(head(), dice, 3)]),
-            )]),
-        ),
     ]
+}
+
+/// A picture of two parts.
+fn robot(dice: &mut Dice, time_ns: i64) -> (&'static str, &'static str, Value) {
+    let header = build::header(time_ns, "odom");
+    let parts = [1, 3].map(|kind| marker(header.clone(), dice, kind));
+    let value = build::message([("markers", Value::Array(parts.to_vec()))]);
+    ("/robot", "visualization_msgs/MarkerArray", value)
 }
 
 /// `visualization_msgs/Marker` of a kind, with all of its fields.
@@ -367,8 +367,9 @@ fn what_is_written_here_others_read_to_the_bit() {
     let (mut dice, mut written) = (Dice(2012), String::new());
     for k in 0..400_i64 {
         // One message at a time: the order of equal times is the readers' own.
-        for (place, (topic, kind, value)) in messages(&mut dice, 1 + 20 * k).into_iter().enumerate()
-        {
+        let mut all = messages(&mut dice, 1 + 20 * k);
+        all.push(robot(&mut dice, 1 + 20 * k));
+        for (place, (topic, kind, value)) in all.into_iter().enumerate() {
             let time = 1_700_000_000_000_000_000 + 20 * k + i64::try_from(place).unwrap();
             let entry = match topics.entry(topic) {
                 std::collections::btree_map::Entry::Occupied(known) => known.into_mut(),

@@ -137,7 +137,7 @@ fn whole() -> Vec<(f64, f64)> {
     let run = RecordedRun::open(&example.join("log.mcap"), &robot, None, false).unwrap();
     let feed = run.start();
     let mut shown = Shown::default();
-    shown.wait(&feed, |shown| shown.has_ended, Duration::from_secs(60));
+    shown.wait(&feed, |shown| shown.has_ended, Duration::from_mins(1));
     shown.moments
 }
 
@@ -157,11 +157,7 @@ fn a_logger_that_is_killed_and_begins_again_is_followed() {
     assert!(shown.moments.is_empty(), "nothing is written yet");
 
     let mut logger = start_logger(&path, 0);
-    shown.wait(
-        &feed,
-        |shown| shown.last_s() > 12.0,
-        Duration::from_secs(60),
-    );
+    shown.wait(&feed, |shown| shown.last_s() > 12.0, Duration::from_mins(1));
     let first_ns = span(&path).unwrap().0;
     let seconds = |ns: u64| (ns - first_ns) as f64 * 1e-9;
     // half a second is held back, and a moment waits for its successor
@@ -202,7 +198,7 @@ fn a_logger_that_is_killed_and_begins_again_is_followed() {
     out.write_all(&written[chunk..chunk + 400]).unwrap();
     let again_ns = last_ns + 3_000_000_000;
     let mut logger = start_logger(&path, again_ns);
-    shown.wait(&feed, |shown| shown.has_ended, Duration::from_secs(60));
+    shown.wait(&feed, |shown| shown.has_ended, Duration::from_mins(1));
     logger.wait().unwrap();
     let end_s = before.last().unwrap().0;
     assert!((shown.last_s() - end_s).abs() < 1e-9, "{}", shown.last_s());
