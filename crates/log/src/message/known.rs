@@ -193,7 +193,7 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     ),
     (
         "visualization_msgs/Marker",
-        "int32 LINE_STRIP=4\nint32 ADD=0\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
+        "int32 CUBE=1\nint32 CYLINDER=3\nint32 LINE_STRIP=4\nint32 ADD=0\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
          geometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n\
          builtin_interfaces/Duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n\
          std_msgs/ColorRGBA[] colors\nstring texture_resource\nsensor_msgs/CompressedImage texture\n\
@@ -240,6 +240,11 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
             "grid_map_msgs/GridMapInfo",
             "std_msgs/Float32MultiArray",
         ],
+    ),
+    (
+        "visualization_msgs/MarkerArray",
+        "visualization_msgs/Marker[] markers\n",
+        &["visualization_msgs/Marker"],
     ),
     (
         WHEEL_TICKS,

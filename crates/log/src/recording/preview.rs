@@ -17,6 +17,8 @@ use crate::source::Source;
 
 /// This much of a file is read, bytes, and more only while something needed is missing.
 const LOOK_BYTES: u64 = 64 << 20;
+/// Messages of a file that is still written are waited for until they span this time, ns.
+const LOOK_NS: u64 = 1_000_000_000;
 /// Messages of a topic that are decoded: several senders may share one.
 const MAX_MESSAGES: u64 = 64;
 /// Joints of a topic that are kept.
@@ -55,6 +57,10 @@ pub struct Preview {
     pub(super) transforms: Tree,
     channels: Vec<Known>,
     decoders: Decoders,
+    /// The first and the last time of the recorder, ns.
+    span_ns: Option<(u64, u64)>,
+    /// Did the writers complete all files?
+    is_whole: bool,
 }
 
 /// A channel, its place among the topics, and its decoder where its messages are of use.
@@ -102,6 +108,8 @@ impl Preview {
             transforms: Tree::new(),
             channels: Vec::new(),
             decoders: Decoders::default(),
+            span_ns: None,
+            is_whole: true,
         }
     }
 
@@ -128,7 +136,10 @@ impl Preview {
                 }
             }
             match container.next() {
-                None => return Ok(()),
+                None => {
+                    self.is_whole &= container.is_complete();
+                    return Ok(());
+                }
                 Some(Event::Damage(_)) => {}
                 Some(Event::Message(message)) => {
                     let channel = *channels
@@ -165,6 +176,8 @@ impl Preview {
         let Some(known) = self.channels.get(channel) else {
             return;
         };
+        let (first, last) = self.span_ns.unwrap_or((log_time_ns, log_time_ns));
+        self.span_ns = Some((first.min(log_time_ns), last.max(log_time_ns)));
         let seen = &mut self.topics[known.topic];
         seen.messages += 1;
         let Some(Ok(decoder)) = known.decoder.as_deref() else {
@@ -205,6 +218,12 @@ impl Preview {
             || self.wanted.wheel_odometry.is_some()
             || self.topics.iter().any(wheels))
             && self.wanted.named().all(is_seen)
+    }
+
+    /// Can topics be chosen of files that are still written? Sensors begin one after the other.
+    pub(super) fn has_looked(&self) -> bool {
+        let looked_ns = self.span_ns.map_or(0, |(first, last)| last - first);
+        self.is_whole || (self.is_complete() && looked_ns >= LOOK_NS)
     }
 
     /// Chooses the topics; messages are then pushed into the intake, from the first on.
