@@ -25,6 +25,8 @@ const MAX_MESSAGES: u64 = 64;
 const MAX_JOINTS: usize = 4096;
 /// Messages of an IMU that are decoded, for the mean of gravity.
 const MAX_ACCELERATIONS: f64 = 500.0;
+/// Messages of an IMU that are looked at for one that measures acceleration.
+const MAX_IMU_MESSAGES: u64 = 20_000;
 /// Fixes of a satellite receiver that are decoded: half an hour at 10 Hz.
 const MAX_FIXES: u64 = 20_000;
 
@@ -184,7 +186,9 @@ impl Preview {
             return;
         };
         let is_enough = match &seen.view {
-            Some(View::Imu(_)) => seen.accelerations.count() >= MAX_ACCELERATIONS,
+            Some(View::Imu(_)) => {
+                seen.accelerations.count() >= MAX_ACCELERATIONS || seen.messages > MAX_IMU_MESSAGES
+            }
             Some(View::Transforms(_)) => false,
             // A receiver may need minutes for its best solution.
             Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES,
