@@ -202,14 +202,12 @@ fn a_logger_that_is_killed_and_begins_again_is_followed() {
     logger.wait().unwrap();
     let end_s = before.last().unwrap().0;
     assert!((shown.last_s() - end_s).abs() < 1e-9, "{}", shown.last_s());
-    let after = shown
-        .moments
-        .iter()
-        .filter(|moment| moment.0 > seconds(again_ns));
-    let with_slip = after.filter(|moment| moment.1.is_finite()).count();
-    assert!(
-        with_slip > 500,
-        "{with_slip} slips after the logger began again"
-    );
+    // as many slips as the whole log has there, but for the estimator's new start
+    let slips = |moments: &[(f64, f64)]| {
+        let after = moments.iter().filter(|moment| moment.0 > seconds(again_ns));
+        after.filter(|moment| moment.1.is_finite()).count()
+    };
+    let (found, all) = (slips(&shown.moments), slips(&before));
+    assert!(all > 100 && 10 * found >= 8 * all, "{found} slips of {all}");
     fs::remove_dir_all(folder).unwrap();
 }
