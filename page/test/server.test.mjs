@@ -129,3 +129,28 @@ test('a table that is still written is shown as it grows, and a chosen time keep
     });
   }, [log, '--robot', join(folder, 'robot.toml'), '--follow']);
 });
+
+test('an MCAP file that is still written is shown as it grows, to its end', async () => {
+  const log = join(mkdtempSync(join(tmpdir(), 'grouser-live-')), 'log.mcap');
+  const bytes = readFileSync(`${EXAMPLE}/log.mcap`);
+  writeFileSync(log, '');
+  await served(async (address) => {
+    const { origin } = new URL(address);
+    await withPage({ address, allow: (to) => to.startsWith(origin) }, async (page) => {
+      const half = bytes.length >> 1;
+      appendFileSync(log, bytes.subarray(0, half));
+      await page.waitForFunction(() => window.grouser.views.get('run').run?.time_s.at(-1) >= 15, null, { timeout: 20000 });
+      await page.waitForFunction(() => document.querySelector('.run-status').textContent.startsWith('live to'));
+      await page.waitForFunction(() => document.querySelector('.player input').value > 15);
+      appendFileSync(log, bytes.subarray(half));
+      await page.waitForFunction(() => document.querySelector('.run-status').textContent === 'the run has ended', null, { timeout: 20000 });
+      const theirs = commandJson(`grouser estimate ${EXAMPLE}/log.mcap --robot ${EXAMPLE}/robot.toml`);
+      const run = await page.evaluate(() => {
+        const { time_s, wheels } = window.grouser.views.get('run').run;
+        return { end: time_s.at(-1), wheels: wheels.map(({ name, median_slip }) => [name, median_slip]) };
+      });
+      assert.ok(Math.abs(run.end - theirs.duration_s) < 1e-9);
+      for (const [name, median] of run.wheels) assert.ok(Math.abs(median - theirs.wheels[name].median) < 1e-9, name);
+    });
+  }, [log, '--robot', `${EXAMPLE}/robot.toml`, '--follow']);
+});

@@ -39,6 +39,7 @@ struct Recipe {
     soil_intervals: Option<PathBuf>,
     soil_draws: u16,
     seed: u64,
+    cvar_level: f64,
 }
 
 impl Recipe {
@@ -64,21 +65,22 @@ impl Recipe {
         let mut layout = MapLayout::plain(2, 2, self.cell_m, headings).of_robot(&model);
         layout.draws = u32::try_from(draws.len()).unwrap_or(u32::MAX);
         layout.soils = vec![self.soil.name().to_owned()];
-        let table = |soil: &terra::Soil, with_costs: bool| {
+        layout.cvar_level = self.cvar_level;
+        let table = |soil: &terra::Soil| {
             let solver = DemandSolver::new(model.clone(), *soil)?;
-            let table = SlipTable::new(&solver, envelope, with_costs)?;
+            let table = SlipTable::new(&solver, envelope)?;
             Ok((solver, table))
         };
         let (own, draws) = rayon::join(
-            || table(&self.soil.soil, true),
+            || table(&self.soil.soil),
             || {
                 draws
                     .par_iter()
-                    .map(|soil| table(soil, false))
+                    .map(table)
                     .collect::<terrain::Result<Vec<_>>>()
             },
         );
-        let settings = MapSettings::new(headings, envelope);
+        let settings = MapSettings::new(headings, envelope).with_cvar_level(self.cvar_level)?;
         let maker = terrain::MapMaker::new(settings, own?, draws?, self.cell_m);
         Ok((maker, layout))
     }
@@ -107,6 +109,8 @@ impl Recipe {
 ///     How many, 1 to 4096; 64 by default.
 /// seed : int, optional
 ///     Of the draws; 1 by default.
+/// cvar_level : float
+///     The share of the draws beyond which `energy_cvar_j_per_m` is the mean, 0 to 0.999.
 /// threads : int, optional
 ///     That make the tables; as many as the machine runs by default.
 ///
@@ -127,7 +131,7 @@ pub(crate) struct SlipMapper {
 impl SlipMapper {
     #[new]
     #[pyo3(signature = (robot, soil, *, cell_m, headings=None, gravity_m_per_s2=None, max_pitch_deg=30.0,
-        max_roll_deg=25.0, soil_intervals=None, soil_draws=None, seed=None, threads=None))]
+        max_roll_deg=25.0, soil_intervals=None, soil_draws=None, seed=None, cvar_level=0.9, threads=None))]
     #[allow(
         clippy::too_many_arguments,
         reason = "keywords of a Python constructor"
@@ -144,6 +148,7 @@ impl SlipMapper {
         soil_intervals: Option<PathBuf>,
         soil_draws: Option<Bound<'_, PyAny>>,
         seed: Option<Bound<'_, PyAny>>,
+        cvar_level: f64,
         threads: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         check("cell_m", cell_m, (1e-3, 1e3), "m")?;
@@ -165,6 +170,7 @@ impl SlipMapper {
             soil_intervals: soil_intervals.map(absolute).transpose()?,
             soil_draws,
             seed,
+            cvar_level,
         };
         let own = recipe.clone();
         let made = workers::interruptible(py, threads, move || own.maker(), || {})?;
@@ -267,6 +273,7 @@ impl SlipMapper {
         keys.set_item("soil_intervals", &recipe.soil_intervals)?;
         keys.set_item("soil_draws", recipe.soil_draws)?;
         keys.set_item("seed", recipe.seed)?;
+        keys.set_item("cvar_level", recipe.cvar_level)?;
         Ok((slf.get_type().getattr("_remade")?, (keys,)))
     }
 
@@ -425,6 +432,7 @@ impl SlipMap {
         min_tip_over_deg: f64,
         rim_speed_mps: f64,
         turn_energy_j: f64,
+        by_cvar: bool,
         headings_deg: (Option<f64>, Option<f64>),
         alternatives: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
@@ -436,6 +444,7 @@ impl SlipMap {
             min_tip_over_deg,
             rim_speed: rim_speed_mps,
             turn_energy: turn_energy_j,
+            by_cvar,
             start_heading: nearest(headings_deg.0),
             goal_heading: nearest(headings_deg.1),
         };
@@ -485,6 +494,7 @@ fn route_dict<'py>(
     use numpy::IntoPyArray;
     let dict = PyDict::new(py);
     dict.set_item("energy_j", route.energy)?;
+    dict.set_item("energy_cvar_j", route.energy_cvar)?;
     dict.set_item("time_s", route.time)?;
     dict.set_item("length_m", route.length)?;
     dict.set_item("risk", route.risk)?;

@@ -72,7 +72,7 @@ fn an_estimate_as_messages_says_what_the_table_says() {
     let mut messages =
         Messages::open(Path::new(&mcap), grouser_log::Clock::Header, |_| true).unwrap();
     let (mut slips, mut last, mut diagnostics, mut start) = (0, None, 0, None);
-    let mut way_points = 0;
+    let (mut way_points, mut pictures) = (0, 0);
     while let Some(message) = messages.next() {
         let topic = messages.channels()[message.channel].topic.clone();
         let start = *start.get_or_insert(message.time_ns);
@@ -116,10 +116,31 @@ fn an_estimate_as_messages_says_what_the_table_says() {
                 assert_eq!(count("points"), count("colors"));
                 way_points += count("points") - 1;
             }
+            "/grouser/robot" => {
+                let markers = message.value.at("markers").unwrap().elements().unwrap();
+                assert_eq!(markers.len(), 6, "a body and five wheels");
+                // the picture is where the odometry is
+                let Some(View::Odometry(odometry)) = &last else {
+                    panic!("a picture without a pose")
+                };
+                let wheels = markers[1..].iter();
+                let middle = |name: &str| {
+                    let places = wheels.clone();
+                    let sum: f64 = places
+                        .map(|wheel| wheel.number_at(&format!("pose.position.{name}")).unwrap())
+                        .sum();
+                    sum / 5.0
+                };
+                let [x, y, _] = odometry.position;
+                let apart = (middle("x") - x).hypot(middle("y") - y);
+                assert!(apart < 0.3, "{apart} m");
+                pictures += 1;
+            }
             other => panic!("{other}"),
         }
     }
     assert_eq!((slips, diagnostics), (5 * 2001, 41));
+    assert!((195..=201).contains(&pictures), "five a second: {pictures}");
     // a point every centimetre at most, of a way of some metres
     assert!((100..2000).contains(&way_points), "{way_points}");
     // The gyro's turn by another sum (the doctest of grouser-log): 0.94 rad, 0.04 of them the gyro's bias, which the

@@ -18,6 +18,9 @@ use crate::messages::LeftOut;
 use crate::recording::{Recording, RecordingReader, UsedTopic};
 use crate::source::Source;
 
+/// A file's first bytes, which show its kind.
+const MAGIC_BYTES: u64 = 16;
+
 /// The files of one run with what their columns or topics mean.
 ///
 /// ```
@@ -145,7 +148,44 @@ impl Log {
         map: Option<ColumnMap>,
         topics: &Topics,
     ) -> Result<Self> {
-        let source = Source::over(name, source);
+        Self::of_source(Source::over(name, source), map, topics)
+    }
+
+    /// As [`Log::over`], of an input that is still written: it is read as it grows. `wait` is called where more is needed
+    /// than is there, and pauses; the log is given once its topics are known. It ends with the footer of an MCAP file, with
+    /// the index of a bag, and where the input has become shorter. Samples of topics are held back by half a second.
+    ///
+    /// ```
+    /// use grouser_files::robot;
+    /// use grouser_log::Log;
+    ///
+    /// let robot = robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+    /// let path = "../../examples/five-wheel/log.mcap";
+    /// let wait = || std::thread::sleep(std::time::Duration::from_millis(50));
+    /// let log = Log::growing(path.as_ref(), std::fs::File::open(path)?, wait, None, &robot.topics)?;
+    /// assert_eq!(log.samples(&[])?.count(), 6 * 2001); // the file has its footer: nothing is waited for
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Log::find_any`].
+    pub fn growing(
+        name: &Path,
+        source: impl Read + Seek + Send + 'static,
+        wait: impl Fn() + Send + Sync + 'static,
+        map: Option<ColumnMap>,
+        topics: &Topics,
+    ) -> Result<Self> {
+        let source = Source::growing(name, source, wait);
+        // a kind of file is known by its first bytes
+        let mut known = 0;
+        while known < MAGIC_BYTES && source.is_growing() {
+            known = source.grown(known)?;
+        }
+        Self::of_source(source, map, topics)
+    }
+
+    fn of_source(source: Source, map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
         let name = source.name();
         let files = if is_recording(&source) {
             (Vec::new(), vec![source])

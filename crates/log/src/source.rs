@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use flate2::bufread::MultiGzDecoder;
@@ -20,24 +20,74 @@ pub(crate) trait ReadSeek: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
+/// An input that is still written, for all of its readers.
+#[derive(Clone)]
+struct Growth {
+    /// Called where a reader needs more than the input has; it pauses.
+    wait: Arc<dyn Fn() + Send + Sync>,
+    has_ended: Arc<AtomicBool>,
+}
+
 /// One input under several readers, each of which has its own position.
 #[derive(Clone)]
-pub(crate) struct Shared(Arc<Mutex<Box<dyn ReadSeek>>>);
+pub(crate) struct Shared {
+    input: Arc<Mutex<Box<dyn ReadSeek>>>,
+    growth: Option<Growth>,
+}
 
 impl Shared {
     pub(crate) fn new(source: impl ReadSeek + 'static) -> Self {
-        Self(Arc::new(Mutex::new(Box::new(source))))
+        Self {
+            input: Arc::new(Mutex::new(Box::new(source))),
+            growth: None,
+        }
     }
 
     /// How many bytes it holds.
     pub(crate) fn length(&self) -> io::Result<u64> {
-        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut source = self.input.lock().unwrap_or_else(PoisonError::into_inner);
         source.seek(SeekFrom::End(0))
+    }
+
+    /// May it have more bytes later?
+    pub(crate) fn is_growing(&self) -> bool {
+        let growth = self.growth.as_ref();
+        growth.is_some_and(|growth| !growth.has_ended.load(Ordering::Relaxed))
+    }
+
+    /// What is there stays all: nobody waits any more.
+    pub(crate) fn end_growth(&self) {
+        if let Some(growth) = &self.growth {
+            growth.has_ended.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Waits until it has more than `known` bytes; how many it has then. An input that has become shorter was begun anew
+    /// and ends.
+    pub(crate) fn grown(&self, known: u64) -> io::Result<u64> {
+        loop {
+            let length = self.length()?;
+            if length < known {
+                self.end_growth();
+            }
+            match &self.growth {
+                Some(growth) if length == known && self.is_growing() => (growth.wait)(),
+                _ => return Ok(length),
+            }
+        }
+    }
+
+    /// The same input, as if what it has now were all.
+    fn as_it_is(&self) -> Self {
+        Self {
+            growth: None,
+            ..self.clone()
+        }
     }
 
     /// Reads at `offset`, as much as comes at once.
     pub(crate) fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut source = self.input.lock().unwrap_or_else(PoisonError::into_inner);
         source.seek(SeekFrom::Start(offset))?;
         loop {
             match source.read(buffer) {
@@ -70,6 +120,47 @@ impl Source {
         Self {
             path: name.to_owned(),
             held: Some(Shared::new(source)),
+        }
+    }
+
+    /// An input that is still written; `wait` is called where a reader needs more than it has.
+    pub(crate) fn growing(
+        name: &Path,
+        source: impl ReadSeek + 'static,
+        wait: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let growth = Some(Growth {
+            wait: Arc::new(wait),
+            has_ended: Arc::default(),
+        });
+        Self {
+            path: name.to_owned(),
+            held: Some(Shared {
+                growth,
+                ..Shared::new(source)
+            }),
+        }
+    }
+
+    /// May it have more bytes later?
+    pub(crate) fn is_growing(&self) -> bool {
+        self.held.as_ref().is_some_and(Shared::is_growing)
+    }
+
+    /// Waits until it has more than `known` bytes; how many it has then.
+    pub(crate) fn grown(&self, known: u64) -> Result<u64> {
+        let grown = self.open()?.grown(known);
+        grown.map_err(|source| {
+            let file = self.name();
+            grouser_files::Error::Unreadable { file, source }.into()
+        })
+    }
+
+    /// The same input, as if what it has now were all.
+    pub(crate) fn as_it_is(&self) -> Self {
+        Self {
+            path: self.path.clone(),
+            held: self.held.as_ref().map(Shared::as_it_is),
         }
     }
 
@@ -148,7 +239,10 @@ struct Counted {
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.source.read_at(self.offset, buffer)?;
+        let mut length = self.source.read_at(self.offset, buffer)?;
+        while length == 0 && !buffer.is_empty() && self.source.grown(self.offset)? > self.offset {
+            length = self.source.read_at(self.offset, buffer)?;
+        }
         self.offset += length as u64;
         self.count.fetch_add(length as u64, Ordering::Relaxed);
         Ok(length)

@@ -289,6 +289,75 @@ fn messages(dice: &mut Dice, time_ns: i64) -> Vec<(&'static str, &'static str, V
     ]
 }
 
+/// A picture of two parts.
+fn robot(dice: &mut Dice, time_ns: i64) -> (&'static str, &'static str, Value) {
+    let header = build::header(time_ns, "odom");
+    let parts = [1, 3].map(|kind| marker(header.clone(), dice, kind));
+    let value = build::message([("markers", Value::Array(parts.to_vec()))]);
+    ("/robot", "visualization_msgs/MarkerArray", value)
+}
+
+/// `visualization_msgs/Marker` of a kind, with all of its fields.
+fn marker(header: Value, dice: &mut Dice, kind: i64) -> Value {
+    let text = |text: &str| Value::Text(text.into());
+    let colour = |r| {
+        let part = |name, value| (name, Value::Float(value));
+        build::message([
+            part("r", r),
+            part("g", 0.25),
+            part("b", 0.5),
+            part("a", 1.0),
+        ])
+    };
+    let nothing = || Value::Array(Vec::new());
+    build::message([
+        ("header", header.clone()),
+        ("ns", text("wheels")),
+        ("id", Value::Int(7)),
+        ("type", Value::Int(kind)),
+        ("action", Value::Int(0)),
+        (
+            "pose",
+            build::message([
+                ("position", build::vector(dice.numbers())),
+                ("orientation", build::orientation([0.1, 0.2, 0.3])),
+            ]),
+        ),
+        ("scale", build::vector(dice.numbers())),
+        ("color", colour(0.75)),
+        (
+            "lifetime",
+            build::message([("sec", Value::Int(0)), ("nanosec", Value::UInt(0))]),
+        ),
+        ("frame_locked", Value::Bool(false)),
+        (
+            "points",
+            Value::Array((0..kind).map(|_| build::vector(dice.numbers())).collect()),
+        ),
+        (
+            "colors",
+            Value::Array((0..kind).map(|_| colour(0.125)).collect()),
+        ),
+        ("texture_resource", text("")),
+        (
+            "texture",
+            build::message([
+                ("header", header),
+                ("format", text("")),
+                ("data", nothing()),
+            ]),
+        ),
+        ("uv_coordinates", nothing()),
+        ("text", text("")),
+        ("mesh_resource", text("")),
+        (
+            "mesh_file",
+            build::message([("filename", text("")), ("data", nothing())]),
+        ),
+        ("mesh_use_embedded_materials", Value::Bool(false)),
+    ])
+}
+
 #[test]
 fn what_is_written_here_others_read_to_the_bit() {
     let folder = Folder::new("others-read");
@@ -298,8 +367,9 @@ fn what_is_written_here_others_read_to_the_bit() {
     let (mut dice, mut written) = (Dice(2012), String::new());
     for k in 0..400_i64 {
         // One message at a time: the order of equal times is the readers' own.
-        for (place, (topic, kind, value)) in messages(&mut dice, 1 + 20 * k).into_iter().enumerate()
-        {
+        let mut all = messages(&mut dice, 1 + 20 * k);
+        all.push(robot(&mut dice, 1 + 20 * k));
+        for (place, (topic, kind, value)) in all.into_iter().enumerate() {
             let time = 1_700_000_000_000_000_000 + 20 * k + i64::try_from(place).unwrap();
             let entry = match topics.entry(topic) {
                 std::collections::btree_map::Entry::Occupied(known) => known.into_mut(),

@@ -3,7 +3,10 @@
 import { h, svg } from './dom.js';
 import { rangeOf, tickLabels, ticks } from './ticks.js';
 
-const MARGIN = { left: 52, right: 14, top: 10, bottom: 40 };
+const MARGIN = { left: 58, right: 14, top: 10, bottom: 40 };
+
+/** Width of a digit of a label, px. */
+const DIGIT_PX = 6.6;
 
 /**
  * A chart of its own element. `options`: title, y (name and unit), x (name and unit), height,
@@ -108,7 +111,11 @@ export class Chart {
     const up = ticks(low, high, 4);
     const grid = svg('g', { class: 'grid' });
     const text = svg('g', { class: 'axis-text' });
-    tickLabels(up).forEach((label, i) => {
+    const labels = tickLabels(up);
+    // the name stands left of the longest label, where there is room for both
+    const longest = Math.max(...labels.map((label) => label.length));
+    const nameAt = Math.min(12, Math.max(8, MARGIN.left - 17 - DIGIT_PX * longest));
+    labels.forEach((label, i) => {
       const at = py(up[i]);
       grid.append(svg('line', { x1: MARGIN.left, x2: width - MARGIN.right, y1: at, y2: at, class: up[i] === 0 ? 'zero' : null }));
       text.append(svg('text', { x: MARGIN.left - 8, y: at + 4, 'text-anchor': 'end' }, label));
@@ -120,7 +127,7 @@ export class Chart {
     });
     text.append(
       svg('text', { x: MARGIN.left + inner.width / 2, y: height - 4, 'text-anchor': 'middle', class: 'axis-name' }, named(x)),
-      svg('text', { transform: `translate(12 ${MARGIN.top + inner.height / 2}) rotate(-90)`, 'text-anchor': 'middle', class: 'axis-name' }, named(y)),
+      svg('text', { transform: `translate(${nameAt} ${MARGIN.top + inner.height / 2}) rotate(-90)`, 'text-anchor': 'middle', class: 'axis-name' }, named(y)),
     );
 
     this.#plot.setAttribute('viewBox', `0 0 ${width} ${height}`);

@@ -6,6 +6,8 @@ import { BadFile } from './run_data.js';
 
 /** Decisions of one kind about wheels that follow each other within this time are one, s. */
 const MAX_GAP_S = 1;
+/** States that are listed. */
+const MAX_STATES = 100;
 
 /** A dropped report: what it shows, checked as far as the page relies on it. */
 export function readReport(text, name) {
@@ -71,6 +73,13 @@ export function grouped(decisions) {
     }
   }
   return groups;
+}
+
+/** The states of a drive's controller and when each began; `seek(time)` sets the cursor. */
+export function stateList({ mode }, seek) {
+  const item = ([time_s, name]) => h('li', {}, h('button', { type: 'button', class: 'link', on: { click: () => seek(time_s) } }, clock(time_s, 1)), ` ${name}`);
+  const more = mode.length - MAX_STATES;
+  return h('div', {}, h('ol', { class: 'states' }, mode.slice(0, MAX_STATES).map(item)), more > 0 ? h('p', { class: 'muted' }, `… and ${more} more.`) : null);
 }
 
 /** The decisions of a drive; `seek(time)` sets the cursor. */

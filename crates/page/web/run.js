@@ -7,7 +7,7 @@ import { clock, shown } from './format.js';
 import { CURVES } from './palette.js';
 import { withFile } from './opening.js';
 import { Refusal, blockBytes, hasModule } from './physics.js';
-import { decisionList, drivesTable, energyTable, grouped, readReport, sources } from './report.js';
+import { decisionList, drivesTable, energyTable, grouped, readReport, sources, stateList } from './report.js';
 import { GrowingRun, follow, readPart } from './growth.js';
 import { BadFile, common, inColumns, masked, nameAt, placeOf, runOfEstimates, spansOf, thinned, valuesAt } from './run_data.js';
 import { RobotView } from './robot_view.js';
@@ -133,13 +133,14 @@ export class Run {
   /** The soils of the ground in words. */
   #soils() {
     const soils = this.#run?.ground?.soils ?? [];
-    return soils.length > 1 ? `ground: ${soils[0]}; tinted: ${soils.slice(1).join(', ')}` : soils.length ? `ground: ${soils[0]}` : '';
+    const ground = soils.length > 1 ? `ground: ${soils[0]}; tinted: ${soils.slice(1).join(', ')}` : soils.length ? `ground: ${soils[0]}` : '';
+    const drivers = this.#others.map(({ controller }) => controller).filter(Boolean);
+    return [ground, drivers.length ? `grey: the way of ${drivers.join(', ')}` : ''].filter(Boolean).join('; ');
   }
 
   #slipCard() {
     this.slipChart = new Chart({
-      title: 'Slip of each wheel', height: 340, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' },
-      pick: (time) => this.#choose(time),
+      title: 'Slip of each wheel', height: 340, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' }, ...this.#pointing(),
     });
     this.table = h('table', { class: 'wheels' });
     this.slipChart.element.append(
@@ -156,15 +157,30 @@ export class Run {
   }
 
   #more() {
-    this.speedChart = new Chart({ title: 'Forward speed', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#choose(time), value: valueOf });
-    this.rimChart = new Chart({ title: 'Rim speed of each wheel, as logged', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, pick: (time) => this.#choose(time) });
-    this.torqueChart = new Chart({ title: 'Torque of each motor', x: { name: 'Time', unit: 's' }, y: { name: 'Torque', unit: 'N m' }, pick: (time) => this.#choose(time) });
-    this.energyChart = new Chart({ title: 'Electrical energy used', x: { name: 'Time', unit: 's' }, y: { name: 'Energy', unit: 'J' }, zero: true, pick: (time) => this.#choose(time), value: valueOf });
-    this.decisions = h('section', { class: 'card decisions', 'aria-label': 'Decisions' });
+    this.speedChart = new Chart({ title: 'Forward speed', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, ...this.#pointing(), value: valueOf });
+    this.rimChart = new Chart({ title: 'Rim speed of each wheel, as logged', x: { name: 'Time', unit: 's' }, y: { name: 'Speed', unit: 'm/s' }, ...this.#pointing(), value: valueOf });
+    this.torqueChart = new Chart({ title: 'Torque of each motor', x: { name: 'Time', unit: 's' }, y: { name: 'Torque', unit: 'N m' }, ...this.#pointing(), value: valueOf });
+    this.energyChart = new Chart({ title: 'Electrical energy used', x: { name: 'Time', unit: 's' }, y: { name: 'Energy', unit: 'J' }, zero: true, ...this.#pointing(), value: valueOf });
+    this.decisions = h('section', { class: 'card decisions', 'aria-label': 'Decisions and states' });
     this.multiples = h('div', { class: 'charts' });
-    this.multiplesButton = h('button', { type: 'button', class: 'quiet', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
+    this.multiplesButton = h('button', { type: 'button', class: 'quiet multiples-button', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
     this.many = [];
     return h('div', { class: 'run-more' }, h('div', { class: 'charts' }, this.rimChart.element, this.speedChart.element, this.torqueChart.element, this.energyChart.element), this.decisions, h('div', {}, this.multiplesButton), this.multiples);
+  }
+
+  /** What charts over time do at a click, and where the pointer is: values there, in all of them. */
+  #pointing() {
+    return {
+      pick: (time) => this.#choose(time),
+      hover: (time) => {
+        for (const chart of this.#charts()) chart.point(time);
+        this.#showValues(time ?? this.#time);
+      },
+    };
+  }
+
+  #charts() {
+    return [this.slipChart, this.rimChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many];
   }
 
   // ---- opening ------------------------------------------------------------------------------
@@ -478,14 +494,14 @@ export class Run {
   #toggleMultiples() {
     const open = this.many.length === 0;
     this.multiplesButton.setAttribute('aria-expanded', String(open));
-    this.many = open ? this.#wheels.map(({ name }) => new Chart({ title: name, height: 180, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' }, pick: (time) => this.#choose(time) })) : [];
+    this.many = open ? this.#wheels.map(({ name }) => new Chart({ title: name, height: 180, x: { name: 'Time', unit: 's' }, y: { name: 'Slip', unit: '' }, ...this.#pointing(), value: (one, value) => valueOf({ ...one, name: one.ghost ? 'true' : 'estimated' }, value) })) : [];
     this.multiples.replaceChildren(...this.many.map((chart) => chart.element));
     if (open) this.#draw();
   }
 
   #showTable() {
     const truth = this.#wheels.some((wheel) => wheel.true_slip?.length);
-    this.cells = this.#wheels.map((wheel) => ({ slip: h('td', { class: 'number' }), truth: h('td', { class: 'number' }), motion: h('td', {}), health: h('td', {}) }));
+    this.cells = this.#wheels.map((wheel) => ({ slip: h('td', { class: 'number' }), truth: h('td', { class: 'number' }), motion: h('td', { class: 'state' }), health: h('td', { class: 'state' }) }));
     const rows = this.#wheels.map((wheel, i) => {
       const box = h('input', { type: 'checkbox', checked: true, 'aria-label': `Show ${wheel.name}`, on: { change: () => {
         if (box.checked) this.#hidden.delete(wheel.name);
@@ -509,9 +525,11 @@ export class Run {
   }
 
   #showDecisions(run) {
-    this.decisions.hidden = !run.decisions?.length;
-    if (!run.decisions?.length) return;
-    this.decisions.replaceChildren(h('h2', {}, `Decisions of the ${run.controller}`), ...decisionList(run, (time) => this.#seek(time)).filter(Boolean));
+    const seek = (time) => this.#seek(time);
+    const decisions = run.decisions?.length ? [h('h2', {}, `Decisions of the ${run.controller}`), ...decisionList(run, seek)] : [];
+    const states = run.mode?.length ? [h('h2', {}, `States of the ${run.controller}`), stateList(run, seek)] : [];
+    this.decisions.hidden = !decisions.length && !states.length;
+    this.decisions.replaceChildren(...[...decisions, ...states].filter(Boolean));
   }
 
   // ---- time ---------------------------------------------------------------------------------
@@ -540,19 +558,25 @@ export class Run {
     }
     this.track.cursor(index);
     this.robotView.cursor(index);
-    for (const chart of [this.slipChart, this.rimChart, this.speedChart, this.torqueChart, this.energyChart, ...this.many]) chart.cursor(this.#time);
+    for (const chart of this.#charts()) chart.cursor(this.#time);
+    this.#showValues(this.#time);
+    const mode = run.mode ? nameAt(run.mode, this.#time) : '';
+    this.modeBadge.hidden = !mode;
+    this.modeBadge.textContent = mode;
+  }
+
+  /** The wheels' values at a time. */
+  #showValues(time) {
+    const index = this.#index(time);
     this.#wheels.forEach((wheel, i) => {
       const { slip, truth, motion, health } = this.cells[i];
       const value = wheel.shown.slip[index];
       const sigma = wheel.shown.sigma[index];
       slip.textContent = Number.isFinite(value) ? `${value.toFixed(3).replace('-', '−')}${Number.isFinite(sigma) ? ` ± ${sigma.toFixed(3)}` : ''}` : '–';
       if (this.truth) truth.textContent = Number.isFinite(wheel.true_slip[index]) ? wheel.true_slip[index].toFixed(3).replace('-', '−') : '–';
-      motion.textContent = (index >= 0 && nameAt(wheel.motion ?? [], this.#time)) || '–';
-      health.textContent = (index >= 0 && nameAt(wheel.health ?? [], this.#time)) || '–';
+      motion.textContent = (index >= 0 && nameAt(wheel.motion ?? [], time)) || '–';
+      health.textContent = (index >= 0 && nameAt(wheel.health ?? [], time)) || '–';
     });
-    const mode = run.mode ? nameAt(run.mode, this.#time) : '';
-    this.modeBadge.hidden = !mode;
-    this.modeBadge.textContent = mode;
   }
 
   #fitRange() {

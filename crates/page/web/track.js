@@ -22,6 +22,7 @@ export class Track {
   #over;
   #width = 0;
   #place = null;
+  #index = 0;
   #robot = svg('g', { class: 'robot' }, svg('path', { d: 'M13 0 L-8 7.5 L-4.5 0 L-8 -7.5 Z' }));
 
   constructor(pick, over = () => {}) {
@@ -49,6 +50,7 @@ export class Track {
 
   /** Moves the robot. */
   cursor(index) {
+    this.#index = index;
     if (!this.#place || !this.#run) return;
     const { x_m: x, y_m: y, heading_deg: heading } = this.#run;
     if (!Number.isFinite(x[index])) {
@@ -204,6 +206,8 @@ export class Track {
     this.#root.setAttribute('height', height.toFixed(0));
     this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
     this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, sunk, ways, ...marks, start, this.#robot);
+    // the cursor may have been set before there was room to draw
+    this.cursor(this.#index);
   }
 }
 

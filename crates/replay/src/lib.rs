@@ -57,6 +57,7 @@ mod ground_change;
 mod ground_watch;
 mod intervals;
 mod known_ground;
+mod markers;
 pub mod messages;
 mod method;
 mod moment;
@@ -77,7 +78,6 @@ mod summary;
 mod tally;
 mod truth;
 mod turn_watch;
-mod way_marker;
 mod ways;
 
 pub use axes::AxisCheck;

@@ -4,8 +4,8 @@ use grouser_log::message::{Value, build};
 use grouser_slip::detect::{Change, Event};
 use grouser_slip::{Health, WheelEstimate};
 
+pub use crate::markers::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
 use crate::odometry::Odometry;
-pub use crate::way_marker::WayMarkers;
 
 /// What is not estimated has this variance: so little is known of it that it does not count.
 const UNKNOWN_VARIANCE: f64 = 1e6;

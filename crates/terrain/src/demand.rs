@@ -285,7 +285,9 @@ impl Posed<'_> {
                 break;
             };
             if surplus * rolling <= 0.0 {
-                return self.between(before, (slip, surplus)).map(Some);
+                return self
+                    .between(before, (slip, surplus), SLIP_TOLERANCE)
+                    .map(Some);
             }
             if surplus * sense > best.1 * sense {
                 best = (slip, surplus);
@@ -315,7 +317,7 @@ impl Posed<'_> {
                     let Some(at_from) = self.surplus(from)? else {
                         return Ok(None);
                     };
-                    return self.between((from, at_from), at).map(Some);
+                    return self.between((from, at_from), at, SLIP_TOLERANCE).map(Some);
                 }
             }
             if at_a * sense > at_b * sense {
@@ -328,12 +330,12 @@ impl Posed<'_> {
     }
 
     /// The slip between two at which the surplus changes its sign.
-    pub(crate) fn between(&self, from: (f64, f64), to: (f64, f64)) -> Result<f64> {
+    pub(crate) fn between(&self, from: (f64, f64), to: (f64, f64), tolerance: f64) -> Result<f64> {
         root(
             Bracket {
                 from,
                 to,
-                tolerance: SLIP_TOLERANCE,
+                tolerance,
             },
             |slip| Ok(self.surplus(slip)?.unwrap_or(f64::NAN)),
         )

@@ -24,7 +24,8 @@ pub use demand::{Demand, DemandSolver, Driving, MAX_SLIP};
 pub use error::{Error, Result};
 pub use headings::Headings;
 pub use map::{
-    Band, Journal, MapLayout, MapMaker, MapSettings, MapSoil, Quantity, State, Strip, write_map,
+    Band, Journal, MapLayout, MapMaker, MapSettings, MapSoil, Quantity, State, Strip, read_strip,
+    write_map,
 };
 pub use pose::SurfacePose;
 pub use soil_draws::SoilIntervals;

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use grouser_files::Document;
 use grouser_rover::ground::{GeoTiff, TerrainFault};
 use grouser_rover::robot::RobotModel;
 use grouser_terra::{Soil, catalogue};
@@ -14,7 +15,7 @@ use grouser_terrain::plan::PlanMap;
 use grouser_terrain::raster::Dem;
 use grouser_terrain::{
     Band, Demand, DemandSolver, Envelope, Error, Headings, Journal, MapLayout, MapMaker,
-    MapSettings, Quantity, SlipTable, State, Strip, SurfacePose, write_map,
+    MapSettings, Quantity, SlipTable, SoilIntervals, State, Strip, SurfacePose, write_map,
 };
 
 const JOB: &str = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
@@ -76,7 +77,7 @@ fn made(dem: &Dem, headings: u8) -> Made {
     let headings = Headings::new(headings).unwrap();
     let solver = DemandSolver::new(rocker(), soil()).unwrap();
     let envelope = Envelope::within(solver.model(), 0.45, 0.35).unwrap();
-    let table = SlipTable::new(&solver, envelope, true).unwrap();
+    let table = SlipTable::new(&solver, envelope).unwrap();
     let layout = MapLayout::of(dem, solver.model(), headings, 0, JOB);
     let maker = MapMaker::new(
         MapSettings::new(headings, envelope),
@@ -267,6 +268,7 @@ fn a_map_is_read_back_and_an_interrupted_one_has_the_same_bytes() {
             let pose = (first + index) * 8 + heading;
             for (read, written) in [
                 (map.energy[pose], value(Quantity::Energy)),
+                (map.energy_cvar[pose], value(Quantity::EnergyCvar)),
                 (map.slip[pose], value(Quantity::Slip)),
                 (map.slip_high[pose], value(Quantity::SlipHigh)),
                 (map.risk[pose], value(Quantity::Immobilisation)),
@@ -414,4 +416,80 @@ fn mars_keeps_its_place_and_its_relief() {
         GeoTiff::open(Cursor::new(vec![0; 100])),
         Err(TerrainFault::Damaged { .. })
     ));
+}
+
+/// On draws of a soil: the mean of the worst part of their exact energies, by the definition that sorts
+/// nothing.
+#[test]
+fn the_cvar_of_a_cell_is_that_of_the_exact_solver_on_every_draw() {
+    const LEVEL: f64 = 0.7;
+    let folder = Folder::new("cvar");
+    let headings = Headings::new(4).unwrap();
+    let text = "format = 1\nsource = \"made up\"\nphi_deg = { low = 24.0, high = 34.0 }\n";
+    let intervals = Document::from_text("intervals.toml", text.into()).unwrap();
+    let drawn = SoilIntervals::parse(&intervals)
+        .unwrap()
+        .draw(&soil(), 9, 5)
+        .unwrap();
+    let solver_of = |soil: &Soil| DemandSolver::new(rocker(), *soil).unwrap();
+    let own = solver_of(&soil());
+    let envelope = Envelope::within(own.model(), 0.45, 0.35).unwrap();
+    let tabled = |solver: DemandSolver| {
+        let table = SlipTable::new(&solver, envelope).unwrap();
+        (solver, table)
+    };
+    let draws: Vec<_> = drawn.iter().map(|soil| tabled(solver_of(soil))).collect();
+    let weakest = |draws: &[(DemandSolver, SlipTable)]| {
+        let slopes = draws.iter().map(|(_, table)| table.steepest());
+        slopes.fold(f64::INFINITY, f64::min)
+    };
+    let limit = weakest(&draws);
+    // well within all draws; and where the weakest one fails
+    for (slope, fails) in [(0.5 * limit.tan(), false), (1.02 * limit.tan(), true)] {
+        let path = folder.file("plane.asc");
+        grid(&path, 12, 10, |x, _| 3.0 + slope * x);
+        let mut dem = Dem::open(&path, None, 0.001).unwrap();
+        let settings = MapSettings::new(headings, envelope)
+            .with_cvar_level(LEVEL)
+            .unwrap();
+        let maker = MapMaker::new(settings, tabled(own.clone()), draws.clone(), dem.cell());
+        let window = dem.window(0..10).unwrap();
+        let cells = maker.rows(&window, 0..10).unwrap();
+        let bands = Band::count(headings);
+        let middle = &cells[(5 * 12 + 6) * bands..][..bands];
+        let value = |quantity| {
+            let uphill = Band {
+                quantity,
+                heading: 0,
+            };
+            f64::from(middle[uphill.index(headings)])
+        };
+        let pose = SurfacePose::on_plane(slope, 0.0);
+        let exact: Vec<Option<f64>> = draws
+            .iter()
+            .map(
+                |(solver, _)| match solver.demand(pose.pitch, pose.roll).unwrap() {
+                    Demand::Drives(driving) => Some(driving.energy_per_metre()),
+                    _ => None,
+                },
+            )
+            .collect();
+        let driving: Vec<f64> = exact.iter().copied().flatten().collect();
+        assert_eq!(driving.len() < draws.len(), fails);
+        assert_eq!(value(Quantity::Immobilisation) > 0.0, fails);
+        let over = |t: f64| driving.iter().map(|e| (e - t).max(0.0)).sum::<f64>();
+        let at = |t: f64| t + over(t) / draws.len() as f64 / (1.0 - LEVEL);
+        let expected = driving.iter().map(|t| at(*t)).fold(f64::INFINITY, f64::min);
+        let found = value(Quantity::EnergyCvar);
+        if fails {
+            // a draw that does not drive counts with more than any that does
+            assert!(
+                found > 1.2 * expected && found.is_finite(),
+                "{found} {expected}"
+            );
+        } else {
+            assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+            assert!(found > 1.01 * value(Quantity::Energy));
+        }
+    }
 }

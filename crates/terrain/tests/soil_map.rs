@@ -86,7 +86,7 @@ fn every_cell_has_the_exact_demand_of_its_own_soil() {
     let solvers = ["dry-sand", "sandy-loam", "snow"].map(solver);
     let envelope = Envelope::within(solvers[0].model(), 0.3, 0.3).unwrap();
     let table = |solver: &DemandSolver| {
-        let table = SlipTable::new_or_closed(solver, envelope, true).unwrap();
+        let table = SlipTable::new_or_closed(solver, envelope).unwrap();
         (solver.clone(), table)
     };
     let [sand, loam, snow] = [0, 1, 2].map(|index: usize| table(&solvers[index]));

@@ -116,7 +116,7 @@ fn a_million_cells_with_64_soils() {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         let Some(soil) = soils.get(index) else { break };
                         let solver = DemandSolver::new(model.clone(), *soil).unwrap();
-                        let table = SlipTable::new(&solver, envelope, index == 0).unwrap();
+                        let table = SlipTable::new(&solver, envelope).unwrap();
                         tables.lock().unwrap().push((index, (solver, table)));
                     }
                 });

@@ -54,7 +54,7 @@ fn compared(name: &str, key: &str, count: u32, seed: u64) -> (f64, u32, u32) {
     let solver = DemandSolver::new(robot(name), soil(key)).unwrap();
     let envelope = Envelope::within(solver.model(), 0.5, 0.4).unwrap();
     let began = std::time::Instant::now();
-    let table = SlipTable::new(&solver, envelope, true).unwrap();
+    let table = SlipTable::new(&solver, envelope).unwrap();
     let built = began.elapsed();
     let mut noise = Noise::new(seed, 1);
     let (mut worst, mut otherwise, mut drives) = (0.0_f64, 0, 0);

@@ -13,7 +13,6 @@
 pub mod assets;
 mod error;
 pub mod feed;
-mod follow;
 mod gate;
 pub mod run;
 pub mod server;

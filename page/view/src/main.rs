@@ -31,7 +31,7 @@ struct Arguments {
     /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
-    /// The log is a table that is still written: the page shows its newest row
+    /// The log (a table, MCAP or a bag) is still written: the page shows its newest moment
     #[arg(long, requires = "robot")]
     follow: bool,
     /// Write the page, with the run in it, as one HTML file instead of serving it; it opens without a server

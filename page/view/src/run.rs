@@ -4,19 +4,21 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::sleep;
+use std::time::Duration;
 
 use grouser_files::columns::ColumnMap;
 use grouser_files::robot::RobotFile;
 use grouser_files::{columns, robot};
 use grouser_log::Log;
-use grouser_log::container::Container;
 use grouser_page::run::{LogParts, failed, overview};
 use grouser_replay::{Options, Row, Sink, Step, run_into};
 
 use crate::error::{Error, Result};
 use crate::feed::Feed;
-use crate::follow::Growing;
 
+/// How often a file is looked at that has not grown.
+const LOOK_INTERVAL: Duration = Duration::from_millis(50);
 /// Rows of a growing table that are held back, to be put into the order of time.
 const LIVE_LOOK_AHEAD: usize = 4;
 
@@ -31,10 +33,10 @@ pub struct RecordedRun {
 
 impl RecordedRun {
     /// Reads the robot file and the column map: `map`, the robot file's, or `columns.toml` beside it. With `is_live` the
-    /// log is a table that is still written.
+    /// log is still written.
     ///
     /// # Errors
-    /// What is wrong with one of the files; a log to follow that is a recording, whose end must be known.
+    /// What is wrong with one of the files.
     pub fn open(log: &Path, robot: &Path, map: Option<&Path>, is_live: bool) -> Result<Self> {
         let refused = |error: &dyn std::fmt::Display| Error::Refused {
             message: error.to_string(),
@@ -49,15 +51,6 @@ impl RecordedRun {
             }
             None => None,
         };
-        let kind = Container::kind(log).map_err(|error| refused(&error))?;
-        if is_live && kind.is_some() {
-            return Err(Error::Refused {
-                message: format!(
-                    "{}: only a table (CSV) can be followed while it is written",
-                    log.display()
-                ),
-            });
-        }
         Ok(Self {
             log: log.to_owned(),
             robot: file,
@@ -121,9 +114,18 @@ impl RecordedRun {
         }
         let file = File::open(&self.log).map_err(|error| error.to_string())?;
         let waiting = parts.clone();
-        let growing = Growing::new(file, move || waiting.with(LogParts::flush));
-        let log = Log::over(&self.log, growing, map, &self.robot.topics)
+        let wait = move || {
+            waiting.with(LogParts::flush);
+            sleep(LOOK_INTERVAL);
+        };
+        let log = Log::growing(&self.log, file, wait, map, &self.robot.topics)
             .map_err(|error| error.to_string())?;
+        if !log.unaligned_clocks().is_empty() {
+            return Err(format!(
+                "{}: clocks are aligned over a whole log (`align_clock`), which a log that is still written is not",
+                self.log.display()
+            ));
+        }
         Ok(log.with_look_ahead(LIVE_LOOK_AHEAD))
     }
 }

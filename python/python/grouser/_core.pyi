@@ -392,6 +392,7 @@ class SlipMapper:
         soil_intervals: str | PathLike[str] | None = None,
         soil_draws: int | None = None,
         seed: int | None = None,
+        cvar_level: float = 0.9,
         threads: int | None = None,
     ) -> SlipMapper: ...
     @property
@@ -435,6 +436,7 @@ class SlipMap:
         min_tip_over_deg: float,
         rim_speed_mps: float,
         turn_energy_j: float,
+        by_cvar: bool,
         headings_deg: tuple[float | None, float | None],
         alternatives: int,
     ) -> dict[str, Any]: ...

@@ -36,6 +36,7 @@ QUANTITIES = (
     "slip_95",
     "sinkage_m",
     "energy_j_per_m",
+    "energy_cvar_j_per_m",
     "tip_over_deg",
     "immobilisation",
     "pitch_deg",
@@ -91,6 +92,8 @@ class Route:
     """A way."""
 
     energy_j: float
+    energy_cvar_j: float
+    """Its CVaR over the soil draws, at most."""
     time_s: float
     length_m: float
     """Along the ground."""
@@ -127,6 +130,7 @@ def plan(
     min_tip_over_deg: float = 10.0,
     rim_speed_mps: float = 0.25,
     turn_energy_j: float = 0.0,
+    by_cvar: bool = False,
     start_heading_deg: float | None = None,
     goal_heading_deg: float | None = None,
     alternatives: int = 2,
@@ -134,7 +138,7 @@ def plan(
     """The way of least energy between two places of a map, m in its coordinates.
 
     The risk is that of steady straight driving on one soil of uncertain strength (docs/terrain.md): turns, drift on
-    side slopes and ruts are not in a map.
+    side slopes and ruts are not in a map. With `by_cvar` the energy's CVaR over the soil draws is minimised.
 
     Raises
     ------
@@ -155,6 +159,7 @@ def plan(
         _number("min_tip_over_deg", min_tip_over_deg),
         _number("rim_speed_mps", rim_speed_mps),
         _number("turn_energy_j", turn_energy_j),
+        bool(by_cvar),
         (
             None if start_heading_deg is None else _number("start_heading_deg", start_heading_deg),
             None if goal_heading_deg is None else _number("goal_heading_deg", goal_heading_deg),

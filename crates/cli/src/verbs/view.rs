@@ -26,7 +26,7 @@ const PROGRAM: Companion = Companion {
         (127.0.0.1, with a random token), or one HTML file that opens without a server. It is shown by the \
         program `grouser-view`, which `page/build` builds and which is found beside `grouser` or on the path.",
     after_help = "Examples:\n  grouser view\n  grouser view estimates.csv\n  grouser view log.mcap --robot robot.toml\n  \
-        grouser view log.csv --robot robot.toml --follow\n  grouser view --export page.html"
+        grouser view log.mcap --robot robot.toml --follow\n  grouser view --export page.html"
 )]
 pub(crate) struct Arguments {
     /// A run to open: the table of `estimate -o`, or a log
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
-    /// The log is a table that is still written: the page shows its newest row
+    /// The log (a table, MCAP or a bag) is still written: the page shows its newest moment
     #[arg(long, requires = "robot")]
     follow: bool,
     /// Write the page, with the run in it, as one HTML file instead of serving it

@@ -11,6 +11,7 @@ mod help;
 mod hostile;
 mod interrupted;
 mod limits;
+mod map_outputs;
 mod outputs;
 mod program;
 mod schemas;

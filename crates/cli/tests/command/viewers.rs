@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use grouser_log::message::known;
+use serde_json::Value;
 
 use super::program::{Folder, grouser};
 
@@ -20,11 +21,22 @@ fn a_layout_names_what_a_recording_has() {
     let recording = folder.path("slip.mcap").display().to_string();
     let [log, robot] = ["log.csv", "robot.toml"].map(|name| format!("{root}/five-wheel/{name}"));
     grouser(["estimate", &log, "--robot", &robot, "-o", &recording]).assert_done();
-    let info = grouser(["log", "info", &recording, "--json"]).assert_done();
-    let info = info.json();
-    let topics = info["topics"].as_array().unwrap();
+    let drive = folder.path("drive.mcap").display().to_string();
+    let scenario = format!("{root}/scenarios/soft-patch.toml");
+    grouser(["drive", &scenario, "-o", &drive]).assert_done();
+    let topics = |recording: &str| -> Vec<Value> {
+        let info = grouser(["log", "info", recording, "--json"]).assert_done();
+        info.json()["topics"].as_array().unwrap().clone()
+    };
+    // the layout of a scene shows drives as well, whose recordings have ruts
+    let of_estimate = topics(&recording);
+    let of_both = [of_estimate.clone(), topics(&drive)].concat();
     let mut named = 0;
-    for layout in ["foxglove.json", "plotjuggler.xml", "rerun_blueprint.py"] {
+    for (layout, topics) in [
+        ("foxglove.json", &of_both),
+        ("plotjuggler.xml", &of_estimate),
+        ("rerun_blueprint.py", &of_estimate),
+    ] {
         let text = std::fs::read_to_string(format!("{root}/viewers/{layout}")).unwrap();
         for path in paths(&text) {
             let topic = topics.iter().find(|topic| {

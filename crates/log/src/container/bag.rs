@@ -50,8 +50,42 @@ pub(super) fn opcode(header: &[u8]) -> Option<u8> {
 }
 
 impl Container {
+    /// Waits in a bag that is still written until the next record is whole. A recorder writes the length of a chunk
+    /// when it closes it: until then it is zero.
+    fn bag_wait(&mut self) -> io::Result<()> {
+        while self.scan.is_growing() {
+            self.scan.wait(4)?;
+            let length = u64::from(Fields(self.scan.peek(4)?).u32().unwrap_or(0));
+            if length > HEADER_LIMIT || self.scan.stands(&MAGIC[..4])? {
+                return Ok(());
+            }
+            self.scan.wait(length + 8)?;
+            let mut beside = self.scan.beside(self.scan.offset() + 4);
+            let (mut header, mut head) = (Vec::new(), Vec::new());
+            beside.read(length, &mut header)?;
+            beside.read(4, &mut head)?;
+            let data = u64::from(Fields(&head).u32().unwrap_or(0));
+            let is_open = data == 0 && opcode(&header) == Some(CHUNK);
+            // the next growth, or a chunk behind this one
+            let whole = if is_open {
+                self.scan.left() + 1
+            } else {
+                length + 8 + data
+            };
+            let is_cut = self.scan.wait_for_record(whole, CHUNK_HEADER, is_chunk)?;
+            self.scan.look_again();
+            if !is_open || is_cut {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// One record from the file.
     pub(super) fn bag_record(&mut self) -> io::Result<Option<Found>> {
+        if self.scan.is_growing() {
+            self.bag_wait()?;
+        }
         let offset = self.scan.offset();
         if self.scan.left() == 0 {
             if let Some(suspect) = self.passed_over.take()
@@ -140,9 +174,10 @@ impl Container {
                 }));
             }
             BAG_HEADER => {
-                self.promised_chunks = number(&header, b"chunk_count").map(u64::from);
-                self.index_at = field(&header, b"index_pos").and_then(|bytes| Fields(bytes).u64());
+                self.bag_header(&header)?;
             }
+            // The index is written last.
+            CHUNK_INFO if self.scan.is_growing() => self.ended = true,
             INDEX | CHUNK_INFO => {}
             _ => {
                 let what = format!("the record's kind {op} is not known");
@@ -151,6 +186,17 @@ impl Container {
         }
         self.scan.skip(length)?;
         Ok(None)
+    }
+
+    /// What the record at the start says of the whole: nothing until the bag is closed.
+    fn bag_header(&mut self, header: &[u8]) -> io::Result<()> {
+        self.promised_chunks = number(header, b"chunk_count").map(u64::from);
+        self.index_at = field(header, b"index_pos").and_then(|bytes| Fields(bytes).u64());
+        if self.index_at.is_some_and(|at| at > 0) {
+            self.is_complete = true;
+            self.scan.end_growth()?;
+        }
+        Ok(())
     }
 
     /// Was the bag closed, and are all chunks there?

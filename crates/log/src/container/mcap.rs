@@ -31,8 +31,30 @@ const METADATA_LIMIT: usize = 1 << 16;
 const CHUNK_HEAD: u64 = 28;
 
 impl Container {
+    /// Waits in a file that is still written until the next record is whole.
+    fn mcap_wait(&mut self) -> io::Result<()> {
+        self.scan.wait(HEAD)?;
+        let head = self.scan.peek(9)?;
+        if head.starts_with(&MAGIC) {
+            return Ok(());
+        }
+        let mut fields = Fields(head);
+        let opcode = fields.bytes(1).map_or(0, |opcode| opcode[0]);
+        let length = fields.u64().unwrap_or(0);
+        let magic = if opcode == FOOTER { MAGIC.len() } else { 0 } as u64;
+        if !is_known(opcode) {
+            return Ok(());
+        }
+        let whole = length.saturating_add(HEAD + magic);
+        self.scan.wait_for_record(whole, 64, is_chunk_or_file)?;
+        Ok(())
+    }
+
     /// One record from the file.
     pub(super) fn mcap_record(&mut self) -> io::Result<Option<Found>> {
+        if self.scan.is_growing() {
+            self.mcap_wait()?;
+        }
         let offset = self.scan.offset();
         let left = self.scan.left();
         let before = self.scan.crc();
@@ -71,7 +93,7 @@ impl Container {
         };
         let here = self.scan.left();
         let passed_over = self.passed_over;
-        let known = (1..=DATA_END).contains(&opcode) || opcode >= 0x80;
+        let known = is_known(opcode);
         if length > here
             && let Some(suspect) = passed_over
             && let back = self.scan.offset()
@@ -157,8 +179,9 @@ impl Container {
                 let mut end = Vec::new();
                 self.scan.read(MAGIC.len() as u64, &mut end)?;
                 if end == MAGIC {
-                    self.closed = true;
+                    (self.closed, self.is_complete) = (true, true);
                     self.passed_over = None;
+                    self.scan.end_growth()?;
                 } else {
                     self.lose(offset, 0, "the footer is not followed by the magic bytes");
                     self.closed = true;
@@ -295,7 +318,12 @@ impl Container {
         };
         let wrong = if truncated {
             // A length that lies looks like a cut: what stands behind it is looked for.
-            let next = self.scan.find(offset + 1..u64::MAX, 64, is_chunk)?;
+            let next = if self.scan.is_growing() {
+                // A writer that was ended and begins again puts another file behind.
+                self.scan.find(offset + 1..u64::MAX, 64, is_chunk_or_file)?
+            } else {
+                self.scan.find(offset + 1..u64::MAX, 64, is_chunk)?
+            };
             self.chunk.bytes = next.unwrap_or(self.scan.offset()) - offset;
             if next.is_none() {
                 self.closed = true;
@@ -312,7 +340,18 @@ impl Container {
         } else {
             None
         };
-        if surplus > 0 && !truncated {
+        // A writer that was ended within the chunk, and one that began behind it.
+        if wrong.is_some()
+            && !truncated
+            && let Some(begin) = self.scan.beside(offset + 1).find(
+                offset + 1..offset + HEAD + length,
+                64,
+                is_chunk_or_file,
+            )?
+        {
+            self.scan.go_to(begin);
+            self.chunk.bytes = begin - offset;
+        } else if surplus > 0 && !truncated {
             self.scan.go_to(offset + HEAD + length - surplus);
             self.chunk.bytes -= surplus;
         }
@@ -490,6 +529,10 @@ fn is_index(content: &[u8]) -> bool {
     fields.u16();
     let bytes = fields.u32().map_or(0, |bytes| bytes as usize);
     bytes > 0 && bytes == fields.0.len() && bytes.is_multiple_of(16)
+}
+
+const fn is_known(opcode: u8) -> bool {
+    (opcode >= 1 && opcode <= DATA_END) || opcode >= 0x80
 }
 
 fn is_chunk_or_file(bytes: &[u8], left: u64) -> bool {

@@ -128,6 +128,8 @@ pub struct Container {
     promised_chunks: Option<u64>,
     index_at: Option<u64>,
     closed: bool,
+    /// Did the writer complete the file, by its footer or its index?
+    is_complete: bool,
     ended: bool,
     /// Where the first record began whose length nothing confirms yet: it may lie.
     passed_over: Option<u64>,
@@ -237,6 +239,7 @@ impl Container {
             promised_chunks: None,
             index_at: None,
             closed: false,
+            is_complete: false,
             ended: false,
             passed_over: None,
             section: Section::Data,
@@ -272,6 +275,11 @@ impl Container {
     #[must_use]
     pub fn offset(&self) -> u64 {
         self.scan.offset()
+    }
+
+    /// Did the writer complete the file, by what was read so far?
+    pub(crate) const fn is_complete(&self) -> bool {
+        self.is_complete
     }
 
     /// Whose conventions the messages follow, by what was read so far: `ros1`, `ros2` or nothing.

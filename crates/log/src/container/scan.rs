@@ -30,6 +30,64 @@ impl Scan {
         })
     }
 
+    /// May the file have more bytes later?
+    pub(super) fn is_growing(&self) -> bool {
+        self.source.is_growing()
+    }
+
+    /// The file is complete: nobody waits for more of it.
+    pub(super) fn end_growth(&mut self) -> io::Result<()> {
+        if self.is_growing() {
+            self.source.end_growth();
+            self.length = self.source.length()?;
+        }
+        Ok(())
+    }
+
+    /// Waits until a file that is still written is longer than now; whether it is.
+    fn grow(&mut self) -> io::Result<bool> {
+        if !self.is_growing() {
+            return Ok(false);
+        }
+        let before = self.length;
+        self.length = self.source.grown(before)?;
+        Ok(self.length > before)
+    }
+
+    /// Waits until a file that is still written has `count` bytes from here.
+    pub(super) fn wait(&mut self, count: u64) -> io::Result<()> {
+        while self.left() < count && self.grow()? {}
+        Ok(())
+    }
+
+    /// What stands here is read anew from the file: a writer may have changed it.
+    pub(super) fn look_again(&mut self) {
+        self.window.clear();
+    }
+
+    /// Waits until a file that is still written has the `count` bytes of the record here, or until another record, which
+    /// `fits` finds, begins within them: then the writer was ended within this one, and the answer is true.
+    pub(super) fn wait_for_record(
+        &mut self,
+        count: u64,
+        reach: usize,
+        fits: impl Fn(&[u8], u64) -> bool,
+    ) -> io::Result<bool> {
+        let mut searched = self.offset + 1;
+        while self.left() < count {
+            if !self.grow()? {
+                break;
+            }
+            let end = self.length;
+            let mut beside = self.beside(searched);
+            if beside.find(searched..end, reach, &fits)?.is_some() {
+                return Ok(true);
+            }
+            searched = end.saturating_sub(reach as u64).max(searched);
+        }
+        Ok(false)
+    }
+
     /// A second scan of the same file that stands at `offset`, with a CRC from there.
     pub(super) fn beside(&self, offset: u64) -> Self {
         Self {
@@ -161,7 +219,8 @@ impl Scan {
     }
 
     /// The first of these places where `fits` finds a record, given what stands there and how many bytes the
-    /// file has from there. The scan stands there, or behind the last.
+    /// file has from there. The scan stands there, or behind the last. Places without an end in a file that is still
+    /// written are waited for.
     pub(super) fn find(
         &mut self,
         places: std::ops::Range<u64>,
@@ -169,9 +228,19 @@ impl Scan {
         fits: impl Fn(&[u8], u64) -> bool,
     ) -> io::Result<Option<u64>> {
         let mut at = places.start;
-        let end = places.end.min(self.length);
+        let mut end = places.end.min(self.length);
         let mut window = Vec::new();
-        while at < end {
+        loop {
+            if at >= end {
+                let behind = self.length.saturating_sub(reach as u64);
+                if places.end == u64::MAX && self.grow()? {
+                    // what began before the end can be judged now
+                    at = behind.max(places.start);
+                    end = self.length;
+                    continue;
+                }
+                break;
+            }
             self.go_to(at);
             self.read((WINDOW + reach) as u64, &mut window)?;
             if window.is_empty() {
@@ -181,7 +250,12 @@ impl Scan {
             let starts = window.len().min(WINDOW).min(rest);
             for start in 0..starts {
                 let place = at + start as u64;
-                if fits(&window[start..], self.length - place) {
+                let left = if self.is_growing() {
+                    u64::MAX
+                } else {
+                    self.length - place
+                };
+                if fits(&window[start..], left) {
                     self.go_to(place);
                     return Ok(Some(place));
                 }

@@ -108,6 +108,29 @@ pub fn turn(yaw: f64) -> Value {
     ])
 }
 
+/// `geometry_msgs/Quaternion` of a yaw, then a pitch, then a roll, rad.
+///
+/// ```
+/// use grouser_log::message::build;
+///
+/// let half_turn = build::orientation([0.0, 0.0, std::f64::consts::PI]);
+/// assert_eq!(half_turn.number_at("z"), Some(1.0));
+/// ```
+#[must_use]
+pub fn orientation([roll, pitch, yaw]: [f64; 3]) -> Value {
+    let ((s_r, c_r), (s_p, c_p), (s_y, c_y)) = (
+        (0.5 * roll).sin_cos(),
+        (0.5 * pitch).sin_cos(),
+        (0.5 * yaw).sin_cos(),
+    );
+    message([
+        ("x", Value::Float(s_r * c_p * c_y - c_r * s_p * s_y)),
+        ("y", Value::Float(c_r * s_p * c_y + s_r * c_p * s_y)),
+        ("z", Value::Float(c_r * c_p * s_y - s_r * s_p * c_y)),
+        ("w", Value::Float(c_r * c_p * c_y + s_r * s_p * s_y)),
+    ])
+}
+
 /// `geometry_msgs/Twist`.
 ///
 /// ```

@@ -1,5 +1,6 @@
 //! Message definitions in the languages `ros1msg` and `ros2msg`.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -134,7 +135,7 @@ impl Definition {
             what,
         };
         let mut drafts = vec![Draft {
-            name: short(type_name),
+            name: short(type_name).into_owned(),
             lines: Vec::new(),
         }];
         let mut after_rule = false;
@@ -144,7 +145,7 @@ impl Definition {
                 after_rule = true;
             } else if let Some(name) = line.strip_prefix("MSG:").filter(|_| after_rule) {
                 drafts.push(Draft {
-                    name: short(name.trim()),
+                    name: short(name.trim()).into_owned(),
                     lines: Vec::new(),
                 });
                 after_rule = false;
@@ -224,8 +225,11 @@ impl Definition {
 const BUILT_IN: [&str; 2] = ["builtin_interfaces/Time", "builtin_interfaces/Duration"];
 
 /// `package/Type` of `package/msg/Type`.
-pub(super) fn short(name: &str) -> String {
-    name.replacen("/msg/", "/", 1)
+pub(crate) fn short(name: &str) -> Cow<'_, str> {
+    match name.split_once("/msg/") {
+        Some((package, name)) => Cow::Owned(format!("{package}/{name}")),
+        None => Cow::Borrowed(name),
+    }
 }
 
 fn read_field(
@@ -296,7 +300,7 @@ fn read_field(
 fn find(name: &str, own: &str, names: &mut Names) -> Result<usize, String> {
     let name = short(name);
     let full = if name.contains('/') {
-        name
+        name.into_owned()
     } else {
         let package = own.split('/').next().unwrap_or("");
         let near = format!("{package}/{name}");

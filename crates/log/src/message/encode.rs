@@ -69,6 +69,7 @@ impl Definition {
         let length = match value {
             Value::Array(values) => values.len(),
             Value::Bytes(bytes) if field.kind == Kind::UInt(1) => bytes.len(),
+            Value::Floats(numbers) if field.kind == Kind::Float(4) => numbers.len(),
             _ => return Err(unfit(&field.name, "an array")),
         };
         match field.many {
@@ -80,6 +81,11 @@ impl Definition {
         }
         match value {
             Value::Bytes(bytes) => body.extend_from_slice(bytes),
+            Value::Floats(numbers) => {
+                for number in numbers {
+                    put_number(&number.to_le_bytes(), body);
+                }
+            }
             Value::Array(values) => {
                 for value in values {
                     self.put_one(field, value, body)?;

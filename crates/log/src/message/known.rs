@@ -193,7 +193,7 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     ),
     (
         "visualization_msgs/Marker",
-        "int32 LINE_STRIP=4\nint32 ADD=0\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
+        "int32 CUBE=1\nint32 CYLINDER=3\nint32 LINE_STRIP=4\nint32 ADD=0\nstd_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\n\
          geometry_msgs/Pose pose\ngeometry_msgs/Vector3 scale\nstd_msgs/ColorRGBA color\n\
          builtin_interfaces/Duration lifetime\nbool frame_locked\ngeometry_msgs/Point[] points\n\
          std_msgs/ColorRGBA[] colors\nstring texture_resource\nsensor_msgs/CompressedImage texture\n\
@@ -210,6 +210,41 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
             "visualization_msgs/UVCoordinate",
             "visualization_msgs/MeshFile",
         ],
+    ),
+    (
+        "std_msgs/MultiArrayDimension",
+        "string label\nuint32 size\nuint32 stride\n",
+        &[],
+    ),
+    (
+        "std_msgs/MultiArrayLayout",
+        "MultiArrayDimension[] dim\nuint32 data_offset\n",
+        &["std_msgs/MultiArrayDimension"],
+    ),
+    (
+        "std_msgs/Float32MultiArray",
+        "MultiArrayLayout layout\nfloat32[] data\n",
+        &["std_msgs/MultiArrayLayout"],
+    ),
+    (
+        "grid_map_msgs/GridMapInfo",
+        "float64 resolution\nfloat64 length_x\nfloat64 length_y\ngeometry_msgs/Pose pose\n",
+        &["geometry_msgs/Pose"],
+    ),
+    (
+        "grid_map_msgs/GridMap",
+        "std_msgs/Header header\nGridMapInfo info\nstring[] layers\nstring[] basic_layers\n\
+         std_msgs/Float32MultiArray[] data\nuint16 outer_start_index\nuint16 inner_start_index\n",
+        &[
+            "std_msgs/Header",
+            "grid_map_msgs/GridMapInfo",
+            "std_msgs/Float32MultiArray",
+        ],
+    ),
+    (
+        "visualization_msgs/MarkerArray",
+        "visualization_msgs/Marker[] markers\n",
+        &["visualization_msgs/Marker"],
     ),
     (
         WHEEL_TICKS,

@@ -13,6 +13,7 @@ mod view;
 
 pub use covariance::Trust;
 pub use definition::Definition;
+pub(crate) use definition::short;
 pub(crate) use shared::{Decoders, SharedDecoder};
 pub(crate) use spare::{Spare, is_spare};
 pub use value::Value;

@@ -28,6 +28,9 @@ pub enum Value {
     Text(String),
     /// An array of bytes.
     Bytes(Vec<u8>),
+    /// An array of 32-bit floats, to be written: a large one in one piece. A decoded one is an
+    /// [`Value::Array`].
+    Floats(Vec<f32>),
     /// An array.
     Array(Vec<Value>),
     /// Fields by name, in their order.
@@ -46,8 +49,17 @@ impl Value {
     /// ```
     #[must_use]
     pub fn at(&self, path: &str) -> Option<&Self> {
-        path.split('.').try_fold(self, |value, step| {
-            let (name, places) = step.split_at(step.find('[').unwrap_or(step.len()));
+        // paths are short: a search for many bytes at once costs more than it saves
+        let find = |text: &str, byte| text.bytes().position(|one| one == byte);
+        let mut rest = Some(path);
+        let steps = std::iter::from_fn(|| {
+            let path = rest?;
+            let end = find(path, b'.');
+            rest = end.map(|end| &path[end + 1..]);
+            Some(&path[..end.unwrap_or(path.len())])
+        });
+        steps.into_iter().try_fold(self, |value, step| {
+            let (name, places) = step.split_at(find(step, b'[').unwrap_or(step.len()));
             let Self::Struct(fields) = value else {
                 return None;
             };

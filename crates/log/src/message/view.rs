@@ -180,7 +180,7 @@ impl View {
     #[must_use]
     pub fn exists_for(type_name: &str) -> bool {
         matches!(
-            short(type_name).as_str(),
+            &*short(type_name),
             "sensor_msgs/JointState"
                 | "sensor_msgs/Imu"
                 | "nav_msgs/Odometry"
@@ -205,7 +205,7 @@ impl View {
                 angular: vector(value, &format!("{at}angular"))?,
             })
         };
-        match short(type_name).as_str() {
+        match &*short(type_name) {
             "sensor_msgs/JointState" => Some(Self::JointState(JointState {
                 names: names(value)?,
                 position: value.at("position")?.numbers()?,

@@ -12,7 +12,7 @@ use super::job::Job;
 use super::navigation::Track;
 use crate::container::Channel;
 use crate::measures::Measures;
-use crate::message::{Decoders, SharedDecoder, Value, View, is_spare};
+use crate::message::{Decoders, SharedDecoder, Value, View, is_spare, short};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
 use crate::order::{Limit, Ordered};
 
@@ -76,6 +76,8 @@ pub struct Intake {
 /// A channel of a topic that is used, with the value into which its messages are decoded.
 struct Known {
     channel: Channel,
+    /// Its type as views know it.
+    type_name: String,
     topic: usize,
     decoder: SharedDecoder,
     value: Value,
@@ -141,6 +143,7 @@ impl Intake {
             .position(|known| known.channel == *channel);
         Some(known.unwrap_or_else(|| {
             self.channels.push(Known {
+                type_name: short(&channel.type_name).into_owned(),
                 channel: channel.clone(),
                 topic,
                 decoder: self.decoders.of(channel),
@@ -183,7 +186,7 @@ impl Intake {
             self.left_out.late += 1;
             return;
         }
-        let view = View::new(&known.channel.type_name, &known.value);
+        let view = View::new(&known.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
             if let (Job::Fix, Some(View::NavSatFix(fix))) = (job, &view) {
                 match fix.fault() {

@@ -64,12 +64,20 @@ pub(crate) struct Recording {
 }
 
 impl Recording {
-    /// Looks into the files and chooses their topics.
+    /// Looks into the files and chooses their topics; of files that are still written, once they have what it needs.
     pub(crate) fn open(files: Vec<Source>, topics: &Topics) -> Result<Self> {
-        let mut preview = Preview::new(topics);
-        for file in &files {
-            preview.read_source(file)?;
-        }
+        let preview = loop {
+            let mut preview = Preview::new(topics);
+            let growing = files.iter().find(|file| file.is_growing());
+            let known = growing.map_or(0, Source::bytes);
+            for file in &files {
+                preview.read_source(&file.as_it_is())?;
+            }
+            match growing {
+                Some(file) if !preview.has_looked() => file.grown(known)?,
+                _ => break preview,
+            };
+        };
         Ok(Self {
             files,
             choice: Arc::new(preview.choose()?),

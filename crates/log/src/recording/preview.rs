@@ -17,12 +17,16 @@ use crate::source::Source;
 
 /// This much of a file is read, bytes, and more only while something needed is missing.
 const LOOK_BYTES: u64 = 64 << 20;
+/// Messages of a file that is still written are waited for until they span this time, ns.
+const LOOK_NS: u64 = 1_000_000_000;
 /// Messages of a topic that are decoded: several senders may share one.
 const MAX_MESSAGES: u64 = 64;
 /// Joints of a topic that are kept.
 const MAX_JOINTS: usize = 4096;
 /// Messages of an IMU that are decoded, for the mean of gravity.
 const MAX_ACCELERATIONS: f64 = 500.0;
+/// Messages of an IMU that are looked at for one that measures acceleration.
+const MAX_IMU_MESSAGES: u64 = 20_000;
 /// Fixes of a satellite receiver that are decoded: half an hour at 10 Hz.
 const MAX_FIXES: u64 = 20_000;
 
@@ -55,6 +59,10 @@ pub struct Preview {
     pub(super) transforms: Tree,
     channels: Vec<Known>,
     decoders: Decoders,
+    /// The first and the last time of the recorder, ns.
+    span_ns: Option<(u64, u64)>,
+    /// Did the writers complete all files?
+    is_whole: bool,
 }
 
 /// A channel, its place among the topics, and its decoder where its messages are of use.
@@ -102,6 +110,8 @@ impl Preview {
             transforms: Tree::new(),
             channels: Vec::new(),
             decoders: Decoders::default(),
+            span_ns: None,
+            is_whole: true,
         }
     }
 
@@ -128,7 +138,10 @@ impl Preview {
                 }
             }
             match container.next() {
-                None => return Ok(()),
+                None => {
+                    self.is_whole &= container.is_complete();
+                    return Ok(());
+                }
                 Some(Event::Damage(_)) => {}
                 Some(Event::Message(message)) => {
                     let channel = *channels
@@ -165,13 +178,17 @@ impl Preview {
         let Some(known) = self.channels.get(channel) else {
             return;
         };
+        let (first, last) = self.span_ns.unwrap_or((log_time_ns, log_time_ns));
+        self.span_ns = Some((first.min(log_time_ns), last.max(log_time_ns)));
         let seen = &mut self.topics[known.topic];
         seen.messages += 1;
         let Some(Ok(decoder)) = known.decoder.as_deref() else {
             return;
         };
         let is_enough = match &seen.view {
-            Some(View::Imu(_)) => seen.accelerations.count() >= MAX_ACCELERATIONS,
+            Some(View::Imu(_)) => {
+                seen.accelerations.count() >= MAX_ACCELERATIONS || seen.messages > MAX_IMU_MESSAGES
+            }
             Some(View::Transforms(_)) => false,
             // A receiver may need minutes for its best solution.
             Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES,
@@ -205,6 +222,12 @@ impl Preview {
             || self.wanted.wheel_odometry.is_some()
             || self.topics.iter().any(wheels))
             && self.wanted.named().all(is_seen)
+    }
+
+    /// Can topics be chosen of files that are still written? Sensors begin one after the other.
+    pub(super) fn has_looked(&self) -> bool {
+        let looked_ns = self.span_ns.map_or(0, |(first, last)| last - first);
+        self.is_whole || (self.is_complete() && looked_ns >= LOOK_NS)
     }
 
     /// Chooses the topics; messages are then pushed into the intake, from the first on.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use grouser_slip::Sample;
 
@@ -11,6 +12,10 @@ use super::intake::Intake;
 use crate::container::{Container, Event};
 use crate::error::Result;
 use crate::source::Source;
+
+/// How long samples of a file that is still written are held back, to be put into the order of time: senders stamp a
+/// message up to this long before they send it.
+const GROWING_HOLD: Duration = Duration::from_millis(500);
 
 /// Samples of one file in the order of time.
 pub(crate) struct RecordingReader {
@@ -32,9 +37,13 @@ impl RecordingReader {
         shifts_ns: &[i64],
         read: &Arc<AtomicU64>,
     ) -> Result<Self> {
+        let mut intake = Intake::new(Arc::clone(&recording.choice), shifts_ns.to_vec());
+        if file.is_growing() {
+            intake = intake.with_hold(GROWING_HOLD);
+        }
         Ok(Self {
             container: Container::of(file)?,
-            intake: Intake::new(Arc::clone(&recording.choice), shifts_ns.to_vec()),
+            intake,
             channels: BTreeMap::new(),
             recording: recording.clone(),
             read: Arc::clone(read),

@@ -106,6 +106,10 @@ fn flatten(value: &Value, path: String, cells: &mut Vec<(String, String)>) {
             cells.push((format!("{path}.length"), bytes.len().to_string()));
             return;
         }
+        Value::Floats(numbers) => {
+            cells.push((format!("{path}.length"), numbers.len().to_string()));
+            return;
+        }
         Value::Float(number) if number.is_finite() => number.to_string(),
         Value::Float(_) | Value::Null => String::new(),
         Value::Int(number) => number.to_string(),

@@ -101,9 +101,9 @@ impl DriveRecorder {
             columns.sinkage.push(Some(rounded(wheel.sinkage)));
             // to a tenth of a millimetre, of a degree and a hundredth of a newton: a page stays small
             let coarse = |value: f64, steps: f64| (value * steps).round() / steps;
-            let [along, across] = wheel.forces;
+            let ([along, across], [x, y, _]) = (wheel.forces, wheel.place);
             columns.truth.push(WheelTruth {
-                place: wheel.place.map(|place| coarse(place, 1e4)),
+                place: [x, y].map(|place| coarse(place, 1e4)),
                 heading: coarse(wheel.heading.to_degrees(), 10.0),
                 forces: [along, across, wheel.load].map(|force| coarse(force, 1e2)),
             });

@@ -12,7 +12,7 @@ use super::scenario::{
     GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilSpec,
 };
 use crate::error::{Error, Result};
-use crate::ground::{HeightFile, Packing, Place, Rocks, Shape};
+use crate::ground::{Craters, HeightFile, Packing, Place, Rocks, Shape};
 use crate::robot::RobotModel;
 use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 
@@ -364,6 +364,7 @@ enum Kind {
     Slope,
     Dunes,
     Fractal,
+    Craters,
     File,
 }
 
@@ -373,6 +374,7 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
         ("slope", Kind::Slope),
         ("dunes", Kind::Dunes),
         ("fractal", Kind::Fractal),
+        ("craters", Kind::Craters),
         ("file", Kind::File),
     ];
     let kind = s.choice("kind", &kinds)?;
@@ -399,6 +401,16 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
             length: s.number("length_m", LENGTH_LIMITS_M)?,
             roughness: s.optional_number("roughness", (0.0, 1.0))?.unwrap_or(0.5),
         },
+        Kind::Craters => {
+            let min_diameter = s.number("min_diameter_m", (0.1, 1e3))?;
+            Shape::Craters(Craters {
+                density: s
+                    .optional_number("density", (0.0, 0.3))?
+                    .unwrap_or(Craters::EQUILIBRIUM),
+                min_diameter,
+                max_diameter: s.number("max_diameter_m", (min_diameter, 1e4))?,
+            })
+        }
         Kind::Flat | Kind::File => Shape::Flat,
     };
     Ok(GroundShape::Generated {

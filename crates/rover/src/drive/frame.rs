@@ -25,7 +25,7 @@ pub struct WheelFrame {
     /// The ground's force along its heading and to the left, N.
     pub forces: [f64; 2],
     /// Place of its centre in the world, m.
-    pub place: [f64; 2],
+    pub place: [f64; 3],
     /// Its direction in the world, rad from x towards y.
     pub heading: f64,
 }

@@ -409,7 +409,7 @@ impl Simulation {
                 sinkage: wheel.load.pressed,
                 speeds: [wheel.rim, wheel.velocity[0]],
                 forces: [wheel.load.along, wheel.load.across],
-                place: [wheel.place.x, wheel.place.y],
+                place: [wheel.place.x, wheel.place.y, wheel.place.z],
                 heading: yaw + self.vehicle.model().wheels[index].heading + wheel.steer,
             });
         }

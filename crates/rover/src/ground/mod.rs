@@ -1,11 +1,13 @@
 //! The ground: its height, the soil of each place, and the ruts that wheels leave.
 
+mod craters;
 mod file;
 mod height_map;
 mod noise;
 mod passes;
 mod shape;
 
+pub use craters::{Crater, Craters};
 pub use file::{
     GeoTiff, Georeference, HeightFile, PiecePlace, Raster, parse_heights, read_heights, read_raster,
 };

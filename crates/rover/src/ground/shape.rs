@@ -1,5 +1,6 @@
 //! Shapes of generated ground, each from a seed.
 
+use super::craters::Craters;
 use super::noise::Noise;
 
 /// A shape of the ground: height over (x, y) in m.
@@ -39,6 +40,8 @@ pub enum Shape {
         /// In (0, 1).
         roughness: f64,
     },
+    /// A field of craters.
+    Craters(Craters),
 }
 
 /// Rocks strewn over the ground.
@@ -71,7 +74,7 @@ impl Lattice {
     }
 
     /// Uniform in [0, 1) at a node, by the finaliser of splitmix64.
-    fn node(self, column: i64, row: i64) -> f64 {
+    pub(super) fn node(self, column: i64, row: i64) -> f64 {
         let mut z = self.seed
             ^ column.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15)
             ^ row.cast_unsigned().wrapping_mul(0xD1B5_4A32_D192_ED03);
@@ -121,6 +124,7 @@ impl Shape {
                 let begin = (x / length).clamp(0.0, 1.0);
                 height * uneven * smooth * begin * begin * (3.0 - 2.0 * begin)
             }
+            Self::Craters(craters) => craters.height(seed, x, y),
             Self::Fractal {
                 height,
                 length,

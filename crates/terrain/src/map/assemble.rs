@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::journal::Journal;
 use super::layout::MapLayout;
+use super::strip::Strip;
 use crate::error::{Error, Result};
 use crate::raster::write_raster;
 
@@ -34,21 +35,7 @@ pub fn write_map<W: Write + Seek>(
 ) -> Result<()> {
     let packed = journals.iter().map(Journal::bytes).sum();
     let strips = (0..layout.strips()).map(|index| -> Result<Vec<u8>, Stop> {
-        let missing = |reason: &str| {
-            Stop::Own(Error::NotAMap {
-                file: path.to_owned(),
-                reason: format!("strip {} of {} {reason}", index + 1, layout.strips()),
-            })
-        };
-        let Some(journal) = journals.iter_mut().find(|journal| journal.holds(index)) else {
-            return Err(missing("is in none of the shards"));
-        };
-        let Some(strip) = journal.strip(index).map_err(Stop::Own)? else {
-            return Err(missing("is in none of the shards"));
-        };
-        let cells = strip
-            .unpack(layout)
-            .ok_or_else(|| missing("does not fit the map"))?;
+        let (strip, cells) = read_strip(path, layout, journals, index).map_err(Stop::Own)?;
         see(index, &cells);
         Ok(strip.bytes)
     });
@@ -60,4 +47,30 @@ pub fn write_map<W: Write + Seek>(
             source: std::io::Error::other(error),
         },
     })
+}
+
+/// A strip of the map `path` with its cells, from the journals that hold its strips together.
+///
+/// # Errors
+/// [`Error::NotAMap`] where it is missing or damaged, [`Error::File`].
+pub fn read_strip(
+    path: &Path,
+    layout: &MapLayout,
+    journals: &mut [Journal],
+    index: u32,
+) -> Result<(Strip, Vec<f32>)> {
+    let missing = |reason: &str| Error::NotAMap {
+        file: path.to_owned(),
+        reason: format!("strip {} of {} {reason}", index + 1, layout.strips()),
+    };
+    let nowhere = || missing("is in none of the shards");
+    let journal = journals.iter_mut().find(|journal| journal.holds(index));
+    let strip = journal
+        .ok_or_else(nowhere)?
+        .strip(index)?
+        .ok_or_else(nowhere)?;
+    let cells = strip
+        .unpack(layout)
+        .ok_or_else(|| missing("does not fit the map"))?;
+    Ok((strip, cells))
 }

@@ -14,6 +14,10 @@ pub enum Quantity {
     Sinkage,
     /// Energy at the wheels per metre of travel, J/m.
     Energy,
+    /// The mean of [`Quantity::Energy`] over the worst soil draws, J/m: its conditional value at risk (CVaR)
+    /// at the map's level. A draw on which the robot does not drive here counts with the greatest energy that
+    /// it takes anywhere it drives.
+    EnergyCvar,
     /// How much further the ground may tilt until the robot tips over, deg.
     TipOver,
     /// Probability of immobilisation, an upper bound: the share of soil draws that are no stronger than the strongest one
@@ -31,11 +35,12 @@ pub enum Quantity {
 
 impl Quantity {
     /// In the order of the bands.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Slip,
         Self::SlipHigh,
         Self::Sinkage,
         Self::Energy,
+        Self::EnergyCvar,
         Self::TipOver,
         Self::Immobilisation,
         Self::Pitch,
@@ -55,6 +60,7 @@ impl Quantity {
             Self::SlipHigh => "slip_95",
             Self::Sinkage => "sinkage_m",
             Self::Energy => "energy_j_per_m",
+            Self::EnergyCvar => "energy_cvar_j_per_m",
             Self::TipOver => "tip_over_deg",
             Self::Immobilisation => "immobilisation",
             Self::Pitch => "pitch_deg",
@@ -75,7 +81,7 @@ impl Quantity {
 ///
 /// let headings = Headings::new(8)?;
 /// let band = Band { quantity: Quantity::Energy, heading: 2 };
-/// assert_eq!((band.index(headings), Band::count(headings)), (26, 72));
+/// assert_eq!((band.index(headings), Band::count(headings)), (26, 80));
 /// assert_eq!(band.name(headings), "energy_j_per_m, heading 90 deg");
 /// # Ok::<(), grouser_terrain::Error>(())
 /// ```

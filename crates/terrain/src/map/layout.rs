@@ -7,15 +7,18 @@ use grouser_rover::ground::Georeference;
 use grouser_rover::robot::RobotModel;
 
 use super::bands::{Band, Quantity};
+use crate::error::{Error, Result};
 use crate::headings::Headings;
 use crate::raster::{Dem, RasterLayout};
 use crate::table::Envelope;
 
 /// Greatest size of a strip before it is packed, bytes: memory holds one for each thread.
 const MAX_STRIP_BYTES: usize = 4 << 20;
+/// The level of the CVaR unless another one is given: the mean of the worst tenth of the draws.
+const CVAR_LEVEL: f64 = 0.9;
 const MAX_STRIP_ROWS: usize = 64;
 /// A number of this version in every map; another one is refused.
-pub(crate) const VERSION: &str = "3";
+pub(crate) const VERSION: &str = "4";
 
 /// What a map is made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +28,28 @@ pub struct MapSettings {
     pub headings: Headings,
     /// The poses that are computed.
     pub envelope: Envelope,
+    /// The share of the soil draws beyond which [`Quantity::EnergyCvar`] is the mean.
+    pub cvar_level: f64,
 }
 
 impl MapSettings {
     /// Settings.
     #[must_use]
     pub const fn new(headings: Headings, envelope: Envelope) -> Self {
-        Self { headings, envelope }
+        Self {
+            headings,
+            envelope,
+            cvar_level: CVAR_LEVEL,
+        }
+    }
+
+    /// The same with another level of the CVaR.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] outside [0, 0.999]; 0 is the mean of all draws.
+    pub fn with_cvar_level(self, cvar_level: f64) -> Result<Self> {
+        Error::check("map", "CVaR level", cvar_level, (0.0, 0.999), "1")?;
+        Ok(Self { cvar_level, ..self })
     }
 }
 
@@ -57,6 +75,8 @@ pub struct MapLayout {
     pub gravity: f64,
     /// Soil draws behind the probabilities; 0: the soil is taken for exactly known.
     pub draws: u32,
+    /// The level of [`Quantity::EnergyCvar`].
+    pub cvar_level: f64,
     /// The names of the soils, by [`Quantity::Soil`].
     pub soils: Vec<String>,
     /// SHA-256 of everything that the map was computed from, as hexadecimal digits.
@@ -100,9 +120,19 @@ impl MapLayout {
             turning_radius: 0.0,
             gravity: grouser_terra::EARTH_GRAVITY_M_PER_S2,
             draws: 0,
+            cvar_level: CVAR_LEVEL,
             soils: Vec::new(),
             job: String::new(),
         }
+    }
+
+    /// The place of the centre of a cell, m: from the lower left corner of the map where the file gives none.
+    #[must_use]
+    pub fn place_of(&self, column: u32, row: u32) -> [f64; 2] {
+        self.georeference.centre(column, row).unwrap_or([
+            (f64::from(column) + 0.5) * self.cell,
+            (f64::from(self.rows) - f64::from(row) - 0.5) * self.cell,
+        ])
     }
 
     /// Bands of its file.
@@ -157,6 +187,7 @@ impl MapLayout {
             ),
             ("GROUSER_GRAVITY_M_PER_S2", format!("{}", self.gravity)),
             ("GROUSER_SOIL_DRAWS", self.draws.to_string()),
+            ("GROUSER_CVAR_LEVEL", format!("{}", self.cvar_level)),
             ("GROUSER_JOB_SHA256", self.job.clone()),
         ] {
             let _ = writeln!(out, "  <Item name=\"{name}\">{value}</Item>");
@@ -185,13 +216,13 @@ impl MapLayout {
         metadata: &str,
         (columns, rows): (u32, u32),
         georeference: Georeference,
-    ) -> Result<Self, String> {
+    ) -> std::result::Result<Self, String> {
         let items = items(metadata);
         let text = |name: &str| {
             let found = items.get(name).copied();
             found.ok_or_else(|| format!("its metadata (tag 42112) lacks {name}"))
         };
-        let number = |name: &str, limits: (f64, f64)| -> Result<f64, String> {
+        let number = |name: &str, limits: (f64, f64)| -> std::result::Result<f64, String> {
             let word = text(name)?;
             let value = word.parse::<f64>().ok();
             value
@@ -228,6 +259,7 @@ impl MapLayout {
             turning_radius: number("GROUSER_TURNING_RADIUS_M", (0.0, 1e4))?,
             gravity: number("GROUSER_GRAVITY_M_PER_S2", (1e-3, 1e3))?,
             draws: whole(number("GROUSER_SOIL_DRAWS", (0.0, 1e6))?),
+            cvar_level: number("GROUSER_CVAR_LEVEL", (0.0, 0.999))?,
             soils: (0..)
                 .map_while(|index| items.get(format!("GROUSER_SOIL_{index}").as_str()))
                 .map(|name| (*name).to_owned())

@@ -157,7 +157,7 @@ impl MapMaker {
         let bands = Band::count(self.headings);
         let columns = window.columns() as usize;
         let mut out = vec![f32::NAN; rows.len() * columns * bands];
-        let mut slips = Vec::new();
+        let mut scratch = DrawScratch::default();
         let cells = rows.flat_map(|row| {
             (0..window.columns()).map(move |column| (i64::from(row), i64::from(column)))
         });
@@ -166,7 +166,7 @@ impl MapMaker {
                 let height = |down: i64, right: i64| window.height(row + down, column + right);
                 if let Some(pose) = footprint.pose(height) {
                     let soil = self.soil_of(footprint, (row, column));
-                    self.fill(pose, (heading, soil), cell, &mut slips)?;
+                    self.fill(pose, (heading, soil), cell, &mut scratch)?;
                 }
             }
         }
@@ -178,7 +178,7 @@ impl MapMaker {
         pose: SurfacePose,
         (heading, soil): (usize, usize),
         cell: &mut [f32],
-        slips: &mut Vec<f32>,
+        scratch: &mut DrawScratch,
     ) -> Result<()> {
         let mut set = |quantity: Quantity, value: f64| {
             #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
@@ -212,10 +212,11 @@ impl MapMaker {
             );
             if let Some(driving) = driving {
                 set(Quantity::SlipHigh, driving.slip);
+                set(Quantity::EnergyCvar, driving.energy_per_metre());
             }
             return Ok(());
         }
-        let failing = draw_slips(draws, pitch, roll, slips)?;
+        let failing = scratch.read(draws, pitch, roll)?;
         let count = draws.len();
         set(
             Quantity::Immobilisation,
@@ -227,9 +228,13 @@ impl MapMaker {
             reason = "between 0 and the number of draws"
         )]
         let rank = ((HIGH_SHARE * count as f64).ceil() as usize).clamp(1, count) - 1;
-        let (_, high, _) = slips.select_nth_unstable_by(rank, f32::total_cmp);
+        let (_, high, _) = scratch.slips.select_nth_unstable_by(rank, f32::total_cmp);
         if high.is_finite() {
             set(Quantity::SlipHigh, f64::from(*high));
+        }
+        if driving.is_some() {
+            let energy = cvar(&mut scratch.energies, self.settings.cvar_level);
+            set(Quantity::EnergyCvar, energy);
         }
         Ok(())
     }
@@ -249,35 +254,72 @@ fn on_soil((solver, table): &SoilTable, pitch: f64, roll: f64) -> Result<(State,
     })
 }
 
-/// The slips on all draws, infinite where one is immobilised or slides; gives the strongest such draw, or their number
-/// where all drive.
-fn draw_slips(draws: &[SoilTable], pitch: f64, roll: f64, slips: &mut Vec<f32>) -> Result<usize> {
-    slips.clear();
-    let mut failing = draws.len();
-    let mut across = None;
-    for (index, (solver, table)) in draws.iter().enumerate() {
-        let nodes = table.nodes()[0];
-        let stencil = match across {
-            Some((count, stencil)) if count == nodes => stencil,
-            _ => {
-                let stencil = table.across(roll);
-                across = Some((nodes, stencil));
-                stencil
+/// What the draws of a soil take in one pose.
+#[derive(Clone, Debug, Default)]
+struct DrawScratch {
+    /// Infinite where a draw is immobilised or slides.
+    slips: Vec<f32>,
+    /// J/m; the greatest of the draw where it is immobilised or slides.
+    energies: Vec<f64>,
+}
+
+impl DrawScratch {
+    /// Reads all draws; gives the index of the strongest one that is immobilised or slides, or their number
+    /// where all drive.
+    fn read(&mut self, draws: &[SoilTable], pitch: f64, roll: f64) -> Result<usize> {
+        self.slips.clear();
+        self.energies.clear();
+        let mut failing = draws.len();
+        let mut across = None;
+        for (index, (solver, table)) in draws.iter().enumerate() {
+            let nodes = table.nodes()[0];
+            let stencil = match across {
+                Some((count, stencil)) if count == nodes => stencil,
+                _ => {
+                    let stencil = table.across(roll);
+                    across = Some((nodes, stencil));
+                    stencil
+                }
+            };
+            let driving = match table.look_up(pitch, stencil) {
+                Lookup::Drives(spot) => Some((spot.slip, table.energy_per_metre(&spot))),
+                Lookup::Immobilised | Lookup::Slides => None,
+                Lookup::Marginal => match solver.demand(pitch, roll)? {
+                    Demand::Drives(driving) => Some((driving.slip, driving.energy_per_metre())),
+                    _ => None,
+                },
+            };
+            if driving.is_none() && failing > index {
+                failing = index;
             }
-        };
-        let slip = match table.look_up(pitch, stencil) {
-            Lookup::Drives(spot) => Some(spot.slip),
-            Lookup::Immobilised | Lookup::Slides => None,
-            Lookup::Marginal => match solver.demand(pitch, roll)? {
-                Demand::Drives(driving) => Some(driving.slip),
-                _ => None,
-            },
-        };
-        if slip.is_none() && failing > index {
-            failing = index;
+            let (slip, energy) =
+                driving.unwrap_or_else(|| (f64::INFINITY, table.greatest_energy()));
+            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+            self.slips.push(slip as f32);
+            self.energies.push(energy);
         }
-        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-        slips.push(slip.map_or(f32::INFINITY, |slip| slip as f32));
+        Ok(failing)
     }
-    Ok(failing)
+}
+
+/// The mean of the greatest 1 − `level` of the values; one of them counts in part where that is no whole
+/// number.
+///
+/// Source: Rockafellar and Uryasev (2002), section 3, for a discrete distribution.
+fn cvar(values: &mut [f64], level: f64) -> f64 {
+    let count = values.len() as f64;
+    // at least the greatest value
+    let tail = ((1.0 - level) * count).max(1.0);
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    let mut left = tail;
+    let mut sum = 0.0;
+    for value in values {
+        let weight = left.clamp(0.0, 1.0);
+        if weight <= 0.0 {
+            break;
+        }
+        sum += weight * *value;
+        left -= 1.0;
+    }
+    sum / tail
 }

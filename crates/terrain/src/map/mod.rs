@@ -8,7 +8,7 @@ mod maker;
 mod strip;
 mod tip_over;
 
-pub use assemble::write_map;
+pub use assemble::{read_strip, write_map};
 pub use bands::{Band, Quantity, State};
 pub use journal::Journal;
 pub(crate) use layout::turning_radius;

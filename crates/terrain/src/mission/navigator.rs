@@ -11,8 +11,10 @@ use crate::error::{Error, Result};
 use crate::learn::{SoilObservation, SoilTiles, StrengthFamily};
 use crate::plan::{PlanMap, PlanSettings, Route, route_within};
 
-/// Where no way keeps the bound on the risk, these are tried one after the other; then the robot stops.
-const FURTHER_RISKS: [f64; 2] = [0.3, 0.6];
+/// Where no way keeps the bound on the risk, these are tried one after the other; then the robot stops. The
+/// risks are those of a belief that nothing has confirmed yet: of the two in 50 missions
+/// (`policies_on_the_relief_of_mars`) in which no way kept 0.6, one arrives by a way that keeps 0.9.
+const FURTHER_RISKS: [f64; 3] = [0.3, 0.6, 0.9];
 
 /// How planning went.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -21,6 +21,8 @@ const ASIDE_ANGLE_STEP_RAD: f64 = 0.3;
 const MAX_ASIDE_ANGLE_RAD: f64 = 2.1;
 const MAX_ATTEMPTS: u32 = 5;
 const FORGET_DISTANCE_M: f64 = 4.0;
+/// Slopes that differ by less are the same: the side of a detour does not hang on rounding.
+const SAME_SLOPE_RAD: f64 = 1e-6;
 /// A goal is reached within this distance, m.
 const GOAL_RADIUS_M: f64 = 0.75;
 /// Longest way, as a multiple of the distance to the goal: what takes longer is lost.
@@ -181,7 +183,8 @@ impl Mission<'_> {
                 *blocked += 1;
                 attempts += 1;
                 if side == 0.0 {
-                    let is_left = world.left_is_weaker(robot.place, robot.heading) <= 0.0;
+                    let is_left =
+                        world.left_is_weaker(robot.place, robot.heading) <= SAME_SLOPE_RAD;
                     side = if is_left { 1.0 } else { -1.0 };
                 }
                 if !robot.back_out(world, BACK_LENGTH_M)? {

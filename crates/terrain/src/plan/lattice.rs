@@ -19,6 +19,8 @@ pub struct PlanSettings {
     pub rim_speed: f64,
     /// Energy of a turn by one heading, J: the map knows what straight driving takes, not what turning takes.
     pub turn_energy: f64,
+    /// Is the CVaR of the energy over the soil draws minimised, instead of the energy on the soil itself?
+    pub by_cvar: bool,
     /// The robot's heading at the start (its index); `None`: whichever serves best.
     pub start_heading: Option<usize>,
     /// The robot's heading at the goal.
@@ -33,6 +35,7 @@ impl Default for PlanSettings {
             min_tip_over_deg: 10.0,
             rim_speed: 0.25,
             turn_energy: 0.0,
+            by_cvar: false,
             start_heading: None,
             goal_heading: None,
         }
@@ -167,6 +170,7 @@ impl<'a> Lattice<'a> {
         let map = self.map;
         // NaN, unknown, compares false
         map.energy[pose] >= 0.0
+            && self.minimised()[pose] >= 0.0
             && f64::from(map.risk[pose]) <= max_risk
             && f64::from(map.slip_high[pose].abs()) <= self.settings.max_slip
             && f64::from(map.tip_over[pose]) >= self.settings.min_tip_over_deg
@@ -182,17 +186,24 @@ impl<'a> Lattice<'a> {
         inside.then(|| usize::try_from(row * columns + column).unwrap_or(0))
     }
 
+    /// The cells that a step passes, besides both ends; `None` for one beside the map.
+    pub(super) fn passed(
+        &self,
+        cell: usize,
+        heading: usize,
+    ) -> impl Iterator<Item = Option<usize>> + '_ {
+        let between = self.steps[heading].between.into_iter();
+        let passed = between.filter(|offset| *offset != (0, 0));
+        passed.map(move |offset| self.neighbour(cell, offset))
+    }
+
     /// Where a step leads, if all that it passes is allowed.
     pub(super) fn ahead(&self, cell: usize, heading: usize, max_risk: f64) -> Option<usize> {
         let step = &self.steps[heading];
         let to = self.neighbour(cell, (step.right, step.up))?;
-        let passes = |offset: &(i64, i64)| {
-            *offset == (0, 0)
-                || self
-                    .neighbour(cell, *offset)
-                    .is_some_and(|cell| self.allows(cell, heading, max_risk))
-        };
-        (self.allows(to, heading, max_risk) && step.between.iter().all(passes)).then_some(to)
+        let allows =
+            |cell: Option<usize>| cell.is_some_and(|cell| self.allows(cell, heading, max_risk));
+        (allows(Some(to)) && self.passed(cell, heading).all(allows)).then_some(to)
     }
 
     /// The cell from which a step leads here.
@@ -231,14 +242,33 @@ impl<'a> Lattice<'a> {
 
     /// The energy of a step, J.
     pub(super) fn energy(&self, ends: (usize, usize), heading: usize) -> f64 {
-        let per_metre = self.mean(ends, heading, |pose| f64::from(self.map.energy[pose]));
+        self.of_step(ends, heading, &self.map.energy)
+    }
+
+    /// The CVaR of the energy of a step, J: at most the sum of its cells' CVaRs, and this sum where the soil
+    /// draws have the same order in all cells.
+    pub(super) fn energy_cvar(&self, ends: (usize, usize), heading: usize) -> f64 {
+        self.of_step(ends, heading, &self.map.energy_cvar)
+    }
+
+    fn of_step(&self, ends: (usize, usize), heading: usize, per_metre: &[f32]) -> f64 {
+        let per_metre = self.mean(ends, heading, |pose| f64::from(per_metre[pose]));
         per_metre * self.length(ends, heading)
     }
 
-    /// What a search minimises: the energy, with penalties.
+    /// What a search minimises, J/m.
+    fn minimised(&self) -> &[f32] {
+        if self.settings.by_cvar {
+            &self.map.energy_cvar
+        } else {
+            &self.map.energy
+        }
+    }
+
+    /// What a search minimises: the energy or its CVaR, with penalties.
     pub(super) fn cost(&self, ends: (usize, usize), heading: usize) -> f64 {
         let factor = self.penalty.get(ends.1).copied().unwrap_or(1.0);
-        self.energy(ends, heading) * f64::from(factor)
+        self.of_step(ends, heading, self.minimised()) * f64::from(factor)
     }
 
     /// The time of a step, s.
@@ -255,11 +285,10 @@ impl<'a> Lattice<'a> {
         per_metre * self.length(ends, heading) / self.settings.rim_speed
     }
 
-    /// The least energy per metre on the map, J/m.
+    /// The least of what is minimised on the map, J/m.
     pub(super) fn least_energy(&self) -> f64 {
         let known = self
-            .map
-            .energy
+            .minimised()
             .iter()
             .copied()
             .filter(|energy| *energy >= 0.0);

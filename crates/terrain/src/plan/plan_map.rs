@@ -10,7 +10,7 @@ use grouser_rover::ground::GeoTiff;
 use crate::error::{Error, Result};
 use crate::map::{Band, MapLayout, Quantity};
 
-/// Greatest number of cells times headings: six numbers and a soil of each are held.
+/// Greatest number of cells times headings: seven numbers and a soil of each are held.
 const MAX_POSES: u64 = 1 << 26;
 /// GDAL's metadata.
 const METADATA_TAG: u16 = 42112;
@@ -23,6 +23,8 @@ pub struct PlanMap {
     pub layout: MapLayout,
     /// Energy per metre of travel, J/m; NaN where the robot does not drive.
     pub energy: Vec<f32>,
+    /// CVaR of the energy per metre over the soil draws, J/m.
+    pub energy_cvar: Vec<f32>,
     /// Slip.
     pub slip: Vec<f32>,
     /// The slip that 95 % of the soil draws do not exceed.
@@ -133,6 +135,7 @@ impl PlanMap {
         Self {
             layout,
             energy: nothing.clone(),
+            energy_cvar: nothing.clone(),
             slip: nothing.clone(),
             slip_high: nothing.clone(),
             risk: nothing.clone(),
@@ -177,6 +180,7 @@ impl PlanMap {
             let value = |quantity| values[Band { quantity, heading }.index(headings)];
             let pose = cell * headings.count() + heading;
             self.energy[pose] = value(Quantity::Energy);
+            self.energy_cvar[pose] = value(Quantity::EnergyCvar);
             self.slip[pose] = value(Quantity::Slip);
             self.slip_high[pose] = value(Quantity::SlipHigh);
             self.risk[pose] = value(Quantity::Immobilisation);
@@ -205,12 +209,7 @@ impl PlanMap {
     pub fn cell_at(&self, of: &'static str, (x, y): (f64, f64)) -> Result<usize> {
         let layout = &self.layout;
         let far = [layout.columns - 1, layout.rows - 1];
-        let corners = [(0, 0), (far[0], far[1])].map(|(column, row)| {
-            layout.georeference.centre(column, row).unwrap_or([
-                (f64::from(column) + 0.5) * layout.cell,
-                (f64::from(layout.rows - 1 - row) + 0.5) * layout.cell,
-            ])
-        });
+        let corners = [(0, 0), (far[0], far[1])].map(|(column, row)| layout.place_of(column, row));
         let [[left, top], [right, bottom]] = corners;
         let place = |value: f64, from: f64, to: f64, last: u32| {
             let share = (value - from) / (to - from) * f64::from(last);
@@ -249,14 +248,7 @@ impl PlanMap {
         let columns = self.layout.columns as usize;
         let (row, column) = (cell / columns, cell % columns);
         let at = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
-        let [x, y] = self
-            .layout
-            .georeference
-            .centre(at(column), at(row))
-            .unwrap_or([
-                (column as f64 + 0.5) * self.layout.cell,
-                ((self.layout.rows as usize - 1 - row) as f64 + 0.5) * self.layout.cell,
-            ]);
+        let [x, y] = self.layout.place_of(at(column), at(row));
         (x, y)
     }
 }

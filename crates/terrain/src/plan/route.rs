@@ -32,7 +32,7 @@ pub struct Waypoint {
     pub length: f64,
     /// Slip here.
     pub slip: f64,
-    /// Probability to be immobilised here, at most.
+    /// Probability to be immobilised here or in a cell that the step to it passes, at most.
     pub risk: f64,
 }
 
@@ -44,6 +44,9 @@ pub struct Route {
     pub waypoints: Vec<Waypoint>,
     /// J.
     pub energy: f64,
+    /// The CVaR of the energy over the soil draws at the map's level, at most, J: the sum of its cells'. It
+    /// is the CVaR itself where the draws have the same order in all cells.
+    pub energy_cvar: f64,
     /// s.
     pub time: f64,
     /// Along the ground, m.
@@ -158,7 +161,16 @@ pub fn plan(
             others.push(other);
         }
     }
-    others.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+    others.sort_by(|a, b| {
+        let of = |route: &Route| {
+            if settings.by_cvar {
+                route.energy_cvar
+            } else {
+                route.energy
+            }
+        };
+        of(a).total_cmp(&of(b))
+    });
     Ok(Plan::Found {
         route,
         alternatives: others,
@@ -285,6 +297,7 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
     let mut route = Route {
         waypoints: Vec::with_capacity(way.len()),
         energy: 0.0,
+        energy_cvar: 0.0,
         time: 0.0,
         length: 0.0,
         risk: 0.0,
@@ -298,20 +311,31 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
             Some(last) if last == cell => {
                 route.turns += 1;
                 route.energy += settings.turn_energy;
+                route.energy_cvar += settings.turn_energy;
             }
             Some(last) => {
                 route.energy += lattice.energy((last, cell), heading);
+                route.energy_cvar += lattice.energy_cvar((last, cell), heading);
                 route.time += lattice.time((last, cell), heading);
                 route.length += lattice.length((last, cell), heading);
             }
             None => {}
         }
+        let passed = before.filter(|last| *last != cell);
+        let passed = passed
+            .into_iter()
+            .flat_map(|last| lattice.passed(last, heading));
+        let mut risk = 0.0_f64;
+        for cell in passed.flatten().chain([cell]) {
+            let pose = cell * lattice.headings() + heading;
+            let own = f64::from(map.risk[pose]);
+            let greatest = risks.entry(map.soil[pose]).or_default();
+            *greatest = greatest.max(own);
+            risk = risk.max(own);
+            route.tip_over_deg = route.tip_over_deg.min(f64::from(map.tip_over[pose]));
+        }
         before = Some(cell);
         let pose = cell * lattice.headings() + heading;
-        let risk = f64::from(map.risk[pose]);
-        let greatest = risks.entry(map.soil[pose]).or_default();
-        *greatest = greatest.max(risk);
-        route.tip_over_deg = route.tip_over_deg.min(f64::from(map.tip_over[pose]));
         let (x, y) = map.place_of(cell);
         route.waypoints.push(Waypoint {
             cell,

@@ -1,6 +1,6 @@
 //! The nodes of a table, and how far it is from the exact solver between them.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use grouser_terra::Slip;
 
@@ -21,32 +21,32 @@ const PEAK_WIDTH: f64 = 4e-3;
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
 const BUILD_SHARE: f64 = 0.25;
+/// The exact solver's slip between the nodes is found to this accuracy.
+const CHECK_TOLERANCE: f64 = 1e-7;
+/// A node's slip is found to this accuracy, a ten-thousandth of the bound.
+const NODE_TOLERANCE: f64 = 1e-7;
 /// The error of a limit is never taken smaller, rad.
 const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
 
-pub(super) fn refined(
-    solver: &DemandSolver,
-    envelope: Envelope,
-    with_costs: bool,
-) -> Result<SlipTable> {
+pub(super) fn refined(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
     let [mut rolls, mut steps] = COARSEST;
     for _ in 0..MAX_DOUBLINGS {
-        let table = built(solver, envelope, [rolls, steps], with_costs)?;
+        let table = built(solver, envelope, [rolls, steps])?;
         if table.error.slip <= BUILD_SHARE * SLIP_BOUND {
             return Ok(table);
         }
         (rolls, steps) = (2 * rolls - 1, 2 * steps - 1);
     }
-    built(solver, envelope, [rolls, steps], with_costs)
+    built(solver, envelope, [rolls, steps])
 }
 
-/// The coarsest grid, with costs and without a check.
+/// The coarsest grid, without a check.
 pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
     let near = Near {
         solver,
         skids: RefCell::default(),
     };
-    let mut table = filled(&near, envelope, COARSEST, true)?;
+    let mut table = filled(&near, envelope, COARSEST)?;
     // a table that was not checked has no marginal poses: what it reads is what it says
     for side in [&mut table.climbing, &mut table.braking] {
         side.limit_error = 0.0;
@@ -89,36 +89,39 @@ fn built(
     solver: &DemandSolver,
     envelope: Envelope,
     [rolls, steps]: [usize; 2],
-    with_costs: bool,
 ) -> Result<SlipTable> {
     let near = Near {
         solver,
         skids: RefCell::default(),
     };
-    let mut table = filled(&near, envelope, [rolls, steps], with_costs)?;
+    let mut table = filled(&near, envelope, [rolls, steps])?;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
     check(&mut table, solver, &roll_of)?;
     Ok(table)
 }
 
 /// The nodes.
-fn filled(
-    near: &Near<'_>,
-    envelope: Envelope,
-    [rolls, steps]: [usize; 2],
-    with_costs: bool,
-) -> Result<SlipTable> {
+fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Result<SlipTable> {
     let solver = near.solver;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
     let mut rolling = Vec::with_capacity(rolls);
     let mut limits = [Vec::with_capacity(rolls), Vec::with_capacity(rolls)];
     for index in 0..rolls {
         let roll = roll_of(index as f64);
-        let level = pitch_of(near, roll, 0.0, (-envelope.max_pitch, envelope.max_pitch))?
+        let range = (-envelope.max_pitch, envelope.max_pitch);
+        let level = pitch_of(near, (roll, 0.0), range, rolling.last().copied())?
             .ok_or_else(|| does_not_move(solver))?;
         rolling.push(level);
         for (limits, sense) in limits.iter_mut().zip([1.0, -1.0]) {
-            limits.push(limit(near, envelope, (roll, level), sense)?);
+            let beside: Option<&Limit> = limits.last();
+            let known = match beside {
+                Some(beside) => limit_near(near, envelope, (roll, level), sense, *beside)?,
+                None => None,
+            };
+            limits.push(match known {
+                Some(known) => known,
+                None => limit(near, envelope, (roll, level), sense)?,
+            });
         }
     }
     let mut sides = Vec::with_capacity(2);
@@ -128,13 +131,17 @@ fn filled(
             envelope,
             &rolling,
             (limits, sense),
-            (steps, with_costs),
+            steps,
             &roll_of,
         )?);
     }
     let (Some(braking), Some(climbing)) = (sides.pop(), sides.pop()) else {
         return Err(does_not_move(solver));
     };
+    let energies = climbing.work.iter().zip(&climbing.slip);
+    let greatest_energy = energies
+        .map(|(work, slip)| work / (1.0 - slip))
+        .fold(0.0, f64::max);
     Ok(SlipTable {
         envelope,
         rolls,
@@ -143,6 +150,7 @@ fn filled(
         climbing,
         braking,
         error: TableError::default(),
+        greatest_energy,
         is_closed: false,
     })
 }
@@ -154,11 +162,24 @@ fn does_not_move(solver: &DemandSolver) -> Error {
     }
 }
 
-/// The pitch between two that demands this slip; `None` where neither end encloses it.
-fn pitch_of(near: &Near<'_>, roll: f64, slip: f64, (low, high): (f64, f64)) -> Result<Option<f64>> {
+/// The pitch between two that demands this slip, perhaps near `guess`; `None` where neither end encloses it.
+fn pitch_of(
+    near: &Near<'_>,
+    (roll, slip): (f64, f64),
+    (low, high): (f64, f64),
+    guess: Option<f64>,
+) -> Result<Option<f64>> {
     let surplus = |pitch: f64| -> Result<f64> {
         Ok(near.posed(pitch, roll)?.surplus(slip)?.unwrap_or(f64::NAN))
     };
+    let weight = near.solver.model().weight();
+    let inside = guess.filter(|guess| low < *guess && *guess < high);
+    if let Some(found) = inside.map(|guess| secant(guess, weight, (low, high), surplus)) {
+        let found = found?;
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
     let (from, to) = ((low, surplus(low)?), (high, surplus(high)?));
     if !(from.1 >= 0.0 && to.1 <= 0.0) {
         return Ok(None);
@@ -172,7 +193,97 @@ fn pitch_of(near: &Near<'_>, roll: f64, slip: f64, (low, high): (f64, f64)) -> R
     Ok((!pitch.is_nan()).then_some(pitch))
 }
 
-/// How far up (`sense` 1) or down (−1) the robot drives at this roll.
+/// The pitch at which the surplus vanishes, by the method of secants from a pitch that is near it; `None`
+/// where it leaves the range or does not converge. A change of pitch moves loads from wheel to wheel, which
+/// changes their pull by little: the surplus falls nearly by the weight's share along the slope, which is the
+/// first step.
+fn secant(
+    guess: f64,
+    weight: f64,
+    (low, high): (f64, f64),
+    surplus: impl Fn(f64) -> Result<f64>,
+) -> Result<Option<f64>> {
+    const MAX_STEPS: u32 = 8;
+    let (mut before, mut at_before) = (guess, surplus(guess)?);
+    let mut pitch = before + at_before / (weight * before.cos());
+    for _ in 0..MAX_STEPS {
+        if !(low..=high).contains(&pitch) {
+            return Ok(None);
+        }
+        if (pitch - before).abs() <= PITCH_TOLERANCE_RAD {
+            return Ok(Some(pitch));
+        }
+        let here = surplus(pitch)?;
+        if here == 0.0 {
+            return Ok(Some(pitch));
+        }
+        let next = pitch - here * (pitch - before) / (here - at_before);
+        (before, at_before, pitch) = (pitch, here, next);
+    }
+    Ok(None)
+}
+
+/// How far up (`sense` 1) or down (−1) the robot drives at this roll: the peak of the pitch over the slip
+/// near the peak of a roll beside it; `None` where it is not there.
+///
+/// Two parabolas through three places each, the second one a tenth as wide: the pitch is flat at the peak,
+/// and the error of the vertex enters as its square.
+fn limit_near(
+    near: &Near<'_>,
+    envelope: Envelope,
+    (roll, rolling): (f64, f64),
+    sense: f64,
+    guess: Limit,
+) -> Result<Option<Limit>> {
+    const WIDTHS: [f64; 2] = [2e-2, 2e-3];
+    let Some(mut slip) = guess.slip else {
+        return Ok(None);
+    };
+    let end = sense * envelope.max_pitch;
+    let range = (rolling.min(end), rolling.max(end));
+    let mut best = Limit {
+        slip: None,
+        ..guess
+    };
+    for width in WIDTHS {
+        let mut pitches = [0.0; 3];
+        for (pitch, off) in pitches.iter_mut().zip([-1.0, 0.0, 1.0]) {
+            let at = slip + off * width;
+            if !(at.abs() <= MAX_SLIP) || at * sense <= 0.0 {
+                return Ok(None);
+            }
+            let Some(found) = pitch_of(near, (roll, at), range, Some(best.pitch))? else {
+                return Ok(None);
+            };
+            *pitch = found;
+            if best.slip.is_none() || (found - best.pitch) * sense > 0.0 {
+                best = Limit {
+                    pitch: found,
+                    slip: Some(at),
+                };
+            }
+        }
+        let [left, middle, right] = pitches;
+        let off = 0.5 * width * (left - right) / (left - 2.0 * middle + right);
+        // no peak between them
+        if !((left - 2.0 * middle + right) * sense < 0.0 && off.abs() <= width) {
+            return Ok(None);
+        }
+        slip += off;
+    }
+    let Some(found) = pitch_of(near, (roll, slip), range, Some(best.pitch))? else {
+        return Ok(None);
+    };
+    if (found - best.pitch) * sense > 0.0 && slip.abs() <= MAX_SLIP {
+        best = Limit {
+            pitch: found,
+            slip: Some(slip),
+        };
+    }
+    Ok(Some(best))
+}
+
+/// As [`limit_near`], by a search over all slips.
 fn limit(
     near: &Near<'_>,
     envelope: Envelope,
@@ -190,7 +301,12 @@ fn limit(
         (end, rolling)
     };
     // beyond the envelope the pitch of a slip is not known: such a slip reaches further than the envelope
-    let pitch = |slip: f64| pitch_of(near, roll, slip, range);
+    let last_found = Cell::new(rolling);
+    let pitch = |slip: f64| -> Result<Option<f64>> {
+        let found = pitch_of(near, (roll, slip), range, Some(last_found.get()))?;
+        last_found.set(found.unwrap_or(last_found.get()));
+        Ok(found)
+    };
     let mut best = (0.0, rolling);
     for sample in 1..=SAMPLES {
         let slip = sense * MAX_SLIP * f64::from(sample) / f64::from(SAMPLES);
@@ -275,7 +391,7 @@ fn side(
     envelope: Envelope,
     rolling: &[f64],
     (limits, sense): (&[Limit], f64),
-    (steps, with_costs): (usize, bool),
+    steps: usize,
     roll_of: &impl Fn(f64) -> f64,
 ) -> Result<Side> {
     let capped = limits.iter().filter(|limit| limit.slip.is_none()).count();
@@ -302,8 +418,8 @@ fn side(
         limit,
         beyond,
         slip: vec![0.0; count],
-        work: vec![f64::NAN; if with_costs { count } else { 0 }],
-        sinkage: vec![f64::NAN; if with_costs { count } else { 0 }],
+        work: vec![f64::NAN; count],
+        sinkage: vec![f64::NAN; count],
         limit_error: MIN_LIMIT_ERROR_RAD,
         marginal: 0.0,
     };
@@ -311,35 +427,63 @@ fn side(
         let roll = roll_of(index as f64);
         let (rolling, limit) = (rolling[index], out.limit[index]);
         // from rolling (t = 1) to the limit (t = 0)
-        let mut slip = 0.0;
+        // the slips of the three nodes before, the last one first
+        let mut slips = [0.0; 3];
         for step in (0..steps).rev() {
             let t = step as f64 / (steps - 1) as f64;
             let pitch = limit - (limit - rolling) * t * t;
             let here = near.posed(pitch, roll)?;
-            slip = match own.slip {
+            let slip = match own.slip {
                 Some(end) if step == 0 && own.pitch == limit => end,
                 _ if step == steps - 1 => 0.0,
-                end => next_slip(&here, slip, end.unwrap_or(sense * MAX_SLIP), sense)?,
+                end => {
+                    let known = steps - 1 - step;
+                    next_slip(
+                        &here,
+                        (slips, known),
+                        end.unwrap_or(sense * MAX_SLIP),
+                        sense,
+                    )?
+                }
             };
+            slips = [slip, slips[0], slips[1]];
             let at = index * steps + step;
             out.slip[at] = slip;
-            if with_costs {
-                let Driving {
-                    work_per_metre,
-                    sinkage,
-                    ..
-                } = here.driving(slip)?;
-                out.work[at] = work_per_metre * (1.0 - slip.max(0.0));
-                out.sinkage[at] = sinkage;
-            }
+            let Driving {
+                work_per_metre,
+                sinkage,
+                ..
+            } = here.driving(slip)?;
+            out.work[at] = work_per_metre * (1.0 - slip.max(0.0));
+            out.sinkage[at] = sinkage;
         }
     }
     Ok(out)
 }
 
-/// The slip that is demanded a little further on, between the one before and the limit's.
-fn next_slip(here: &Posed<'_>, before: f64, end: f64, sense: f64) -> Result<f64> {
+/// The slip that is demanded a little further on, between the one before and the limit's; `known` of the
+/// slips before are those of nodes.
+///
+/// It is sought near the parabola through three of them.
+fn next_slip(
+    here: &Posed<'_>,
+    (slips, known): ([f64; 3], usize),
+    end: f64,
+    sense: f64,
+) -> Result<f64> {
+    /// Half of the bracket about the parabola, as a share of the step before.
+    const BRACKET_SHARE: f64 = 0.05;
+    let before = slips[0];
     let value = |slip: f64| -> Result<f64> { Ok(here.surplus(slip)?.unwrap_or(f64::NAN)) };
+    let guess = 3.0 * (slips[0] - slips[1]) + slips[2];
+    let half = BRACKET_SHARE * (slips[0] - slips[1]).abs() * sense;
+    let [near, far] = [guess - half, guess + half];
+    if known >= 3 && (near - before) * sense > 0.0 && (end - far) * sense > 0.0 {
+        let bracket = [(near, value(near)?), (far, value(far)?)];
+        if bracket[0].1 * sense < 0.0 && bracket[1].1 * sense >= 0.0 {
+            return here.between(bracket[0], bracket[1], NODE_TOLERANCE);
+        }
+    }
     let at_before = value(before)?;
     // not enough yet at the slip before; rounding may say otherwise right beside it
     if !(at_before * sense < 0.0) {
@@ -349,7 +493,26 @@ fn next_slip(here: &Posed<'_>, before: f64, end: f64, sense: f64) -> Result<f64>
     if !(at_end * sense >= 0.0) {
         return Ok(end);
     }
-    here.between((before, at_before), (end, at_end))
+    here.between((before, at_before), (end, at_end), NODE_TOLERANCE)
+}
+
+/// The exact demand of a pose at which a table reads a slip: by its own equation between slips about that
+/// one, or by a search over all slips where it does not lie there.
+fn exact_near(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64) -> Result<Option<Driving>> {
+    const HALF_BRACKET: f64 = 0.5 * SLIP_BOUND;
+    let posed = near.posed(pitch, roll)?;
+    let at =
+        |slip: f64| -> Result<(f64, f64)> { Ok((slip, posed.surplus(slip)?.unwrap_or(f64::NAN))) };
+    let (low, high) = (at(slip - HALF_BRACKET)?, at(slip + HALF_BRACKET)?);
+    // more slip, more pull: the side of a peak on which the smallest slip lies
+    if low.1 < 0.0 && high.1 >= 0.0 {
+        let exact = posed.between(low, high, CHECK_TOLERANCE)?;
+        return posed.driving(exact).map(Some);
+    }
+    Ok(match near.solver.demand(pitch, roll)? {
+        Demand::Drives(driving) => Some(driving),
+        _ => None,
+    })
 }
 
 /// Compares the table with the exact solver in the middle between its nodes: every cell in roll; in t the first and the
@@ -391,9 +554,6 @@ fn check(
             for cell in (0..cells).filter(|cell| *cell < 2 || cell % 4 == 0 || *cell == cells - 1) {
                 let t = (cell as f64 + 0.5) / cells as f64;
                 let pitch = limit - (limit - rolling) * t * t;
-                let Demand::Drives(exact) = solver.demand(pitch, roll)? else {
-                    continue;
-                };
                 let along = Stencil::of(t, table.steps);
                 let spot = super::Spot {
                     slip: super::at(&side.slip, table.steps, &across, &along),
@@ -402,17 +562,18 @@ fn check(
                     along,
                 };
                 let read = table.driving(&spot);
+                let Some(exact) = exact_near(&near, (pitch, roll), read.slip)? else {
+                    continue;
+                };
                 error.checks += 1;
                 error.slip = error.slip.max((read.slip - exact.slip).abs());
-                if !side.work.is_empty() {
-                    let scale = exact
-                        .work_per_metre
-                        .abs()
-                        .max(0.01 * solver.model().weight());
-                    let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
-                    error.energy = error.energy.max(off);
-                    error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
-                }
+                let scale = exact
+                    .work_per_metre
+                    .abs()
+                    .max(0.01 * solver.model().weight());
+                let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
+                error.energy = error.energy.max(off);
+                error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
             }
         }
     }

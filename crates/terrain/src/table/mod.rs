@@ -53,7 +53,7 @@ struct Side {
     beyond: Beyond,
     /// Slip, [roll][t].
     slip: Vec<f64>,
-    /// Work per metre times (1 − slip), J/m, [roll][t]; empty where only slips are wanted.
+    /// Work per metre times (1 − slip), J/m, [roll][t].
     work: Vec<f64>,
     /// Sinkage, m, [roll][t].
     sinkage: Vec<f64>,
@@ -113,7 +113,7 @@ impl TableError {
 /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
 /// let solver = DemandSolver::new(RobotModel::read(file.as_ref())?, soil)?;
 /// let envelope = Envelope::within(solver.model(), 0.3, 0.2)?;
-/// let table = SlipTable::new(&solver, envelope, true)?;
+/// let table = SlipTable::new(&solver, envelope)?;
 /// let Demand::Drives(exact) = solver.demand(0.05, 0.1)? else { panic!("it drives") };
 /// let Demand::Drives(read) = table.demand(&solver, 0.05, 0.1)? else { panic!("it drives") };
 /// assert!((read.slip - exact.slip).abs() < 1e-3);
@@ -130,6 +130,8 @@ pub struct SlipTable {
     climbing: Side,
     braking: Side,
     error: TableError,
+    /// J/m; 0 where it drives nowhere.
+    greatest_energy: f64,
     /// It drives nowhere, and no list above has anything in it.
     is_closed: bool,
 }
@@ -155,6 +157,7 @@ impl SlipTable {
             climbing: nothing.clone(),
             braking: nothing,
             error: TableError::default(),
+            greatest_energy: 0.0,
             is_closed: true,
         }
     }
@@ -163,27 +166,23 @@ impl SlipTable {
     ///
     /// # Errors
     /// As [`SlipTable::new`], but for [`Error::DoesNotMove`](crate::Error::DoesNotMove).
-    pub fn new_or_closed(
-        solver: &DemandSolver,
-        envelope: Envelope,
-        with_costs: bool,
-    ) -> Result<Self> {
-        match Self::new(solver, envelope, with_costs) {
+    pub fn new_or_closed(solver: &DemandSolver, envelope: Envelope) -> Result<Self> {
+        match Self::new(solver, envelope) {
             Err(Error::DoesNotMove { .. }) => Ok(Self::closed(envelope)),
             other => other,
         }
     }
 
-    /// A table of everything (`with_costs`) or of slips alone, refined until its checked error keeps [`SLIP_BOUND`] or
+    /// A table that is refined until its checked error keeps [`SLIP_BOUND`] or
     /// the finest grid is reached: [`SlipTable::error`] is what was reached.
     ///
     /// # Errors
     /// As [`DemandSolver::demand`]; [`Error::DoesNotMove`](crate::Error::DoesNotMove) where the level is too much.
-    pub fn new(solver: &DemandSolver, envelope: Envelope, with_costs: bool) -> Result<Self> {
-        build::refined(solver, envelope, with_costs)
+    pub fn new(solver: &DemandSolver, envelope: Envelope) -> Result<Self> {
+        build::refined(solver, envelope)
     }
 
-    /// A table of everything on the coarsest grid, without a check, or a closed one where the robot does not move: for
+    /// A table on the coarsest grid, without a check, or a closed one where the robot does not move: for
     /// learning, whose own doubt is far greater. [`SlipTable::error`] has NaN in its slip.
     ///
     /// # Errors
@@ -273,20 +272,29 @@ impl SlipTable {
         })
     }
 
-    /// The costs at a place of a table that has them.
-    pub(crate) fn driving(&self, spot: &Spot) -> crate::demand::Driving {
-        let side = if spot.is_climbing {
+    const fn side(&self, spot: &Spot) -> &Side {
+        if spot.is_climbing {
             &self.climbing
         } else {
             &self.braking
-        };
-        let read = |values: &[f64]| {
-            if values.is_empty() {
-                f64::NAN
-            } else {
-                at(values, self.steps, &spot.across, &spot.along)
-            }
-        };
+        }
+    }
+
+    /// The energy at a place, J/m.
+    pub(crate) fn energy_per_metre(&self, spot: &Spot) -> f64 {
+        let work = at(&self.side(spot).work, self.steps, &spot.across, &spot.along);
+        (work / (1.0 - spot.slip.max(0.0))).max(0.0)
+    }
+
+    /// The greatest energy of its nodes, J/m; 0 where it drives nowhere.
+    pub(crate) const fn greatest_energy(&self) -> f64 {
+        self.greatest_energy
+    }
+
+    /// The costs at a place.
+    pub(crate) fn driving(&self, spot: &Spot) -> crate::demand::Driving {
+        let side = self.side(spot);
+        let read = |values: &[f64]| at(values, self.steps, &spot.across, &spot.along);
         crate::demand::Driving {
             slip: spot.slip,
             work_per_metre: read(&side.work) / (1.0 - spot.slip.max(0.0)),

@@ -10,6 +10,8 @@
 //! | `/gnss/pose` | `geometry_msgs/PoseStamped` | fixes |
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | what the estimator in the loop said |
 //! | `/grouser/soil` | `grouser_msgs/Soil` | what it has learnt of the soil, where it learns |
+//! | `/grouser/robot` | `visualization_msgs/MarkerArray` | body and wheels where they were, coloured by the estimated slip |
+//! | `/grouser/way`, `/grouser/ruts` | `visualization_msgs/Marker` | way and ruts, a piece for each second |
 //! | `/simulation/truth/pose` | `geometry_msgs/PoseStamped` | where the robot was |
 //! | `/simulation/truth/slip` | `grouser_msgs/WheelSlip` | slips that the wheels had |
 //!
@@ -21,11 +23,15 @@ use std::io;
 
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
+use grouser_replay::messages::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
 use grouser_slip::onboard::{SoilEstimate, SoilInterval};
 use grouser_slip::{Counter, Health, Measurement};
 
 use crate::output::OutputFile;
+
+/// Between two pictures of the robot, ns.
+const PICTURE_NS: i64 = 200_000_000;
 
 /// A joint: a wheel's encoder shaft.
 struct Joint {
@@ -62,6 +68,19 @@ pub(super) struct Recording {
     soil: Option<Topic>,
     pose: Topic,
     slip: Topic,
+    scene: Scene,
+}
+
+/// The pictures of robot, way and ruts.
+struct Scene {
+    robot: Topic,
+    way: Topic,
+    ruts: Topic,
+    /// Radius and width of each wheel, m.
+    sizes: Vec<[f64; 2]>,
+    way_markers: WayMarkers,
+    rut_markers: RutMarkers,
+    drawn_ns: Option<i64>,
 }
 
 impl Recording {
@@ -85,6 +104,7 @@ impl Recording {
             }
         });
         let sensors = &scenario.sensors;
+        let wheels = || scenario.robot.wheels.iter();
         let mut mounting = writer.topic("/tf_static", "tf2_msgs/TFMessage")?;
         writer.send(&mut mounting, 0, &straight_mounting())?;
         let mut topic = |name: &str, type_name| writer.topic(name, type_name);
@@ -110,6 +130,19 @@ impl Recording {
                 "geometry_msgs/PoseStamped",
             )?,
             slip: topic(&format!("{}slip", known::TRUTH), known::WHEEL_SLIP)?,
+            scene: Scene {
+                robot: topic("/grouser/robot", "visualization_msgs/MarkerArray")?,
+                way: topic("/grouser/way", "visualization_msgs/Marker")?,
+                ruts: topic("/grouser/ruts", "visualization_msgs/Marker")?,
+                way_markers: WayMarkers::default(),
+                rut_markers: RutMarkers::new(
+                    wheels().map(|wheel| (wheel.name.as_str(), wheel.wheel.width())),
+                ),
+                sizes: wheels()
+                    .map(|wheel| [wheel.wheel.radius(), wheel.wheel.width()])
+                    .collect(),
+                drawn_ns: None,
+            },
             writer,
         })
     }
@@ -155,7 +188,8 @@ impl Recording {
             }
         }
         self.flush(arrived_ns)?;
-        self.state(frame, arrived_ns)
+        self.state(frame, arrived_ns)?;
+        self.picture(frame, arrived_ns)
     }
 
     /// Ends the file and gives it back.
@@ -217,7 +251,7 @@ impl Recording {
         let [x, y, z] = frame.place;
         let pose = build::message([
             ("position", build::vector([x, y, z])),
-            ("orientation", orientation(frame.angles)),
+            ("orientation", build::orientation(frame.angles)),
         ]);
         let header = build::header(now_ns, "map");
         let value = build::message([("header", header), ("pose", pose)]);
@@ -241,6 +275,46 @@ impl Recording {
         if let (Some(topic), Some(soil)) = (&mut self.soil, &frame.soil) {
             self.writer
                 .send(topic, now_ns, &soil_message(now_ns, soil))?;
+        }
+        Ok(())
+    }
+
+    fn picture(&mut self, frame: &Frame<'_>, now_ns: i64) -> io::Result<()> {
+        let Scene {
+            robot,
+            way,
+            ruts,
+            sizes,
+            way_markers,
+            rut_markers,
+            drawn_ns,
+        } = &mut self.scene;
+        let header = || build::header(now_ns, "map");
+        let wheels = || frame.wheels.iter().zip(sizes.iter().copied());
+        for (wheel, (seen, [radius, _])) in wheels().enumerate() {
+            let [x, y, z] = seen.place;
+            let bottom = [x, y, z - radius];
+            if let Some(marker) = rut_markers.add(now_ns, wheel, bottom, seen.sinkage, header) {
+                self.writer.send(ruts, now_ns, &marker)?;
+            }
+        }
+        let slips = frame.wheels.iter().map(|wheel| wheel.observation.slip);
+        if let Some(marker) = way_markers.add_point(now_ns, frame.place, slips, header) {
+            self.writer.send(way, now_ns, &marker)?;
+        }
+        if drawn_ns.is_none_or(|drawn| now_ns.saturating_sub(drawn) >= PICTURE_NS) {
+            *drawn_ns = Some(now_ns);
+            let wheels: Vec<DrawnWheel> = wheels()
+                .map(|(wheel, [radius, width])| DrawnWheel {
+                    centre: wheel.place,
+                    heading: wheel.heading,
+                    radius,
+                    width,
+                    slip: wheel.observation.slip,
+                })
+                .collect();
+            let picture = robot_markers(&header(), frame.angles, &wheels);
+            self.writer.send(robot, now_ns, &picture)?;
         }
         Ok(())
     }
@@ -315,21 +389,6 @@ fn straight_mounting() -> Value {
         ("transform", transform),
     ]);
     build::message([("transforms", Value::Array(vec![stamped]))])
-}
-
-/// `geometry_msgs/Quaternion` of a yaw, then a pitch, then a roll.
-fn orientation([roll, pitch, yaw]: [f64; 3]) -> Value {
-    let ((s_r, c_r), (s_p, c_p), (s_y, c_y)) = (
-        (0.5 * roll).sin_cos(),
-        (0.5 * pitch).sin_cos(),
-        (0.5 * yaw).sin_cos(),
-    );
-    build::message([
-        ("x", Value::Float(s_r * c_p * c_y - c_r * s_p * s_y)),
-        ("y", Value::Float(c_r * s_p * c_y + s_r * c_p * s_y)),
-        ("z", Value::Float(c_r * c_p * s_y - s_r * s_p * c_y)),
-        ("w", Value::Float(c_r * c_p * c_y + s_r * s_p * s_y)),
-    ])
 }
 
 #[allow(

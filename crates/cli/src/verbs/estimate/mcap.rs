@@ -5,6 +5,7 @@
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | whenever a wheel was read |
 //! | `/grouser/odom` | `nav_msgs/Odometry`, the slip in its covariance | likewise |
 //! | `/grouser/way` | `visualization_msgs/Marker`, the way coloured by slip | every second of motion |
+//! | `/grouser/robot` | `visualization_msgs/MarkerArray`, body and wheels coloured by slip | five times a second |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | every second |
 
 use std::io;
@@ -12,9 +13,11 @@ use std::path::Path;
 
 use grouser_log::message::{build, known};
 use grouser_log::write::{McapWriter, Topic};
-use grouser_replay::Step;
-use grouser_replay::messages::{WayMarkers, diagnostics, odometry_message, wheel_slip};
-use grouser_slip::Wheel;
+use grouser_replay::messages::{
+    DrawnWheel, WayMarkers, diagnostics, odometry_message, robot_markers, wheel_slip,
+};
+use grouser_replay::{Odometry, Step};
+use grouser_slip::{Wheel, WheelEstimate};
 
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
@@ -22,15 +25,23 @@ use crate::output::OutputFile;
 /// Between two messages of diagnostics, ns.
 const DIAGNOSTICS_NS: i64 = 1_000_000_000;
 
+/// Between two pictures of the robot, ns.
+const PICTURE_NS: i64 = 200_000_000;
+/// Width of a wheel of which the robot file has none, as a share of its radius.
+const DRAWN_WIDTH_SHARE: f64 = 0.6;
+
 /// The file in the making.
 pub(super) struct Recording {
     writer: McapWriter<OutputFile>,
     slip: Topic,
     odometry: Topic,
     way: Topic,
+    robot: Topic,
     diagnostics: Topic,
     markers: WayMarkers,
+    wheels: Vec<Wheel>,
     names: Vec<String>,
+    drawn_ns: Option<i64>,
     told_ns: Option<i64>,
     path: std::path::PathBuf,
 }
@@ -46,10 +57,13 @@ impl Recording {
             slip: topic("/grouser/slip", known::WHEEL_SLIP)?,
             odometry: topic("/grouser/odom", "nav_msgs/Odometry")?,
             way: topic("/grouser/way", "visualization_msgs/Marker")?,
+            robot: topic("/grouser/robot", "visualization_msgs/MarkerArray")?,
             markers: WayMarkers::default(),
             diagnostics: topic("/diagnostics", "diagnostic_msgs/DiagnosticArray")?,
             writer,
+            wheels: wheels.to_vec(),
             names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
+            drawn_ns: None,
             told_ns: None,
             path: path.to_owned(),
         })
@@ -70,6 +84,14 @@ impl Recording {
                 .add(time_ns, &odometry, wheels, || header("odom"));
             if let Some(marker) = marker {
                 self.writer.send(&mut self.way, time_ns, &marker)?;
+            }
+            let due = |drawn: i64| time_ns.saturating_sub(drawn) >= PICTURE_NS;
+            if self.drawn_ns.is_none_or(due) {
+                self.drawn_ns = Some(time_ns);
+                let drawn = drawn(&self.wheels, wheels, &odometry);
+                let angles = [0.0, 0.0, odometry.pose[2]];
+                let picture = robot_markers(&header("odom"), angles, &drawn);
+                self.writer.send(&mut self.robot, time_ns, &picture)?;
             }
         }
         let due = |told: i64| time_ns.saturating_sub(told) >= DIAGNOSTICS_NS;
@@ -93,4 +115,24 @@ impl Recording {
         output.finish()?;
         Ok(format!("wrote {}\n", shown(&self.path)))
     }
+}
+
+/// The wheels on level ground under the robot's pose, straight ahead: the steering is not in the odometry.
+fn drawn(wheels: &[Wheel], estimates: &[WheelEstimate], odometry: &Odometry) -> Vec<DrawnWheel> {
+    let [x, y, yaw] = odometry.pose;
+    let (sin, cos) = yaw.sin_cos();
+    let pairs = wheels.iter().zip(estimates);
+    pairs
+        .map(|(wheel, estimate)| DrawnWheel {
+            centre: [
+                x + cos * wheel.x - sin * wheel.y,
+                y + sin * wheel.x + cos * wheel.y,
+                wheel.radius,
+            ],
+            heading: yaw + wheel.heading.rad(),
+            radius: wheel.radius,
+            width: wheel.width.unwrap_or(DRAWN_WIDTH_SHARE * wheel.radius),
+            slip: estimate.slip.map(grouser_slip::Slip::value),
+        })
+        .collect()
 }

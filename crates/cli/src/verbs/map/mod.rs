@@ -1,6 +1,10 @@
 //! `map`: slip, energy and risk of a robot on every cell of an elevation model.
 
+#[cfg(feature = "parquet")]
+mod cell_table;
 mod costmap;
+mod gazebo;
+mod grid_map;
 mod object;
 mod outputs;
 pub(super) mod picture;
@@ -36,6 +40,7 @@ use work::Shard;
         where it ended when the same command runs again.",
     after_help = "Examples:\n  grouser map dem.tif --robot rover.toml --soil dry-sand -o map.tif -o map.svg\n  \
         grouser map dem.tif --robot rover.toml --soil sand.toml --soil-intervals intervals.toml -o map.tif -o costmap.yaml\n  \
+        grouser map dem.tif --robot rover.toml --soil dry-sand -o map.tif -o map.mcap -o gazebo.sdf\n  \
         grouser map dem.tif --robot rover.toml --soil dry-sand --soil-map soils.toml -o map.tif\n  \
         grouser map dem.tif --robot rover.toml --soil lunar --gravity-m-per-s2 moon --shard 1/4 -o map.tif"
 )]
@@ -60,6 +65,9 @@ pub(crate) struct Arguments {
     /// Seed of the soil draws
     #[arg(long, value_name = "N", default_value = "1", requires = "uncertain")]
     seed: u64,
+    /// Level of the energy's CVaR: the mean over the soil draws beyond this share
+    #[arg(long, value_name = "ALPHA", value_parser = parse_finite, default_value = "0.9", requires = "uncertain")]
+    cvar: f64,
     /// Directions: 4, 8 or 16
     #[arg(long, value_name = "N", default_value = "8")]
     headings: u8,
@@ -83,7 +91,9 @@ pub(crate) struct Arguments {
     /// Join the parts of N shards
     #[arg(long, value_name = "N", conflicts_with = "shard", value_parser = clap::value_parser!(u16).range(1..=9999))]
     join: Option<u16>,
-    /// The map (.tif; needed), a figure (.svg, .png), a Nav2 costmap (.yaml with a .pgm beside it); may be given several times
+    /// The map (.tif; needed), a figure (.svg, .png), a Nav2 costmap (.yaml and a .pgm), a `grid_map` message
+    /// (.mcap), gz-sim's slip map (.sdf and a .png), a table (.parquet, where built with it); may be given
+    /// several times
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
 }
@@ -114,6 +124,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let draws = others.iter().map(Vec::len).fold(drawn.len(), usize::max);
     let mut layout = MapLayout::of(&dem, &model, headings, draws, &job);
     layout.soils = soils::names(&chosen.name, legend);
+    layout.cvar_level = arguments.cvar;
+    outputs.check(&layout)?;
+    let settings = MapSettings::new(headings, envelope).with_cvar_level(arguments.cvar)?;
     let soils_with_draws: Vec<_> = std::iter::once((&chosen.soil, drawn.as_slice()))
         .chain(
             legend
@@ -128,12 +141,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "a map needs a soil",
         ));
     };
-    let mut maker = MapMaker::new(
-        MapSettings::new(headings, envelope),
-        soil,
-        draws,
-        layout.cell,
-    );
+    let mut maker = MapMaker::new(settings, soil, draws, layout.cell);
     if let Some(place) = place {
         let others = tables
             .map(|(own, draws)| MapSoil::new(own, draws))
@@ -162,7 +170,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             ..Report::done(object::part().object(&part), text)
         });
     };
-    let (summary, written) = outputs.write(&layout, journals, dem.georeference())?;
+    let (summary, written) = outputs.write(&layout, journals, (&maker, &model), &mut dem)?;
     let result = object::Mapped {
         layout: &layout,
         summary: &summary,

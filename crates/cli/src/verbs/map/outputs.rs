@@ -2,68 +2,113 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_rover::ground::Georeference;
-use grouser_terrain::{Journal, MapLayout, write_map};
+use grouser_rover::robot::RobotModel;
+use grouser_terrain::raster::Dem;
+use grouser_terrain::{Journal, MapLayout, MapMaker, read_strip, write_map};
 
-use super::costmap;
-use super::picture;
+use super::gazebo::SlipPicture;
+use super::grid_map::{self, GridMap};
 use super::summary::Summary;
 use super::work::Shard;
+use super::{costmap, picture};
 use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
 use crate::output::OutputFile;
 
-/// The outputs of `map`, by format.
+/// A file that is made of the cells of a map.
+pub(super) trait CellFile {
+    /// The next strip.
+    fn see(&mut self, strip: u32, cells: &[f32]) -> Result<()>;
+    /// Puts the file in its place; gives lines that say so.
+    fn finish(self: Box<Self>) -> Result<String>;
+}
+
+/// The formats beside the map, by the endings of their names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Figure,
+    Costmap,
+    GridMap,
+    Gazebo,
+    #[cfg(feature = "parquet")]
+    Table,
+}
+
+/// The outputs of `map`.
 pub(super) struct Outputs {
     map: PathBuf,
     shard: Option<Shard>,
-    figures: Vec<PathBuf>,
-    costmaps: Vec<PathBuf>,
+    others: Vec<(Format, PathBuf)>,
 }
 
 impl Outputs {
     /// Sorts the names by their endings, and refuses paths that cannot be written before the work.
     pub(super) fn begin(paths: &[PathBuf], shard: Option<Shard>) -> Result<Self> {
-        let mut maps = Vec::new();
-        let (mut figures, mut costmaps) = (Vec::new(), Vec::new());
+        let (mut maps, mut others) = (Vec::new(), Vec::new());
         // all at once, so that no name is there twice
         let mut begun = Vec::new();
         for path in paths {
-            match ending(path).as_deref() {
-                Some("tif" | "tiff") => maps.push(path.clone()),
-                Some("svg" | "png") => figures.push(path.clone()),
-                Some("yaml" | "yml") => costmaps.push(path.clone()),
+            #[cfg(not(feature = "parquet"))]
+            crate::input::refuse_parquet(path)?;
+            let format = match ending(path).as_deref() {
+                Some("tif" | "tiff") => {
+                    maps.push(path.clone());
+                    begun.push(OutputFile::create(path)?);
+                    continue;
+                }
+                Some("svg" | "png") => Format::Figure,
+                Some("yaml" | "yml") => Format::Costmap,
+                Some("mcap") => Format::GridMap,
+                Some("sdf") => Format::Gazebo,
+                #[cfg(feature = "parquet")]
+                Some("parquet") => Format::Table,
                 _ => {
                     return Err(Error::usage(
                         format!(
-                            "{} does not end in `.tif`, `.svg`, `.png` or `.yaml`",
+                            "{} does not end in `.tif`, `.svg`, `.png`, `.yaml`, `.mcap`, `.sdf` or `.parquet`",
                             shown(path)
                         ),
                         "the ending of the output's name chooses its format",
                     ));
                 }
-            }
+            };
             begun.push(OutputFile::create(path)?);
+            let beside = match format {
+                Format::Costmap => Some("pgm"),
+                Format::Gazebo => Some("png"),
+                _ => None,
+            };
+            if let Some(ending) = beside {
+                begun.push(OutputFile::create(&path.with_extension(ending))?);
+            }
+            others.push((format, path.clone()));
         }
         drop(begun);
         let (Some(map), true) = (maps.pop(), maps.is_empty()) else {
             return Err(Error::usage(
                 "a map needs exactly one output that ends in `.tif`",
-                "`-o map.tif` is the map; figures and costmaps are made from it",
+                "`-o map.tif` is the map; all other outputs are made from it",
             ));
         };
         if shard.is_some() && paths.len() > 1 {
             return Err(Error::usage(
-                "a shard has no figure and no costmap",
+                "a shard has no figure, no costmap and no table",
                 "give them to the command with `--join`",
             ));
         }
-        Ok(Self {
-            map,
-            shard,
-            figures,
-            costmaps,
-        })
+        Ok(Self { map, shard, others })
+    }
+
+    /// Refuses a map that does not fit one of its outputs.
+    pub(super) fn check(&self, layout: &MapLayout) -> Result<()> {
+        if self
+            .others
+            .iter()
+            .any(|(format, _)| *format == Format::GridMap)
+        {
+            grid_map::check(layout)?;
+        }
+        Ok(())
     }
 
     /// The file of finished strips: beside the map, of its name.
@@ -91,26 +136,51 @@ impl Outputs {
         &self,
         layout: &MapLayout,
         mut journals: Vec<Journal>,
-        georeference: &Georeference,
+        (maker, model): (&MapMaker, &RobotModel),
+        dem: &mut Dem,
     ) -> Result<(Summary, String)> {
-        let mut summary = Summary::new(layout, !self.costmaps.is_empty());
+        let has_costs = self
+            .others
+            .iter()
+            .any(|(format, _)| *format == Format::Costmap);
+        let mut summary = Summary::new(layout, has_costs);
         let mut file = OutputFile::create(&self.map)?;
         write_map(
             &mut file,
             &self.map,
             layout,
             &mut journals,
-            |index, cells| {
-                summary.see(index, cells);
-            },
+            |index, cells| summary.see(index, cells),
         )?;
         file.finish()?;
         let mut text = format!("wrote {}\n", shown(&self.map));
-        for path in &self.figures {
-            text.push_str(&picture::write(path, layout, &summary.shades)?);
-        }
-        for path in &self.costmaps {
-            text.push_str(&costmap::write(path, layout, georeference, &summary)?);
+        for (format, path) in &self.others {
+            let mut other: Box<dyn CellFile + '_> = match format {
+                Format::Figure => {
+                    text.push_str(&picture::write(path, layout, &summary.shades)?);
+                    continue;
+                }
+                Format::Costmap => {
+                    text.push_str(&costmap::write(path, layout, &summary)?);
+                    continue;
+                }
+                Format::GridMap => Box::new(GridMap::new(OutputFile::create(path)?, layout, dem)),
+                Format::Gazebo => Box::new(SlipPicture::new(
+                    OutputFile::create(path)?,
+                    layout,
+                    (maker, model),
+                )),
+                #[cfg(feature = "parquet")]
+                Format::Table => Box::new(super::cell_table::CellTable::new(
+                    OutputFile::create(path)?,
+                    layout,
+                )?),
+            };
+            for strip in 0..layout.strips() {
+                let (_, cells) = read_strip(&self.map, layout, &mut journals, strip)?;
+                other.see(strip, &cells)?;
+            }
+            text.push_str(&other.finish()?);
         }
         drop(journals);
         if self.journal().exists() {

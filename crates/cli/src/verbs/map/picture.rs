@@ -54,8 +54,8 @@ fn png(shades: &Shades) -> Result<Vec<u8>> {
 pub(in crate::verbs) fn frame(layout: &MapLayout) -> MapFrame {
     let [width, height] = [layout.columns, layout.rows].map(|cells| f64::from(cells) * layout.cell);
     let half = 0.5 * layout.cell;
-    let centre = layout.georeference.centre(0, 0);
-    let [left, top] = centre.map_or([0.0, height], |[x, y]| [x - half, y + half]);
+    let [x, y] = layout.place_of(0, 0);
+    let [left, top] = [x - half, y + half];
     MapFrame::new([left, top - height], [left + width, top], [MAX_SIDE_PT; 2])
 }
 

@@ -89,11 +89,11 @@ pub(super) fn tables(
         let solver = DemandSolver::new(model.clone(), *soil)?;
         if of > 0 {
             // a patch may be impassable; ground as a whole may not
-            let table = SlipTable::new_or_closed(&solver, envelope, index == 0)?;
+            let table = SlipTable::new_or_closed(&solver, envelope)?;
             progress.advance(1);
             return Ok((solver, table));
         }
-        let table = SlipTable::new(&solver, envelope, index == 0).map_err(|error| {
+        let table = SlipTable::new(&solver, envelope).map_err(|error| {
             use grouser_terrain::Error;
             match error {
                 Error::DoesNotMove { name, .. } => Error::DoesNotMove { name, draw: index },

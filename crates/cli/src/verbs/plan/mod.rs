@@ -53,6 +53,9 @@ pub(crate) struct Arguments {
     /// Energy of a turn by one heading in J, which the map does not know
     #[arg(long, value_name = "J", value_parser = parse_finite, default_value = "0")]
     turn_energy_j: f64,
+    /// Minimise the CVaR of the energy over the soil draws, instead of the energy on the soil itself
+    #[arg(long)]
+    cvar: bool,
     /// Heading at the start in degrees from x towards y; whichever serves best unless given
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     start_heading_deg: Option<f64>,
@@ -119,6 +122,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         min_tip_over_deg: arguments.min_tip_over_deg,
         rim_speed: arguments.speed_m_per_s,
         turn_energy: arguments.turn_energy_j,
+        by_cvar: arguments.cvar,
         start_heading: heading(arguments.start_heading_deg),
         goal_heading: heading(arguments.goal_heading_deg),
     };

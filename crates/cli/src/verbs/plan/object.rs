@@ -75,6 +75,14 @@ impl<'a> Planned<'a> {
             shown(route.risk),
             route.turns
         );
+        if self.map.layout.draws > 0 {
+            let _ = writeln!(
+                out,
+                "{} J at most in the mean of the worst {} % of the soil draws (CVaR)",
+                shown(route.energy_cvar),
+                shown(100.0 * (1.0 - self.map.layout.cvar_level))
+            );
+        }
         let mut table = Table::new()
             .text("what decides")
             .number("x, m")
@@ -113,6 +121,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Planned<'a>> {
         "least_risk" "the smallest bound that some way keeps, where none keeps the one given" = plan.least_risk();
         "soil_draws" "soil draws behind the probabilities; 0: the soil is taken for exactly known" =
             plan.map.layout.draws;
+        "cvar_level" "share of the soil draws beyond which a CVaR is the mean" = plan.map.layout.cvar_level;
         "turning_radius_m" "least turning radius of the robot" = plan.map.layout.turning_radius;
         "route" "the way of least energy" group(way()) = plan.route().map(|route| plan.way(route));
         "deciding" "the places that decide" maybe_named(place()) =
@@ -126,6 +135,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Planned<'a>> {
 fn costs<'a>() -> Fields<'a, Way<'a>> {
     fields! { |way: Way<'a>|
         "energy_j" "energy" = way.route.energy;
+        "energy_cvar_j" "CVaR of the energy over the soil draws, at most" = way.route.energy_cvar;
         "time_s" "time" = way.route.time;
         "length_m" "length along the ground" = way.route.length;
         "risk" "probability to be immobilised anywhere on it in steady straight driving, at most" = way.route.risk;
