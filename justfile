@@ -73,6 +73,20 @@ terrain:
 mission:
     GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
 
+# SHA-256 of reference cases, batches, drives and an estimate on x86-64 (also without AVX), AArch64, ARMv7, RISC-V and
+# WebAssembly, the others emulated; builds each, an hour. One machine: just same-bits x86_64 aarch64 -- reference batch
+same-bits *arguments="-- canary reference batch drives scenarios estimate 20":
+    crates/synthetic/same-bits {{arguments}}
+
+# Miri over numbers, portable lanes and unit tests of the estimators and the C interface, half an hour; needs nightly Rust.
+# The platform's functions have random last bits in Miri, hence the features. Left out: tests over whole drives (hours), and
+# lanes on vector instructions, which Miri does not know (`just sanitize` runs those)
+miri:
+    rustup +nightly component add miri rust-src
+    MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --package grouser-real --features deterministic --lib
+    MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --package grouser-terra --no-default-features --lib -- lanes::vector
+    MIRIFLAGS=-Zmiri-disable-isolation cargo +nightly miri test --package grouser-slip --package grouser-c --features grouser-slip/deterministic --lib
+
 # soil learnt while driving, on nine soils under two laws of shear: what was predicted against what was true; minutes
 learnt-soil seeds="2":
     GROUSER_SEEDS={{seeds}} cargo test --release --package grouser-rover --test learnt_soil -- --ignored --nocapture

@@ -126,7 +126,7 @@ pub(crate) fn fields<'a>() -> Fields<'a, &'a Session> {
         "version" "version of the program" = env!("CARGO_PKG_VERSION");
         "commit" "commit that it was built from" = option_env!("GROUSER_COMMIT");
         "instructions" "the processor's instructions that it was computed with: `avx512`, `avx2` or `portable`; between \
-            them last digits differ" = grouser_terra::instructions();
+            them last digits differ. `deterministic` in a build that has the same digits on all" = grouser_terra::instructions();
         "seed" "seed of random numbers" = session.seed;
         "input_sha256" "files that were read, with their SHA-256" values = Some(session.input_sha256.clone());
         "soil" "the soil" group(soil) = session.soil.as_ref();

@@ -13,8 +13,14 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("grouser-terra", &["grouser-real"]),
     ("grouser-opt", &["grouser-real"]),
     ("grouser-slip", &["grouser-real", "grouser-terra"]),
-    ("grouser-files", &["grouser-terra", "grouser-slip"]),
-    ("grouser-log", &["grouser-slip", "grouser-files"]),
+    (
+        "grouser-files",
+        &["grouser-real", "grouser-terra", "grouser-slip"],
+    ),
+    (
+        "grouser-log",
+        &["grouser-real", "grouser-slip", "grouser-files"],
+    ),
     (
         "grouser-replay",
         &[
@@ -35,7 +41,12 @@ const FLOORS: &[(&str, &[&str])] = &[
     ),
     (
         "grouser-rover",
-        &["grouser-terra", "grouser-slip", "grouser-files"],
+        &[
+            "grouser-real",
+            "grouser-terra",
+            "grouser-slip",
+            "grouser-files",
+        ],
     ),
     (
         "grouser-terrain",

@@ -28,6 +28,7 @@
 //! The primary type is [`Design`]. Derivatives are exact: formulas and wheel alike run on dual numbers, and
 //! the sinkage that carries a load is differentiated through its equation. The crate writes no files.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod builder;
 mod certificate;

@@ -37,6 +37,7 @@
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module, and [`TomlText`], which
 //! writes them. The crate reads the descriptions of logs, not logs.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod body;
 pub mod columns;

@@ -29,6 +29,7 @@
 //! unit = "tick"
 //! ```
 
+use grouser_real::Real;
 use grouser_slip::{Robot, WheelRole};
 
 use crate::columns::{Column, check_together, read_meaning};
@@ -270,7 +271,11 @@ fn read_mounting(section: &Section<'_>) -> Result<Option<[f64; 3]>> {
 /// The directions forwards and up in the frame of an IMU that is turned by roll, pitch and yaw (about x, then the fixed y,
 /// then the fixed z axis, as in a URDF): rows of `R_z(yaw) R_y(pitch) R_x(roll)`.
 fn mounted_axes([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 2] {
-    let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
+    let ((sr, cr), (sp, cp), (sy, cy)) = (
+        Real::sin_cos(roll),
+        Real::sin_cos(pitch),
+        Real::sin_cos(yaw),
+    );
     [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
         [-sp, cp * sr, cp * cr],

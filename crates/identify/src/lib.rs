@@ -21,6 +21,7 @@
 //! The primary type is [`Identification`], which a [`Job`] file leads to ([`identify()`]); each kind of test
 //! has its own module. The crate fits; the laws are in `grouser-terra`.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod error;
 mod identification;

@@ -39,6 +39,7 @@
 //!
 //! The primary types are [`Log`] and [`Intake`]. The crate estimates nothing: it does not know the robot.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod container;
 pub mod csv;

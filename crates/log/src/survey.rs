@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use grouser_real::Real;
+
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
 use crate::message::known::TRUTH;
@@ -362,7 +364,8 @@ impl Tally {
     reason = "between 0 and 512"
 )]
 fn bin(interval_ns: u64) -> usize {
-    let place = (interval_ns.max(1) as f64).log2() * BINS_PER_DOUBLING;
+    let doublings = Real::ln(interval_ns.max(1) as f64) * std::f64::consts::LOG2_E;
+    let place = doublings * BINS_PER_DOUBLING;
     (place as usize).min(BINS - 1)
 }
 

@@ -28,6 +28,7 @@
 //! [`solve`] meets them. Solvers are local: [`multi_start`] looks from many starts, and [`certify()`] proves
 //! how good the best point over a whole box is. The crate knows nothing of wheels.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod callback;
 mod certify;

@@ -5,6 +5,8 @@
 //! Antonov & Saleev 1979. A seed shifts every coordinate by random bits (a digital shift), which keeps
 //! the evenness.
 
+use grouser_real::Real;
+
 use crate::error::{Error, Result};
 use crate::random::Random;
 use crate::sobol_directions::DIRECTIONS;
@@ -63,7 +65,7 @@ impl Sobol {
             .state
             .iter()
             .zip(&self.shift)
-            .map(|(state, shift)| f64::from(state ^ shift) / 2.0_f64.powi(32))
+            .map(|(state, shift)| f64::from(state ^ shift) / Real::powi(2.0_f64, 32))
             .collect();
         let bit = usize::try_from(self.index.trailing_ones()).unwrap_or(0);
         for (state, directions) in self.state.iter_mut().zip(&self.directions) {

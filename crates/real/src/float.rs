@@ -1,10 +1,25 @@
-//! `f64` and `f32` as [`Real`] numbers: the standard library's functions with the feature `std`,
-//! libm's without it.
+//! `f64` and `f32` as [`Real`] numbers: the standard library's functions with the feature `std`, libm's without it and
+//! with the feature `deterministic`.
+//!
+//! The standard library calls the platform's functions, which differ in the last bit between C libraries, versions and
+//! processors: glibc alone chooses between two sines by whether the processor has fused instructions. libm is plain
+//! code, rounded operation by operation.
 
 use crate::real::{Real, Scalar};
 
+/// The platform's function of a name, or libm's.
+macro_rules! function {
+    ($float:ident::$name:ident or $libm:ident($($x:expr),*)) => {{
+        #[cfg(all(feature = "std", not(feature = "deterministic")))]
+        return $float::$name($($x),*);
+        #[cfg(not(all(feature = "std", not(feature = "deterministic"))))]
+        return libm::$libm($($x),*);
+    }};
+}
+
 macro_rules! real_for_float {
-    ($float:ident, $($name:ident => $libm:ident),* ; powf => $pow:ident, atan2 => $atan2:ident) => {
+    ($float:ident, $($name:ident => $libm:ident),* ;
+        sqrt => $sqrt:ident, powf => $pow:ident, atan2 => $atan2:ident, sin_cos => $sin_cos:ident) => {
         impl Real for $float {
             type Mask = bool;
             const ZERO: Self = 0.0;
@@ -39,35 +54,46 @@ macro_rules! real_for_float {
             fn abs(self) -> Self {
                 $float::abs(self)
             }
+            #[inline]
+            fn sqrt(self) -> Self {
+                // one instruction, and rounded correctly everywhere
+                #[cfg(feature = "std")]
+                return $float::sqrt(self);
+                #[cfg(not(feature = "std"))]
+                return libm::$sqrt(self);
+            }
             $(
                 #[inline]
                 fn $name(self) -> Self {
-                    #[cfg(feature = "std")]
-                    return $float::$name(self);
-                    #[cfg(not(feature = "std"))]
-                    return libm::$libm(self);
+                    function!($float::$name or $libm(self))
                 }
             )*
             #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                function!($float::sin_cos or $sin_cos(self))
+            }
+            #[inline]
             fn atan2(self, x: Self) -> Self {
-                #[cfg(feature = "std")]
-                return $float::atan2(self, x);
-                #[cfg(not(feature = "std"))]
-                return libm::$atan2(self, x);
+                function!($float::atan2 or $atan2(self, x))
             }
             #[inline]
             fn powf(self, n: Self) -> Self {
-                #[cfg(feature = "std")]
-                return $float::powf(self, n);
-                #[cfg(not(feature = "std"))]
-                return libm::$pow(self, n);
+                function!($float::powf or $pow(self, n))
             }
             #[inline]
             fn powi(self, n: i32) -> Self {
-                #[cfg(feature = "std")]
-                return $float::powi(self, n);
-                #[cfg(not(feature = "std"))]
-                return libm::$pow(self, n as $float);
+                // by squaring, in the order of the compilers' own routine, which promises no order
+                let (mut power, mut square, mut left) = (1.0, self, n.unsigned_abs());
+                while left > 0 {
+                    if left & 1 == 1 {
+                        power *= square;
+                    }
+                    left >>= 1;
+                    if left > 0 {
+                        square *= square;
+                    }
+                }
+                if n < 0 { 1.0 / power } else { power }
             }
             #[inline]
             fn hypot(self, other: Self) -> Self {
@@ -86,10 +112,10 @@ macro_rules! real_for_float {
 }
 
 real_for_float!(f64,
-    sqrt => sqrt, exp => exp, exp_m1 => expm1, ln => log, ln_1p => log1p,
+    exp => exp, exp_m1 => expm1, ln => log, log10 => log10, ln_1p => log1p,
     sin => sin, cos => cos, tan => tan, asin => asin, acos => acos, atan => atan,
-    sinh => sinh, cosh => cosh, tanh => tanh; powf => pow, atan2 => atan2);
+    sinh => sinh, cosh => cosh, tanh => tanh; sqrt => sqrt, powf => pow, atan2 => atan2, sin_cos => sincos);
 real_for_float!(f32,
-    sqrt => sqrtf, exp => expf, exp_m1 => expm1f, ln => logf, ln_1p => log1pf,
+    exp => expf, exp_m1 => expm1f, ln => logf, log10 => log10f, ln_1p => log1pf,
     sin => sinf, cos => cosf, tan => tanf, asin => asinf, acos => acosf, atan => atanf,
-    sinh => sinhf, cosh => coshf, tanh => tanhf; powf => powf, atan2 => atan2f);
+    sinh => sinhf, cosh => coshf, tanh => tanhf; sqrt => sqrtf, powf => powf, atan2 => atan2f, sin_cos => sincosf);

@@ -20,6 +20,16 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
+/// Whether the feature `deterministic` is on: the same bits on every machine.
+///
+/// ```
+/// // 9/4 − (3/2)² in one rounding is what a fused instruction gives; here both steps round.
+/// use grouser_real::Real;
+/// assert_eq!(Real::mul_add(1.5, -1.5, 2.25), 0.0);
+/// assert_eq!(grouser_real::DETERMINISTIC, cfg!(feature = "deterministic"));
+/// ```
+pub const DETERMINISTIC: bool = cfg!(feature = "deterministic");
+
 mod dual;
 mod float;
 mod interval;

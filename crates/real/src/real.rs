@@ -69,7 +69,7 @@ pub trait Real:
     /// ```
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
-    /// `self * a + b`, in one rounding where the machine does that fast.
+    /// `self * a + b`, in one rounding where the machine does that fast; in two with the feature `deterministic`.
     #[must_use]
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// |x|; its derivative at 0 is taken as +1.
@@ -87,6 +87,12 @@ pub trait Real:
     /// Natural logarithm.
     #[must_use]
     fn ln(self) -> Self;
+    /// Logarithm to base 10; a single number's is exact at powers of ten.
+    #[must_use]
+    #[inline(always)]
+    fn log10(self) -> Self {
+        self.ln() * Self::from_f64(core::f64::consts::LOG10_E)
+    }
     /// ln(1 + x) without cancellation at small x.
     #[must_use]
     fn ln_1p(self) -> Self;

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, AddAssign, Index, Mul, Neg, Sub};
 
+use grouser_real::Real;
+
 /// A vector of three numbers.
 ///
 /// ```
@@ -255,12 +257,12 @@ impl Attitude {
         let half = 0.5 * angle;
         // sin(α/2)/α, by its series where the angle is tiny
         let scale = if angle > 1e-6 {
-            half.sin() / angle
+            Real::sin(half) / angle
         } else {
             0.5 - angle * angle / 48.0
         };
         Self {
-            w: half.cos(),
+            w: Real::cos(half),
             v: turn * scale,
         }
     }
@@ -339,11 +341,11 @@ impl Attitude {
             self.to_world(Vector::AXES[1]),
             self.to_world(Vector::AXES[2]),
         );
-        let flat = forward.x.hypot(forward.y);
+        let flat = Real::hypot(forward.x, forward.y);
         (
-            left.z.atan2(up.z),
-            (-forward.z).atan2(flat),
-            forward.y.atan2(forward.x),
+            Real::atan2(left.z, up.z),
+            Real::atan2(-forward.z, flat),
+            Real::atan2(forward.y, forward.x),
         )
     }
 }

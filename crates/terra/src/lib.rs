@@ -34,6 +34,7 @@
 //!
 //! The crate contains no robots, time, sensors or terrain; other crates build these on it.
 #![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]
 

@@ -1,5 +1,7 @@
 //! Is a formula linear in its variables, and with which coefficients?
 
+use grouser_real::Real;
+
 use super::program::{Formula, Step};
 
 /// c + Σ a_i x_i.
@@ -67,7 +69,7 @@ impl Formula {
                 Step::WholePower(n) => {
                     let base = stack.pop()?;
                     base.is_constant()
-                        .then(|| Affine::constant(base.constant.powi(n), variables))?
+                        .then(|| Affine::constant(Real::powi(base.constant, n), variables))?
                 }
                 Step::Power | Step::Call(..) => return None,
             };

@@ -1,6 +1,7 @@
 //! A formula ready to be computed: a list of steps on a stack of numbers, without recursion.
 
 use grouser_opt::{Binary, Node, Tape, Unary};
+use grouser_real::Real;
 use grouser_real::Scalar;
 
 /// A function of one number, or of two.
@@ -255,7 +256,7 @@ fn call<R: Scalar>(function: Function, x: R) -> R {
         Function::Log10 => {
             // ln x/ln 10 is off by a rounding even at powers of ten; its value is replaced by the exact one.
             let scaled = x.ln() * R::from_f64(std::f64::consts::LOG10_E);
-            let exact = x.value().log10();
+            let exact = Real::log10(x.value());
             if exact.is_finite() {
                 scaled + R::from_f64(exact - scaled.value())
             } else {

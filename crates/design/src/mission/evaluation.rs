@@ -1,5 +1,6 @@
 //! What one wheel does on a mission.
 
+use grouser_real::Real;
 use grouser_real::Scalar;
 use grouser_terra::{Settings, WheelOnSoil};
 
@@ -158,7 +159,7 @@ impl MissionProfile {
                 .collect();
             let station = Station {
                 axles: &own,
-                required: weight * R::from_f64(slope.slope_deg.to_radians().sin()),
+                required: weight * R::from_f64(Real::sin(slope.slope_deg.to_radians())),
                 max_slip: self.params.max_slip,
             };
             out.push(station.state()?);

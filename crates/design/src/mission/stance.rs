@@ -4,6 +4,7 @@
 //! linear in the mass and smooth in the radius: they are sampled at Chebyshev points and interpolated, so that they
 //! have exact derivatives without a linkage over dual numbers.
 
+use grouser_real::Real;
 use grouser_real::Scalar;
 
 /// Nodes in the radius. The loads are ratios of low polynomials in it, and the remainder is measured.
@@ -30,7 +31,7 @@ impl Polynomial {
             let sum: f64 = values
                 .iter()
                 .enumerate()
-                .map(|(j, value)| value * (k as f64 * angle(j, values.len())).cos())
+                .map(|(j, value)| value * Real::cos(k as f64 * angle(j, values.len())))
                 .sum();
             if k == 0 { sum / n } else { 2.0 * sum / n }
         };
@@ -59,7 +60,7 @@ fn nodes((low, high): (f64, f64)) -> Vec<f64> {
     }
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     (0..NODES)
-        .map(|j| middle + half * angle(j, NODES).cos())
+        .map(|j| middle + half * Real::cos(angle(j, NODES)))
         .collect()
 }
 

@@ -1,5 +1,6 @@
 //! A robot on one soil and one slope: the slip that holds it, the energy per metre, and the reserve of pull.
 
+use grouser_real::Real;
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{Kinematics, Slip, WheelOnSoil};
 
@@ -134,7 +135,7 @@ impl<R: Scalar> Station<'_, R> {
                 let point = axle.inputs.loaded_on(axle.wheel_on_soil, slip, axle.load)?;
                 let count = R::from_f64(axle.count);
                 sum.pull += count * point.forces.drawbar_pull;
-                let depth = point.radius.value() * (1.0 - point.theta_1.value().cos());
+                let depth = point.radius.value() * (1.0 - Real::cos(point.theta_1.value()));
                 sum.sinkage = sum.sinkage.max(depth);
                 if axle.bearing.is_none() {
                     let q = point.speed_ratio();

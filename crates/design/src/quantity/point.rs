@@ -4,6 +4,7 @@
 //! dθ_1 = (d load − ∂W/∂p dp)/(∂W/∂θ_1), one evaluation of the stresses with each kind of dual number. A slip
 //! or a slope that solves an equation gets its derivatives in the same way.
 
+use grouser_real::Real;
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{
     Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
@@ -215,7 +216,7 @@ impl<R: Scalar> Inputs<R> {
         };
         let (alpha, slip) = (steepest.slope.rad(), steepest.slip.value());
         // DP(W cos α) − W sin α = 0 at the best slip; by its parameters, and by α.
-        let (sin, cos) = alpha.sin_cos();
+        let (sin, cos) = Real::sin_cos(alpha);
         let here = self.loaded(R::from_f64(slip), weight * R::from_f64(cos))?;
         let off = here.forces.drawbar_pull - weight * R::from_f64(sin);
         let single = self.plain().lifted::<Dual<1>>();

@@ -6,6 +6,7 @@
 //! stress grows like tⁿ there. Each integral carries a relative remainder, a variable in ±[`QUADRATURE_REMAINDER_SHARE`].
 
 use grouser_opt::{Binary, Node, Unary};
+use grouser_real::Real;
 
 use super::taped::Taped;
 use super::{Parameter, Quantity};
@@ -39,7 +40,7 @@ fn legendre() -> Vec<(f64, f64)> {
     let n = NODES as f64;
     (0..NODES)
         .map(|i| {
-            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+            let mut x = Real::cos(std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5));
             let mut slope = 1.0;
             for _ in 0..50 {
                 let (mut p, mut before) = (1.0, 0.0);

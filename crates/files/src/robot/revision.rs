@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use grouser_real::Real;
 use grouser_slip::WheelRole;
 use grouser_slip::window::WindowSettings;
 
@@ -97,7 +98,7 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
             };
             if let (Some(factor), WheelRole::Powered) = (revision.radius, wheel.role) {
                 let roller = section.optional_number("roller_deg", (-80.0, 80.0))?;
-                let share = roller.unwrap_or(0.0).to_radians().cos();
+                let share = Real::cos(roller.unwrap_or(0.0).to_radians());
                 put("radius_m", wheel.radius / share * factor);
             }
             if let Some(factor) = revision.track {

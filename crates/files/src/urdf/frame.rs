@@ -1,5 +1,7 @@
 //! Places and directions: what `<origin xyz rpy>` says, composed along a chain of joints.
 
+use grouser_real::Real;
+
 /// Three numbers.
 pub(super) type Vector = [f64; 3];
 /// By rows.
@@ -22,7 +24,11 @@ impl Frame {
     ///
     /// Source: the URDF specification of `<origin>`.
     pub(super) fn new(place: Vector, [roll, pitch, yaw]: Vector) -> Self {
-        let ((s_r, c_r), (s_p, c_p), (s_y, c_y)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
+        let ((s_r, c_r), (s_p, c_p), (s_y, c_y)) = (
+            Real::sin_cos(roll),
+            Real::sin_cos(pitch),
+            Real::sin_cos(yaw),
+        );
         Self {
             turn: [
                 [

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use grouser_real::Real;
+
 use super::frame::{Frame, Vector, add, dot, scaled};
 use super::tree::{Kind, Tree};
 
@@ -105,7 +107,7 @@ fn is_fixed_to(tree: &Tree, mut link: usize, wheel: usize) -> bool {
 fn bar(frame: &Frame, edges: Vector, rim: &Rim, basis: &[Vector; 2]) -> Option<Bar> {
     let from_centre = add(frame.place, scaled(rim.centre, -1.0));
     let [x, y] = [dot(from_centre, basis[0]), dot(from_centre, basis[1])];
-    let distance = x.hypot(y);
+    let distance = Real::hypot(x, y);
     if !(distance > 0.0) {
         return None;
     }
@@ -134,7 +136,7 @@ fn bar(frame: &Frame, edges: Vector, rim: &Rim, basis: &[Vector; 2]) -> Option<B
     is_bar.then_some(Bar {
         tip,
         thickness: edges[thickness],
-        place: y.atan2(x),
+        place: Real::atan2(y, x),
     })
 }
 

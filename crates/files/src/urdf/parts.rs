@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use grouser_real::Real;
+
 use super::error::UrdfError;
 use super::frame::{Vector, dot};
 use super::lugs::{Found, Lugs, Rim, lugs};
@@ -315,11 +317,11 @@ fn wheel(
 ) -> Wheel {
     let mut axle = tree.axis(joint);
     // turning about an axle to the left drives forwards: axle × up
-    let mut heading = (-axle[0]).atan2(axle[1]);
+    let mut heading = Real::atan2(-axle[0], axle[1]);
     let reversed = heading.abs() > std::f64::consts::FRAC_PI_2 + 1e-6;
     if reversed {
         axle = axle.map(|part| -part);
-        heading = (-axle[0]).atan2(axle[1]);
+        heading = Real::atan2(-axle[0], axle[1]);
     }
     Wheel {
         name: String::new(),
@@ -327,7 +329,7 @@ fn wheel(
         centre: tree.links[joint.child].frame.point(centre),
         heading,
         reversed,
-        camber: (-axle[2]).asin(),
+        camber: Real::asin(-axle[2]),
         radius,
         width,
         lugs: None,

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_real::Real;
+
 use super::mass::Mass;
 use super::parts::Parts;
 use super::tree::Tree;
@@ -140,7 +142,7 @@ fn mass(out: &mut String, mass: &Mass, ground: f64) {
 }
 
 fn number(out: &mut String, key: &str, value: f64) {
-    let scale = 10_f64.powi(DIGITS);
+    let scale = Real::powi(10_f64, DIGITS);
     let rounded = (value * scale).round() / scale;
     // what is smaller than the last digit is written as it is
     let shown = if rounded == 0.0 && value.abs() > 1e-12 {

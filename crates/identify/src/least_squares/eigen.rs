@@ -1,5 +1,7 @@
 //! Eigenvalues and eigenvectors of a small symmetric matrix by Jacobi's rotations.
 
+use grouser_real::Real;
+
 /// Eigenvalues with their unit eigenvectors, in no particular order.
 ///
 /// Jacobi's method is slower than others and more exact for small eigenvalues of a scaled matrix, which is
@@ -24,8 +26,8 @@ pub(crate) fn symmetric(mut a: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
                     continue;
                 }
                 let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t = theta.signum() / (theta.abs() + Real::hypot(theta, 1.0));
+                let c = 1.0 / Real::hypot(t, 1.0);
                 let s = t * c;
                 for row in &mut a {
                     (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);

@@ -1,6 +1,7 @@
 //! Levenberg-Marquardt.
 
 use grouser_opt::{Jacobian, Model};
+use grouser_real::Real;
 
 use super::fit::{Fit, Status};
 use super::qr::solve_damped;
@@ -247,7 +248,7 @@ impl<'a, M: Model> Search<'a, M> {
                 .zip(right)
                 .map(|(row, r)| {
                     let change: f64 = row.iter().zip(&taken).map(|(g, d)| g * d).sum();
-                    0.5 * (r + change).powi(2)
+                    0.5 * Real::powi(r + change, 2)
                 })
                 .sum();
             0.5 * right.iter().map(|r| r * r).sum::<f64>() - linear
@@ -259,7 +260,7 @@ impl<'a, M: Model> Search<'a, M> {
         let fall = self.here.cost - cost;
         if fall > 0.0 {
             let ratio = if foretold > 0.0 { fall / foretold } else { 0.0 };
-            let bend = 1.0 - (2.0 * ratio - 1.0).powi(3);
+            let bend = 1.0 - Real::powi(2.0 * ratio - 1.0, 3);
             self.lambda = (self.lambda * bend.clamp(1.0 / 3.0, 2.0)).max(1e-15);
             self.growth = 2.0;
             self.here = Point { x, residuals, cost };

@@ -1,6 +1,7 @@
 //! Profile-likelihood intervals: how far a parameter can go while the others make the best of it.
 
 use grouser_opt::{Jacobian, Model};
+use grouser_real::Real;
 
 use super::fit::Fit;
 use super::marquardt::{Settings, fit};
@@ -67,7 +68,7 @@ pub fn profile(
 ) -> Result<Interval> {
     let uncertainty = Uncertainty::of(best, settings.loss);
     let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom as f64);
-    let limit = best.cost + 0.5 * (t * uncertainty.residual_deviation).powi(2);
+    let limit = best.cost + 0.5 * Real::powi(t * uncertainty.residual_deviation, 2);
     let guess = t * uncertainty.standard_errors[index];
     let bound = &best.bounds[index];
     let width = bound.upper - bound.lower;

@@ -1,5 +1,7 @@
 //! The damped linear least-squares problem of one step, by Householder reflections.
 
+use grouser_real::Real;
+
 /// min ‖A x + b‖² + ‖D x‖², A given by rows, D diagonal. `None` where a column is empty to rounding.
 ///
 /// The rows of D come below those of A, so that AᵀA is never formed: its condition is the square of A's.
@@ -14,7 +16,9 @@ pub(crate) fn solve_damped(rows: &[Vec<f64>], right: &[f64], damping: &[f64]) ->
         b.push(0.0);
     }
     for k in 0..columns {
-        let norm = a[k..].iter().fold(0.0_f64, |sum, row| sum.hypot(row[k]));
+        let norm = a[k..]
+            .iter()
+            .fold(0.0_f64, |sum, row| Real::hypot(sum, row[k]));
         if !(norm > 0.0) {
             return None;
         }

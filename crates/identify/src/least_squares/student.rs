@@ -1,5 +1,7 @@
 //! Student's t.
 
+use grouser_real::Real;
+
 /// The quantile of Student's distribution: the t that a variable with `freedom` degrees of freedom stays
 /// below with probability `p`. NaN outside 0 < p < 1 and for no freedom.
 ///
@@ -49,8 +51,9 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x >= 1.0 {
         return 1.0;
     }
-    let front =
-        (log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * x.ln() + b * (1.0 - x).ln()).exp();
+    let front = Real::exp(
+        log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * Real::ln(x) + b * Real::ln(1.0 - x),
+    );
     if x < (a + 1.0) / (a + b + 2.0) {
         front * fraction(x, a, b) / a
     } else {
@@ -92,12 +95,12 @@ fn fraction(x: f64, a: f64, b: f64) -> f64 {
 fn log_gamma(x: f64) -> f64 {
     let (mut x, mut shift) = (x, 0.0);
     while x < 12.0 {
-        shift -= x.ln();
+        shift -= Real::ln(x);
         x += 1.0;
     }
     let y = 1.0 / (x * x);
     let series = (1.0 / 12.0 - y * (1.0 / 360.0 - y * (1.0 / 1260.0 - y / 1680.0))) / x;
-    shift + (x - 0.5) * x.ln() - x + 0.5 * (2.0 * core::f64::consts::PI).ln() + series
+    shift + (x - 0.5) * Real::ln(x) - x + 0.5 * Real::ln(2.0 * core::f64::consts::PI) + series
 }
 
 #[cfg(test)]

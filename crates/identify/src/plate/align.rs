@@ -1,5 +1,7 @@
 //! Clocks of two recordings of one test.
 
+use grouser_real::Real;
+
 /// Times of readings by a controller's own clock, put on a system clock that stamped them late and in bursts:
 /// the straight line through (controller, system), shifted so that no reading was stamped before it was made.
 ///
@@ -17,7 +19,10 @@ pub(super) fn straightened(controller: &[f64], system: &[f64]) -> Vec<f64> {
     let top: f64 = pairs()
         .map(|(c, s)| (c - c_0 - c_mean) * (s - s_0 - s_mean))
         .sum();
-    let bottom: f64 = controller.iter().map(|c| (c - c_0 - c_mean).powi(2)).sum();
+    let bottom: f64 = controller
+        .iter()
+        .map(|c| Real::powi(c - c_0 - c_mean, 2))
+        .sum();
     let rate = if bottom > 0.0 { top / bottom } else { 1.0 };
     let line = |c: f64| s_0 + s_mean + rate * (c - c_0 - c_mean);
     let least = pairs()

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_log::container::{Container, Event};
 use grouser_log::message::{Decoder, Value};
+use grouser_real::Real;
 
 use super::align::{at, straightened, time_zone};
 use super::test::{Plate, PlateTest};
@@ -204,7 +205,7 @@ fn roughness(
         .iter()
         .zip(&forces)
         .filter(|(z, f)| **z > 1e-3 && **f > 0.0)
-        .map(|(z, f)| (z.ln(), f.ln()))
+        .map(|(z, f)| (Real::ln(*z), Real::ln(*f)))
         .collect();
     if points.len() < 20 {
         return f64::INFINITY;
@@ -215,7 +216,7 @@ fn roughness(
         .iter()
         .map(|(x, _)| {
             let u = 2.0 * (x - low) / (high - low) - 1.0;
-            (0..5).map(|power| u.powi(power)).collect()
+            (0..5).map(|power| Real::powi(u, power)).collect()
         })
         .collect();
     let right: Vec<f64> = points.iter().map(|(_, y)| -y).collect();
@@ -227,7 +228,7 @@ fn roughness(
         .zip(&right)
         .map(|(row, y)| {
             let said: f64 = row.iter().zip(&found).map(|(a, b)| a * b).sum();
-            (said + y).powi(2)
+            Real::powi(said + y, 2)
         })
         .sum();
     squares / points.len() as f64

@@ -1,6 +1,7 @@
 //! Bekker's exponent and moduli from plate tests.
 
 use grouser_opt::{Exact, Functions};
+use grouser_real::Real;
 use grouser_real::Scalar;
 
 use super::test::PlateTest;
@@ -125,7 +126,7 @@ impl Functions for Law<'_> {
             };
             for &reading in used {
                 let depth = R::from_f64(test.depth[reading]) - datum;
-                let measured = R::from_f64(test.pressure(reading).ln());
+                let measured = R::from_f64(Real::ln(test.pressure(reading)));
                 if let Some(slot) = slots.next() {
                     *slot = k.ln() + x[0] * depth.ln() - measured;
                 }
@@ -179,7 +180,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
     ];
     start.extend(vec![
         Bounded {
-            start: 1e6_f64.ln(),
+            start: Real::ln(1e6_f64),
             lower: 0.0,
             upper: 40.0,
         };
@@ -253,15 +254,15 @@ fn assemble(
     let mut parameters = vec![parameter("n".to_owned(), 0, &itself)];
     let (k_c, k_phi) = match shape {
         Shape::One => {
-            parameters.push(parameter("k_pa_per_m_n".to_owned(), 1, &f64::exp));
-            (0.0, found.x[1].exp())
+            parameters.push(parameter("k_pa_per_m_n".to_owned(), 1, &Real::exp));
+            (0.0, Real::exp(found.x[1]))
         }
         Shape::Two { least, greatest } => {
             for (index, width) in [(1, least), (2, greatest)] {
                 let name = format!("k_pa_per_m_n_at_b_{}_mm", 1e3 * width);
-                parameters.push(parameter(name, index, &f64::exp));
+                parameters.push(parameter(name, index, &Real::exp));
             }
-            let (narrow, wide) = (found.x[1].exp(), found.x[2].exp());
+            let (narrow, wide) = (Real::exp(found.x[1]), Real::exp(found.x[2]));
             let k_c = (narrow - wide) / (1.0 / least - 1.0 / greatest);
             (k_c, narrow - k_c / least)
         }

@@ -1,5 +1,7 @@
 //! Messages to be written, as fields.
 
+use grouser_real::Real;
+
 use super::Value;
 
 /// A message of these fields.
@@ -99,7 +101,7 @@ pub fn vector([x, y, z]: [f64; 3]) -> Value {
 /// ```
 #[must_use]
 pub fn turn(yaw: f64) -> Value {
-    let (sin, cos) = (0.5 * yaw).sin_cos();
+    let (sin, cos) = Real::sin_cos(0.5 * yaw);
     message([
         ("x", Value::Float(0.0)),
         ("y", Value::Float(0.0)),
@@ -119,9 +121,9 @@ pub fn turn(yaw: f64) -> Value {
 #[must_use]
 pub fn orientation([roll, pitch, yaw]: [f64; 3]) -> Value {
     let ((s_r, c_r), (s_p, c_p), (s_y, c_y)) = (
-        (0.5 * roll).sin_cos(),
-        (0.5 * pitch).sin_cos(),
-        (0.5 * yaw).sin_cos(),
+        Real::sin_cos(0.5 * roll),
+        Real::sin_cos(0.5 * pitch),
+        Real::sin_cos(0.5 * yaw),
     );
     message([
         ("x", Value::Float(s_r * c_p * c_y - c_r * s_p * s_y)),

@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 
+use grouser_real::Real;
 use grouser_slip::Measurement;
 
 use super::mounting::{dot, yaw};
@@ -98,7 +99,7 @@ impl Job {
                 left: Some(linear[1]),
             }),
             (Job::SpeedOnEarth, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
-                forward: linear[0].hypot(linear[1]),
+                forward: Real::hypot(linear[0], linear[1]),
                 left: None,
             }),
             (Job::Command, Some(View::Twist { linear, .. })) => push(Measurement::Command {

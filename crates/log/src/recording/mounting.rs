@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use grouser_real::Real;
+
 use crate::message::Transform;
 
 /// Standard gravity, m/s².
@@ -133,7 +135,7 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub(super) fn yaw([x, y, z, w]: [f64; 4]) -> Option<f64> {
     let size = x * x + y * y + z * z + w * w;
     (size > 1e-6 && size.is_finite())
-        .then(|| f64::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+        .then(|| Real::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
 }
 
 /// A vector of the parent in the child's frame: q* v q.

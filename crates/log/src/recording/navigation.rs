@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use grouser_real::Real;
 use grouser_slip::Measurement;
 
 use crate::message::NavSatFix;
@@ -60,8 +61,8 @@ impl NavSatFix {
 
     /// Place on the earth, m (WGS 84, centred and fixed to the earth). A missing altitude is 0.
     fn place(&self) -> [f64; 3] {
-        let (sin, cos) = self.latitude_deg.to_radians().sin_cos();
-        let (sin_l, cos_l) = self.longitude_deg.to_radians().sin_cos();
+        let (sin, cos) = Real::sin_cos(self.latitude_deg.to_radians());
+        let (sin_l, cos_l) = Real::sin_cos(self.longitude_deg.to_radians());
         let altitude = if self.altitude.is_finite() {
             self.altitude
         } else {
@@ -201,16 +202,16 @@ impl Track {
             now.place[0] - anchor.place[0],
             now.place[1] - anchor.place[1],
         ];
-        let size = way[0].hypot(way[1]);
+        let size = Real::hypot(way[0], way[1]);
         if size >= MIN_COURSE_M.max(COURSE_SIGMAS * now.sigma) {
             self.correct_heading(&anchor, &now, way, size);
             self.anchor = Some(now);
         }
         let (heading, _) = self.heading?;
         let (turned, middle) = between(&last, &now);
-        let (north, east) = (heading + middle).sin_cos();
+        let (north, east) = Real::sin_cos(heading + middle);
         let (dx, dy) = (now.place[0] - last.place[0], now.place[1] - last.place[1]);
-        let arc = 2.0 * (0.5 * turned).sin();
+        let arc = 2.0 * Real::sin(0.5 * turned);
         Some(Measurement::Displacement {
             forward: east * dx + north * dy + arc * self.antenna[1],
             left: east * dy - north * dx - arc * self.antenna[0],
@@ -221,17 +222,18 @@ impl Track {
     /// Corrects the heading by the course of a way of the antenna, whose own turn about the robot's origin is taken out.
     fn correct_heading(&mut self, from: &Placed, to: &Placed, way: [f64; 2], size: f64) {
         let (turned, middle) = between(from, to);
-        let aside = 2.0 * (0.5 * turned).sin() * self.antenna[0];
+        let aside = 2.0 * Real::sin(0.5 * turned) * self.antenna[0];
         if aside.abs() >= 0.7 * size {
             return;
         }
         let along = (size * size - aside * aside).sqrt();
-        let course = f64::atan2(way[1], way[0]) - middle;
+        let course = Real::atan2(way[1], way[0]) - middle;
         let (forwards, backwards) = (
-            course - f64::atan2(aside, along),
-            course - f64::atan2(aside, -along),
+            course - Real::atan2(aside, along),
+            course - Real::atan2(aside, -along),
         );
-        let noise = (2.0 * from.sigma.powi(2)) / (size * size) + DRIFT_SIGMA_RAD.powi(2);
+        let noise =
+            (2.0 * Real::powi(from.sigma, 2)) / (size * size) + Real::powi(DRIFT_SIGMA_RAD, 2);
         let Some((heading, variance)) = self.heading else {
             self.heading = Some((forwards, noise));
             return;
@@ -250,8 +252,8 @@ impl Track {
     fn on_plane(&mut self, fix: &NavSatFix) -> [f64; 2] {
         let place = fix.place();
         let origin = self.origin.get_or_insert_with(|| {
-            let (sin, cos) = fix.latitude_deg.to_radians().sin_cos();
-            let (sin_l, cos_l) = fix.longitude_deg.to_radians().sin_cos();
+            let (sin, cos) = Real::sin_cos(fix.latitude_deg.to_radians());
+            let (sin_l, cos_l) = Real::sin_cos(fix.longitude_deg.to_radians());
             Origin {
                 place,
                 east: [-sin_l, cos_l, 0.0],
@@ -275,8 +277,8 @@ fn seconds(from_ns: i64, to_ns: i64) -> f64 {
 
 /// An angle in (−π, π].
 fn wrapped(angle: f64) -> f64 {
-    let (sin, cos) = angle.sin_cos();
-    f64::atan2(sin, cos)
+    let (sin, cos) = Real::sin_cos(angle);
+    Real::atan2(sin, cos)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use grouser_files::columns::Meaning;
+use grouser_real::Real;
 
 use crate::csv::{Lines, finite, split};
 use crate::error::Result;
@@ -259,7 +260,7 @@ impl SheetColumn {
     #[must_use]
     pub fn wraps_at_bits(&self) -> Option<u32> {
         let wraps = |bits: &u32| {
-            let range = 2_f64.powi(i32::try_from(*bits).unwrap_or(0));
+            let range = Real::powi(2_f64, i32::try_from(*bits).unwrap_or(0));
             let fits = self.min >= -0.5 * range && self.max < range;
             self.whole && fits && self.max_step > 0.5 * range
         };

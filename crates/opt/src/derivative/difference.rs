@@ -3,6 +3,9 @@
 use crate::jacobian::Jacobian;
 use crate::model::Model;
 
+/// ∛ε: the relative step at which a central difference has the least error.
+const CBRT_EPSILON: f64 = 6.055_454_452_393_343e-6;
+
 /// Which difference approximates the derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -56,7 +59,7 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Differences<F> {
     fn steps(&self, value: f64, below: f64, above: f64) -> Option<(f64, Option<f64>)> {
         let relative = match self.scheme {
             Scheme::Forward => f64::EPSILON.sqrt(),
-            Scheme::Central => f64::EPSILON.cbrt(),
+            Scheme::Central => CBRT_EPSILON,
         };
         let wish = relative * value.abs().max(1.0);
         let (room, sign) = if above >= wish || above >= below {

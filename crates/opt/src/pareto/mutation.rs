@@ -2,6 +2,8 @@
 //!
 //! Source: Deb & Goyal 1996; the bounded form of Deb's NSGA-II code.
 
+use grouser_real::Real;
+
 use crate::random::Random;
 
 /// How often and how far variables change.
@@ -61,10 +63,16 @@ pub(super) fn change(
     let power = eta + 1.0;
     let delta = if u < 0.5 {
         let room = 1.0 - (*x - lower) / width;
-        (2.0 * u + (1.0 - 2.0 * u) * room.powf(power)).powf(1.0 / power) - 1.0
+        Real::powf(
+            2.0 * u + (1.0 - 2.0 * u) * Real::powf(room, power),
+            1.0 / power,
+        ) - 1.0
     } else {
         let room = 1.0 - (upper - *x) / width;
-        1.0 - (2.0 * (1.0 - u) + 2.0 * (u - 0.5) * room.powf(power)).powf(1.0 / power)
+        1.0 - Real::powf(
+            2.0 * (1.0 - u) + 2.0 * (u - 0.5) * Real::powf(room, power),
+            1.0 / power,
+        )
     };
     let before = *x;
     *x = (*x + delta * width).clamp(lower, upper);

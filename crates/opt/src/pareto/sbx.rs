@@ -3,6 +3,8 @@
 //! Source: Deb & Agrawal 1995, Complex Systems 9; the bounded form of Deb's NSGA-II code. The spread factor
 //! β has density ∝ β^η inside and ∝ β^−(η+2) outside the parents, cut at the bounds.
 
+use grouser_real::Real;
+
 use crate::random::Random;
 
 /// How like their parents the children are.
@@ -40,7 +42,7 @@ pub(super) fn cross(
         return;
     }
     // Beyond this β the cut is below rounding.
-    let far = 1e17_f64.powf(1.0 / (crossover.eta + 1.0));
+    let far = Real::powf(1e17_f64, 1.0 / (crossover.eta + 1.0));
     let exponent = 1.0 / (crossover.eta + 1.0);
     for i in 0..a.len() {
         let swap = random.uniform() < 0.5;
@@ -56,14 +58,14 @@ pub(super) fn cross(
             2.0 - if beta > far {
                 0.0
             } else {
-                beta.powf(-(crossover.eta + 1.0))
+                Real::powf(beta, -(crossover.eta + 1.0))
             }
         };
         let spread = |alpha: f64| {
             if u <= 1.0 / alpha {
-                (u * alpha).powf(exponent)
+                Real::powf(u * alpha, exponent)
             } else {
-                (1.0 / (2.0 - u * alpha)).powf(exponent)
+                Real::powf(1.0 / (2.0 - u * alpha), exponent)
             }
         };
         let (alpha_one, alpha_two) = (cut(low - lower[i]), cut(upper[i] - high));

@@ -2,6 +2,8 @@
 //!
 //! Source: Wichura 1988, algorithm AS 241 (PPND16), Appl. Statist. 37: relative accuracy about 1e-16.
 
+use grouser_real::Real;
+
 /// Σ c_i xⁱ.
 fn polynomial(coefficients: &[f64; 8], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
@@ -75,7 +77,7 @@ pub(super) fn quantile(p: f64) -> f64 {
         return q * polynomial(&A, r) / polynomial(&B, r);
     }
     let tail = if q < 0.0 { p } else { 1.0 - p };
-    let r = (-tail.ln()).sqrt();
+    let r = (-Real::ln(tail)).sqrt();
     let size = if r <= 5.0 {
         polynomial(&C, r - 1.6) / polynomial(&D, r - 1.6)
     } else {

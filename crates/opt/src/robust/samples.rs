@@ -1,5 +1,7 @@
 //! Samples of what is uncertain, evenly spread by a Sobol sequence.
 
+use grouser_real::Real;
+
 use super::normal::quantile;
 use crate::error::{Error, Result};
 use crate::sobol::Sobol;
@@ -64,7 +66,7 @@ pub fn sample(uncertainty: &Uncertainty, count: usize, seed: u64) -> Result<Vec<
             Ok((0..count)
                 .map(|_| {
                     // The middle of a cell of the sequence's grid is never 0 or 1.
-                    let half = 0.5 / 2.0_f64.powi(32);
+                    let half = 0.5 / Real::powi(2.0_f64, 32);
                     let z: Vec<f64> = sobol
                         .next_point()
                         .iter()

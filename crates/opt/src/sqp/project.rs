@@ -1,5 +1,7 @@
 //! The start, moved into the linear constraints: the nearest point that meets them.
 
+use grouser_real::Real;
+
 use super::factor::Factor;
 use super::qp::{Qp, RowKind, Rows};
 use super::subspace::dot;
@@ -47,7 +49,7 @@ pub(super) fn onto_linear(
     };
     // The price must exceed the multipliers of the nearest point, which grow with its distance.
     for exponent in [3, 6, 9, 12] {
-        let cap = 10.0_f64.powi(exponent);
+        let cap = Real::powi(10.0_f64, exponent);
         let mut rows = Rows::default();
         for row in &program.linear {
             rows.kinds.push(if row.equal {

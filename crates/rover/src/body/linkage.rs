@@ -4,6 +4,7 @@
 //! the rates of the freedoms. Kane's equations give M u̇ = Q − bias, with Σ over the bodies of
 //! M = m Jᵥᵀ Jᵥ + J_ωᵀ I J_ω. Every axis lies across the robot, so that a chain of links only adds up angles.
 
+use grouser_real::Real;
 use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
@@ -291,7 +292,7 @@ impl Linkage {
                 pivot = carrier.pivot
                     + (link.pivot - self.links[on].pivot).pitched(carrier.trigonometry);
             }
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = Real::sin_cos(angle);
             pose.links[index] = LinkPose {
                 angle,
                 rate,

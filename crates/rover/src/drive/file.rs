@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::gravity::read_gravity;
 use grouser_files::{Document, Section, nearest, read_fields};
+use grouser_real::Real;
 use grouser_slip::control::ControlSettings;
 use grouser_slip::onboard::SoilLearnSettings;
 use grouser_terra::{Angle, MultiPass, ShearLaw, Soil, SoilParams, catalogue};
@@ -119,7 +120,7 @@ fn read(
         }
         legs.push(Leg {
             speed: plan.speed,
-            heading: (plan.goal.1 - start.1).atan2(plan.goal.0 - start.0),
+            heading: Real::atan2(plan.goal.1 - start.1, plan.goal.0 - start.0),
             distance: None,
             duration: Some(duration),
         });

@@ -1,5 +1,7 @@
 //! The referee: knows the truth, counts the progress, and ends a drive that goes nowhere.
 
+use grouser_real::Real;
+
 use super::outcome::Outcome;
 use super::scenario::Leg;
 use crate::vector::Vector;
@@ -64,12 +66,16 @@ impl Referee {
         let Some(leg) = self.legs.get(self.leg) else {
             return Some(Outcome::Arrived);
         };
-        let (sin, cos) = leg.heading.sin_cos();
+        let (sin, cos) = Real::sin_cos(leg.heading);
         let sense = if leg.speed < 0.0 { -1.0 } else { 1.0 };
         let from = place - self.since.1;
         // along the ground: a slope's metres are longer than the map's
         let flat = sense * (cos * from.x + sin * from.y);
-        self.progress = if flat > 0.0 { flat.hypot(from.z) } else { flat };
+        self.progress = if flat > 0.0 {
+            Real::hypot(flat, from.z)
+        } else {
+            flat
+        };
         let over = leg.distance.is_some_and(|d| self.progress >= d)
             || leg.duration.is_some_and(|t| time - self.since.0 >= t);
         if over {

@@ -1,5 +1,6 @@
 //! The loop: ground, robot, sensors, on-board computer, motors.
 
+use grouser_real::Real;
 use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
 use grouser_slip::onboard::{OnBoard, SoilLearnSettings, SoilLearner, SoilTables};
@@ -345,7 +346,7 @@ impl Simulation {
         let up = state.attitude.to_world(Vector::AXES[2]);
         let is_settled = time >= SETTLING_TIME_S;
         let ended = if is_settled {
-            let tilt = up.z.clamp(-1.0, 1.0).acos();
+            let tilt = Real::acos(up.z.clamp(-1.0, 1.0));
             self.referee.look(time, place, tilt)
         } else {
             None

@@ -3,6 +3,7 @@
 //! Semi-implicit Euler at a fixed step: forces at the present state, new speeds from them, new places from the new
 //! speeds. The stiffest part is soil under a light wheel, some 200 rad/s, so that 1 ms lies far inside its limit.
 
+use grouser_real::Real;
 use grouser_terra::{Accuracy, Settings, WheelOnSoil};
 
 use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
@@ -150,10 +151,10 @@ impl Vehicle {
         }
         let spot = ground.at(x, y);
         // the pose that follows the ground's slope under the origin
-        let (sin, cos) = heading.sin_cos();
+        let (sin, cos) = Real::sin_cos(heading);
         let along = spot.slope[0] * cos + spot.slope[1] * sin;
         let across = spot.slope[1] * cos - spot.slope[0] * sin;
-        let attitude = Attitude::from_angles(across.atan(), -along.atan(), heading);
+        let attitude = Attitude::from_angles(Real::atan(across), -Real::atan(along), heading);
         let lowest = model
             .wheels
             .iter()
@@ -332,7 +333,7 @@ impl Vehicle {
         let place = self.state.position + self.state.attitude.to_world(at);
         let axle = linkage.direction(&self.pose, mount.link, mount.axle(wheel.steer));
         let across = self.state.attitude.to_world(axle);
-        let level = across.x.hypot(across.y).max(1e-9);
+        let level = Real::hypot(across.x, across.y).max(1e-9);
         let radius = mount.wheel.radius();
         let spot = ground.under(
             (place.x, place.y),
@@ -344,7 +345,8 @@ impl Vehicle {
             .state
             .attitude
             .to_robot(Vector::new(-spot.slope[0], -spot.slope[1], 1.0).unit());
-        let steepness = 1.0 / (1.0 + spot.slope[0].powi(2) + spot.slope[1].powi(2)).sqrt();
+        let steepness =
+            1.0 / (1.0 + Real::powi(spot.slope[0], 2) + Real::powi(spot.slope[1], 2)).sqrt();
         let forward = axle.cross(up).unit();
         let left = up.cross(forward);
         // height of the centre in the wheel's own plane
@@ -403,7 +405,7 @@ impl Vehicle {
 
         // the rut, so far behind that the wheel does not stand in it
         let (x, y) = self.pressed_at[index];
-        let moved = (place.x - x).hypot(place.y - y);
+        let moved = Real::hypot(place.x - x, place.y - y);
         let behind = RUT_DISTANCE_CELLS * ground.map().cell();
         if moved > behind + 0.5 * ground.map().cell() {
             let share = 1.0 - behind / moved;

@@ -18,6 +18,7 @@
 //! - *Unloading*: soil that was pressed to z_p gives back along a line `unloading` times as steep as the load's
 //!   own; rolling forgets z_p over L.
 
+use grouser_real::Real;
 use grouser_terra::{Kinematics, RigidWheel, SoilHistory, WheelOnSoil};
 
 /// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
@@ -189,9 +190,7 @@ impl WheelContact {
         }
         let [forward, left] = motion.velocity;
         let greater = motion.rim.abs().max(forward.abs());
-        let speed = forward
-            .hypot(left)
-            .max(MIN_DIGGING_SHARE * motion.rim.abs());
+        let speed = Real::hypot(forward, left).max(MIN_DIGGING_SHARE * motion.rim.abs());
         let share = step * speed / way;
         if !(greater > 0.0 && share > 0.0) {
             return;

@@ -16,6 +16,7 @@ pub use noise::Noise;
 pub use passes::Track;
 pub use shape::{Rocks, Shape};
 
+use grouser_real::Real;
 use grouser_terra::{MultiPass, Soil};
 
 use self::passes::Passes;
@@ -83,7 +84,7 @@ impl Place {
     #[must_use]
     pub fn holds(&self, at_x: f64, at_y: f64) -> bool {
         match *self {
-            Self::Disc { x, y, radius } => (at_x - x).hypot(at_y - y) <= radius,
+            Self::Disc { x, y, radius } => Real::hypot(at_x - x, at_y - y) <= radius,
             Self::Box {
                 x,
                 y,
@@ -258,7 +259,7 @@ impl Ground {
                     let (x, y) = self.map.centre_of(index);
                     let value = noise.normal(x / length, y / length);
                     #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-                    let factor = (packing.scatter * value).exp() as f32;
+                    let factor = Real::exp(packing.scatter * value) as f32;
                     factor
                 })
                 .collect();
@@ -316,7 +317,7 @@ impl Ground {
             corner.mix(&self.scatter)
         };
         let packed = if self.packing.gain > 0.0 && rut > 0.0 {
-            1.0 + self.packing.gain * (1.0 - (-rut / self.packing.depth).exp())
+            1.0 + self.packing.gain * (1.0 - Real::exp(-rut / self.packing.depth))
         } else {
             1.0
         };
@@ -364,7 +365,7 @@ impl Ground {
         track: Option<&Track>,
     ) {
         let (length_x, length_y) = (to.0 - from.0, to.1 - from.1);
-        let length = length_x.hypot(length_y);
+        let length = Real::hypot(length_x, length_y);
         if !(length > 0.0 && depth > 0.0) {
             return;
         }

@@ -1,5 +1,7 @@
 //! Shapes of generated ground, each from a seed.
 
+use grouser_real::Real;
+
 use super::craters::Craters;
 use super::noise::Noise;
 
@@ -106,7 +108,7 @@ impl Shape {
         let lattice = Lattice::new(seed);
         match *self {
             Self::Flat => 0.0,
-            Self::Slope { angle, from } => angle.tan() * (x - from).max(0.0),
+            Self::Slope { angle, from } => Real::tan(angle) * (x - from).max(0.0),
             Self::Dunes { height, length } => {
                 let wander = 0.25 * length * lattice.normal(y / (2.0 * length), 0.5);
                 let phase = (x + wander) / length;
@@ -163,7 +165,7 @@ impl Rocks {
             // many small, few large
             let radius = 0.5 * self.size * (0.25 + 0.75 * noise.uniform() * noise.uniform());
             let height = radius * (0.4 + 0.6 * noise.uniform());
-            if x.hypot(y) > clear {
+            if Real::hypot(x, y) > clear {
                 out.push([x, y, radius, height]);
             }
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use grouser_files::body::{BodyFile, MassFile};
 use grouser_files::robot::{self, RobotFile};
 use grouser_files::{Document, nearest};
+use grouser_real::Real;
 use grouser_slip::WheelRole;
 use grouser_slip::window::WindowSettings;
 use grouser_terra::RigidWheel;
@@ -54,8 +55,8 @@ impl WheelMount {
     /// A steering axis that leans back by the caster leans the wheel by caster · sin(steer).
     #[must_use]
     pub fn axle(&self, steer: f64) -> Vector {
-        let (sin, cos) = (self.heading + steer).sin_cos();
-        let (lean_sin, lean_cos) = (self.camber + self.caster * steer.sin()).sin_cos();
+        let (sin, cos) = Real::sin_cos(self.heading + steer);
+        let (lean_sin, lean_cos) = Real::sin_cos(self.camber + self.caster * Real::sin(steer));
         Vector::new(-sin * lean_cos, cos * lean_cos, -lean_sin)
     }
 }

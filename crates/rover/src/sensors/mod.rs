@@ -9,6 +9,7 @@ pub use settings::SensorSettings;
 
 use std::collections::VecDeque;
 
+use grouser_real::Real;
 use grouser_slip::{Measurement, Sample};
 
 use crate::dynamics::Vehicle;
@@ -240,7 +241,7 @@ impl Sensors {
         let (place, heading) = (vehicle.state().position, vehicle.heading());
         let before = self.camera_at.replace((place, heading));
         let Some((from, old)) = before else { return };
-        let (sin, cos) = old.sin_cos();
+        let (sin, cos) = Real::sin_cos(old);
         let way = place - from;
         let scale = if active(FaultKind::CameraFrozen).is_some() {
             0.0
@@ -309,8 +310,8 @@ impl Sensors {
 
 /// From `from` to `to`, rad in (−π, π].
 pub(crate) fn angle_between(from: f64, to: f64) -> f64 {
-    let (sin, cos) = (to - from).sin_cos();
-    sin.atan2(cos)
+    let (sin, cos) = Real::sin_cos(to - from);
+    Real::atan2(sin, cos)
 }
 
 #[allow(

@@ -1,5 +1,6 @@
 //! What a slope costs a robot that climbs it straight on: slip, energy and what is left in reserve.
 
+use grouser_real::Real;
 use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
 
 use super::gradeability::of;
@@ -65,7 +66,7 @@ pub fn climb(model: &RobotModel, soil: &Soil, slopes: &[f64]) -> Result<Vec<Clim
 
 fn step(model: &RobotModel, pairs: &[WheelOnSoil], slope: f64) -> Result<ClimbStep> {
     let stand = wheel_loads(model, slope, 0.0);
-    let needed = model.weight() * slope.sin();
+    let needed = model.weight() * Real::sin(slope);
     let at = |slip: f64| pulled(model, pairs, &stand.loads, slip);
     let (mut best, mut before, mut found) = (f64::NEG_INFINITY, None, None);
     for sample in 0..=SAMPLES {

@@ -1,5 +1,6 @@
 //! What a robot can climb.
 
+use grouser_real::Real;
 use grouser_terra::{Settings, Soil, WheelOnSoil};
 
 use super::loads::wheel_loads;
@@ -59,7 +60,7 @@ pub fn gradeability(model: &RobotModel, soil: &Soil) -> Result<Gradeability> {
     }
     let surplus = |slope: f64| -> Result<f64> {
         let loads = wheel_loads(model, slope, 0.0);
-        let mut pull = -model.weight() * slope.sin();
+        let mut pull = -model.weight() * Real::sin(slope);
         for (index, mount) in model.wheels.iter().enumerate() {
             let load = loads.loads[index].max(0.0);
             if load == 0.0 {

@@ -1,5 +1,7 @@
 //! How far a robot is from tipping over.
 
+use grouser_real::Real;
+
 use super::loads::wheel_loads;
 use crate::body::BodyState;
 use crate::robot::RobotModel;
@@ -98,9 +100,9 @@ fn edge(wheels: [usize; 2], [from, to]: [Vector; 2], centre: Vector, up: Vector)
     let arm = across(centre - from);
     let upright = across(up);
     let inwards = upright.cross(along);
-    let tip_over = arm.dot(inwards.unit()).atan2(arm.dot(upright.unit()));
+    let tip_over = Real::atan2(arm.dot(inwards.unit()), arm.dot(upright.unit()));
     let rise = if tip_over > 0.0 {
-        arm.length() * (1.0 - tip_over.cos()) * upright.length()
+        arm.length() * (1.0 - Real::cos(tip_over)) * upright.length()
     } else {
         0.0
     };

@@ -1,5 +1,7 @@
 //! The chassis adjusted for a slope.
 
+use grouser_real::Real;
+
 use super::loads::wheel_loads;
 use super::margins::stability_margins;
 use crate::robot::RobotModel;
@@ -124,7 +126,7 @@ fn quality(model: &RobotModel, pitch: f64, roll: f64) -> (f64, f64) {
     let powered: Vec<f64> = model.powered().map(|index| loads[index]).collect();
     let count = powered.len().max(1) as f64;
     let mean = powered.iter().sum::<f64>() / count;
-    let square = powered.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / count;
+    let square = powered.iter().map(|l| Real::powi(l - mean, 2)).sum::<f64>() / count;
     (margins.tip_over, square.sqrt() / mean.abs().max(1e-9))
 }
 

@@ -88,7 +88,7 @@ impl AttitudeFilter {
         if (size - self.gravity).abs() < GRAVITY_BAND_M_PER_S2 {
             // a robot at rest measures gravity's reaction, upwards
             let roll_by_gravity = Real::atan2(left, up);
-            let pitch_by_gravity = Real::atan2(-forward, left.hypot(up));
+            let pitch_by_gravity = Real::atan2(-forward, Real::hypot(left, up));
             let share = if self.seen == 0.0 {
                 1.0
             } else {

@@ -21,7 +21,7 @@ use super::plan::{CHUNK, Chunk, Plan, Prepared};
 ///
 /// Points that drive straight ahead with a sinkage of at most half the radius run on lanes: on AVX2 with
 /// fused multiply-add or AVX-512 where the machine has it (chosen at run time, feature `std`), otherwise in
-/// plain vector code. All others run one at a time through [`WheelOnSoil`], to the same accuracy. A bad
+/// plain vector code; all have the same bits with the feature `deterministic`. All others run one at a time through [`WheelOnSoil`], to the same accuracy. A bad
 /// point never changes another: a good one gets the same bits as alone.
 ///
 /// ```
@@ -63,13 +63,17 @@ enum Task<'a> {
 }
 
 /// The instructions that this machine's lanes run on: `avx512`, `avx2` or `portable`. The last digits of forces may
-/// differ between them.
+/// differ between them. `deterministic` with that feature, where they do not.
 ///
 /// ```
-/// assert!(["avx512", "avx2", "portable"].contains(&grouser_terra::instructions()));
+/// let names = ["avx512", "avx2", "portable", "deterministic"];
+/// assert!(names.contains(&grouser_terra::instructions()));
 /// ```
 #[must_use]
 pub fn instructions() -> &'static str {
+    if grouser_real::DETERMINISTIC {
+        return "deterministic";
+    }
     Level::best().name()
 }
 

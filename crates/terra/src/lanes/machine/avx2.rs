@@ -8,6 +8,8 @@ use core::arch::x86_64::{
     _mm256_srli_epi64, _mm256_storeu_pd, _mm256_sub_pd, _mm256_xor_pd,
 };
 
+use grouser_real::DETERMINISTIC;
+
 use super::lanes_of;
 
 type Register = __m256d;
@@ -24,7 +26,11 @@ lanes_of!(Avx2, Avx2Mask, [0 1], {
     sub: |a, b| _mm256_sub_pd(a, b),
     mul: |a, b| _mm256_mul_pd(a, b),
     div: |a, b| _mm256_div_pd(a, b),
-    fused: |a, b, c| _mm256_fmadd_pd(a, b, c),
+    fused: |a, b, c| if DETERMINISTIC {
+        _mm256_add_pd(_mm256_mul_pd(a, b), c)
+    } else {
+        _mm256_fmadd_pd(a, b, c)
+    },
     sqrt: |x| _mm256_sqrt_pd(x),
     negate: |x| _mm256_xor_pd(x, _mm256_set1_pd(-0.0)),
     abs: |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x),

@@ -8,6 +8,8 @@ use core::arch::x86_64::{
     _mm512_storeu_pd, _mm512_sub_pd,
 };
 
+use grouser_real::DETERMINISTIC;
+
 use super::lanes_of;
 
 type Register = __m512d;
@@ -24,7 +26,11 @@ lanes_of!(Avx512, Avx512Mask, [0], {
     sub: |a, b| _mm512_sub_pd(a, b),
     mul: |a, b| _mm512_mul_pd(a, b),
     div: |a, b| _mm512_div_pd(a, b),
-    fused: |a, b, c| _mm512_fmadd_pd(a, b, c),
+    fused: |a, b, c| if DETERMINISTIC {
+        _mm512_add_pd(_mm512_mul_pd(a, b), c)
+    } else {
+        _mm512_fmadd_pd(a, b, c)
+    },
     sqrt: |x| _mm512_sqrt_pd(x),
     negate: |x| _mm512_sub_pd(_mm512_set1_pd(-0.0), x),
     abs: |x| _mm512_abs_pd(x),
