@@ -97,7 +97,14 @@ macro_rules! real_for_float {
             }
             #[inline]
             fn hypot(self, other: Self) -> Self {
-                (self * self + other * other).sqrt()
+                let root = (self * self + other * other).sqrt();
+                let most = self.abs().max(other.abs());
+                if root.is_finite() || most.is_infinite() {
+                    return root;
+                }
+                // the squares overflow
+                let (a, b) = (self / most, other / most);
+                most * (a * a + b * b).sqrt()
             }
         }
 

@@ -3,6 +3,7 @@
 //! A sensor whose axes are described wrongly is refused by the filter or makes it wrong; here the angle itself is measured,
 //! so that the output can name the cause.
 
+use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 /// Changes of speed are compared over windows of this length, s: long against a sample, short against a manoeuvre.
@@ -69,7 +70,7 @@ impl AxisWatch {
             .map(|wheel| [wheel.heading.cos(), wheel.heading.sin()]);
         let first = powered.next();
         let is_parallel = |e: [f64; 2]| {
-            first.is_some_and(|first| first[0] * e[0] + first[1] * e[1] > MAX_ANGLE_RAD.cos())
+            first.is_some_and(|first| first[0] * e[0] + first[1] * e[1] > Real::cos(MAX_ANGLE_RAD))
         };
         Self {
             along: first.filter(|_| powered.all(is_parallel)),
@@ -103,7 +104,7 @@ impl AxisWatch {
                     return;
                 };
                 let turn = yaw - last[2];
-                let (sin, cos) = (last[2] + 0.5 * turn).sin_cos();
+                let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
                 let (dx, dy) = (x - last[0], y - last[1]);
                 let passed = [cos * dx + sin * dy, cos * dy - sin * dx];
                 self.add_displacement(passed, turn, passed_s);
@@ -133,7 +134,7 @@ impl AxisWatch {
             self.forward.0 += cos * passed[0] + sin * passed[1];
             self.forward.1 += passed_s;
         }
-        let length = passed[0].hypot(passed[1]);
+        let length = Real::hypot(passed[0], passed[1]);
         if turn.abs() < MAX_TURN_RAD && self.rim.abs() > self.low_speed && length.is_finite() {
             let sign = self.rim.signum();
             self.passed = [
@@ -177,10 +178,10 @@ impl AxisWatch {
             return AxisCheck::default();
         };
         let angle = |[x, y]: [f64; 2]| {
-            let angle = f64::atan2(cos * y - sin * x, cos * x + sin * y);
+            let angle = Real::atan2(cos * y - sin * x, cos * x + sin * y);
             (angle.abs() > MAX_ANGLE_RAD).then_some(angle)
         };
-        let moved = self.passed[0].hypot(self.passed[1]);
+        let moved = Real::hypot(self.passed[0], self.passed[1]);
         let is_known = self.way > MIN_WAY_M && moved > MIN_SHARE * self.way;
         let reference = is_known.then(|| angle(self.passed)).flatten();
         // Where slip changes, the reference shows the robot's speeding up and the rims do not.
@@ -233,15 +234,16 @@ impl Changes {
     /// the slope of the ground are constants of it.
     fn direction(&self) -> Option<([f64; 2], f64)> {
         let n = self.count;
-        let speed_variance = self.speed_square / n - (self.speed / n).powi(2);
-        if !(n >= MIN_WINDOWS && speed_variance > MIN_CHANGE_M_PER_S.powi(2)) {
+        let speed_variance = self.speed_square / n - Real::powi(self.speed / n, 2);
+        if !(n >= MIN_WINDOWS && speed_variance > Real::powi(MIN_CHANGE_M_PER_S, 2)) {
             return None;
         }
         let covariance =
             [0, 1].map(|i| self.product[i] / n - self.speed * self.gained[i] / (n * n));
         let means = self.gained.map(|sum| sum / n);
-        let variance = self.gained_square / n - means[0].powi(2) - means[1].powi(2);
-        let square = (covariance[0].powi(2) + covariance[1].powi(2)) / (speed_variance * variance);
+        let variance = self.gained_square / n - Real::powi(means[0], 2) - Real::powi(means[1], 2);
+        let square = (Real::powi(covariance[0], 2) + Real::powi(covariance[1], 2))
+            / (speed_variance * variance);
         let significance = (square / (1.0 - square).max(1e-9) * n).sqrt();
         (significance > MIN_SIGNIFICANCE).then_some((covariance, significance))
     }

@@ -1,5 +1,6 @@
 //! Are left and right encoders exchanged? In a bend the outer wheels run faster; exchanged ones show the other side's bends.
 
+use grouser_real::Real;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
@@ -69,7 +70,7 @@ impl ExchangeWatch {
         let first = rows.first()?;
         let parallel = rows
             .iter()
-            .all(|row| (row[0] - first[0]).hypot(row[1] - first[1]) < 0.02);
+            .all(|row| Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02);
         let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
         let arms: Vec<f64> = rows.iter().map(|row| row[2] - mean).collect();
         (parallel && arms.iter().any(|arm| arm.abs() > 1e-3)).then(|| Self {
@@ -91,8 +92,8 @@ impl ExchangeWatch {
         match sample.measurement {
             Measurement::Pose { yaw, .. } if yaw.is_finite() => {
                 if let Some(before) = self.reference_yaw.replace(yaw) {
-                    let (sin, cos) = (yaw - before).sin_cos();
-                    self.open[2] += sin.atan2(cos);
+                    let (sin, cos) = Real::sin_cos(yaw - before);
+                    self.open[2] += Real::atan2(sin, cos);
                 }
             }
             Measurement::Displacement {

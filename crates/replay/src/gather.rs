@@ -1,5 +1,6 @@
 //! Measured places that come so fast that each says little: several become one.
 
+use grouser_real::Real;
 use grouser_slip::{Measurement, Sample};
 
 /// Displacements and poses, no more than one in a time of `least` seconds.
@@ -53,7 +54,7 @@ impl Gather {
                 if !(forward.is_finite() && left.is_finite()) {
                     return Some(sample);
                 }
-                let (sin, cos) = self.passed[2].sin_cos();
+                let (sin, cos) = Real::sin_cos(self.passed[2]);
                 self.passed[0] += cos * forward - sin * left;
                 self.passed[1] += sin * forward + cos * left;
                 self.passed[2] += turn.unwrap_or(0.0);
@@ -64,7 +65,7 @@ impl Gather {
                 self.last_ns = Some(sample.time_ns);
                 let [x, y, turn] = std::mem::take(&mut self.passed);
                 // the robot's frame is that of halfway
-                let (sin, cos) = (0.5 * turn).sin_cos();
+                let (sin, cos) = Real::sin_cos(0.5 * turn);
                 let turns = std::mem::replace(&mut self.turns, true);
                 Some(Sample {
                     time_ns: sample.time_ns,

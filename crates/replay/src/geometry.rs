@@ -2,6 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
+use grouser_real::Real;
 use grouser_slip::window::WindowMeans;
 use grouser_slip::{Measurement, Reference};
 
@@ -135,10 +136,11 @@ fn half_width(blocks: &[Block], all: &Block, of: fn(&Block) -> f64) -> Option<f6
     let left: Vec<f64> = left.collect();
     let n = count as f64;
     let mean = left.iter().sum::<f64>() / n;
-    let variance = left.iter().map(|x| (x - mean).powi(2)).sum::<f64>() * (n - 1.0) / n;
+    let variance = left.iter().map(|x| Real::powi(x - mean, 2)).sum::<f64>() * (n - 1.0) / n;
     // Student's t at 97.5 % to a hundredth from four degrees of freedom on.
     let freedom = n - 1.0;
-    let quantile = 1.96 + 2.37 / freedom + 2.82 / freedom.powi(2) + 2.0 / freedom.powi(3);
+    let quantile =
+        1.96 + 2.37 / freedom + 2.82 / Real::powi(freedom, 2) + 2.0 / Real::powi(freedom, 3);
     Some(quantile * variance.sqrt()).filter(|width| width.is_finite())
 }
 
@@ -239,8 +241,8 @@ impl Turns {
             Measurement::Pose { yaw, .. } if reference == Reference::Pose && yaw.is_finite() => {
                 let last = self.yaw.replace((time_s, yaw));
                 if let Some((_, before)) = last.filter(|last| time_s - last.0 < MAX_GAP_S) {
-                    let (sin, cos) = (yaw - before).sin_cos();
-                    *self.passed.reference.get_or_insert(0.0) += f64::atan2(sin, cos);
+                    let (sin, cos) = Real::sin_cos(yaw - before);
+                    *self.passed.reference.get_or_insert(0.0) += Real::atan2(sin, cos);
                 }
             }
             Measurement::Displacement {

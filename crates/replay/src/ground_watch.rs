@@ -1,5 +1,6 @@
 //! Changes of ground over a log, by the motors alone.
 
+use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 use crate::effort::EffortUnit;
@@ -108,7 +109,9 @@ impl GroundWatch {
         // A rate is fresher than the mean over a window.
         let rates = self.rims.iter().map(|rim| rim.1).sum::<Option<f64>>();
         let speed = rates.filter(|sum| *sum > 0.0).unwrap_or(rim);
-        let has_changed = self.change.take(time_s, &[effort.ln(), speed.ln()]);
+        let has_changed = self
+            .change
+            .take(time_s, &[Real::ln(effort), Real::ln(speed)]);
         if has_changed && self.called_s.len() < MAX_CHANGES {
             self.called_s.push(time_s);
         }

@@ -4,6 +4,7 @@
 //! is drawn by the first two only.
 
 use grouser_log::message::{Value, build};
+use grouser_real::Real;
 use grouser_slip::WheelEstimate;
 
 use crate::odometry::Odometry;
@@ -70,7 +71,7 @@ impl Trail {
         let far = self
             .points
             .last()
-            .is_none_or(|last| (point[0] - last[0]).hypot(point[1] - last[1]) >= MIN_STEP_M);
+            .is_none_or(|last| Real::hypot(point[0] - last[0], point[1] - last[1]) >= MIN_STEP_M);
         if far {
             self.points.push(point);
             self.colours.push(colour);
@@ -219,7 +220,7 @@ pub fn robot_markers(header: &Value, angles: [f64; 3], wheels: &[DrawnWheel]) ->
         })
     };
     let (low, high, radius) = extent(angles[2], wheels);
-    let (sin, cos) = angles[2].sin_cos();
+    let (sin, cos) = Real::sin_cos(angles[2]);
     let [ahead, left, up] = [0, 1, 2].map(|i| 0.5 * (low[i] + high[i]));
     let centre = [
         cos * ahead - sin * left,
@@ -256,7 +257,7 @@ pub fn robot_markers(header: &Value, angles: [f64; 3], wheels: &[DrawnWheel]) ->
 
 /// The corners that the wheels' centres span along and across `yaw`, and the largest radius.
 fn extent(yaw: f64, wheels: &[DrawnWheel]) -> ([f64; 3], [f64; 3], f64) {
-    let (sin, cos) = yaw.sin_cos();
+    let (sin, cos) = Real::sin_cos(yaw);
     let (mut low, mut high, mut radius) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
     for wheel in wheels {
         let [x, y, z] = wheel.centre;
@@ -276,7 +277,7 @@ fn extent(yaw: f64, wheels: &[DrawnWheel]) -> ([f64; 3], [f64; 3], f64) {
 /// `geometry_msgs/Quaternion` of a cylinder about z that lies along an axle: a turn about x by 90°, then about z.
 fn axle(heading: f64) -> Value {
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let (sin, cos) = (0.5 * heading).sin_cos();
+    let (sin, cos) = Real::sin_cos(0.5 * heading);
     build::message([
         ("x", Value::Float(half * cos)),
         ("y", Value::Float(half * sin)),
@@ -405,7 +406,7 @@ mod tests {
     #[test]
     fn a_wheel_lies_along_its_axle_and_the_body_on_the_wheels() {
         let yaw = 0.7_f64;
-        let (sin, cos) = yaw.sin_cos();
+        let (sin, cos) = Real::sin_cos(yaw);
         let at = |ahead: f64, left: f64| DrawnWheel {
             centre: [
                 5.0 + cos * ahead - sin * left,

@@ -1,5 +1,6 @@
 //! What is known of the robot at one time of the log.
 
+use grouser_real::Real;
 use grouser_slip::filter::{BodyEstimate, RimPath};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
@@ -87,5 +88,5 @@ pub(crate) fn side_slip_angle(
     let (along_x, along_y) = (v_x - turn * wheel.y, v_y + turn * wheel.x);
     let along = cos * along_x + sin * along_y;
     let aside = cos * along_y - sin * along_x;
-    (along.hypot(aside) > min_speed).then(|| aside.atan2(along))
+    (Real::hypot(along, aside) > min_speed).then(|| Real::atan2(aside, along))
 }

@@ -1,5 +1,6 @@
 //! Odometry: the robot's pose since the beginning of the span, with the slip in its covariance.
 
+use grouser_real::Real;
 use grouser_slip::filter::BodyEstimate;
 
 /// A pose from the beginning of the log, with the speeds that led there.
@@ -37,7 +38,7 @@ impl Odometry {
 
     /// The same in the robot's frame at `origin`. The covariance stays the one since the log's start, which is not less.
     pub(crate) fn since(&self, origin: &Self) -> Self {
-        let (sin, cos) = origin.pose[2].sin_cos();
+        let (sin, cos) = Real::sin_cos(origin.pose[2]);
         let [dx, dy, turn]: [f64; 3] = std::array::from_fn(|i| self.pose[i] - origin.pose[i]);
         let back = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
         Self {

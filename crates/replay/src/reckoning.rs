@@ -1,5 +1,6 @@
 //! Odometry step by step: the filter's own, or the motion integrated.
 
+use grouser_real::Real;
 use grouser_slip::BodyMotion;
 
 use crate::checks::WayCheck;
@@ -65,7 +66,7 @@ impl Reckoning {
                 self.ways.filter += along * seconds;
                 self.ways.reference += along_the_wheels(&wheels, &reference).1 * seconds;
             }
-            covariance[0][0] += (wheels.velocity[0] - motion.velocity[0]).powi(2);
+            covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {
@@ -94,7 +95,7 @@ impl Reckoning {
     fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
         let [forward, left, turn] = motion.velocity;
         let middle = self.pose[2] + 0.5 * turn * seconds;
-        let (sin, cos) = middle.sin_cos();
+        let (sin, cos) = Real::sin_cos(middle);
         let step = [
             (forward * cos - left * sin) * seconds,
             (forward * sin + left * cos) * seconds,
@@ -118,7 +119,7 @@ impl Reckoning {
 fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
     let [w_x, w_y, _] = wheels.velocity;
     let [v_x, v_y, _] = motion.velocity;
-    let speed = w_x.hypot(w_y);
+    let speed = Real::hypot(w_x, w_y);
     if speed > 0.0 {
         (speed, (w_x * v_x + w_y * v_y) / speed)
     } else {

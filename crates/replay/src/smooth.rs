@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use grouser_real::Real;
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Health, Measured, Robot, Sample, Slip, WheelEstimate, WheelRole};
@@ -223,7 +224,7 @@ type Known = (f64, f64);
 fn both(before: &WheelEstimate, after: &WheelEstimate) -> Option<(Known, Known)> {
     let of = |wheel: &WheelEstimate| {
         let sure = wheel.health == Health::Ok;
-        Some((wheel.slip?.value(), wheel.sigma?.powi(2))).filter(|_| sure)
+        Some((wheel.slip?.value(), Real::powi(wheel.sigma?, 2))).filter(|_| sure)
     };
     Some((of(before)?, of(after)?))
 }
@@ -241,7 +242,7 @@ impl<'a> Joint<'a> {
                 if let Some((f, b)) = both(&moment.wheels[index], &after.wheels[index]) {
                     let shared = joint.shared(f.0);
                     let said = (f.1 - shared).max(MIN_VARIANCE) + (b.1 - shared).max(MIN_VARIANCE);
-                    sum += (f.0 - b.0).powi(2) / said;
+                    sum += Real::powi(f.0 - b.0, 2) / said;
                     count += 1.0;
                 }
             }
@@ -255,7 +256,8 @@ impl<'a> Joint<'a> {
     /// Variance that both sides have in common at this slip.
     fn shared(&self, slip: f64) -> f64 {
         let s = self.settings;
-        (s.radius_sigma.powi(2) + s.free_slip.sigma.powi(2)) * (1.0 - slip).powi(2)
+        (Real::powi(s.radius_sigma, 2) + Real::powi(s.free_slip.sigma, 2))
+            * Real::powi(1.0 - slip, 2)
     }
 
     fn join(&self, moment: &mut Moment, after: &After) {
@@ -266,7 +268,7 @@ impl<'a> Joint<'a> {
                 && let Some((f, b)) = both(before, after)
             {
                 let s = self.settings;
-                let prior = s.slip.sigma.powi(2) + s.wheel_slip_sigma.powi(2);
+                let prior = Real::powi(s.slip.sigma, 2) + Real::powi(s.wheel_slip_sigma, 2);
                 let shared = self.shared(f.0);
                 let scaled = |(slip, variance): Known| {
                     (slip, shared + apart * (variance - shared).max(MIN_VARIANCE))
@@ -291,7 +293,7 @@ impl<'a> Joint<'a> {
             // the way back has the other sign
             let backward = (-after.value, after.variance);
             let shared = if i == 0 {
-                (self.settings.free_slip.sigma * forward.0).powi(2)
+                Real::powi(self.settings.free_slip.sigma * forward.0, 2)
             } else {
                 0.0
             };

@@ -1,6 +1,7 @@
 //! From one angle of the steering to the angles of the wheels.
 
 use grouser_files::steering::{Steering, SteeringKind};
+use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample};
 
 /// Steers the wheels of a robot by one angle.
@@ -56,7 +57,7 @@ impl WheelSteering {
         if matches!(self.kind, SteeringKind::Articulated { .. }) {
             return angle;
         }
-        let tan = angle.tan();
-        (tan * (x - self.rear) / (self.wheelbase - y * tan)).atan()
+        let tan = Real::tan(angle);
+        Real::atan(tan * (x - self.rear) / (self.wheelbase - y * tan))
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use grouser_log::csv::{Lines, finite, split};
 use grouser_log::{Clock, Messages};
+use grouser_real::Real;
 use grouser_slip::{Health, Robot};
 
 use crate::error::{Error, Result};
@@ -302,7 +303,7 @@ fn errors_of(name: &str, truth: &[(f64, f64)], estimates: &[Estimate]) -> TruthE
         squares += error * error;
         if let Some(sigma) = estimate.sigma.filter(|sigma| *sigma > 0.0) {
             sure += 1;
-            nees += (error / sigma).powi(2);
+            nees += Real::powi(error / sigma, 2);
             covered += u32::from(error.abs() <= SIGMAS_90 * sigma);
         }
     }
@@ -332,12 +333,12 @@ fn lag(truth: &[(f64, f64)], estimates: &[Estimate]) -> Option<f64> {
         .collect();
     let known: Vec<f64> = inner.iter().filter_map(|e| at(truth, e.time_s)).collect();
     let mean = known.iter().sum::<f64>() / known.len() as f64;
-    let variance = known.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / known.len() as f64;
+    let variance = known.iter().map(|s| Real::powi(s - mean, 2)).sum::<f64>() / known.len() as f64;
     if !(variance > MIN_VARIATION * MIN_VARIATION) {
         return None;
     }
     let cost = |delay: f64| -> f64 {
-        let one = |e: &&Estimate| Some((e.slip - at(truth, e.time_s - delay)?).powi(2));
+        let one = |e: &&Estimate| Some(Real::powi(e.slip - at(truth, e.time_s - delay)?, 2));
         let (sum, count) = inner
             .iter()
             .filter_map(one)

@@ -1,6 +1,7 @@
 //! Compares the turn by the wheels with the turn by the gyro. Where they differ a wheel slips; which one is named where
 //! the turns show it.
 
+use grouser_real::Real;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measured, Robot, WheelRole};
 
@@ -74,9 +75,9 @@ impl TurnWatch {
         let first = rows.first()?;
         let parallel = rows
             .iter()
-            .all(|row| (row[0] - first[0]).hypot(row[1] - first[1]) < 0.02);
+            .all(|row| Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02);
         let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-        let square: f64 = rows.iter().map(|row| (row[2] - mean).powi(2)).sum();
+        let square: f64 = rows.iter().map(|row| Real::powi(row[2] - mean, 2)).sum();
         if !(parallel && square > 1e-6) {
             return None;
         }
@@ -178,7 +179,7 @@ impl TurnWatch {
         let mut found = self.found.clone();
         found.geometry = self.geometry.errors();
         if let [best, next, ..] = ranked[..] {
-            found.likelier = 0.5 * self.windows * (next.0 / best.0).ln();
+            found.likelier = 0.5 * self.windows * Real::ln(next.0 / best.0);
             let [product, square] = self.fits[best.1];
             found.slip = (square > 0.0).then(|| product / square);
             let is_wheel = best.1 < self.shares.len();

@@ -2,6 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
+use grouser_real::Real;
 
 use super::slip_range::{MIN_KNOWN, SlipRange, slip_of};
 use super::stretch::{KnownGround, KnownGrounds, Stretch};
@@ -174,7 +175,7 @@ fn known(run: &str, found: LogStretch) -> Option<(KnownGround, Vec<f64>)> {
         return None;
     }
     let mean = seconds.iter().sum::<f64>() / count;
-    let square = seconds.iter().map(|s| (s - mean).powi(2)).sum::<f64>();
+    let square = seconds.iter().map(|s| Real::powi(s - mean, 2)).sum::<f64>();
     let ground = KnownGround {
         run: run.to_owned(),
         stretch,

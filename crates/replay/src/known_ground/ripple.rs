@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use grouser_real::Real;
+
 /// The ripple is looked for between these frequencies, Hz, in steps of this share.
 const RIPPLE: (f64, f64) = (0.25, 2.4);
 const FREQUENCY_RATIO: f64 = 1.04;
@@ -36,21 +38,21 @@ pub fn roller_ripple(series: &[(f64, f64)]) -> Option<f64> {
     let (mut product, mut square) = (0.0, 0.0);
     for &(time, value) in series {
         product += (time - middle) * (value - mean);
-        square += (time - middle).powi(2);
+        square += Real::powi(time - middle, 2);
     }
     let slope = product / square;
     let tapered: Vec<(f64, f64)> = series
         .iter()
         .map(|&(time, value)| {
             // Hann's taper: the ends of the series are no ripple
-            let taper = 0.5 - 0.5 * (TAU * (time - first) / (last - first)).cos();
+            let taper = 0.5 - 0.5 * Real::cos(TAU * (time - first) / (last - first));
             (time, taper * (value - mean - slope * (time - middle)))
         })
         .collect();
     let power = |frequency: f64| {
         let (mut re, mut im) = (0.0, 0.0);
         for &(time, value) in &tapered {
-            let (sin, cos) = (TAU * frequency * (time - first)).sin_cos();
+            let (sin, cos) = Real::sin_cos(TAU * frequency * (time - first));
             re += cos * value;
             im += sin * value;
         }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use grouser_real::Real;
+
 use super::stretch::{KnownGround, KnownGrounds, Roller, Stretch};
 use crate::error::{Error, Result};
 
@@ -57,7 +59,7 @@ pub(crate) fn slip_of(stretch: &Stretch, known: &[&KnownGround]) -> Result<SlipR
     let max = UNKNOWN_EFFORT_FACTOR * efforts().fold(0.0, f64::max);
     let min = efforts().fold(f64::INFINITY, f64::min) / UNKNOWN_EFFORT_FACTOR;
     // The logarithm of its effort is evenly spread.
-    let unknown = 1.0 / (max / min).ln();
+    let unknown = 1.0 / Real::ln(max / min);
     let ways = RollerWays::of(known);
     let by_rollers = |slip: f64| match (&ways, stretch.roller) {
         (Some(ways), Some(roller)) => ways.likelihood(way(stretch.speed, roller, slip)),
@@ -69,7 +71,7 @@ pub(crate) fn slip_of(stretch: &Stretch, known: &[&KnownGround]) -> Result<SlipR
     let of_unknown: f64 = density.iter().sum();
     let mut nearest = (0.0, 0);
     for (index, ground) in known.iter().enumerate() {
-        let effort = (stretch.effort / ground.stretch.effort).ln();
+        let effort = Real::ln(stretch.effort / ground.stretch.effort);
         let prior = normal(effort, EFFORT_SCATTER);
         let mut weight = 0.0;
         for (point, slot) in density.iter_mut().enumerate() {
@@ -83,7 +85,7 @@ pub(crate) fn slip_of(stretch: &Stretch, known: &[&KnownGround]) -> Result<SlipR
         }
     }
     let known_share = 1.0 - of_unknown / density.iter().sum::<f64>();
-    let scatter = known.iter().map(|k| k.scatter.powi(2)).sum::<f64>() / known.len() as f64;
+    let scatter = known.iter().map(|k| Real::powi(k.scatter, 2)).sum::<f64>() / known.len() as f64;
     let density = blurred(&density, scatter.sqrt().max(MIN_SECOND_SCATTER));
     let quantile = |share: f64| {
         let mut below = 0.0;
@@ -116,7 +118,7 @@ fn is_positive(stretch: &Stretch) -> bool {
 
 /// The logarithm of the rollers' way per ripple at a slip.
 fn way(speed: f64, roller: Roller, slip: f64) -> f64 {
-    ((1.0 - slip) * speed * roller.across / roller.ripple).ln()
+    Real::ln((1.0 - slip) * speed * roller.across / roller.ripple)
 }
 
 /// Student's t of the logarithm of the rollers' way per ripple.
@@ -141,7 +143,7 @@ impl RollerWays {
         }
         let count = ways.len() as f64;
         let mean = ways.iter().sum::<f64>() / count;
-        let variance = ways.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let variance = ways.iter().map(|w| Real::powi(w - mean, 2)).sum::<f64>() / (count - 1.0);
         Some(Self {
             mean,
             spread: variance.sqrt().max(MIN_WAY_SPREAD) * (1.0 + 1.0 / count).sqrt(),
@@ -151,12 +153,12 @@ impl RollerWays {
 
     fn likelihood(&self, way: f64) -> f64 {
         let z = (way - self.mean) / self.spread;
-        (1.0 + z * z / self.freedom).powf(-0.5 * (self.freedom + 1.0))
+        Real::powf(1.0 + z * z / self.freedom, -0.5 * (self.freedom + 1.0))
     }
 }
 
 fn normal(x: f64, sigma: f64) -> f64 {
-    (-0.5 * (x / sigma).powi(2)).exp() / (sigma * TAU.sqrt())
+    Real::exp(-0.5 * Real::powi(x / sigma, 2)) / (sigma * TAU.sqrt())
 }
 
 /// The density of the sum with a normal variable of this standard deviation, of sum 1.

@@ -2,6 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
+use grouser_real::Real;
 use grouser_slip::window::{WindowBody, WindowMeans};
 use grouser_slip::{Reference, Robot, WheelRole};
 
@@ -119,7 +120,10 @@ struct Collector<'a> {
 
 impl<'a> Collector<'a> {
     fn new(robot: &'a Robot, has_reference: bool) -> Self {
-        let reach = robot.wheels().iter().map(|wheel| wheel.x.hypot(wheel.y));
+        let reach = robot
+            .wheels()
+            .iter()
+            .map(|wheel| Real::hypot(wheel.x, wheel.y));
         Self {
             robot,
             has_reference,
@@ -248,7 +252,7 @@ impl<'a> Collector<'a> {
 
 /// The direction of a command of motion.
 fn direction([forward, left]: [f64; 2]) -> Option<[f64; 2]> {
-    let size = forward.hypot(left);
+    let size = Real::hypot(forward, left);
     (size > 0.0 && size.is_finite()).then(|| [forward / size, left / size])
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use grouser_real::Real;
 use grouser_slip::filter::{FilterSettings, RimPath};
 use grouser_slip::{BodyMotion, Measured, Measurement, Sample, Slip};
 
@@ -98,7 +99,7 @@ impl LoggedPath {
                     let turned = self.at(time_ns).turned;
                     let before = last_turned.replace(turned).unwrap_or(turned);
                     let turn = turn.unwrap_or(turned - before);
-                    let (sin, cos) = (summed[2] + 0.5 * turn).sin_cos();
+                    let (sin, cos) = Real::sin_cos(summed[2] + 0.5 * turn);
                     summed[0] += cos * forward - sin * left;
                     summed[1] += sin * forward + cos * left;
                     summed[2] += turn;
@@ -159,7 +160,7 @@ impl LoggedPath {
                 high = (high + 1).min(last);
             }
             let [dot, cross] = [0, 1].map(|i| sums[high][i] - sums[low][i]);
-            let length = dot.hypot(cross);
+            let length = Real::hypot(dot, cross);
             if length > 0.0 {
                 rotations.push((time, [dot / length, cross / length]));
             }
@@ -198,7 +199,7 @@ impl LoggedPath {
             let [cos, sin] = rotations.get(nearest).map_or([1.0, 0.0], |found| found.1);
             let way = to.way - from.way;
             let (x, y) = (to.x - from.x, to.y - from.y);
-            let length = x.hypot(y);
+            let length = Real::hypot(x, y);
             if length > 1e-9 {
                 let sign = way.signum() / length;
                 let (x, y) = (sign * x, sign * y);

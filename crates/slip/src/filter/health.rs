@@ -89,7 +89,7 @@ impl Core {
         let own = Real::sqrt(self.state.variance_of(&slip_row));
         let kept = SlipPrior {
             mean: self.state.mean_of(&slip_row),
-            sigma: own.hypot(self.drift_doubt(wheel, rim.value)),
+            sigma: Real::hypot(own, self.drift_doubt(wheel, rim.value)),
         };
         let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
         let slip = mean.clamp(-1.0, 1.0);

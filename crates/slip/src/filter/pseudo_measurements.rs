@@ -39,7 +39,7 @@ impl Core {
         if let Some(row) = self.wheels.lateral {
             let lasting = Real::sqrt(SLOPE_TIME_S / PSEUDO_MEASUREMENT_PERIOD_S);
             let downhill = lasting * self.drift_downhill(time_ns);
-            let sigma = downhill.hypot(weight * self.settings.lateral_sigma);
+            let sigma = Real::hypot(downhill, weight * self.settings.lateral_sigma);
             motion_model::hold(&mut self.state, row, 0.0, sigma);
         }
         if !self.gyro.is_trusted(time_ns, &self.settings)
