@@ -242,7 +242,7 @@ impl Changes {
             [0, 1].map(|i| self.product[i] / n - self.speed * self.gained[i] / (n * n));
         let means = self.gained.map(|sum| sum / n);
         let variance = self.gained_square / n - Real::powi(means[0], 2) - Real::powi(means[1], 2);
-        let square = (Real::powi(covariance[0], 2) + Real::powi(covariance[1], 2))
+        let square: f64 = (Real::powi(covariance[0], 2) + Real::powi(covariance[1], 2))
             / (speed_variance * variance);
         let significance = (square / (1.0 - square).max(1e-9) * n).sqrt();
         (significance > MIN_SIGNIFICANCE).then_some((covariance, significance))
