@@ -126,3 +126,28 @@ real_for_float!(f32,
     exp => expf, exp_m1 => expm1f, ln => logf, log10 => log10f, ln_1p => log1pf,
     sin => sinf, cos => cosf, tan => tanf, asin => asinf, acos => acosf, atan => atanf,
     sinh => sinhf, cosh => coshf, tanh => tanhf; sqrt => sqrtf, powf => powf, atan2 => atan2f, sin_cos => sincosf);
+
+#[cfg(test)]
+mod tests {
+    use crate::Real;
+
+    /// Against the platform's, which scales always.
+    #[test]
+    fn lengths_beyond_the_range_of_squares_are_finite() {
+        for (x, y) in [
+            (3e200_f64, 4e200),
+            (-1e300, 1.0),
+            (f64::MAX, 0.0),
+            (0.0, -1e155),
+        ] {
+            let expected = f64::hypot(x, y);
+            assert!(
+                (Real::hypot(x, y) / expected - 1.0).abs() < 1e-15,
+                "{x} {y}"
+            );
+        }
+        assert_eq!(Real::hypot(f64::INFINITY, 1.0), f64::INFINITY);
+        assert!(Real::hypot(f64::NAN, 1e300).is_nan());
+        assert_eq!(Real::hypot(3e30_f32, 4e30), 5e30);
+    }
+}

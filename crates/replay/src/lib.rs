@@ -39,6 +39,7 @@
 //! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error: [`FusedSummary::doubts`]
 //! names them. The crate draws nothing and writes no files.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod align;
 mod axes;

@@ -25,6 +25,7 @@
 //! The primary types are [`drive::Simulation`] and [`robot::RobotModel`]. The crate does not estimate or control: the
 //! simulated robot runs [`grouser_slip::onboard::OnBoard`], as a real one does.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod body;
 pub mod drive;

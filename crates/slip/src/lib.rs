@@ -42,6 +42,7 @@
 //! The crate reads no files and knows neither terrain nor the robot's linkage.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 extern crate alloc;
 

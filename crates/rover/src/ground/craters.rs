@@ -1,6 +1,7 @@
 //! Fields of craters, by the frequency of their sizes.
 
 use super::shape::Lattice;
+use grouser_real::Real;
 
 /// Craters of a surface in equilibrium: as many form as fade.
 ///
@@ -71,7 +72,7 @@ impl Craters {
         let classes = (0..).map(move |class: u32| {
             (
                 u64::from(class),
-                self.min_diameter * CLASS_FACTOR.powi(class.cast_signed()),
+                self.min_diameter * Real::powi(CLASS_FACTOR, class.cast_signed()),
             )
         });
         classes.take_while(move |(_, least)| *least < self.max_diameter)
@@ -90,10 +91,10 @@ impl Craters {
             Lattice::new(own).node(column, row)
         };
         let side = side(least);
-        let share = 1.0 - CLASS_FACTOR.powi(-2);
-        let mean = self.density * share * (side / least).powi(2);
+        let share = 1.0 - Real::powi(CLASS_FACTOR, -2);
+        let mean = self.density * share * Real::powi(side / least, 2);
         // Poisson's distribution by inversion
-        let (mut left, mut probability, mut count) = (number(0), (-mean).exp(), 0);
+        let (mut left, mut probability, mut count) = (number(0), Real::exp(-mean), 0);
         while left > probability && count < MAX_IN_CELL {
             left -= probability;
             count += 1;
@@ -157,13 +158,13 @@ impl Crater {
     /// What it adds to the height at a place, m.
     #[must_use]
     pub fn height(&self, x: f64, y: f64) -> f64 {
-        let radii = (x - self.x).hypot(y - self.y) / (0.5 * self.diameter);
+        let radii = Real::hypot(x - self.x, y - self.y) / (0.5 * self.diameter);
         let scale = self.freshness * self.diameter;
         if radii < 1.0 {
             return scale * (RIM_SHARE - DEPTH_SHARE * (1.0 - radii * radii));
         }
-        let end = BLANKET_RADII.powi(-3);
-        let blanket = (radii.powi(-3) - end) / (1.0 - end);
+        let end = Real::powi(BLANKET_RADII, -3);
+        let blanket = (Real::powi(radii, -3) - end) / (1.0 - end);
         scale * RIM_SHARE * blanket.max(0.0)
     }
 }
