@@ -81,6 +81,8 @@ fn compared(name: &str, key: &str, count: u32, seed: u64) -> (f64, u32, u32) {
         envelope.max_pitch,
         envelope.max_roll,
     );
+    // what the table reports of itself holds
+    assert!(worst <= table.error().slip, "{name} on {key}");
     (worst, otherwise, drives)
 }
 

@@ -4,7 +4,9 @@ use std::cell::{Cell, RefCell};
 
 use grouser_terra::Slip;
 
-use super::{Beyond, CHECK_FACTOR, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
+use super::{
+    Beyond, CHECK_FACTOR, Envelope, LIMIT_CHECK_FACTOR, SLIP_BOUND, Side, SlipTable, TableError,
+};
 use crate::demand::{Demand, DemandSolver, Driving, MAX_SLIP, Posed};
 use crate::error::{Error, Result};
 use crate::root::{Bracket, golden_section, root};
@@ -20,7 +22,7 @@ const PEAK_WIDTH: f64 = 4e-3;
 /// A pitch is found to this accuracy, rad.
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
-const BUILD_SHARE: f64 = 0.25;
+const BUILD_SHARE: f64 = 0.625;
 /// The exact solver's slip between the nodes is found to this accuracy.
 const CHECK_TOLERANCE: f64 = 1e-7;
 /// A node's slip is found to this accuracy, a ten-thousandth of the bound.
@@ -580,7 +582,7 @@ fn check(
     error.slip *= CHECK_FACTOR;
     error.energy *= CHECK_FACTOR;
     error.sinkage *= CHECK_FACTOR;
-    error.limit = CHECK_FACTOR * limit_errors[0].max(limit_errors[1]);
+    error.limit = LIMIT_CHECK_FACTOR * limit_errors[0].max(limit_errors[1]);
     for (which, limit_error) in limit_errors.into_iter().enumerate() {
         let steps = table.steps;
         let rolling = table.rolling.clone();
@@ -589,7 +591,7 @@ fn check(
         } else {
             &mut table.braking
         };
-        side.limit_error = (CHECK_FACTOR * limit_error).max(MIN_LIMIT_ERROR_RAD);
+        side.limit_error = (LIMIT_CHECK_FACTOR * limit_error).max(MIN_LIMIT_ERROR_RAD);
         side.marginal = marginal(side, &rolling, steps);
     }
     table.error = error;
