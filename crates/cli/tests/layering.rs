@@ -24,6 +24,7 @@ const FLOORS: &[(&str, &[&str])] = &[
     (
         "grouser-replay",
         &[
+            "grouser-real",
             "grouser-terra",
             "grouser-slip",
             "grouser-files",
