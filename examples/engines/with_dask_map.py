@@ -4,6 +4,7 @@ import sys
 
 import dask.array as da
 import numpy as np
+from dask import delayed
 from dask.distributed import Client, LocalCluster
 
 from grouser import soils, terrain
@@ -20,8 +21,8 @@ def run(client: Client, heights: np.ndarray, mapper: terrain.SlipMapper, quantit
     relief = da.from_array(heights, chunks=(cells, cells))
     # ground beyond the edge is unknown, as it is for one process
     edge = da.overlap.overlap(relief, depth=mapper.reach, boundary=np.nan)
-    # the mapper goes to each worker once, and makes its tables there
-    shared = client.scatter(mapper, broadcast=True)
+    # a part of the graph: it goes to each worker once, makes its tables there, and is sent again where a worker is lost
+    shared = delayed(mapper)
     tiles = edge.map_blocks(
         lambda block, shared: tile(block, shared, quantity),
         shared,

@@ -5,7 +5,8 @@ use std::cell::{Cell, RefCell};
 use grouser_terra::Slip;
 
 use super::{
-    Beyond, CHECK_FACTOR, Envelope, LIMIT_CHECK_FACTOR, SLIP_BOUND, Side, SlipTable, TableError,
+    Beyond, CHECK_FACTOR, Envelope, LIMIT_CHECK_FACTOR, MIN_SLIP_ERROR, SLIP_BOUND, Side,
+    SlipTable, TableError,
 };
 use crate::demand::{Demand, DemandSolver, Driving, MAX_SLIP, Posed};
 use crate::error::{Error, Result};
@@ -579,7 +580,7 @@ fn check(
             }
         }
     }
-    error.slip *= CHECK_FACTOR;
+    error.slip = (CHECK_FACTOR * error.slip).max(MIN_SLIP_ERROR);
     error.energy *= CHECK_FACTOR;
     error.sinkage *= CHECK_FACTOR;
     error.limit = LIMIT_CHECK_FACTOR * limit_errors[0].max(limit_errors[1]);
