@@ -78,9 +78,10 @@ fn a_thousand_slow_sockets_do_not_slow_a_run() {
     let (alone, attacked) = (best(0), best(1000));
     let _ = std::fs::remove_dir_all(&folder);
     println!("alone {alone:?}, with a thousand slow sockets {attacked:?}");
-    // opening a thousand sockets takes a while beside the run on a machine of two processors
+    // Opening a thousand sockets takes a while beside the run, and so does other work on a machine of two processors. A
+    // server that waits for a slow socket waits for its limit of time, 10 s.
     assert!(
-        attacked < alone * 3 / 2 + Duration::from_millis(400),
+        attacked < alone * 2 + Duration::from_secs(4),
         "{alone:?}, {attacked:?}"
     );
 }
