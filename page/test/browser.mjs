@@ -87,3 +87,11 @@ export function random(seed) {
     return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
   };
 }
+
+/** The place of an element; what is drawn anew at the moment has none for an instant. */
+export async function boxOf(locator) {
+  for (;;) {
+    const box = await locator.boundingBox();
+    if (box) return box;
+  }
+}

@@ -5,7 +5,7 @@ import { mkdtempSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { assertSame, commandJson, random, seriousFindings, withPage } from './browser.mjs';
+import { assertSame, boxOf, commandJson, random, seriousFindings, withPage } from './browser.mjs';
 
 /** The quantities of a point that the page and the command both have. */
 const POINT = [
@@ -110,7 +110,7 @@ test('a typed value, a slider and a handle change the numbers and the address', 
     assert.equal(await page.evaluate(() => document.activeElement.dataset.handle), 'load', 'the handle keeps the focus');
 
     const sunk = (await pointOf(page)).sinkage_m;
-    const knob = await page.locator('[data-handle="sinkage"]').boundingBox();
+    const knob = await boxOf(page.locator('[data-handle="sinkage"]'));
     await page.mouse.move(knob.x + knob.width / 2, knob.y + knob.height / 2);
     await page.mouse.down();
     await page.mouse.move(knob.x + knob.width / 2, knob.y + knob.height / 2 - 12, { steps: 4 });
@@ -118,7 +118,7 @@ test('a typed value, a slider and a handle change the numbers and the address', 
     await page.waitForFunction((was) => window.grouser.views.get('explore').point.sinkage_m > 1.1 * was, sunk);
 
     await page.locator('.plot').first().scrollIntoViewIfNeeded();
-    const chart = await page.locator('.plot').first().boundingBox();
+    const chart = await boxOf(page.locator('.plot').first());
     await page.mouse.click(chart.x + chart.width * 0.7, chart.y + chart.height * 0.4);
     await page.waitForFunction(() => window.grouser.views.get('explore').state.slip > 0.5);
   });

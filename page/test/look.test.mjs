@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { seriousFindings, withPage } from './browser.mjs';
+import { boxOf, seriousFindings, withPage } from './browser.mjs';
 
 const VIEWS = ['explore', 'optimise', 'run'];
 /** Drives the sandbox, then a scenario and its drivers by their names. */
@@ -83,7 +83,7 @@ test('the robot is on its way from the start, and values follow the pointer in a
     assert.match(await row(), /–/);
     assert.match(await torques(), /front_left 0/);
     const plot = page.locator('[aria-label="Slip of each wheel"] .plot');
-    const { x, y, width, height } = await plot.boundingBox();
+    const { x, y, width, height } = await boxOf(plot);
     await page.mouse.move(x + width / 4, y + height / 2);
     await page.waitForFunction(() => /0\.\d+ ± 0\.\d+.*Driving/.test(document.querySelector('.wheels tbody tr').textContent));
     assert.match(await torques(), /front_left \d\.\d+/);

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { ROOT, assertSame, commandJson, seriousFindings, withPage } from './browser.mjs';
+import { assertSame, boxOf, commandJson, ROOT, seriousFindings, withPage } from './browser.mjs';
 
 const answerOf = (page) => page.evaluate(() => window.grouser.views.get('optimise').answer);
 
@@ -70,7 +70,7 @@ test('a front of three objectives turns in space and is linked with the other pi
     assert.notDeepEqual(turned, before);
     await page.keyboard.press('ArrowLeft');
     (await seen()).forEach(([x, y], i) => assert.ok(Math.hypot(x - before[i][0], y - before[i][1]) < 1e-6));
-    const box = await page.locator('.space').boundingBox();
+    const box = await boxOf(page.locator('.space'));
     await page.mouse.move(box.x + 20, box.y + 20);
     await page.mouse.down();
     await page.mouse.move(box.x + 120, box.y + 60);

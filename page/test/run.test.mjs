@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { ROOT, assertSame, commandJson, seriousFindings, withPage } from './browser.mjs';
+import { assertSame, boxOf, commandJson, ROOT, seriousFindings, withPage } from './browser.mjs';
 
 const EXAMPLE = `${ROOT}examples/five-wheel`;
 const GROUSER = process.env.GROUSER ?? 'grouser';
@@ -80,7 +80,7 @@ test('playing moves the cursor, and a click on the chart sets it', async () => {
     await page.getByRole('button', { name: 'Play' }).click();
     await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 0.5);
     await page.getByRole('button', { name: 'Pause' }).click();
-    const box = await page.locator('.run .plot').first().boundingBox();
+    const box = await boxOf(page.locator('.run .plot').first());
     await page.mouse.click(box.x + box.width * 0.8, box.y + box.height * 0.5);
     await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 25);
     await page.selectOption('select[aria-label="Time shown"]', '10');
