@@ -8,8 +8,8 @@ use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel};
 
 const CYCLES: usize = 50_000;
 const RUNS: usize = 5;
-/// After so many cycles their work repeats: a window lasts five, a pseudo-measurement's period two.
-const PATTERN: usize = 10;
+/// The work of cycles repeats with this period, in cycles: a window lasts five, a pseudo-measurement's period two.
+const PATTERN_CYCLES: usize = 10;
 
 fn robot() -> Robot {
     let width = CounterWidth::new(32).expect("a width");
@@ -69,8 +69,8 @@ fn timed() -> [f64; 4] {
         times.sort_by(f64::total_cmp);
         times[((times.len() - 1) as f64 * share) as usize]
     };
-    let phase = |phase: usize| times.iter().skip(phase).step_by(PATTERN).copied();
-    let dearest = (0..PATTERN)
+    let phase = |phase: usize| times.iter().skip(phase).step_by(PATTERN_CYCLES).copied();
+    let dearest = (0..PATTERN_CYCLES)
         .map(|start| at(&mut phase(start).collect(), 0.5))
         .fold(0.0, f64::max);
     let [p50, p999, most] = [0.5, 0.999, 1.0].map(|share| at(&mut times, share));

@@ -422,7 +422,7 @@ fn mars_keeps_its_place_and_its_relief() {
 /// nothing.
 #[test]
 fn the_cvar_of_a_cell_is_that_of_the_exact_solver_on_every_draw() {
-    const LEVEL: f64 = 0.7;
+    const CVAR_LEVEL: f64 = 0.7;
     let folder = Folder::new("cvar");
     let headings = Headings::new(4).unwrap();
     let text = "format = 1\nsource = \"made up\"\nphi_deg = { low = 24.0, high = 34.0 }\n";
@@ -450,7 +450,7 @@ fn the_cvar_of_a_cell_is_that_of_the_exact_solver_on_every_draw() {
         grid(&path, 12, 10, |x, _| 3.0 + slope * x);
         let mut dem = Dem::open(&path, None, 0.001).unwrap();
         let settings = MapSettings::new(headings, envelope)
-            .with_cvar_level(LEVEL)
+            .with_cvar_level(CVAR_LEVEL)
             .unwrap();
         let maker = MapMaker::new(settings, tabled(own.clone()), draws.clone(), dem.cell());
         let window = dem.window(0..10).unwrap();
@@ -478,7 +478,7 @@ fn the_cvar_of_a_cell_is_that_of_the_exact_solver_on_every_draw() {
         assert_eq!(driving.len() < draws.len(), fails);
         assert_eq!(value(Quantity::Immobilisation) > 0.0, fails);
         let over = |t: f64| driving.iter().map(|e| (e - t).max(0.0)).sum::<f64>();
-        let at = |t: f64| t + over(t) / draws.len() as f64 / (1.0 - LEVEL);
+        let at = |t: f64| t + over(t) / draws.len() as f64 / (1.0 - CVAR_LEVEL);
         let expected = driving.iter().map(|t| at(*t)).fold(f64::INFINITY, f64::min);
         let found = value(Quantity::EnergyCvar);
         if fails {

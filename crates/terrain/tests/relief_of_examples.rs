@@ -9,7 +9,7 @@ use grouser_rover::ground::{Craters, HeightFile, Shape, read_heights};
 
 /// Craters of 1 to 12 m in equilibrium: 64 x 48 cells of 0.5 m.
 const CRATERS: Shape = Shape::Craters(Craters {
-    density: Craters::EQUILIBRIUM,
+    density: Craters::EQUILIBRIUM_DENSITY,
     min_diameter: 1.0,
     max_diameter: 12.0,
 });

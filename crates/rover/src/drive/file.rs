@@ -407,7 +407,7 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
             Shape::Craters(Craters {
                 density: s
                     .optional_number("density", (0.0, 0.3))?
-                    .unwrap_or(Craters::EQUILIBRIUM),
+                    .unwrap_or(Craters::EQUILIBRIUM_DENSITY),
                 min_diameter,
                 max_diameter: s.number("max_diameter_m", (min_diameter, 1e4))?,
             })

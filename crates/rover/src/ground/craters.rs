@@ -18,9 +18,9 @@ use grouser_real::Real;
 /// ```
 /// use grouser_rover::ground::Craters;
 ///
-/// let craters = Craters { density: Craters::EQUILIBRIUM, min_diameter: 2.0, max_diameter: 16.0 };
+/// let craters = Craters { density: Craters::EQUILIBRIUM_DENSITY, min_diameter: 2.0, max_diameter: 16.0 };
 /// let found = craters.within(7, (0.0, 0.0), (500.0, 500.0));
-/// let expected = 250_000.0 * Craters::EQUILIBRIUM * (2.0_f64.powi(-2) - 16.0_f64.powi(-2));
+/// let expected = 250_000.0 * Craters::EQUILIBRIUM_DENSITY * (2.0_f64.powi(-2) - 16.0_f64.powi(-2));
 /// assert!((found.len() as f64 / expected - 1.0).abs() < 0.05);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ const NUMBERS_OF_CLASS: u64 = NUMBERS * MAX_IN_CELL + 1;
 
 impl Craters {
     /// N(≥D) D² in equilibrium: 10^−1.1.
-    pub const EQUILIBRIUM: f64 = 0.079_432_823;
+    pub const EQUILIBRIUM_DENSITY: f64 = 0.079_432_823;
 
     /// The least diameter of each class.
     fn classes(self) -> impl Iterator<Item = (u64, f64)> {
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     const MARIA: Craters = Craters {
-        density: Craters::EQUILIBRIUM,
+        density: Craters::EQUILIBRIUM_DENSITY,
         min_diameter: 2.0,
         max_diameter: 32.0,
     };
@@ -197,7 +197,7 @@ mod tests {
         for least in [2.0, 3.1, 5.0, 8.0, 13.0, 20.0_f64] {
             let counted = found.iter().filter(|crater| crater.diameter >= least);
             let counted = counted.count() as f64;
-            let law = Craters::EQUILIBRIUM * (least.powi(-2) - 32.0_f64.powi(-2));
+            let law = Craters::EQUILIBRIUM_DENSITY * (least.powi(-2) - 32.0_f64.powi(-2));
             let expected = law * side * side;
             // four sigmas of a Poisson distribution
             let off = (counted - expected).abs() / expected.sqrt();

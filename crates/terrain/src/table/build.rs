@@ -1,17 +1,14 @@
-//! The nodes of a table, and how far it is from the exact solver between them.
+//! The nodes of a table.
 
 use std::cell::{Cell, RefCell};
 
 use grouser_terra::Slip;
 
-use super::{
-    Beyond, CHECK_FACTOR, Envelope, LIMIT_CHECK_FACTOR, MIN_SLIP_ERROR, SLIP_BOUND, Side,
-    SlipTable, TableError,
-};
-use crate::demand::{Demand, DemandSolver, Driving, MAX_SLIP, Posed};
+use super::check::check;
+use super::{Beyond, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
+use crate::demand::{DemandSolver, Driving, MAX_SLIP, Posed};
 use crate::error::{Error, Result};
 use crate::root::{Bracket, golden_section, root};
-use crate::table::cubic::Stencil;
 
 /// Nodes over roll and over t of the coarsest grid, and how often both are doubled at most.
 const COARSEST: [usize; 2] = [9, 17];
@@ -24,12 +21,10 @@ const PEAK_WIDTH: f64 = 4e-3;
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
 const BUILD_SHARE: f64 = 0.625;
-/// The exact solver's slip between the nodes is found to this accuracy.
-const CHECK_TOLERANCE: f64 = 1e-7;
 /// A node's slip is found to this accuracy, a ten-thousandth of the bound.
 const NODE_TOLERANCE: f64 = 1e-7;
 /// The error of a limit is never taken smaller, rad.
-const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
+pub(super) const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
 
 pub(super) fn refined(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
     let [mut rolls, mut steps] = COARSEST;
@@ -63,13 +58,13 @@ pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTa
 }
 
 /// The exact solver, with the skids of the free wheels at the pose before.
-struct Near<'a> {
-    solver: &'a DemandSolver,
-    skids: RefCell<Vec<Slip>>,
+pub(super) struct Near<'a> {
+    pub(super) solver: &'a DemandSolver,
+    pub(super) skids: RefCell<Vec<Slip>>,
 }
 
 impl<'a> Near<'a> {
-    fn posed(&self, pitch: f64, roll: f64) -> Result<Posed<'a>> {
+    pub(super) fn posed(&self, pitch: f64, roll: f64) -> Result<Posed<'a>> {
         let posed = self
             .solver
             .posed_near(pitch, roll, &mut self.skids.borrow_mut())?;
@@ -82,8 +77,8 @@ impl<'a> Near<'a> {
 
 /// One roll's limit on one side.
 #[derive(Clone, Copy)]
-struct Limit {
-    pitch: f64,
+pub(super) struct Limit {
+    pub(super) pitch: f64,
     /// The slip there; `None` where the envelope ends before the soil.
     slip: Option<f64>,
 }
@@ -287,7 +282,7 @@ fn limit_near(
 }
 
 /// As [`limit_near`], by a search over all slips.
-fn limit(
+pub(super) fn limit(
     near: &Near<'_>,
     envelope: Envelope,
     (roll, rolling): (f64, f64),
@@ -497,119 +492,4 @@ fn next_slip(
         return Ok(end);
     }
     here.between((before, at_before), (end, at_end), NODE_TOLERANCE)
-}
-
-/// The exact demand of a pose at which a table reads a slip: by its own equation between slips about that
-/// one, or by a search over all slips where it does not lie there.
-fn exact_near(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64) -> Result<Option<Driving>> {
-    const HALF_BRACKET: f64 = 0.5 * SLIP_BOUND;
-    let posed = near.posed(pitch, roll)?;
-    let at =
-        |slip: f64| -> Result<(f64, f64)> { Ok((slip, posed.surplus(slip)?.unwrap_or(f64::NAN))) };
-    let (low, high) = (at(slip - HALF_BRACKET)?, at(slip + HALF_BRACKET)?);
-    // more slip, more pull: the side of a peak on which the smallest slip lies
-    if low.1 < 0.0 && high.1 >= 0.0 {
-        let exact = posed.between(low, high, CHECK_TOLERANCE)?;
-        return posed.driving(exact).map(Some);
-    }
-    Ok(match near.solver.demand(pitch, roll)? {
-        Demand::Drives(driving) => Some(driving),
-        _ => None,
-    })
-}
-
-/// Compares the table with the exact solver in the middle between its nodes: every cell in roll; in t the first and the
-/// last cells and every fourth.
-fn check(
-    table: &mut SlipTable,
-    solver: &DemandSolver,
-    roll_of: &impl Fn(f64) -> f64,
-) -> Result<()> {
-    let near = Near {
-        solver,
-        skids: RefCell::default(),
-    };
-    let mut error = TableError::default();
-    let mut limit_errors = [0.0_f64; 2];
-    for index in 0..table.rolls - 1 {
-        let roll = roll_of(index as f64 + 0.5);
-        let across = table.across(roll);
-        let rolling = across.along(&table.rolling);
-        for (which, sense) in [1.0, -1.0].into_iter().enumerate() {
-            let side = if which == 0 {
-                &table.climbing
-            } else {
-                &table.braking
-            };
-            let mut limit = across.along(&side.limit);
-            if side.beyond == Beyond::Soil {
-                let exact = self::limit(&near, table.envelope, (roll, rolling), sense)?;
-                limit_errors[which] = limit_errors[which].max((exact.pitch - limit).abs());
-                error.checks += 1;
-                // what lies beyond the true limit is marginal, and has no slip to compare with
-                limit = if sense > 0.0 {
-                    limit.min(exact.pitch)
-                } else {
-                    limit.max(exact.pitch)
-                };
-            }
-            let cells = table.steps - 1;
-            for cell in (0..cells).filter(|cell| *cell < 2 || cell % 4 == 0 || *cell == cells - 1) {
-                let t = (cell as f64 + 0.5) / cells as f64;
-                let pitch = limit - (limit - rolling) * t * t;
-                let along = Stencil::of(t, table.steps);
-                let spot = super::Spot {
-                    slip: super::at(&side.slip, table.steps, &across, &along),
-                    is_climbing: which == 0,
-                    across,
-                    along,
-                };
-                let read = table.driving(&spot);
-                let Some(exact) = exact_near(&near, (pitch, roll), read.slip)? else {
-                    continue;
-                };
-                error.checks += 1;
-                error.slip = error.slip.max((read.slip - exact.slip).abs());
-                let scale = exact
-                    .work_per_metre
-                    .abs()
-                    .max(0.01 * solver.model().weight());
-                let off = (read.work_per_metre - exact.work_per_metre).abs() / scale;
-                error.energy = error.energy.max(off);
-                error.sinkage = error.sinkage.max((read.sinkage - exact.sinkage).abs());
-            }
-        }
-    }
-    error.slip = (CHECK_FACTOR * error.slip).max(MIN_SLIP_ERROR);
-    error.energy *= CHECK_FACTOR;
-    error.sinkage *= CHECK_FACTOR;
-    error.limit = LIMIT_CHECK_FACTOR * limit_errors[0].max(limit_errors[1]);
-    for (which, limit_error) in limit_errors.into_iter().enumerate() {
-        let steps = table.steps;
-        let rolling = table.rolling.clone();
-        let side = if which == 0 {
-            &mut table.climbing
-        } else {
-            &mut table.braking
-        };
-        side.limit_error = (LIMIT_CHECK_FACTOR * limit_error).max(MIN_LIMIT_ERROR_RAD);
-        side.marginal = marginal(side, &rolling, steps);
-    }
-    table.error = error;
-    Ok(())
-}
-
-/// An error δ of the limit moves t by δ/(2 t Δ), Δ the range of the side in pitch; below the t at which this passes into
-/// the slip as half of the bound, the exact solver decides.
-fn marginal(side: &Side, rolling: &[f64], steps: usize) -> f64 {
-    if side.beyond != Beyond::Soil {
-        return 0.0;
-    }
-    let mut t = 0.0_f64;
-    for (index, row) in side.slip.chunks_exact(steps).enumerate() {
-        let slope = (row[0] - row[1]).abs() * (steps - 1) as f64;
-        let range = (side.limit[index] - rolling[index]).abs();
-        t = t.max(slope * side.limit_error / (SLIP_BOUND * range));
-    }
-    t
 }

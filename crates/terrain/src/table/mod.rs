@@ -6,6 +6,7 @@
 //! the roll. Between the nodes runs the cubic through the four nearest ones, in t and in roll.
 
 mod build;
+mod check;
 mod cubic;
 mod envelope;
 

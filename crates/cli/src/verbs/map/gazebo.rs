@@ -27,7 +27,7 @@ const NOMINAL: u8 = 128;
 const COMPLIANCE_STEP: f64 = 0.02;
 const FRICTION_STEP: f64 = 0.01;
 /// The friction coefficient of SDF's collisions unless the model gives another one.
-const FRICTION: f64 = 1.0;
+const SDF_FRICTION_COEFFICIENT: f64 = 1.0;
 /// On flatter ground the pull of the wheels is that of this pitch, rad (5°): rolling itself takes slip, but
 /// no pull in gz-sim.
 const MIN_PITCH_RAD: f64 = 0.087;
@@ -82,13 +82,17 @@ impl<'a> SlipPicture<'a> {
             reason = "a soil's number; anything else finds no soil"
         )]
         let soil = value(Quantity::Soil, steepest) as usize;
-        let friction = self.maker.soils().get(soil).map_or(FRICTION, |soil| {
-            soil.steepest()[0].tan() / self.powered_share()
-        });
+        let friction = self
+            .maker
+            .soils()
+            .get(soil)
+            .map_or(SDF_FRICTION_COEFFICIENT, |soil| {
+                soil.steepest()[0].tan() / self.powered_share()
+            });
         Colour(
             NOMINAL,
             step(compliance / COMPLIANCE_STEP),
-            step(f64::from(NOMINAL) + (friction - FRICTION) / FRICTION_STEP),
+            step(f64::from(NOMINAL) + (friction - SDF_FRICTION_COEFFICIENT) / FRICTION_STEP),
         )
     }
 
@@ -119,7 +123,7 @@ impl<'a> SlipPicture<'a> {
         }
         format!(
             "<?xml version=\"1.0\"?>\n<!--\n  Put both systems into the model of the robot; link_name is that of the wheel's link \
-             there.\n  The wheels' collisions have the friction coefficients mu = mu2 = {FRICTION}.\n  The centre of the \
+             there.\n  The wheels' collisions have the friction coefficients mu = mu2 = {SDF_FRICTION_COEFFICIENT}.\n  The centre of the \
              map's upper left cell lies at x = {}, y = {} of the world.\n-->\n<sdf version=\"1.9\">\n  <model name=\"{}\">\n    \
              <plugin filename=\"gz-sim-wheel-slip-system\" name=\"gz::sim::systems::WheelSlip\">\n{wheels}    \
              </plugin>\n    \
