@@ -154,6 +154,22 @@ pub enum Error {
         /// The patterns of the map's tables.
         patterns: String,
     },
+    /// A folder that is to be followed and has no recording.
+    #[error("{folder}: holds no MCAP file and no ROS 1 bag that could be followed")]
+    NoRecording {
+        /// The folder.
+        folder: String,
+    },
+    /// A folder that is to be followed and has two recordings.
+    #[error(
+        "{first} and {second} are no files of one recording (`name_0.mcap`, `name_1.mcap`): name the one to follow"
+    )]
+    TwoRecordings {
+        /// A file.
+        first: String,
+        /// Another.
+        second: String,
+    },
     /// A log in another version of its format.
     #[error("{file}: is {format} version {found:?}; known is {known:?}")]
     Version {

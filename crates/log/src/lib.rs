@@ -56,6 +56,7 @@ mod series;
 mod sheet;
 mod slots;
 mod source;
+mod split;
 mod suggest;
 mod survey;
 pub mod write;

@@ -17,6 +17,7 @@ use crate::merge::Samples;
 use crate::messages::LeftOut;
 use crate::recording::{Recording, RecordingReader, UsedTopic};
 use crate::source::Source;
+use crate::split::{SplitRecording, first_file};
 
 /// A file's first bytes, which show its kind.
 const MAGIC_BYTES: u64 = 16;
@@ -176,7 +177,40 @@ impl Log {
         map: Option<ColumnMap>,
         topics: &Topics,
     ) -> Result<Self> {
-        let source = Source::growing(name, source, wait);
+        Self::of_growing(Source::growing(name, source, wait), map, topics)
+    }
+
+    /// As [`Log::growing`], of the file at `path`. Of a recording in numbered files (`run_0.mcap`, `run_1.mcap`, …), as
+    /// `ros2 bag record` and `rosbag record --split` write it, the next file is read on once one is completed; `path` may
+    /// be the folder of one such recording. It ends where `metadata.yaml` is in the folder, or where no other file was
+    /// begun for 10 s after the last byte.
+    ///
+    /// ```
+    /// use grouser_files::robot;
+    /// use grouser_log::Log;
+    ///
+    /// let robot = robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+    /// let path = "../../examples/five-wheel/log.mcap";
+    /// let wait = || std::thread::sleep(std::time::Duration::from_millis(50));
+    /// let log = Log::following(path.as_ref(), wait, None, &robot.topics)?;
+    /// assert_eq!(log.samples(&[])?.count(), 6 * 2001);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Log::find_any`]; [`Error::NoRecording`] and [`Error::TwoRecordings`] of a folder.
+    pub fn following(
+        path: &Path,
+        wait: impl Fn() + Send + Sync + 'static,
+        map: Option<ColumnMap>,
+        topics: &Topics,
+    ) -> Result<Self> {
+        let first = first_file(path)?;
+        let input = SplitRecording::open(&first)?;
+        Self::of_growing(Source::growing(&first, input, wait), map, topics)
+    }
+
+    fn of_growing(source: Source, map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
         // a kind of file is known by its first bytes
         let mut known = 0;
         while known < MAGIC_BYTES && source.is_growing() {

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use flate2::bufread::MultiGzDecoder;
 use grouser_files::regular;
@@ -15,10 +15,35 @@ const BUFFER_BYTES: usize = 1 << 16;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// Anything that can be read from any place.
-pub(crate) trait ReadSeek: Read + Seek + Send {}
+/// What can be read from any place.
+pub(crate) trait Input: Send {
+    /// How many bytes it has.
+    fn length(&mut self) -> io::Result<u64>;
 
-impl<T: Read + Seek + Send> ReadSeek for T {}
+    /// Reads at `offset`, as much as comes at once.
+    fn read_at(&mut self, offset: u64, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// The writer has completed the file that ends at `offset`: does nothing follow it?
+    fn ends_at(&mut self, _offset: u64) -> bool {
+        true
+    }
+}
+
+impl<T: Read + Seek + Send> Input for T {
+    fn length(&mut self) -> io::Result<u64> {
+        self.seek(SeekFrom::End(0))
+    }
+
+    fn read_at(&mut self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
+        self.seek(SeekFrom::Start(offset))?;
+        loop {
+            match self.read(buffer) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                done => return done,
+            }
+        }
+    }
+}
 
 /// An input that is still written, for all of its readers.
 #[derive(Clone)]
@@ -26,27 +51,33 @@ struct Growth {
     /// Called where a reader needs more than the input has; it pauses.
     wait: Arc<dyn Fn() + Send + Sync>,
     has_ended: Arc<AtomicBool>,
+    /// Up to here the writer has completed what it wrote; 0 where nothing is.
+    completed: Arc<AtomicU64>,
 }
 
 /// One input under several readers, each of which has its own position.
 #[derive(Clone)]
 pub(crate) struct Shared {
-    input: Arc<Mutex<Box<dyn ReadSeek>>>,
+    input: Arc<Mutex<Box<dyn Input>>>,
     growth: Option<Growth>,
 }
 
 impl Shared {
-    pub(crate) fn new(source: impl ReadSeek + 'static) -> Self {
+    pub(crate) fn new(source: impl Input + 'static) -> Self {
         Self {
             input: Arc::new(Mutex::new(Box::new(source))),
             growth: None,
         }
     }
 
+    fn input(&self) -> MutexGuard<'_, Box<dyn Input>> {
+        // a reader that panicked left no position behind: each read has its own
+        self.input.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// How many bytes it holds.
     pub(crate) fn length(&self) -> io::Result<u64> {
-        let mut source = self.input.lock().unwrap_or_else(PoisonError::into_inner);
-        source.seek(SeekFrom::End(0))
+        self.input().length()
     }
 
     /// May it have more bytes later?
@@ -55,9 +86,17 @@ impl Shared {
         growth.is_some_and(|growth| !growth.has_ended.load(Ordering::Relaxed))
     }
 
-    /// What is there stays all: nobody waits any more.
-    pub(crate) fn end_growth(&self) {
+    /// The writer has completed what stands before `offset`: nobody waits for more, unless another file follows.
+    pub(crate) fn complete(&self, offset: u64) {
         if let Some(growth) = &self.growth {
+            growth.completed.fetch_max(offset, Ordering::Relaxed);
+            self.end_growth(growth, offset);
+        }
+    }
+
+    /// Ends the waiting if nothing follows what was completed.
+    fn end_growth(&self, growth: &Growth, offset: u64) {
+        if self.input().ends_at(offset) {
             growth.has_ended.store(true, Ordering::Relaxed);
         }
     }
@@ -67,12 +106,19 @@ impl Shared {
     pub(crate) fn grown(&self, known: u64) -> io::Result<u64> {
         loop {
             let length = self.length()?;
+            let Some(growth) = self.growth.as_ref().filter(|_| self.is_growing()) else {
+                return Ok(length);
+            };
+            let completed = growth.completed.load(Ordering::Relaxed);
             if length < known {
-                self.end_growth();
+                growth.has_ended.store(true, Ordering::Relaxed);
+            } else if length > known {
+                return Ok(length);
+            } else if completed > 0 && length <= completed {
+                self.end_growth(growth, completed);
             }
-            match &self.growth {
-                Some(growth) if length == known && self.is_growing() => (growth.wait)(),
-                _ => return Ok(length),
+            if self.is_growing() {
+                (growth.wait)();
             }
         }
     }
@@ -87,14 +133,7 @@ impl Shared {
 
     /// Reads at `offset`, as much as comes at once.
     pub(crate) fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut source = self.input.lock().unwrap_or_else(PoisonError::into_inner);
-        source.seek(SeekFrom::Start(offset))?;
-        loop {
-            match source.read(buffer) {
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                done => return done,
-            }
-        }
+        self.input().read_at(offset, buffer)
     }
 }
 
@@ -116,7 +155,7 @@ impl Source {
         Self { path, held: None }
     }
 
-    pub(crate) fn over(name: &Path, source: impl ReadSeek + 'static) -> Self {
+    pub(crate) fn over(name: &Path, source: impl Input + 'static) -> Self {
         Self {
             path: name.to_owned(),
             held: Some(Shared::new(source)),
@@ -126,12 +165,13 @@ impl Source {
     /// An input that is still written; `wait` is called where a reader needs more than it has.
     pub(crate) fn growing(
         name: &Path,
-        source: impl ReadSeek + 'static,
+        source: impl Input + 'static,
         wait: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         let growth = Some(Growth {
             wait: Arc::new(wait),
             has_ended: Arc::default(),
+            completed: Arc::default(),
         });
         Self {
             path: name.to_owned(),

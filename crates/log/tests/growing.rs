@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::BTreeMap;
+use std::env;
+use std::fs;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
-use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -48,7 +50,7 @@ fn joints(number: u64) -> Vec<u8> {
 }
 
 /// A whole recording of these messages, in chunks of a second.
-fn recording(format: Format, messages: Range<u64>) -> Vec<u8> {
+fn recording(format: Format, messages: impl IntoIterator<Item = u64>) -> Vec<u8> {
     let channel = Channel {
         topic: "/joint_states".to_owned(),
         type_name: "sensor_msgs/JointState".to_owned(),
@@ -242,4 +244,60 @@ fn a_chunk_of_a_bag_has_its_length_when_it_is_closed() {
     leave_open(&mut states);
     let (_, samples, _) = read(states);
     assert!(samples == whole, "{} of {}", samples.len(), whole.len());
+}
+
+/// All samples of a recording in numbered files, one of which gets its next content for each time that the reader waits.
+fn follow(folder: PathBuf, steps: Vec<(PathBuf, Vec<u8>)>) -> (Vec<Sample>, u64) {
+    fs::remove_dir_all(&folder).ok();
+    fs::create_dir_all(&folder).unwrap();
+    let steps = Mutex::new(steps.into_iter());
+    let step = move || {
+        let (path, content) = steps
+            .lock()
+            .unwrap()
+            .next()
+            .expect("it waits for more than there ever is");
+        fs::write(path, content).unwrap();
+    };
+    step();
+    let log = Log::following(&folder, step, None, &topics()).unwrap();
+    let samples = log.samples(&[]).unwrap().collect::<Result<_, _>>().unwrap();
+    fs::remove_dir_all(folder).unwrap();
+    (samples, log.left_out().damages)
+}
+
+#[test]
+fn a_recording_in_numbered_files_is_one() {
+    for (format, ending) in [(Format::Mcap, "mcap"), (Format::Bag, "bag")] {
+        // the first messages of a file may be earlier than the last ones before it
+        let parts = [
+            (0..50).collect::<Vec<u64>>(),
+            (50..200).filter(|number| *number != 195).collect(),
+            [195].into_iter().chain(200..400).collect(),
+        ];
+        let whole = at_once(recording(format, parts.concat()));
+        assert_eq!(whole.len(), 400 * SAMPLES);
+        let name = format!("grouser-follow-{ending}-{}", std::process::id());
+        let folder = env::temp_dir().join(name);
+        let path = |number: usize| folder.join(format!("run_{number}.{ending}"));
+        let mut steps = Vec::new();
+        for (number, part) in parts.into_iter().enumerate() {
+            let mut states = pieces(&recording(format, part), 1501);
+            if format == Format::Bag {
+                leave_open(&mut states);
+            }
+            let complete = states.pop().unwrap();
+            steps.extend(states.into_iter().map(|state| (path(number), state)));
+            // the next file is there, empty, before this one is complete
+            if number < 2 {
+                steps.push((path(number + 1), Vec::new()));
+            }
+            steps.push((path(number), complete));
+        }
+        steps.push((folder.join("metadata.yaml"), Vec::new()));
+        let (samples, damages) = follow(folder.clone(), steps);
+        assert_eq!(samples.len(), whole.len(), "{format:?}, {damages} damages");
+        assert!(samples == whole, "{format:?}");
+        assert_eq!(damages, 0, "{format:?}");
+    }
 }

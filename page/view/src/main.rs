@@ -18,7 +18,7 @@ const MAX_FILE_BYTES: u64 = 64 << 20;
 #[derive(Parser, Debug)]
 #[command(name = "grouser-view", version)]
 struct Arguments {
-    /// A run to open: the table of `grouser estimate -o`, or a log
+    /// A run to open: the table of `grouser estimate -o`; or, with `--robot`, a log or the folder of a split recording
     file: Option<PathBuf>,
     /// The robot of the log: the server estimates, so that a log of any size opens
     #[arg(
@@ -31,7 +31,8 @@ struct Arguments {
     /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
-    /// The log (a table, MCAP or a bag) is still written: the page shows its newest moment
+    /// The log (a table, MCAP or a bag) is still written: the page shows its newest moment. Of a recording in numbered
+    /// files (`run_0.mcap`, `run_1.mcap`) or of its folder, the files that follow are read too
     #[arg(long, requires = "robot")]
     follow: bool,
     /// Write the page, with the run in it, as one HTML file instead of serving it; it opens without a server
@@ -105,7 +106,12 @@ fn read(path: &Path) -> Result<Shown> {
     let about = std::fs::metadata(path).map_err(|source| file_error(path, source))?;
     let file = File::open(path).map_err(|source| file_error(path, source))?;
     if !about.is_file() {
-        return Err(file_error(path, std::io::Error::other("it is no file")));
+        let what = if about.is_dir() {
+            "it is a folder: the log in it needs --robot R.toml"
+        } else {
+            "it is no file"
+        };
+        return Err(file_error(path, std::io::Error::other(what)));
     }
     file.take(MAX_FILE_BYTES + 1)
         .read_to_end(&mut bytes)

@@ -1,6 +1,5 @@
 //! A log through the estimator in the server, for a page that shows it while it is read.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -112,13 +111,12 @@ impl RecordedRun {
             return Log::find_any(paths, map, &self.robot.topics)
                 .map_err(|error| error.to_string());
         }
-        let file = File::open(&self.log).map_err(|error| error.to_string())?;
         let waiting = parts.clone();
         let wait = move || {
             waiting.with(LogParts::flush);
             sleep(LOOK_INTERVAL);
         };
-        let log = Log::growing(&self.log, file, wait, map, &self.robot.topics)
+        let log = Log::following(&self.log, wait, map, &self.robot.topics)
             .map_err(|error| error.to_string())?;
         if !log.unaligned_clocks().is_empty() {
             return Err(format!(

@@ -211,3 +211,68 @@ fn a_logger_that_is_killed_and_begins_again_is_followed() {
     assert!(all > 100 && 10 * found >= 8 * all, "{found} slips of {all}");
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// Records the example in numbered files, each begun before the one before has its footer, as `ros2 bag record` does.
+fn record_in_parts(folder: &Path, count: u32) {
+    let mut source = Container::open(&Path::new(EXAMPLE).join("log.mcap")).unwrap();
+    let (mut writer, mut channels): (Option<McapWriter<fs::File>>, _) = (None, BTreeMap::new());
+    let (mut begun, mut first_ns) = (0, None);
+    while let Some(event) = source.next() {
+        let Event::Message(message) = event else {
+            continue;
+        };
+        let age_ns = message.log_time_ns - *first_ns.get_or_insert(message.log_time_ns);
+        if age_ns >= u64::from(begun) * 40_100_000_000 / u64::from(count) {
+            let path = folder.join(format!("run_{begun}.mcap"));
+            begun += 1;
+            let next = McapWriter::new(fs::File::create(path).unwrap(), "ros2").unwrap();
+            sleep(Duration::from_millis(100));
+            if let Some(writer) = writer.replace(next) {
+                writer.finish().unwrap();
+            }
+            channels.clear();
+        }
+        let writer = writer.as_mut().unwrap();
+        let channel = *channels
+            .entry(message.channel)
+            .or_insert_with(|| writer.channel(message.of).unwrap());
+        let times = Times::at(message.log_time_ns);
+        writer.message(channel, times, message.data).unwrap();
+    }
+    writer.unwrap().finish().unwrap();
+    assert_eq!(begun, count);
+    fs::write(folder.join("metadata.yaml"), "").unwrap();
+}
+
+#[test]
+fn a_recorder_that_splits_its_recording_is_followed() {
+    let folder = env::temp_dir().join(format!("grouser-view-split-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("run_0.mcap"), []).unwrap();
+    let robot = Path::new(EXAMPLE).join("robot.toml");
+    let run = |is_live| RecordedRun::open(&folder, &robot, None, is_live).unwrap();
+    let feed = run(true).start();
+    let recorder = std::thread::spawn({
+        let folder = folder.clone();
+        move || record_in_parts(&folder, 12)
+    });
+    let shown = |feed| {
+        let mut shown = Shown::default();
+        shown.wait(feed, |shown| shown.has_ended, Duration::from_mins(1));
+        shown.moments
+    };
+    let bits = |moments: &[(f64, f64)]| -> Vec<(u64, u64)> {
+        let pairs = moments.iter();
+        pairs
+            .map(|(time, slip)| (time.to_bits(), slip.to_bits()))
+            .collect()
+    };
+    let followed = bits(&shown(&feed));
+    recorder.join().unwrap();
+    let expected = bits(&whole());
+    assert!(expected.len() > 1000);
+    assert!(followed == expected, "the same bits as of one file");
+    // the folder as it is then, as one log
+    assert!(bits(&shown(&run(false).start())) == expected);
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -176,8 +176,7 @@ impl Container {
             BAG_HEADER => {
                 self.bag_header(&header)?;
             }
-            // The index is written last.
-            CHUNK_INFO if self.scan.is_growing() => self.ended = true,
+            CHUNK_INFO if self.scan.is_growing() => return self.bag_closed(offset, length),
             INDEX | CHUNK_INFO => {}
             _ => {
                 let what = format!("the record's kind {op} is not known");
@@ -188,13 +187,23 @@ impl Container {
         Ok(None)
     }
 
+    /// The index of a bag that was still written: it is written last; another bag may follow.
+    fn bag_closed(&mut self, offset: u64, length: u64) -> io::Result<Option<Found>> {
+        // the header was read before it said so
+        self.index_at = Some(offset);
+        self.scan.skip(length)?;
+        self.scan.complete()?;
+        self.ended = !self.scan.is_growing();
+        Ok(None)
+    }
+
     /// What the record at the start says of the whole: nothing until the bag is closed.
     fn bag_header(&mut self, header: &[u8]) -> io::Result<()> {
         self.promised_chunks = number(header, b"chunk_count").map(u64::from);
         self.index_at = field(header, b"index_pos").and_then(|bytes| Fields(bytes).u64());
         if self.index_at.is_some_and(|at| at > 0) {
             self.is_complete = true;
-            self.scan.end_growth()?;
+            self.scan.complete()?;
         }
         Ok(())
     }

@@ -181,7 +181,7 @@ impl Container {
                 if end == MAGIC {
                     (self.closed, self.is_complete) = (true, true);
                     self.passed_over = None;
-                    self.scan.end_growth()?;
+                    self.scan.complete()?;
                 } else {
                     self.lose(offset, 0, "the footer is not followed by the magic bytes");
                     self.closed = true;

@@ -35,10 +35,10 @@ impl Scan {
         self.source.is_growing()
     }
 
-    /// The file is complete: nobody waits for more of it.
-    pub(super) fn end_growth(&mut self) -> io::Result<()> {
+    /// The writer has completed the file that ends here: nobody waits for more, unless another one follows.
+    pub(super) fn complete(&mut self) -> io::Result<()> {
         if self.is_growing() {
-            self.source.end_growth();
+            self.source.complete(self.offset);
             self.length = self.source.length()?;
         }
         Ok(())
