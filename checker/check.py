@@ -9,21 +9,18 @@ of Python's math module that are within ULPS units in the last place.
 Exit codes: 0 the log proves what it claims, 1 it does not, 2 it cannot be read.
 """
 
-import json
-import math
-import sys
+import json, math, sys
 INF, ULPS = math.inf, 4
 # an interval is (low, high), or None where a function has no value
-ALL, ZERO, ONE, TWO = (-INF, INF), (0.0, 0.0), (1.0, 1.0), (2.0, 2.0)
+point = lambda x: (x, x)
+ALL, ZERO, ONE, TWO = (-INF, INF), point(0.0), point(1.0), point(2.0)
 Refused = type("Refused", (Exception,), {"__doc__": "The log does not prove what it claims."})
 def need(condition, reason):
     if not condition:
         raise Refused(reason)
 # interval arithmetic --------------------------------------------------------------------------------------------------
-down = lambda x: math.nextafter(x, -INF)
-up = lambda x: math.nextafter(x, INF)
-def left_out(a, b):
-    """The sum and what its rounding left out (two-sum)."""
+down, up = lambda x: math.nextafter(x, -INF), lambda x: math.nextafter(x, INF)
+def left_out(a, b):  # the sum and what its rounding left out (two-sum)
     total = a + b
     return total, (a - (total - (total - a))) + (b - (total - a))
 def add(a, b):
@@ -36,53 +33,38 @@ def mul(a, b):
     p = [0.0 if x == 0 or y == 0 else x * y for x in a for y in b]
     return ZERO if a == ZERO or b == ZERO else (down(min(p)), up(max(p)))
 def div(a, b):
-    if b == ZERO:
-        return None
-    if b[0] > 0 or b[1] < 0:
-        p = [0.0 if math.isinf(y) else x / y for x in a for y in b]
-        return ZERO if a == ZERO else (down(min(p)), up(max(p)))
+    if b == ZERO or b[0] > 0 or b[1] < 0:
+        p = [0.0 if math.isinf(y) else x / (y or 1.0) for x in a for y in b]
+        return None if b == ZERO else ZERO if a == ZERO else (down(min(p)), up(max(p)))
     return mul(a, ALL) if b[0] < 0 < b[1] else mul(a, (max(down(1 / b[1]), 0.0), INF) if b[0] == 0 else (-INF, min(up(1 / b[0]), 0.0)))
 size = lambda a: max(abs(a[0]), abs(a[1]))
-def absolute(a):
-    return a if a[0] >= 0 else neg(a) if a[1] <= 0 else (0.0, size(a))
-def wide(low, high, least=-INF, most=INF):
-    """Two ends from the library, widened by its error, within the range of the function."""
+absolute = lambda a: a if a[0] >= 0 else neg(a) if a[1] <= 0 else (0.0, size(a))
+def wide(low, high, least=-INF, most=INF):  # two ends from the library, widened by its error, within the range of the function
     low, high = (x + s * abs(x) * ULPS * sys.float_info.epsilon if math.isfinite(x) else x for x, s in ((low, -1), (high, 1)))
     return (max(down(low), least), min(up(high), most))
-def end(f, *x):
-    """A function that overflows to ∞ instead of raising."""
+def end(f, *x):  # a function that overflows to ∞ instead of raising
     try:
         return f(*x)
     except (OverflowError, ZeroDivisionError):
         return -INF if f is math.sinh and x[0] < 0 else INF
 def rising(f, a, least=-INF, most=INF, domain=ALL):
     return None if a[1] < domain[0] or a[0] > domain[1] else wide(end(f, max(a[0], domain[0])), end(f, min(a[1], domain[1])), least, most)
-def logarithm(f, a, edge=0.0):
-    return None if a[1] <= edge else wide(f(a[0]) if a[0] > edge else -INF, f(a[1]))
+logarithm = lambda f, a, edge=0.0: None if a[1] <= edge else wide(f(a[0]) if a[0] > edge else -INF, f(a[1]))
 root = lambda a: None if a is None or a[1] < 0 else (max(down(math.sqrt(max(a[0], 0.0))), 0.0), up(math.sqrt(a[1])))
-def turns(a, shift):
-    """The whole numbers k with (k + shift/2) π in the interval; many where they cannot be counted."""
+def turns(a, shift):  # the whole numbers k with (k + shift/2) π in the interval; many where they cannot be counted
     first, last = (x / math.pi - 0.5 * shift if size(a) < 1e9 else 2 * (x > 0) for x in a)
     return range(2) if size(a) >= 1e9 else range(math.floor(first - 1e-6) + 1, math.floor(last + 1e-6) + 1)
-def wave(f, a, shift):
-    """A wave with maxima at the even and minima at the odd half turns from `shift` quarter turns."""
-    extremes = turns(a, shift)
-    if len(extremes) > 1:
-        return (-1.0, 1.0)
-    low, high = wide(min(map(f, a)), max(map(f, a)), -1.0, 1.0)
-    top = len(extremes) == 1 and extremes[0] % 2 == 0
-    return (-1.0 if len(extremes) == 1 and not top else low, 1.0 if top else high)
-sin = lambda x: wave(math.sin, x, 1)
-cos = lambda x: wave(math.cos, x, 0)
-sinh = lambda x: rising(math.sinh, x)
-cosh = lambda x: rising(math.cosh, absolute(x), least=1.0)
-def sinc(a):
-    """sin x/x, which falls from 1 at 0 up to x = π and beyond; its minimum is above -0.2173."""
+def wave(f, a, shift):  # a wave with maxima at the even and minima at the odd half turns from `shift` quarter turns
+    parities = {k % 2 for k in turns(a, shift)}
+    low, high = wide(min(map(f, a)), max(map(f, a)), -1.0, 1.0) if len(parities) < 2 else (-1.0, 1.0)
+    return (-1.0 if 1 in parities else low, 1.0 if 0 in parities else high)
+sin, cos = lambda x: wave(math.sin, x, 1), lambda x: wave(math.cos, x, 0)
+sinh, cosh = lambda x: rising(math.sinh, x), lambda x: rising(math.cosh, absolute(x), least=1.0)
+def sinc(a):  # sin x/x, which falls from 1 at 0 up to x = π and beyond; its minimum is above -0.2173
     low, high = absolute(a)
     value = lambda x: math.sin(x) / x if x else 1.0
     return (-0.2173, 1.0) if high > math.pi else wide(value(high), value(low), -1.0, 1.0)
-def sinc_slope(a):
-    """-x/3 + x^3/30 - x^5/840 + x^7/45360 - ..., an odd function that falls up to x = 2.08."""
+def sinc_slope(a):  # -x/3 + x^3/30 - x^5/840 + x^7/45360 - ..., an odd function that falls up to x = 2.08
     if size(a) > 2:
         return div(sub(cos(a), sinc(a)), a)
     def series(x, seventh):
@@ -103,122 +85,141 @@ def powi(a, n):
 def power(a, b):
     p = [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]
     return ALL if a[0] < 0 else wide(min(p), max(p), 0.0)
-def power_by_exponent(x, y, value):
-    """x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)."""
+def power_by_exponent(x, y, value):  # x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)
     if x[0] > 0:
         return mul(value, logarithm(math.log, x))
     most = mul(value, logarithm(math.log, x))[1] if x[1] > 1 else 0.0
     return (down(down(-1 / (2.718281828459045 * y[0]))), most) if y[0] > 0 else ALL
-def crosses(y, x):
-    """May the angle jump by a turn?"""
-    return x[0] <= 0 and y[0] <= 0 <= y[1]
+crosses = lambda y, x: x[0] <= 0 and y[0] <= 0 <= y[1]  # may the angle jump by a turn?
 def atan2(y, x):
     p = [math.atan2(a, b) for a in y for b in x]
     return (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(min(p), max(p))
-arc = lambda x: div(ONE, root(sub(ONE, powi(x, 2))))
-def either(a, b, first, second):
-    """The slopes of a choice: certain, or between 0 and 1."""
-    return (ONE, ZERO) if first else (ZERO, ONE) if second else ((0.0, 1.0), (0.0, 1.0))
+def quotient(a, b, v):
+    share, cross = div(ONE, b), neg(powi(b, -2))
+    return [share, neg(div(v, b))], [(0, 1, cross), (1, 0, cross), (1, 1, div(mul(TWO, v), powi(b, 2)))]
+def power_slopes(a, b, v):
+    ln, less = logarithm(math.log, a) or ALL, power(a, sub(b, ONE))
+    mixed = mul(less, add(ONE, mul(b, ln)))
+    bends = [(0, 0, mul(mul(b, sub(b, ONE)), power(a, sub(b, TWO)))), (0, 1, mixed), (1, 0, mixed), (1, 1, mul(v, powi(ln, 2)))]
+    return [mul(b, less), power_by_exponent(a, b, v)], bends
+def arc(x, sign):
+    slope = div(sign, root(sub(ONE, powi(x, 2))))
+    return slope, mul(x, mul(sign, powi(slope, 3)))
+def either(first, second):  # the slopes of a choice: certain, or between 0 and 1 with a kink
+    known = first or second
+    return [(ONE if first else ZERO), (ZERO if first else ONE)] if known else [(0.0, 1.0)] * 2, [] if known else [(0, 0, ALL), (1, 1, ALL)]
 LN10 = wide(math.log(10.0), math.log(10.0))
 always = lambda *_: True
-# name: value; is it defined and continuous over the whole interval?; slopes by the arguments and the value
+# name: value; is it defined and continuous over the whole interval?; by the arguments and the value the first and the second
+# derivative, of two arguments as a list and as triples with the numbers of the arguments (unbounded where there is none)
 TABLE = {
-    "neg": (neg, always, lambda x, v: [(-1.0, -1.0)]),
-    "abs": (absolute, always, lambda x, v: [ONE if x[0] >= 0 else (-1.0, -1.0) if x[1] <= 0 else (-1.0, 1.0)]),
-    "sqrt": (root, lambda x: x[0] >= 0, lambda x, v: [div(ONE, mul(TWO, v))]),
-    "exp": (lambda x: rising(math.exp, x, 0.0), always, lambda x, v: [v]),
-    "expm1": (lambda x: rising(math.expm1, x, -1.0), always, lambda x, v: [add(v, ONE)]),
-    "ln": (lambda x: logarithm(math.log, x), lambda x: x[0] > 0, lambda x, v: [div(ONE, x)]),
-    "ln1p": (lambda x: logarithm(math.log1p, x, -1.0), lambda x: x[0] > -1, lambda x, v: [div(ONE, add(ONE, x))]),
-    "log10": (lambda x: div(logarithm(math.log, x), LN10), lambda x: x[0] > 0, lambda x, v: [div(ONE, mul(x, LN10))]),
-    "sin": (sin, always, lambda x, v: [cos(x)]),
-    "cos": (cos, always, lambda x, v: [neg(sin(x))]),
-    "tan": (lambda x: (ALL if turns(x, 1) else rising(math.tan, x)), lambda x: not turns(x, 1), lambda x, v: [add(ONE, powi(v, 2))]),
-    "asin": (lambda x: rising(math.asin, x, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: [arc(x)]),
-    "acos": (lambda x: rising(lambda y: math.acos(-y), neg(x), 0.0, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: [neg(arc(x))]),
-    "atan": (lambda x: rising(math.atan, x), always, lambda x, v: [div(ONE, add(ONE, powi(x, 2)))]),
-    "sinh": (sinh, always, lambda x, v: [cosh(x)]),
-    "cosh": (cosh, always, lambda x, v: [sinh(x)]),
-    "tanh": (lambda x: rising(math.tanh, x, -1.0, 1.0), always, lambda x, v: [sub(ONE, powi(v, 2))]),
-    "sinc": (sinc, always, lambda x, v: [sinc_slope(x)]),
-    "add": (add, always, lambda a, b, v: [ONE, ONE]),
-    "sub": (sub, always, lambda a, b, v: [ONE, (-1.0, -1.0)]),
-    "mul": (mul, always, lambda a, b, v: [b, a]),
-    "div": (div, lambda a, b: not b[0] <= 0 <= b[1], lambda a, b, v: [div(ONE, b), neg(div(v, b))]),
-    "pow": (power, lambda a, b: a[0] > 0 or a[0] == 0 < b[0], lambda a, b, v: [mul(b, power(a, sub(b, ONE))), power_by_exponent(a, b, v)]),
-    "min": (lambda a, b: (min(a[0], b[0]), min(a[1], b[1])), always, lambda a, b, v: either(a, b, a[1] < b[0], b[1] < a[0])),
-    "max": (lambda a, b: (max(a[0], b[0]), max(a[1], b[1])), always, lambda a, b, v: either(a, b, b[1] < a[0], a[1] < b[0])),
-    "atan2": (atan2, lambda a, b: not crosses(a, b), lambda a, b, v: [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))]),
+    "neg": (neg, always, lambda x, v: (point(-1.0), ZERO)),
+    "abs": (absolute, always, lambda x, v: (ONE, ZERO) if x[0] >= 0 else (point(-1.0), ZERO) if x[1] <= 0 else ((-1.0, 1.0), ALL)),
+    "sqrt": (root, lambda x: x[0] >= 0, lambda x, v: (div(ONE, mul(TWO, v)), div(point(-0.25), mul(x, v)))),
+    "exp": (lambda x: rising(math.exp, x, 0.0), always, lambda x, v: (v, v)),
+    "expm1": (lambda x: rising(math.expm1, x, -1.0), always, lambda x, v: (add(v, ONE), add(v, ONE))),
+    "ln": (lambda x: logarithm(math.log, x), lambda x: x[0] > 0, lambda x, v: (div(ONE, x), neg(powi(x, -2)))),
+    "ln1p": (lambda x: logarithm(math.log1p, x, -1.0), lambda x: x[0] > -1, lambda x, v: (div(ONE, add(ONE, x)), neg(powi(add(ONE, x), -2)))),
+    "log10": (lambda x: div(logarithm(math.log, x), LN10), lambda x: x[0] > 0, lambda x, v: (s := div(ONE, mul(x, LN10)), neg(div(s, x)))),
+    "sin": (sin, always, lambda x, v: (cos(x), neg(v))),
+    "cos": (cos, always, lambda x, v: (neg(sin(x)), neg(v))),
+    "tan": (lambda x: ALL if turns(x, 1) else rising(math.tan, x), lambda x: not turns(x, 1), lambda x, v: (
+        s := add(ONE, powi(v, 2)), mul(mul(TWO, v), s))),
+    "asin": (lambda x: rising(math.asin, x, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: arc(x, ONE)),
+    "acos": (lambda x: rising(lambda y: math.acos(-y), neg(x), 0.0, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: arc(x, point(-1.0))),
+    "atan": (lambda x: rising(math.atan, x), always, lambda x, v: (s := div(ONE, add(ONE, powi(x, 2))), mul(mul(point(-2.0), x), powi(s, 2)))),
+    "sinh": (sinh, always, lambda x, v: (cosh(x), v)),
+    "cosh": (cosh, always, lambda x, v: (sinh(x), v)),
+    "tanh": (lambda x: rising(math.tanh, x, -1.0, 1.0), always, lambda x, v: (s := sub(ONE, powi(v, 2)), mul(mul(point(-2.0), v), s))),
+    "sinc": (sinc, always, lambda x, v: (sinc_slope(x), (-0.334, 0.334))),
+    "powi": (powi, lambda x, n: n >= 0 or not x[0] <= 0 <= x[1], lambda x, n, v: (
+        mul(point(float(n)), powi(x, n - 1)), mul(point(float(n * (n - 1))), powi(x, n - 2)) if n not in (0, 1) else ZERO)),
+    "add": (add, always, lambda a, b, v: ([ONE, ONE], [])),
+    "sub": (sub, always, lambda a, b, v: ([ONE, point(-1.0)], [])),
+    "mul": (mul, always, lambda a, b, v: ([b, a], [(0, 1, ONE), (1, 0, ONE)])),
+    "div": (div, lambda a, b: not b[0] <= 0 <= b[1], quotient),
+    "pow": (power, lambda a, b: a[0] > 0 or a[0] == 0 < b[0], power_slopes),
+    "min": (lambda a, b: (min(a[0], b[0]), min(a[1], b[1])), always, lambda a, b, v: either(a[1] < b[0], b[1] < a[0])),
+    "max": (lambda a, b: (max(a[0], b[0]), max(a[1], b[1])), always, lambda a, b, v: either(b[1] < a[0], a[1] < b[0])),
+    "atan2": (atan2, lambda a, b: not crosses(a, b), lambda a, b, v: (
+        [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))], [(0, 0, ALL), (1, 1, ALL)])),
 }
-ARGUMENTS = {name: 2 if name in ("add", "sub", "mul", "div", "pow", "min", "max", "atan2") else 1 for name in TABLE}
+TWO_ARGUMENTS = ("add", "sub", "mul", "div", "pow", "min", "max", "atan2")
 # functions over a box -------------------------------------------------------------------------------------------------
 operands = lambda op: [] if op[0] in ("const", "var") else op[1:2] if op[0] == "powi" else op[1:]
-def needed(ops, node):
-    """The operations that a row needs, in order."""
+def needed(ops, node):  # the operations that a row needs, in order
     wanted = {node}
     for at in range(node, -1, -1):
         if at in wanted:
             wanted.update(operands(ops[at]))
     return sorted(wanted)
-def over(ops, order, box, with_slopes):
-    """A row over a box: its value, and its slopes by variable where the mean value theorem applies, else None."""
-    value, slope = {}, {}
+def collect(terms):  # the sums of the products by key
+    sums = {}
+    for key, factor, part in terms:
+        sums[key] = add(sums.get(key, ZERO), mul(ALL if factor is None else factor, part))
+    return sums
+def over(ops, order, box, depth):
+    """A row over a box: its value, and to this depth its slopes and curvatures where the mean value theorem applies, else None."""
+    value, slope, bend = {}, {}, {}
     for at in order:
         name, *given = ops[at]
-        x = [value[a] for a in operands(ops[at])]
-        if name == "const":
-            value[at], slope[at] = (given[0], given[0]), {}
+        if name in ("const", "var"):
+            value[at], slope[at], bend[at] = (box[given[0]], {given[0]: ONE}, {}) if name == "var" else (point(given[0]), {}, {})
             continue
-        if name == "var":
-            value[at], slope[at] = box[given[0]], {given[0]: ONE}
+        slope[at], bend[at], whole = None, None, given[1:] if name == "powi" else []
+        x, inner = ([part[a] for a in operands(ops[at])] for part in (value, slope))
+        value[at] = None if None in x else TABLE[name][0](*x, *whole)
+        if depth == 0 or None in x or None in inner or not TABLE[name][1](*x, *whole):
             continue
-        if name == "powi":
-            value[at] = x[0] and powi(x[0], given[1])
-            regular = x[0] is not None and (given[1] >= 0 or not x[0][0] <= 0 <= x[0][1])
-        else:
-            value[at] = None if None in x else TABLE[name][0](*x)
-            regular = None not in x and TABLE[name][1](*x)
-        inner = [slope[a] for a in operands(ops[at])]
-        slope[at] = None
-        if with_slopes and regular and None not in inner:
-            own = [mul((float(given[1]),) * 2, powi(x[0], given[1] - 1))] if name == "powi" else TABLE[name][2](*x, value[at])
-            slope[at] = {}
-            for factor, parts in zip(own, inner):
-                for variable, part in parts.items():
-                    term = mul(part, ALL if factor is None else factor)
-                    slope[at][variable] = add(slope[at].get(variable, ZERO), term)
-    return value[order[-1]], slope[order[-1]]
-def centre(x, slope):
-    """Where the mean value form is best; any point of the box would do."""
+        own, second = TABLE[name][2](*x, *whole, value[at])
+        own, second = (own, second) if name in TWO_ARGUMENTS else ([own], [(0, 0, second)])
+        slope[at] = collect((d, factor, part) for factor, parts in zip(own, inner) for d, part in parts.items())
+        if depth > 1:
+            outer = ((de, factor, part) for factor, a in zip(own, operands(ops[at])) for de, part in bend[a].items())
+            bend[at] = collect([*outer, *(((d, e), factor, powi(p, 2) if k == l and d == e else mul(p, q))
+                                for k, l, factor in second for d, p in inner[k].items() for e, q in inner[l].items())])
+    return value[order[-1]], slope[order[-1]], bend[order[-1]]
+def total(ops, rows, weights, box, depth):  # the weighted sum of rows over a box as `over` gives it; None also where a row has no value
+    parts = [(point(w), over(ops, rows[row][1], box, depth)) for row, w in weights]
+    sums = [None if any(part[k] is None for _, part in parts) else
+            collect((key, w, x) for w, part in parts for key, x in (part[k].items() if k else [(0, part[0])])) for k in range(3)]
+    return None if sums[0] is None else sums[0].get(0, ZERO), sums[1], sums[2]
+def is_curved(bend, half, curvature):  # is `bend` less `curvature` positive definite? Its middle is eliminated, less its spread
+    middle = {(d, e): point(0.5 * sum(bend.get((d, e), ZERO))) for d in half for e in half}
+    spread = {(d, e): mul(point(size(sub(bend.get((d, e), ZERO), middle[d, e]))), div(half[e], half[d])) for d, e in middle}
+    rest = middle | {(d, d): sub(sub(middle[d, d], curvature[d]), collect((0, ONE, spread[d, e]) for e in half)[0]) for d in half}
+    for d, e, k in ((d, e, k) for k in half for d in half for e in half if d > k < e):
+        rest[d, e] = sub(rest[d, e], mul(div(rest[d, k], rest[k, k]), rest[k, e])) if 0 < rest[k, k][0] else ALL
+    return all(0 < rest[d, d][0] <= rest[d, d][1] < INF for d in half)
+def centre(x, slope):  # where the mean value form is best; any point of the box would do
     low, high = slope
     if low >= 0 or high == INF or high <= 0 or low == -INF:
         return x[0] if low >= 0 or high == INF else x[1]
-    c = (x[1] * high - x[0] * low) / (high - low)
-    return min(max(c, x[0]), x[1]) if math.isfinite(c) else x[0]
-def bound(ops, rows, weights, box):
+    return min(x[1], max(x[0], (x[1] * high - x[0] * low) / (high - low)))
+def bound(ops, rows, weights, tangent, box):
     """The greatest level that the multipliers prove for the box; infinite where it holds no feasible point."""
-    natural, share, slopes = ZERO, ZERO, {}
-    for row, weight in weights:
-        kind, order = rows[row]
-        value, own = over(ops, order, box, slopes is not None)
-        if value is None:
-            return INF  # the row has a value nowhere in the box
-        natural = add(natural, mul((weight, weight), value))
-        share = add(share, (weight, weight)) if kind == "objective" else share
-        slopes = None if own is None or slopes is None else {
-            d: add(slopes.get(d, ZERO), mul((weight, weight), own.get(d, ZERO))) for d in {*slopes, *own}}
-    low = natural[0]
+    natural, slopes, bend = total(ops, rows, weights, box, 2 if tangent else 1)
+    if natural is None:
+        return INF  # a row has a value nowhere in the box
+    low, forms = natural[0], []
     if slopes is not None:
-        c = [centre(x, slopes.get(d, ZERO)) for d, x in enumerate(box)]
-        form = ZERO
-        for row, weight in weights:
-            value = over(ops, rows[row][1], [(v, v) for v in c], False)[0]
-            form = add(form, mul((weight, weight), value or ALL))
-        for d, slope in slopes.items():
-            form = add(form, mul(slope, sub(box[d], (c[d], c[d]))))
+        forms.append(([centre(x, slopes.get(d, ZERO)) for d, x in enumerate(box)], slopes, {}))
+    if tangent and bend is not None:
+        half = {d: point((b - a) / 2) for d, (a, b) in enumerate(box) if a < b}
+        curvature = {d: point(tangent[1] / h[0] ** 2) for d, h in half.items()}
+        at = [min(max(p, x[0]), x[1]) for p, x in zip(tangent[0], box, strict=True)]
+        steep = total(ops, rows, weights, [*map(point, at)], 1)[1]
+        if steep is not None and is_curved(bend, half, curvature):
+            forms.append((at, steep, curvature))
+    for at, slopes, curvature in forms:
+        form = total(ops, rows, weights, [*map(point, at)], 0)[0] or ALL
+        for d, x in enumerate(box):
+            step = sub(x, point(at[d]))
+            form = add(form, add(mul(slopes.get(d, ZERO), step), mul(div(curvature.get(d, ZERO), TWO), powi(step, 2))))
         low = max(low, form[0])
+    share = collect((0, ONE, point(w)) for row, w in weights if rows[row][0] == "objective").get(0, ZERO)
     if share[1] > 0:
-        return div((low, low), share)[0] if low > -INF else -INF
+        return div(point(low), share)[0] if low > -INF else -INF
     return INF if low > 0 else -INF
 # the log --------------------------------------------------------------------------------------------------------------
 is_number = lambda x: isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
@@ -231,23 +232,21 @@ def read_problem(head):
         need(name != "law", "the proof holds laws that are no formulas: this checker cannot replay them")
         whole = all(isinstance(a, int) for a in given[: 2 if name == "powi" else None])
         good = {"const": len(given) == 1 and is_number(given[0]), "var": whole and len(given) == 1 and given[0] in range(len(lower)),
-                "powi": whole and len(given) == 2}.get(name, whole and len(given) == ARGUMENTS.get(name))
+                "powi": whole and len(given) == 2}.get(name, whole and name in TABLE and len(given) == 1 + (name in TWO_ARGUMENTS))
         need(good and all(0 <= a < at for a in operands(ops[at])), f"operation {at} is not understood")
     rows = [(kind, needed(ops, node)) for kind, node, _ in head["rows"] if kind in ("objective", "at_most", "equal")]
     need(len(rows) == len(head["rows"]) and any(kind == "objective" for kind, _ in rows), "a row is not understood")
     return [(float(a), float(b)) for a, b in zip(lower, upper)], ops, rows
-def check_point(box, ops, rows, last):
-    """The point has the level and the violation that are claimed."""
+def check_point(box, ops, rows, last):  # the point has the level and the violation that are claimed
     x = last["x"]
     need(len(x) == len(box) and all(is_number(v) and s[0] <= v <= s[1] for v, s in zip(x, box)), "the point is not in the box")
     for kind, order in rows:
-        value = over(ops, order, [(v, v) for v in x], False)[0]
+        value = over(ops, order, [*map(point, x)], 0)[0]
         need(value is not None, "a row has no value at the point")
         most = size(value) if kind == "equal" else value[1]
         limit = last["upper"] if kind == "objective" else last["violation"]
         need(most <= limit + 1e-12 * (1 + abs(most)), f"the point exceeds what is claimed: {most} > {limit}")
-def check(lines):
-    """Replays a log; returns what it proves."""
+def check(lines):  # replays a log; returns what it proves
     head = json.loads(next(lines))
     box, ops, rows = read_problem(head)
     pending, seen, lowest, leaves, last = {0: box}, {0}, INF, 0, None
@@ -270,12 +269,14 @@ def check(lines):
         for row, weight in entry["weights"]:
             need(row in range(len(rows)) and is_number(weight) and (weight >= 0 or rows[row][0] == "equal"), "a multiplier is not allowed")
         claimed = {None: INF, "none": -INF}.get(entry["bound"], entry["bound"])
-        proved = bound(ops, rows, entry["weights"], mine)
+        at, curvature = tangent = entry.get("tangent", ([], 0.0))
+        need(all(map(is_number, [*at, curvature])) and curvature <= 0, "a tangent is not allowed")
+        proved = bound(ops, rows, entry["weights"], tangent if at else None, mine)
         need(claimed <= proved, f"box {entry['box']}: {claimed} is claimed, {proved} is proved")
         lowest, leaves = min(lowest, claimed), leaves + 1
     need(last is not None, "the log has no end")
     need(not pending, f"{len(pending)} boxes are not covered")
-    status, lower, upper = last["end"], last["lower"], last["upper"]
+    status, lower, upper = (last[key] for key in ("end", "lower", "upper"))
     need((status == "infeasible") == (lowest == INF), "whether there are feasible points is not what is claimed")
     need(lower is None or lower <= lowest, f"the lower bound {lower} is claimed, {lowest} is proved")
     if upper is not None:
@@ -283,14 +284,13 @@ def check(lines):
     if status == "proved":
         need(None not in (lower, upper) and upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
     return f"{status}: lower {lower}, upper {upper}, {leaves} leaves"
-def verdict(path):
-    """The exit code of one log, and a line about it."""
+def verdict(path):  # the exit code of one log, and a line about it
     try:
         with open(path, encoding="utf-8") as log:
             return 0, "accepted: " + check(iter(log))
     except Refused as reason:
         return 1, f"refused: {reason}"
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
+    except (OSError, ArithmeticError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
         return 2, f"refused: not a proof log: {type(reason).__name__}: {reason}"
 
 if __name__ == "__main__":

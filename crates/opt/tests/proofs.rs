@@ -209,6 +209,11 @@ fn mutilated(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<Str
         11 => lines[0] = log[0].replacen("[\"powi\",1,4]", "[\"powi\",1,2]", 1),
         // the log breaks off
         12 => lines.truncate(inner),
+        // the curvature of a tangent is positive, its point none
+        15 => lines[inner] = with_number(&log[inner], "],-", |c| c)?.replacen("],-", "],", 1),
+        16 => lines[inner] = log[inner].replacen("\"tangent\":[[", "\"tangent\":[[null,", 1),
+        // a bound of second order without its tangent
+        17 => lines[inner] = log[inner].replacen("tangent", "secant", 1),
         // a variable is none of the problem's
         13 => lines[inner] = with_number(&log[inner], "\"divide\":", |d| d + 7.0)?,
         // a box that never was
@@ -222,32 +227,40 @@ fn the_checker_refuses_mutilated_logs() {
     if !python() {
         return;
     }
-    let (status, log) = proof(&problem(Cb2, 4.0, 0, 3), 1e-6);
-    assert_eq!(status, CertifyStatus::Proved);
+    // one leaf with a tangent, and many boxes
+    let originals = [
+        proof(&problem(Cb2, 4.0, 0, 3), 1e-6),
+        proof(&problem(Everything, 1.5, 1, 2), 1e-3),
+    ];
+    assert!(originals.iter().all(|o| o.0 == CertifyStatus::Proved));
+    assert!(originals[0].1.len() < 10 && originals[1].1.len() > 20);
     let mut stream = Stream(2012);
-    let mut logs = vec![log.clone()];
+    let mut logs: Vec<Vec<String>> = originals.iter().map(|o| o.1.clone()).collect();
     let mut kinds = Vec::new();
-    for kind in (0..15).cycle() {
-        if logs.len() > 100 {
+    for (kind, (_, log)) in (0..18).cycle().zip(originals.iter().cycle()) {
+        if logs.len() > 101 {
             break;
         }
         // a part that this line does not have is looked for in another one
-        if let Some(lines) = (0..50).find_map(|_| mutilated(&log, kind, &mut stream)) {
+        if let Some(lines) = (0..50).find_map(|_| mutilated(log, kind, &mut stream)) {
             logs.push(lines);
             kinds.push(kind);
         }
     }
     let verdicts = verdicts(&folder("mutilated"), &logs);
-    assert_eq!(verdicts.len(), 101);
-    assert!(verdicts[0].starts_with("accepted"), "{}", verdicts[0]);
-    for (verdict, kind) in verdicts[1..].iter().zip(&kinds) {
+    assert_eq!(verdicts.len(), 102);
+    for verdict in &verdicts[..2] {
+        assert!(verdict.starts_with("accepted"), "{verdict}");
+    }
+    for (verdict, kind) in verdicts[2..].iter().zip(&kinds) {
         assert!(
             verdict.starts_with("refused"),
             "mutilation {kind}: {verdict}"
         );
     }
     println!(
-        "100 of 100 mutilated logs refused, {} lines each",
-        log.len()
+        "100 of 100 mutilated logs refused, of {} and {} lines",
+        originals[0].1.len(),
+        originals[1].1.len()
     );
 }

@@ -9,6 +9,7 @@ mod process;
 mod proof;
 mod rows;
 mod search;
+mod tangent;
 
 use std::ops::ControlFlow;
 

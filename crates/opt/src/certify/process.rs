@@ -2,9 +2,9 @@
 
 use grouser_real::Interval;
 
-use super::bound::{Bounder, Weights};
+use super::bound::{Bounder, Multipliers, Weights};
 use super::rows::Rows;
-use crate::sqp::{LinearKind, linear_multipliers};
+use crate::sqp::{LinearKind, LinearModel};
 use crate::tape::Enclosures;
 
 /// A side of a box is trimmed where at least this share of it goes.
@@ -59,18 +59,26 @@ pub(super) struct Examined {
     pub(super) middle_level: f64,
 }
 
+/// What a box is examined for: points with γ < `target` that violate no row by more than `tolerance`.
+pub(super) struct Aim<'a> {
+    pub(super) target: f64,
+    pub(super) tolerance: f64,
+    /// The best point so far.
+    pub(super) best: Option<&'a [f64]>,
+}
+
 /// Memory for the examination of boxes, one per thread.
 #[derive(Default)]
 pub(super) struct Examiner {
-    bounder: Bounder,
+    pub(super) bounder: Bounder,
     over: Enclosures,
-    at: Enclosures,
+    pub(super) at: Enclosures,
 }
 
 /// The rows that matter in a box, to first order.
-struct Expansion {
-    rows: Vec<usize>,
-    kinds: Vec<LinearKind>,
+pub(super) struct Expansion {
+    pub(super) rows: Vec<usize>,
+    pub(super) kinds: Vec<LinearKind>,
     /// Row-major enclosures of the gradients.
     gradients: Vec<Interval>,
     /// The rows at the middle.
@@ -86,20 +94,21 @@ struct Form {
 }
 
 impl Examiner {
-    /// Examines a box for points with γ < `target` that violate no row by more than `tolerance`.
+    /// Examines a box for points that are better than `aim`; with bounds of second order where `bend` is set.
     pub(super) fn examine(
         &mut self,
         rows: &Rows,
         x: &[Interval],
-        target: f64,
-        tolerance: f64,
+        aim: &Aim<'_>,
+        bend: bool,
     ) -> Examined {
+        let target = aim.target;
         let mut examined = Examined {
             trims: Vec::new(),
             rest: x.to_vec(),
             end: End::Stuck,
             bound: f64::NEG_INFINITY,
-            weights: Vec::new(),
+            weights: Weights::default(),
             middle: x.iter().map(|x| x.middle()).collect(),
             middle_level: f64::INFINITY,
         };
@@ -109,7 +118,7 @@ impl Examiner {
             }
             let expansion = self.expand(rows, &examined.rest, pass == 0);
             examined.middle = examined.rest.iter().map(|x| x.middle()).collect();
-            examined.middle_level = self.middle_level(rows, tolerance);
+            examined.middle_level = self.middle_level(rows, aim.tolerance);
             let scales = self.relax(rows, &expansion, &mut examined, target);
             if examined.bound >= target {
                 examined.end = End::Closed;
@@ -117,6 +126,13 @@ impl Examiner {
             }
             let loss = self.trim(rows, &expansion, &mut examined, target);
             if loss < MIN_VOLUME_LOSS || pass + 1 == MAX_PASSES {
+                if bend {
+                    self.bend(rows, &expansion, &mut examined, aim);
+                }
+                if examined.bound >= target {
+                    examined.end = End::Closed;
+                    return examined;
+                }
                 examined.end = divide(rows, &expansion, &examined, &scales);
                 return examined;
             }
@@ -140,9 +156,9 @@ impl Examiner {
                     _ => continue,
                 }
             };
-            if bound > examined.bound || examined.weights.is_empty() {
+            if bound > examined.bound || examined.weights.rows.is_empty() {
                 examined.bound = examined.bound.max(bound);
-                examined.weights = vec![(index, weight)];
+                examined.weights = vec![(index, weight)].into();
             }
         }
         if examined.bound >= target {
@@ -228,20 +244,21 @@ impl Examiner {
         let offsets: Vec<f64> = expansion.offsets.iter().map(|b| b.middle()).collect();
         let idle = IDLE_SHARE / expansion.rows.len().max(1) as f64;
         let mut scales = vec![idle; expansion.rows.len()];
-        let Some(multipliers) = linear_multipliers(n, &expansion.kinds, &slopes, &offsets) else {
+        let model = LinearModel {
+            kinds: &expansion.kinds,
+            gradients: &slopes,
+            offsets: &offsets,
+            curvature: None,
+            lower: &vec![-1.0; n],
+            upper: &vec![1.0; n],
+        };
+        let Some((multipliers, _)) = model.solve() else {
             return scales;
         };
-        let sign = |kind: LinearKind, m: f64| {
-            if kind == LinearKind::Equal {
-                m
-            } else {
-                m.max(0.0)
-            }
-        };
-        let mut weights: Weights = Vec::new();
-        let mut limits: Weights = Vec::new();
+        let mut weights: Multipliers = Vec::new();
+        let mut limits: Multipliers = Vec::new();
         for (at, &multiplier) in multipliers.iter().enumerate() {
-            let multiplier = sign(expansion.kinds[at], multiplier);
+            let multiplier = allowed(expansion.kinds[at], multiplier);
             if multiplier == 0.0 || !multiplier.is_finite() {
                 continue;
             }
@@ -255,6 +272,7 @@ impl Examiner {
             if candidate.is_empty() || examined.bound >= target {
                 continue;
             }
+            let candidate = Weights::from(candidate);
             let bound = self.bounder.bound(rows, &candidate, &examined.rest);
             if bound > examined.bound {
                 examined.bound = bound;
@@ -339,6 +357,15 @@ impl Examiner {
     }
 }
 
+/// A multiplier with the sign that its row allows.
+pub(super) fn allowed(kind: LinearKind, multiplier: f64) -> f64 {
+    if kind == LinearKind::Equal {
+        multiplier
+    } else {
+        multiplier.max(0.0)
+    }
+}
+
 /// The linear forms that may trim a box: each row alone, and the best multipliers.
 fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
     let n = examined.rest.len();
@@ -356,7 +383,7 @@ fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
                 (expansion.offsets[at].low(), own.to_vec())
             };
             list.push(Form {
-                weights: vec![(row, sign)],
+                weights: vec![(row, sign)].into(),
                 offset,
                 slopes,
                 limit,
@@ -372,11 +399,14 @@ fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
             }
         }
     }
-    if target < f64::INFINITY && examined.weights.len() > 1 {
+    if target < f64::INFINITY
+        && examined.weights.rows.len() > 1
+        && examined.weights.tangent.is_none()
+    {
         let mut offset = 0.0;
         let mut share = 0.0;
         let mut sum = vec![Interval::ZERO; n];
-        for &(row, weight) in &examined.weights {
+        for &(row, weight) in &examined.weights.rows {
             let Some(at) = expansion.rows.iter().position(|r| *r == row) else {
                 return list;
             };

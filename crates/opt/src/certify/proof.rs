@@ -7,6 +7,7 @@
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
+use super::bound::Weights;
 use super::rows::Rows;
 use crate::sqp::LinearKind;
 use crate::tape::Op;
@@ -117,11 +118,12 @@ impl Proof<'_, '_> {
         }
     }
 
-    pub(super) fn leaf(&mut self, id: u64, bound: f64, weights: &[(usize, f64)]) {
+    pub(super) fn leaf(&mut self, id: u64, bound: f64, certificate: &Weights) {
         if self.sink.is_none() {
             return;
         }
-        let weights: Vec<String> = weights
+        let weights: Vec<String> = certificate
+            .rows
             .iter()
             .map(|(row, w)| format!("[{row},{}]", number(*w)))
             .collect();
@@ -132,8 +134,12 @@ impl Proof<'_, '_> {
         } else {
             "\"none\"".to_owned()
         };
+        let tangent = certificate.tangent.as_ref().map_or_else(String::new, |t| {
+            let at = numbers(t.at.iter().copied());
+            format!(",\"tangent\":[{at},{}]", number(t.curvature))
+        });
         self.line(&format!(
-            "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]}}",
+            "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]{tangent}}}",
             weights.join(",")
         ));
     }

@@ -9,7 +9,7 @@ use grouser_real::Interval;
 use rayon::prelude::*;
 
 use super::bound::{Bounder, Weights};
-use super::process::{End, Examined, Examiner};
+use super::process::{Aim, End, Examined, Examiner};
 use super::proof::{Proof, claim};
 use super::rows::Rows;
 use super::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
@@ -27,12 +27,41 @@ const GAP_SHARE: f64 = 0.9;
 /// proves a little less than was found here.
 const CLAIMED_SHARE: f64 = 0.97;
 
+/// The most divisions between two attempts at a bound of second order.
+const MAX_WAIT: u8 = 6;
+
 /// A box that is still open.
 struct Open {
     id: u64,
     bound: f64,
     weights: Weights,
     x: Vec<Interval>,
+    patience: Patience,
+}
+
+/// Bounds of second order are dear: the more of them failed on the way to a box, the rarer they are tried.
+#[derive(Clone, Copy, Default)]
+struct Patience {
+    failed: u8,
+    /// Divisions until the next attempt.
+    wait: u8,
+}
+
+impl Patience {
+    /// After the division of a box.
+    fn after(self) -> Self {
+        if self.wait > 0 {
+            return Self {
+                wait: self.wait - 1,
+                ..self
+            };
+        }
+        let failed = (self.failed + 1).min(MAX_WAIT);
+        Self {
+            failed,
+            wait: failed,
+        }
+    }
 }
 
 impl PartialEq for Open {
@@ -161,10 +190,11 @@ impl Search<'_, '_> {
         Open {
             id: 0,
             bound: f64::NEG_INFINITY,
-            weights: Vec::new(),
+            weights: Weights::default(),
             x: sides
                 .map(|(low, high)| Interval::new(*low, *high))
                 .collect(),
+            patience: Patience::default(),
         }
     }
 
@@ -224,11 +254,16 @@ impl Search<'_, '_> {
                 batch.push(open);
             }
             let rows = self.rows;
-            let tolerance = self.settings.solve.constraint_tolerance;
+            let at = best.as_ref().map(|b| b.x.clone());
+            let aim = Aim {
+                target,
+                tolerance: self.settings.solve.constraint_tolerance,
+                best: at.as_deref(),
+            };
             let examined: Vec<Examined> = batch
                 .par_iter()
                 .map_init(Examiner::default, |examiner, open| {
-                    examiner.examine(rows, &open.x, target, tolerance)
+                    examiner.examine(rows, &open.x, &aim, open.patience.wait == 0)
                 })
                 .collect();
             boxes += batch.len() as u64;
@@ -331,7 +366,7 @@ impl Search<'_, '_> {
             return lowest.min(bound);
         }
         // a bound of the parent holds for its parts
-        let (bound, weights) = if result.bound >= open.bound || open.weights.is_empty() {
+        let (bound, weights) = if result.bound >= open.bound || open.weights.rows.is_empty() {
             (result.bound, result.weights)
         } else {
             (open.bound, open.weights)
@@ -343,6 +378,7 @@ impl Search<'_, '_> {
                 bound,
                 weights,
                 x: result.rest,
+                patience: open.patience,
             }),
             End::Divided { variable, at } => {
                 let (below, above) = pair();
@@ -359,6 +395,7 @@ impl Search<'_, '_> {
                         bound,
                         weights: weights.clone(),
                         x,
+                        patience: open.patience.after(),
                     });
                 }
             }

@@ -31,7 +31,7 @@ use crate::settings::Settings;
 use crate::solution::{Counts, Solution};
 use crate::status::{Limit, Status};
 
-pub(crate) use relaxation::{LinearKind, linear_multipliers};
+pub(crate) use relaxation::{LinearKind, LinearModel};
 pub(crate) use report::greatest;
 
 use bfgs::Curvature;

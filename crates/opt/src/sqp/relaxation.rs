@@ -20,67 +20,78 @@ pub(crate) enum LinearKind {
     Equal,
 }
 
-/// Minimises γ over −1 ≤ d ≤ 1; gives one multiplier per row, those of the objectives ≥ 0 with the sum 1. They are
-/// nearly optimal, and any such numbers give a valid bound. `None` without an objective that varies.
-pub(crate) fn linear_multipliers(
-    n: usize,
-    kinds: &[LinearKind],
-    gradients: &[f64],
-    offsets: &[f64],
-) -> Option<Vec<f64>> {
-    let variation = |row: usize| -> f64 {
-        let gradient = &gradients[row * n..(row + 1) * n];
-        gradient.iter().map(|g| g.abs()).sum()
-    };
-    let objectives = || (0..kinds.len()).filter(|row| kinds[*row] == LinearKind::Objective);
-    let size = objectives().map(variation).fold(0.0, f64::max);
-    if !(size > 0.0 && size.is_finite()) {
-        return None;
-    }
-    let sizes: Vec<f64> = (0..kinds.len())
-        .map(|row| match kinds[row] {
-            LinearKind::Objective => size,
-            _ => Some(variation(row)).filter(|v| *v > 0.0).unwrap_or(1.0),
-        })
-        .collect();
-    let rows = Rows {
-        kinds: kinds
-            .iter()
-            .map(|kind| match kind {
-                LinearKind::Objective => RowKind::Objective,
-                LinearKind::AtMost => RowKind::Inequality {
-                    cap: VIOLATION_WEIGHT,
-                },
-                LinearKind::Equal => RowKind::Equality {
-                    cap: VIOLATION_WEIGHT,
-                },
+/// A minimax problem that is linear but for a common curvature, over a box of steps.
+pub(crate) struct LinearModel<'a> {
+    pub(crate) kinds: &'a [LinearKind],
+    /// Row-major.
+    pub(crate) gradients: &'a [f64],
+    pub(crate) offsets: &'a [f64],
+    /// The curvature ½ dᵀB d that is added to γ, symmetric; `None` for next to none.
+    pub(crate) curvature: Option<&'a [f64]>,
+    pub(crate) lower: &'a [f64],
+    pub(crate) upper: &'a [f64],
+}
+
+impl LinearModel<'_> {
+    /// Minimises γ; gives one multiplier per row, those of the objectives ≥ 0 with the sum 1, and the step. The
+    /// multipliers are nearly optimal, and any such numbers give a valid bound. `None` without an objective that
+    /// varies, and for a curvature that is not positive definite.
+    pub(crate) fn solve(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let n = self.lower.len();
+        let variation = |row: usize| -> f64 {
+            let gradient = &self.gradients[row * n..(row + 1) * n];
+            gradient.iter().map(|g| g.abs()).sum()
+        };
+        let count = self.kinds.len();
+        let objectives = || (0..count).filter(|row| self.kinds[*row] == LinearKind::Objective);
+        let size = objectives().map(variation).fold(0.0, f64::max);
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let sizes: Vec<f64> = (0..count)
+            .map(|row| match self.kinds[row] {
+                LinearKind::Objective => size,
+                _ => Some(variation(row)).filter(|v| *v > 0.0).unwrap_or(1.0),
             })
-            .collect(),
-        gradients: gradients
-            .iter()
-            .enumerate()
-            .map(|(at, g)| g / sizes[at / n])
-            .collect(),
-        offsets: offsets
-            .iter()
-            .zip(&sizes)
-            .map(|(b, size)| b / size)
-            .collect(),
-    };
-    let mut curvature = vec![0.0; n * n];
-    for d in 0..n {
-        curvature[d * n + d] = CURVATURE_SHARE;
+            .collect();
+        let cap = VIOLATION_WEIGHT;
+        let kind = |kind: &LinearKind| match kind {
+            LinearKind::Objective => RowKind::Objective,
+            LinearKind::AtMost => RowKind::Inequality { cap },
+            LinearKind::Equal => RowKind::Equality { cap },
+        };
+        let gradients = self.gradients.iter().enumerate();
+        let rows = Rows {
+            kinds: self.kinds.iter().map(kind).collect(),
+            gradients: gradients.map(|(at, g)| g / sizes[at / n]).collect(),
+            offsets: self
+                .offsets
+                .iter()
+                .zip(&sizes)
+                .map(|(b, size)| b / size)
+                .collect(),
+        };
+        let mut curvature = match self.curvature {
+            Some(curvature) => curvature.iter().map(|b| b / size).collect(),
+            None => vec![0.0; n * n],
+        };
+        if self.curvature.is_none() {
+            for d in 0..n {
+                curvature[d * n + d] = CURVATURE_SHARE;
+            }
+        }
+        let qp = Qp {
+            factor: &Factor::new(&curvature, n)?,
+            rows: &rows,
+            lower: self.lower,
+            upper: self.upper,
+        };
+        let solution = qp.solve(&[]);
+        let mut multipliers = solution.multipliers;
+        multipliers.truncate(count);
+        for (multiplier, own) in multipliers.iter_mut().zip(&sizes) {
+            *multiplier *= size / own;
+        }
+        Some((multipliers, solution.step))
     }
-    let qp = Qp {
-        factor: &Factor::new(&curvature, n)?,
-        rows: &rows,
-        lower: &vec![-1.0; n],
-        upper: &vec![1.0; n],
-    };
-    let mut multipliers = qp.solve(&[]).multipliers;
-    multipliers.truncate(kinds.len());
-    for (multiplier, own) in multipliers.iter_mut().zip(&sizes) {
-        *multiplier *= size / own;
-    }
-    Some(multipliers)
 }

@@ -1,6 +1,7 @@
 //! Functions as a list of operations: what a bound over a box and a proof can be computed from.
 
 mod enclose;
+mod second;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use grouser_real::Interval;
 
 pub(crate) use enclose::Enclosures;
+pub(crate) use second::Curvatures;
 
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
