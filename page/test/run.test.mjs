@@ -50,6 +50,59 @@ test('a log dropped with its robot file gives the rows of the command', async ()
   });
 });
 
+/** An MCAP file as the files of a split recording, each whole: its chunks are dealt out in their order. */
+function splitRecording(bytes, count) {
+  const magic = bytes.subarray(0, 8);
+  const records = [];
+  for (let at = 8; at < bytes.length - 8;) {
+    const end = at + 9 + Number(bytes.readBigUInt64LE(at + 1));
+    records.push({ op: bytes[at], bytes: bytes.subarray(at, end) });
+    at = end;
+  }
+  const of = (...ops) => records.filter(({ op }) => ops.includes(op)).map((record) => record.bytes);
+  const record = (op, length) => Buffer.concat([Buffer.from([op, length, 0, 0, 0, 0, 0, 0, 0]), Buffer.alloc(length)]);
+  const chunks = of(6);
+  assert.ok(chunks.length >= 2 * count, `${chunks.length} chunks`);
+  const header = [...of(1), ...of(3), ...of(4)];
+  return Array.from({ length: count }, (_, i) => Buffer.concat([magic, ...header, ...chunks.filter((_chunk, k) => Math.floor((k * count) / chunks.length) === i), record(15, 4), record(2, 20), magic]));
+}
+
+test('the files of a split recording are one log: chosen, and dropped with their folder', async () => {
+  const parts = splitRecording(readFileSync(`${EXAMPLE}/log.mcap`), 11).map((buffer, i) => ({ name: `run_${i}.mcap`, mimeType: 'application/octet-stream', buffer }));
+  const robot = { name: 'robot.toml', mimeType: 'text/plain', buffer: readFileSync(`${EXAMPLE}/robot.toml`) };
+  const ended = (page) => page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('estimated in'), null, { timeout: 240000 });
+  const run = (page) => page.evaluate(() => {
+    const { time_s, wheels } = window.grouser.views.get('run').run;
+    return { time_s: [...time_s], slips: wheels.map(({ slip }) => [...slip].map(String)) };
+  });
+  const whole = await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', [`${EXAMPLE}/log.mcap`, `${EXAMPLE}/robot.toml`]);
+    await ended(page);
+    return run(page);
+  });
+  assert.ok(whole.time_s.length > 1000);
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', [robot, ...parts]);
+    await ended(page);
+    assert.match(await page.locator('.file-list').textContent(), /^robot: robot\.toml · log: run_0\.mcap and 10 more$/);
+    assert.deepEqual(await run(page), whole);
+  });
+  await withPage({ hash: '#run' }, async (page) => {
+    const files = [robot, ...parts, { name: 'metadata.yaml', buffer: Buffer.from('version: 9') }].map(({ name, buffer }) => [name, buffer.toString('base64')]);
+    // what a browser hands over for a folder, which comes in pieces
+    await page.evaluate((all) => {
+      const entries = all.map(([name, text]) => ({ isFile: true, isDirectory: false, file: (take) => take(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name)) }));
+      const pieces = [entries.slice(0, 5), entries.slice(5), []];
+      const folder = { isFile: false, isDirectory: true, createReader: () => ({ readEntries: (take) => take(pieces.shift()) }) };
+      const drop = new Event('drop', { bubbles: true, cancelable: true });
+      drop.dataTransfer = { items: [{ webkitGetAsEntry: () => folder }], files: [] };
+      document.querySelector('.run').dispatchEvent(drop);
+    }, files);
+    await ended(page);
+    assert.deepEqual(await run(page), whole);
+  });
+});
+
 test('the table of estimate opens alone, is scrubbed and masked at rest', async () => {
   await withPage({ hash: '#run' }, async (page) => {
     await page.setInputFiles('#run-files', estimates().path);

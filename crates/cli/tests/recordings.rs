@@ -1,14 +1,15 @@
 //! MCAP files that the command writes: what `estimate` says in them, and what a kill leaves.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use grouser_log::Messages;
-use grouser_log::message::View;
+use grouser_log::container::Channel;
+use grouser_log::message::{Value, View};
 
 const MCAP: &str = "examples/five-wheel/log.mcap";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
@@ -44,6 +45,116 @@ impl Drop for Folder {
     }
 }
 
+/// The points of a `sensor_msgs/PointCloud2`: x, y, z and slip.
+fn points(cloud: &Value) -> Vec<[f64; 4]> {
+    let Some(Value::Bytes(data)) = cloud.at("data") else {
+        panic!("no bytes")
+    };
+    let width = cloud.number_at("width").unwrap();
+    assert_eq!(data.len() as f64, 20.0 * width);
+    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes(bytes.try_into().unwrap()));
+    let point = |bytes: &[u8]| [0, 4, 8, 12].map(|at| number(&bytes[at..at + 4]));
+    data.chunks_exact(20).map(point).collect()
+}
+
+/// What others read: every field of every point by the fields that the message declares.
+const POINT_READER: &str = r#"
+import struct, sys
+from pathlib import Path
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
+
+CODES = {6: "I", 7: "f"}
+
+def show(who, message):
+    order = ">" if message.is_bigendian else "<"
+    data = bytes(message.data)
+    assert len(data) == message.height * message.row_step
+    assert message.row_step == message.width * message.point_step
+    for begin in range(0, len(data), message.point_step):
+        values = [struct.unpack_from(order + CODES[f.datatype], data, begin + f.offset)[0] for f in message.fields]
+        print(who, [f.name for f in message.fields] == ["x", "y", "z", "slip", "colour"], *values)
+
+path = sys.argv[1]
+with open(path, "rb") as file:
+    reader = make_reader(file, decoder_factories=[DecoderFactory()])
+    for _, _, _, message in reader.iter_decoded_messages(topics=["/grouser/points"]):
+        show("mcap", message)
+with AnyReader([Path(path)]) as reader:
+    wanted = [one for one in reader.connections if one.topic == "/grouser/points"]
+    for connection, _, raw in reader.messages(connections=wanted):
+        show("rosbags", reader.deserialize(raw, connection.msgtype))
+"#;
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
+fn others_read_where_the_wheels_of_a_drive_were_and_how_they_slipped() {
+    let folder = Folder::new("points");
+    let mcap = folder.path("drive.mcap");
+    let scenario = "examples/scenarios/sandbox.toml";
+    let done = grouser(&["drive", scenario, "-o", &mcap]).output().unwrap();
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    let wanted = ["/grouser/points", "/simulation/truth/pose"];
+    let wanted = |channel: &Channel| wanted.contains(&channel.topic.as_str());
+    let mut messages =
+        Messages::open(Path::new(&mcap), grouser_log::Clock::Header, wanted).unwrap();
+    let (mut mine, mut robot) = (Vec::new(), [0.0; 3]);
+    while let Some(message) = messages.next() {
+        let number = |name: &str| message.value.number_at(&format!("pose.position.{name}"));
+        if let (Some(x), Some(y), Some(z)) = (number("x"), number("y"), number("z")) {
+            robot = [x, y, z];
+            continue;
+        }
+        for [x, y, z, slip] in points(&message.value) {
+            // as far as the robot drives in a second and is long, and below it
+            let apart = (x - robot[0]).hypot(y - robot[1]);
+            assert!(
+                apart < 1.5 && (-0.3..0.1).contains(&(z - robot[2])),
+                "{x} {y} {z}: {robot:?}"
+            );
+            mine.push([x, y, z, slip]);
+        }
+    }
+    assert!(mine.len() > 500, "{}", mine.len());
+    assert!(mine.iter().any(|[_, _, _, slip]| *slip > 0.2));
+    let Some(python) = std::env::var_os("GROUSER_PYTHON") else {
+        eprintln!("skipped: GROUSER_PYTHON names no Python with rosbags and mcap-ros2-support");
+        return;
+    };
+    let read = Command::new(python)
+        .args(["-c", POINT_READER, &mcap])
+        .output()
+        .unwrap();
+    assert!(
+        read.status.success(),
+        "{}",
+        String::from_utf8_lossy(&read.stderr)
+    );
+    let shown = String::from_utf8(read.stdout).unwrap();
+    for who in ["mcap", "rosbags"] {
+        let theirs: Vec<Vec<&str>> = shown
+            .lines()
+            .filter_map(|line| line.strip_prefix(who))
+            .map(|line| line.split_whitespace().collect())
+            .collect();
+        assert_eq!(theirs.len(), mine.len(), "{who}");
+        for (theirs, mine) in theirs.iter().zip(&mine) {
+            assert_eq!(theirs[0], "True", "{who}: the fields");
+            for (their, my) in theirs[1..5].iter().zip(mine) {
+                let their: f64 = their.parse().unwrap();
+                assert!(their.to_bits() == my.to_bits() || their.is_nan() && my.is_nan());
+            }
+            let colour: u32 = theirs[5].parse().unwrap();
+            assert_eq!(colour & 0xff, 0xff, "opaque");
+        }
+    }
+}
+
 #[test]
 fn an_estimate_as_messages_says_what_the_table_says() {
     let folder = Folder::new("estimate");
@@ -72,7 +183,16 @@ fn an_estimate_as_messages_says_what_the_table_says() {
     let mut messages =
         Messages::open(Path::new(&mcap), grouser_log::Clock::Header, |_| true).unwrap();
     let (mut slips, mut last, mut diagnostics, mut start) = (0, None, 0, None);
-    let (mut way_points, mut pictures) = (0, 0);
+    let (mut way_points, mut pictures, mut poses, mut wheel_points) = (0, 0, 0, 0);
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "points have floats of 32 bits"
+    )]
+    let seen: BTreeSet<String> = rows
+        .values()
+        .filter_map(|slip| slip.parse::<f64>().ok())
+        .map(|slip| format!("{:.6}", slip as f32))
+        .collect();
     while let Some(message) = messages.next() {
         let topic = messages.channels()[message.channel].topic.clone();
         let start = *start.get_or_insert(message.time_ns);
@@ -136,9 +256,28 @@ fn an_estimate_as_messages_says_what_the_table_says() {
                 assert!(apart < 0.3, "{apart} m");
                 pictures += 1;
             }
+            "/grouser/pose" => poses += 1,
+            "/grouser/points" => {
+                let Some(View::Odometry(odometry)) = &last else {
+                    panic!("points without a pose")
+                };
+                for [x, y, z, slip] in points(&message.value) {
+                    // as far as the robot drives in a second and is long
+                    let apart = (x - odometry.position[0]).hypot(y - odometry.position[1]);
+                    assert!(apart < 1.5 && z.abs() < 1e-6, "{x} {y} {z}");
+                    assert!(
+                        slip.is_nan() || seen.contains(&format!("{slip:.6}")),
+                        "{slip}"
+                    );
+                    wheel_points += 1;
+                }
+            }
             other => panic!("{other}"),
         }
     }
+    assert_eq!(poses, pictures);
+    // five wheels, a point every two centimetres at most
+    assert!((300..3000).contains(&wheel_points), "{wheel_points}");
     assert_eq!((slips, diagnostics), (5 * 2001, 41));
     assert!((195..=201).contains(&pictures), "five a second: {pictures}");
     // a point every centimetre at most, of a way of some metres

@@ -110,14 +110,8 @@ impl Log {
         for path in paths {
             let mut here = Vec::new();
             expand(path, &mut here)?;
-            let here = here.into_iter().map(Source::file);
-            let (bags, others): (Vec<Source>, Vec<Source>) = here.partition(is_recording);
-            // A run that was written in two formats would count twice.
-            if !bags.is_empty() && others.iter().any(|file| table_of(&map, file).is_some()) {
-                return Err(Error::Mixed {
-                    path: path.display().to_string(),
-                });
-            }
+            let here = here.into_iter().map(Source::file).collect();
+            let (others, bags) = sort(&path.display().to_string(), here, &map)?;
             recordings.extend(bags);
             tables.extend(others);
         }
@@ -149,7 +143,34 @@ impl Log {
         map: Option<ColumnMap>,
         topics: &Topics,
     ) -> Result<Self> {
-        Self::of_source(Source::over(name, source), map, topics)
+        Self::over_all([(name.to_owned(), source)], map, topics)
+    }
+
+    /// As [`Log::over`], of all inputs of a run, each with its name: the files of a split recording, say.
+    ///
+    /// ```
+    /// use grouser_files::robot;
+    /// use grouser_log::Log;
+    ///
+    /// let robot = robot::read("../../examples/five-wheel/robot.toml".as_ref())?;
+    /// let bytes = std::fs::read("../../examples/five-wheel/log.mcap")?;
+    /// let files = [("run_0.mcap".into(), std::io::Cursor::new(bytes))];
+    /// let log = Log::over_all(files, None, &robot.topics)?;
+    /// assert_eq!(log.samples(&[])?.count(), 6 * 2001);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Log::find_any`].
+    pub fn over_all(
+        files: impl IntoIterator<Item = (PathBuf, impl Read + Seek + Send + 'static)>,
+        map: Option<ColumnMap>,
+        topics: &Topics,
+    ) -> Result<Self> {
+        let sources = files
+            .into_iter()
+            .map(|(name, source)| Source::over(&name, source));
+        Self::of_sources(sources.collect(), map, topics)
     }
 
     /// As [`Log::over`], of an input that is still written: it is read as it grows. `wait` is called where more is needed
@@ -216,17 +237,15 @@ impl Log {
         while known < MAGIC_BYTES && source.is_growing() {
             known = source.grown(known)?;
         }
-        Self::of_source(source, map, topics)
+        Self::of_sources(vec![source], map, topics)
     }
 
-    fn of_source(source: Source, map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
-        let name = source.name();
-        let files = if is_recording(&source) {
-            (Vec::new(), vec![source])
-        } else {
-            (vec![source], Vec::new())
-        };
-        Self::of(&name, files, map.unwrap_or_default(), topics)
+    fn of_sources(sources: Vec<Source>, map: Option<ColumnMap>, topics: &Topics) -> Result<Self> {
+        let map = map.unwrap_or_default();
+        let names: Vec<String> = sources.iter().map(Source::name).collect();
+        let names = names.join(", ");
+        let files = sort(&names, sources, &map)?;
+        Self::of(&names, files, map, topics)
     }
 
     fn of(
@@ -472,6 +491,18 @@ impl Log {
         }
         Ok(samples)
     }
+}
+
+/// Tables, and bags and MCAP files, of the files of one run at `path`.
+fn sort(path: &str, files: Vec<Source>, map: &ColumnMap) -> Result<(Vec<Source>, Vec<Source>)> {
+    let (bags, tables): (Vec<Source>, Vec<Source>) = files.into_iter().partition(is_recording);
+    // A run that was written in two formats would count twice.
+    if !bags.is_empty() && tables.iter().any(|file| table_of(map, file).is_some()) {
+        return Err(Error::Mixed {
+            path: path.to_owned(),
+        });
+    }
+    Ok((tables, bags))
 }
 
 /// Is it an MCAP file or a bag? An error of the system is left to the reader that opens the file.

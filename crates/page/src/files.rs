@@ -29,11 +29,14 @@ pub const ALL: &[(&str, &str)] = &[
     file!("palette.js"),
     file!("paper_2012.js"),
     file!("physics.js"),
+    file!("player.js"),
     file!("report.js"),
     file!("requests.js"),
     file!("robot_view.js"),
     file!("run.js"),
+    file!("run_charts.js"),
     file!("run_data.js"),
+    file!("run_source.js"),
     file!("slip_classes.js"),
     file!("soils.js"),
     file!("state.js"),
@@ -42,6 +45,7 @@ pub const ALL: &[(&str, &str)] = &[
     file!("theme.js"),
     file!("ticks.js"),
     file!("track.js"),
+    file!("wheel_table.js"),
     file!("worker.js"),
 ];
 

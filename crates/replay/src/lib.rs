@@ -80,6 +80,7 @@ mod tally;
 mod truth;
 mod turn_watch;
 mod ways;
+mod wheel_points;
 
 pub use axes::AxisCheck;
 pub use calibration::{Calibration, calibrate_radius};

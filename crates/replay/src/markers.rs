@@ -358,7 +358,7 @@ fn rgba([r, g, b]: [f64; 3]) -> Value {
 }
 
 /// The colour of the size of a slip.
-fn slip_colour(slip: Option<f64>) -> [f64; 3] {
+pub(crate) fn slip_colour(slip: Option<f64>) -> [f64; 3] {
     slip.map_or(UNKNOWN, |slip| {
         let found = COLOURS.iter().find(|(limit, _)| slip < *limit);
         found.map_or(COLOURS[5].1, |(_, colour)| *colour)

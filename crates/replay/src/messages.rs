@@ -6,6 +6,7 @@ use grouser_slip::{Health, WheelEstimate};
 
 pub use crate::markers::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
 use crate::odometry::Odometry;
+pub use crate::wheel_points::WheelPoints;
 
 /// What is not estimated has this variance: so little is known of it that it does not count.
 const UNKNOWN_VARIANCE: f64 = 1e6;

@@ -143,6 +143,26 @@ impl Request<'_> {
             })
     }
 
+    /// The `name` and the `bytes` of each file in a list, if it is there and not null.
+    pub(crate) fn sizes(&self, field: &str) -> Result<Option<Vec<(&str, usize)>>, Problem> {
+        fn size(file: &Value) -> Option<(&str, usize)> {
+            let bytes = u32::try_from(file.get("bytes")?.as_u64()?).ok()?;
+            Some((file.get("name")?.as_str()?, usize::try_from(bytes).ok()?))
+        }
+        let files = match self.0.get(field) {
+            None | Some(Value::Null) => return Ok(None),
+            Some(files) => files.as_array(),
+        };
+        let sizes = files.and_then(|files| files.iter().map(size).collect());
+        let wrong = || {
+            Problem::new(
+                field,
+                format!("`{field}` must have the name and the bytes of each file"),
+            )
+        };
+        sizes.map(Some).ok_or_else(wrong)
+    }
+
     /// Is the field there and true?
     pub(crate) fn is_set(&self, field: &str) -> bool {
         self.0.get(field) == Some(&Value::Bool(true))

@@ -182,6 +182,17 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         &["std_msgs/Header"],
     ),
     (
+        "sensor_msgs/PointField",
+        "uint8 UINT32=6\nuint8 FLOAT32=7\nstring name\nuint32 offset\nuint8 datatype\nuint32 count\n",
+        &[],
+    ),
+    (
+        "sensor_msgs/PointCloud2",
+        "std_msgs/Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n\
+         uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n",
+        &["std_msgs/Header", "sensor_msgs/PointField"],
+    ),
+    (
         "visualization_msgs/UVCoordinate",
         "float32 u\nfloat32 v\n",
         &[],

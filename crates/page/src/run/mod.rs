@@ -1,5 +1,6 @@
 //! Runs in columns, as the page plays them: simulated or recorded, with the same keys.
 
+#[cfg(feature = "drive")]
 mod columns;
 #[cfg(feature = "drive")]
 mod drive;
@@ -7,6 +8,8 @@ mod drive;
 mod ground;
 #[cfg(feature = "log")]
 mod log;
+#[cfg(feature = "log")]
+mod moments;
 #[cfg(feature = "log")]
 mod overview;
 #[cfg(feature = "log")]

@@ -7,12 +7,11 @@ use grouser_replay::{Row, Sink, Step, Summary};
 use grouser_slip::WheelRole;
 use serde_json::{Value, json};
 
+use super::moments::{BODY_COLUMNS, Moments};
 use super::part;
 
 /// The largest number of rows in a part.
 const MAX_ROWS: usize = 4096;
-/// Columns before those of the wheels.
-const BODY_COLUMNS: [&str; 5] = ["time_s", "x_m", "y_m", "heading_deg", "speed_m_per_s"];
 
 /// The last part of a run that cannot go on, with the reason.
 ///
@@ -48,12 +47,8 @@ pub fn failed(message: &str) -> Vec<u8> {
 #[derive(Debug)]
 pub struct LogParts<F> {
     take: F,
-    columns: Vec<Vec<f64>>,
     names: Vec<String>,
-    /// Of each wheel: the motion and the health that hold.
-    states: Vec<[String; 2]>,
-    changes: Vec<Value>,
-    distance: Option<f64>,
+    moments: Moments,
 }
 
 impl<F: FnMut(Vec<u8>)> LogParts<F> {
@@ -75,11 +70,8 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
         let names: Vec<String> = body.chain(of_wheels).collect();
         Self {
             take,
-            columns: vec![Vec::with_capacity(MAX_ROWS); names.len()],
             names,
-            states: vec![[const { String::new() }; 2]; wheels.len()],
-            changes: Vec::new(),
-            distance: None,
+            moments: Moments::new(wheels.len()),
         }
     }
 
@@ -90,19 +82,19 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
 
     /// Sends what is there, however little: a live run shows its newest row at once.
     pub fn flush(&mut self) {
-        if self.columns[0].is_empty() && self.changes.is_empty() {
+        let moments = &mut self.moments;
+        if moments.len() == 0 && moments.changes.is_empty() {
             return;
         }
-        let head =
-            json!({ "changes": std::mem::take(&mut self.changes), "distance_m": self.distance });
-        let columns: Vec<(String, &[f64])> = self
-            .names
-            .iter()
-            .cloned()
-            .zip(self.columns.iter().map(Vec::as_slice))
+        let changes = moments.changes.drain(..);
+        let changes: Vec<Value> = changes
+            .map(|change| json!([change.kind, change.wheel, change.time_s, change.name]))
             .collect();
+        let head = json!({ "changes": changes, "distance_m": moments.distance });
+        let columns = moments.columns.iter().map(Vec::as_slice);
+        let columns: Vec<(String, &[f64])> = self.names.iter().cloned().zip(columns).collect();
         (self.take)(part::bytes(head, &columns));
-        self.columns.iter_mut().for_each(Vec::clear);
+        moments.columns.iter_mut().for_each(Vec::clear);
     }
 
     /// Ends the run: what is known once the whole log was read.
@@ -114,7 +106,7 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
             .iter()
             .map(|wheel| json!({ "median_slip": wheel.slip.median, "is_reference": wheel.is_reference }))
             .collect();
-        json!({ "doubts": doubts, "distance_m": self.distance, "wheels": wheels })
+        json!({ "doubts": doubts, "distance_m": self.moments.distance, "wheels": wheels })
     }
 
     /// As [`LogParts::end`], as the last part.
@@ -126,38 +118,12 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
 
 impl<F: FnMut(Vec<u8>)> Sink for LogParts<F> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
-        let [motion, health] = &mut self.states[row.wheel];
-        let now = row.motion.map_or("", grouser_slip::Motion::name);
-        if motion != now {
-            now.clone_into(motion);
-            self.changes
-                .push(json!(["motion", row.wheel, row.time_s, now]));
-        }
-        let now = row.health.to_string();
-        if *health != now {
-            self.changes
-                .push(json!(["health", row.wheel, row.time_s, now]));
-            *health = now;
-        }
-        Ok(())
+        self.moments.row(row)
     }
 
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
-        let odometry = step.odometry.as_ref();
-        self.distance = odometry.map(|odometry| odometry.distance).or(self.distance);
-        let body = odometry.map_or([f64::NAN; 4], |odometry| {
-            let [x, y, yaw] = odometry.pose;
-            [x, y, yaw.to_degrees(), odometry.velocity[0]]
-        });
-        let of_wheels = step.wheels.iter().flat_map(|wheel| {
-            let slip = wheel.slip.map(grouser_terra::Slip::value);
-            [slip.unwrap_or(f64::NAN), wheel.sigma.unwrap_or(f64::NAN)]
-        });
-        let row = [step.time_s].into_iter().chain(body).chain(of_wheels);
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column.push(value);
-        }
-        if self.columns[0].len() >= MAX_ROWS {
+        self.moments.step(step)?;
+        if self.moments.len() >= MAX_ROWS {
             self.flush();
         }
         Ok(())

@@ -11,6 +11,7 @@
 //! | `/grouser/slip` | `grouser_msgs/WheelSlip` | what the estimator in the loop said |
 //! | `/grouser/soil` | `grouser_msgs/Soil` | what it has learnt of the soil, where it learns |
 //! | `/grouser/robot` | `visualization_msgs/MarkerArray` | body and wheels where they were, coloured by the estimated slip |
+//! | `/grouser/points` | `sensor_msgs/PointCloud2` | where wheels touched the ground, with slips, each second |
 //! | `/grouser/way`, `/grouser/ruts` | `visualization_msgs/Marker` | way and ruts, a piece for each second |
 //! | `/simulation/truth/pose` | `geometry_msgs/PoseStamped` | where the robot was |
 //! | `/simulation/truth/slip` | `grouser_msgs/WheelSlip` | slips that the wheels had |
@@ -23,7 +24,7 @@ use std::io;
 
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
-use grouser_replay::messages::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
+use grouser_replay::messages::{DrawnWheel, RutMarkers, WayMarkers, WheelPoints, robot_markers};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
 use grouser_slip::onboard::{SoilEstimate, SoilInterval};
 use grouser_slip::{Counter, Health, Measurement};
@@ -76,10 +77,12 @@ struct Scene {
     robot: Topic,
     way: Topic,
     ruts: Topic,
+    points: Topic,
     /// Radius and width of each wheel, m.
     sizes: Vec<[f64; 2]>,
     way_markers: WayMarkers,
     rut_markers: RutMarkers,
+    wheel_points: WheelPoints,
     drawn_ns: Option<i64>,
 }
 
@@ -134,6 +137,8 @@ impl Recording {
                 robot: topic("/grouser/robot", "visualization_msgs/MarkerArray")?,
                 way: topic("/grouser/way", "visualization_msgs/Marker")?,
                 ruts: topic("/grouser/ruts", "visualization_msgs/Marker")?,
+                points: topic("/grouser/points", "sensor_msgs/PointCloud2")?,
+                wheel_points: WheelPoints::new(wheels().count()),
                 way_markers: WayMarkers::default(),
                 rut_markers: RutMarkers::new(
                     wheels().map(|wheel| (wheel.name.as_str(), wheel.wheel.width())),
@@ -284,9 +289,11 @@ impl Recording {
             robot,
             way,
             ruts,
+            points,
             sizes,
             way_markers,
             rut_markers,
+            wheel_points,
             drawn_ns,
         } = &mut self.scene;
         let header = || build::header(now_ns, "map");
@@ -297,6 +304,10 @@ impl Recording {
             if let Some(marker) = rut_markers.add(now_ns, wheel, bottom, seen.sinkage, header) {
                 self.writer.send(ruts, now_ns, &marker)?;
             }
+            wheel_points.add(wheel, bottom, seen.observation.slip);
+        }
+        if let Some(cloud) = wheel_points.piece(now_ns, header) {
+            self.writer.send(points, now_ns, &cloud)?;
         }
         let slips = frame.wheels.iter().map(|wheel| wheel.observation.slip);
         if let Some(marker) = way_markers.add_point(now_ns, frame.place, slips, header) {

@@ -6,6 +6,8 @@
 //! | `/grouser/odom` | `nav_msgs/Odometry`, the slip in its covariance | likewise |
 //! | `/grouser/way` | `visualization_msgs/Marker`, the way coloured by slip | every second of motion |
 //! | `/grouser/robot` | `visualization_msgs/MarkerArray`, body and wheels coloured by slip | five times a second |
+//! | `/grouser/pose` | `geometry_msgs/PoseStamped` | with it |
+//! | `/grouser/points` | `sensor_msgs/PointCloud2`, where wheels touched the ground, with slips | every second of motion |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | every second |
 
 use std::io;
@@ -14,7 +16,7 @@ use std::path::Path;
 use grouser_log::message::{build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_replay::messages::{
-    DrawnWheel, WayMarkers, diagnostics, odometry_message, robot_markers, wheel_slip,
+    DrawnWheel, WayMarkers, WheelPoints, diagnostics, odometry_message, robot_markers, wheel_slip,
 };
 use grouser_replay::{Odometry, Step};
 use grouser_slip::{Wheel, WheelEstimate};
@@ -37,8 +39,11 @@ pub(super) struct Recording {
     odometry: Topic,
     way: Topic,
     robot: Topic,
+    pose: Topic,
+    points: Topic,
     diagnostics: Topic,
     markers: WayMarkers,
+    wheel_points: WheelPoints,
     wheels: Vec<Wheel>,
     names: Vec<String>,
     drawn_ns: Option<i64>,
@@ -58,7 +63,10 @@ impl Recording {
             odometry: topic("/grouser/odom", "nav_msgs/Odometry")?,
             way: topic("/grouser/way", "visualization_msgs/Marker")?,
             robot: topic("/grouser/robot", "visualization_msgs/MarkerArray")?,
+            pose: topic("/grouser/pose", "geometry_msgs/PoseStamped")?,
+            points: topic("/grouser/points", "sensor_msgs/PointCloud2")?,
             markers: WayMarkers::default(),
+            wheel_points: WheelPoints::new(wheels.len()),
             diagnostics: topic("/diagnostics", "diagnostic_msgs/DiagnosticArray")?,
             writer,
             wheels: wheels.to_vec(),
@@ -92,6 +100,19 @@ impl Recording {
                 let angles = [0.0, 0.0, odometry.pose[2]];
                 let picture = robot_markers(&header("odom"), angles, &drawn);
                 self.writer.send(&mut self.robot, time_ns, &picture)?;
+                let [x, y, yaw] = odometry.pose;
+                let pose =
+                    build::message([("header", header("odom")), ("pose", build::pose(x, y, yaw))]);
+                self.writer.send(&mut self.pose, time_ns, &pose)?;
+                for (number, wheel) in drawn.iter().enumerate() {
+                    let [x, y, z] = wheel.centre;
+                    let bottom = [x, y, z - wheel.radius];
+                    self.wheel_points.add(number, bottom, wheel.slip);
+                }
+                let cloud = self.wheel_points.piece(time_ns, || header("odom"));
+                if let Some(cloud) = cloud {
+                    self.writer.send(&mut self.points, time_ns, &cloud)?;
+                }
             }
         }
         let due = |told: i64| time_ns.saturating_sub(told) >= DIAGNOSTICS_NS;
