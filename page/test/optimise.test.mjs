@@ -83,6 +83,46 @@ test('a front of three objectives turns in space and is linked with the other pi
   });
 });
 
+test('a search says how far it is, and a design drives in a scenario', async () => {
+  await withPage({ hash: '#optimise' }, async (page) => {
+    await page.evaluate(() => {
+      window.said = [];
+      new MutationObserver(() => window.said.push(document.querySelector('.problem .run-status').textContent)).observe(document.querySelector('.problem .run-status'), { childList: true });
+    });
+    await solve(page, 'pull-against-torque');
+    const said = await page.evaluate(() => window.said);
+    assert.ok(said.filter((text) => /^solving: generations, \d+ of 60$/.test(text)).length > 5, said.join('; '));
+    assert.match(said.at(-1), /^solved in/);
+    const { radius_m, width_m } = await page.evaluate(() => { const { front, knee } = window.grouser.views.get('optimise').answer; return front[knee].x; });
+    await page.getByRole('button', { name: 'Drive the sandbox with it' }).click();
+    await page.waitForFunction(() => /driven in/.test(document.querySelector('.run-status')?.textContent ?? ''), null, { timeout: 240000 });
+    const { title, wheels } = await page.evaluate(() => {
+      const { run } = window.grouser.views.get('run');
+      return { title: run.title, wheels: run.wheels.map((wheel) => [wheel.name, wheel.radius_m, wheel.width_m]) };
+    });
+    assert.match(title, /^Wheels of 1\d\d × 200 mm on sandy-loam$/);
+    const changed = wheels.filter(([, radius, width]) => Math.abs(radius - radius_m) < 1e-6 && Math.abs(width - width_m) < 1e-6);
+    assert.deepEqual(changed.map(([name]) => name), ['front_left', 'front_right', 'rear_left', 'rear_right']);
+    assert.equal(wheels.length, 6);
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});
+
+test('a search is stopped, and the next one runs', async () => {
+  await withPage({ hash: '#optimise' }, async (page) => {
+    await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+    const text = await page.locator('.problem textarea').inputValue();
+    await page.fill('.problem textarea', text.replace('generations = 60', 'generations = 5000'));
+    await page.getByRole('button', { name: 'Solve' }).click();
+    await page.waitForFunction(() => /generations, \d+ of 5000/.test(document.querySelector('.problem .run-status').textContent));
+    await page.getByRole('button', { name: 'Stop' }).click();
+    await page.waitForFunction(() => document.querySelector('.problem .run-status').textContent === 'stopped');
+    await page.fill('.problem textarea', text);
+    await page.getByRole('button', { name: 'Solve' }).click();
+    await page.waitForSelector('.optimise .hero', { timeout: 60000 });
+  });
+});
+
 test('a problem that is none is refused with its place', async () => {
   await withPage({ hash: '#optimise', width: 390, height: 844 }, async (page) => {
     await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);

@@ -27,9 +27,14 @@ async function start() {
   const views = new Map();
   if (physics) views.set('explore', new Explore(physics, await physics.ask({ call: 'catalogue' }), moved('explore')));
   if (report?.answer || hasModule('optimize')) {
-    views.set('optimise', new Optimise(new WorkerPhysics('optimize'), report, physics && ((change) => {
+    const explore = (change) => {
       location.hash = `#explore?${change}`;
-    })));
+    };
+    const driven = (wheel, soil) => {
+      location.hash = '#run';
+      views.get('run').drive('sandbox', wheel, soil);
+    };
+    views.set('optimise', new Optimise(new WorkerPhysics('optimize'), report, physics && { explore, drive: hasModule('drive') && driven }));
   }
   if (!report?.answer) views.set('run', new Run(drive, new WorkerPhysics('log'), report));
 

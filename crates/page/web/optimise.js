@@ -16,19 +16,19 @@ function isNarrow() {
   return innerWidth < 520;
 }
 
-/** The view; `explore(query)` opens the explorer with a design. */
+/** The view; `onwards`: `explore(query)` opens the explorer with a design, `drive(design, soil)` drives with it. */
 export class Optimise {
   #physics;
-  #explore;
+  #onwards;
   #answer = null;
   #chosen = null;
   #problems = null;
   #after = [];
   #view = { ...FIRST_VIEW };
 
-  constructor(physics, report, explore) {
+  constructor(physics, report, onwards) {
     this.#physics = physics;
-    this.#explore = explore;
+    this.#onwards = onwards;
     this.element = this.#build();
     if (report) this.#take(report);
   }
@@ -99,7 +99,11 @@ export class Optimise {
     this.solve.disabled = true;
     const started = performance.now();
     try {
-      this.#answer = await this.#physics.ask({ call: 'optimize', problem: this.text.value });
+      const take = (part) => {
+        const { stage, done, of } = JSON.parse(new TextDecoder().decode(part));
+        this.#say(of ? `solving: ${stage}, ${done} of ${of}` : `solving: ${stage}, ${done}`);
+      };
+      this.#answer = await this.#physics.ask({ call: 'optimize', problem: this.text.value }, { take });
       this.#say(`solved in ${shown((performance.now() - started) / 1e3, 2)} s`);
       this.#chosen = this.#answer.knee ?? null;
       this.#show();
@@ -151,7 +155,7 @@ export class Optimise {
       h('h3', { class: 'sub' }, 'Objectives there'), this.#values(answer.values),
       shares.length ? [h('h3', { class: 'sub' }, 'What the compromise is between'), h('p', { class: 'muted' }, this.#sentence(shares)), h('ul', { class: 'bars' }, shares.map(bar))] : null,
       costs.length ? [h('h3', { class: 'sub' }, 'What the constraints cost'), h('ul', { class: 'bars' }, costs.map(bar))] : null,
-      answer.active.length ? h('p', { class: 'muted' }, `Held by ${answer.active.join(', ')}.`) : null, this.#onwards(answer.x));
+      answer.active.length ? h('p', { class: 'muted' }, `Held by ${answer.active.join(', ')}.`) : null, this.#next(answer.x));
   }
 
   /** The multipliers in words. */
@@ -170,12 +174,12 @@ export class Optimise {
     const point = front[i];
     return h('div', {}, h('p', { class: 'muted' }, `${front.length} compromises; ${i === knee ? 'the knee, where the front bends most' : `compromise ${i + 1}`}: choose one in a picture below.`),
       this.#values(point.x, this.#bound()), h('h3', { class: 'sub' }, 'Objectives'), this.#values(point.objectives),
-      point.objective_multipliers ? h('p', { class: 'muted' }, this.#sentence(Object.entries(point.objective_multipliers))) : null, this.#onwards(point.x));
+      point.objective_multipliers ? h('p', { class: 'muted' }, this.#sentence(Object.entries(point.objective_multipliers))) : null, this.#next(point.x));
   }
 
-  /** A way to the explorer, for variables that it has. */
-  #onwards(x) {
-    if (!this.#explore) return null;
+  /** Ways to the explorer and to a scenario, for variables that they have. */
+  #next(x) {
+    if (!this.#onwards) return null;
     const known = EXPLORED.filter((key) => x[key] !== undefined);
     if (!known.includes('radius_m') && !known.includes('slip')) return null;
     const soil = this.text.value.match(/^\s*key\s*=\s*"([a-z0-9-]+)"/m)?.[1];
@@ -183,7 +187,10 @@ export class Optimise {
     const query = new URLSearchParams(soil ? { soil } : {});
     if (load) query.set('load_n', load);
     for (const key of known) query.set(key, String(Number(x[key].toPrecision(6))));
-    return h('p', {}, h('button', { type: 'button', class: 'quiet', on: { click: () => this.#explore(query.toString()) } }, 'Explore this wheel'));
+    const button = (text, click) => h('button', { type: 'button', class: 'quiet', on: { click } }, text);
+    const drives = this.#onwards.drive && (x.radius_m !== undefined || x.width_m !== undefined);
+    return h('p', { class: 'run-tools' }, button('Explore this wheel', () => this.#onwards.explore(query.toString())),
+      drives ? button('Drive the sandbox with it', () => this.#onwards.drive(x, soil)) : null);
   }
 
   #choose(i) {

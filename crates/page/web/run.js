@@ -48,6 +48,11 @@ export class Run {
     return this.#source.timings;
   }
 
+  /** Drives an example with other wheels; see `RunSource`. */
+  drive(name, wheel, soil) {
+    return this.#source.drive(name, wheel, soil);
+  }
+
   // ---- building -----------------------------------------------------------------------------
 
   #build() {

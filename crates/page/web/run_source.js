@@ -8,6 +8,34 @@ import { Refusal, blockBytes, hasModule } from './physics.js';
 import { readReport } from './report.js';
 import { BadFile, runOfEstimates } from './run_data.js';
 
+/** The value of a key in the text of a table, as it is written. */
+function valueOf(table, key) {
+  return table.match(new RegExp(`^\\s*${key}\\s*=\\s*([^\\s#]+)`, 'm'))?.[1];
+}
+
+/** The text with another value of a key that it has. */
+function withValue(table, key, value) {
+  return table.replace(new RegExp(`^(\\s*${key}\\s*=\\s*)("[^"]*"|[^\\s#]+)`, 'm'), `$1${value}`);
+}
+
+/** A robot file whose powered wheels of the first one's radius have the sizes of `wheel`, m. */
+function withWheels(robot, wheel) {
+  const tables = robot.split(/^(?=\[\[)/m);
+  const isWheel = (table) => table.startsWith('[[wheel]]') && valueOf(table, 'drive') === '"powered"';
+  const radius = valueOf(tables.find(isWheel), 'radius_m');
+  const sizes = ['radius_m', 'width_m'].filter((key) => wheel[key] !== undefined);
+  return tables.map((table) => (isWheel(table) && valueOf(table, 'radius_m') === radius
+    ? sizes.reduce((text, key) => withValue(text, key, Number(wheel[key].toPrecision(6))), table)
+    : table)).join('');
+}
+
+/** A scenario on `soil`, whose title names it and the wheels. */
+function withGround(scenario, robot, soil) {
+  const millimetres = (key) => shown(1e3 * Number(valueOf(robot.slice(robot.indexOf('[[wheel]]')), key)));
+  const on = soil ? withValue(scenario, 'soil', `"${soil}"`) : scenario;
+  return withValue(on, 'title', `"Wheels of ${millimetres('radius_m')} × ${millimetres('width_m')} mm on ${valueOf(on, 'soil').replaceAll('"', '')}"`);
+}
+
 /** What opens runs; each is handed to `view`: `show(run)`, `begin(run)`, `grown(run, words)`, `ended(run)`, `report(it)`. */
 export class RunSource {
   #drive;
@@ -116,11 +144,25 @@ export class RunSource {
 
   #example(name, pilot) {
     return this.#saying(async () => {
-      this.#say('loading');
-      this.#examples ??= (await this.#drive.ask({ call: 'examples' })).examples;
-      const { scenario, robot } = this.#examples.find((one) => one.name === name);
+      const { scenario, robot } = await this.#filesOf(name);
       await this.#simulate(`driving ${name}, ${pilot}`, { name, scenario, robot, pilot });
     });
+  }
+
+  /** Drives an example whose large powered wheels have the sizes of `wheel` (m), on `soil` of the catalogue. */
+  drive(name, wheel, soil) {
+    return this.#saying(async () => {
+      const example = await this.#filesOf(name);
+      const robot = withWheels(example.robot, wheel);
+      const scenario = withGround(example.scenario, robot, soil);
+      await this.#simulate(`driving ${name} with another wheel`, { name, scenario, robot, pilot: 'controller' });
+    });
+  }
+
+  async #filesOf(name) {
+    this.#say('loading');
+    this.#examples ??= (await this.#drive.ask({ call: 'examples' })).examples;
+    return this.#examples.find((one) => one.name === name);
   }
 
   #chooseExample() {

@@ -22,8 +22,11 @@ pub fn answer_with(request: &str, file: Vec<u8>, take: &mut dyn FnMut(Vec<u8>)) 
 }
 
 #[cfg_attr(
-    not(feature = "log"),
-    allow(unused_variables, reason = "only logs are files")
+    not(all(feature = "log", feature = "optimize")),
+    allow(
+        unused_variables,
+        reason = "only logs are files, and some calls have parts"
+    )
 )]
 fn dispatch(
     request: &Request<'_>,
@@ -44,7 +47,7 @@ fn dispatch(
         #[cfg(feature = "optimize")]
         "problems" => Ok(crate::examples::problems()),
         #[cfg(feature = "optimize")]
-        "optimize" => crate::optimize::solve(request),
+        "optimize" => crate::optimize::solve(request, take),
         #[cfg(feature = "drive")]
         "drive" => crate::drive::solve(request),
         #[cfg(feature = "log")]
