@@ -1,34 +1,23 @@
 #!/usr/bin/env python3
 """Checks a proof log of `grouser optimize --certify` with interval arithmetic of its own: check.py LOG.jsonl ...
 
-The log claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. The
-checker replays every line: the boxes cover the whole box, each leaf's bound follows from its multipliers, and the
-point has the level. It shares no code with the program. It relies on IEEE 754 arithmetic and on elementary functions
-of Python's math module that are within ULPS units in the last place.
-
-Exit codes: 0 the log proves what it claims, 1 it does not, 2 it cannot be read.
-"""
-
+The log claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. The checker replays every
+line: the boxes cover the whole box, each leaf's bound follows from its multipliers, and the point has the level. It shares no code with
+the program. It relies on IEEE 754 and on elementary functions of Python's math module that are within ULPS units in the last place.
+Exit codes: 0 the log proves what it claims, 1 it does not, 2 it cannot be read. """
 import json, math, sys
-INF, ULPS = math.inf, 4
+INF, ULPS, point = math.inf, 4, lambda x: (x, x)
 # an interval is (low, high), or None where a function has no value
-point = lambda x: (x, x)
 ALL, ZERO, ONE, TWO = (-INF, INF), point(0.0), point(1.0), point(2.0)
 Refused = type("Refused", (Exception,), {"__doc__": "The log does not prove what it claims."})
 def need(condition, reason):
     if not condition:
         raise Refused(reason)
-# interval arithmetic --------------------------------------------------------------------------------------------------
 down, up = lambda x: math.nextafter(x, -INF), lambda x: math.nextafter(x, INF)
-def left_out(a, b):  # the sum and what its rounding left out (two-sum)
-    total = a + b
-    return total, (a - (total - (total - a))) + (b - (total - a))
-def add(a, b):
-    (low, over_low), (high, over_high) = left_out(a[0], b[0]), left_out(a[1], b[1])
-    low, high = low if over_low >= 0 else down(low), high if over_high <= 0 else up(high)
+def add(a, b):  # a sum that is exact is not rounded
+    low, high = (s if s - x == y and s - y == x else to(s) for x, y, s, to in ((a[0], b[0], a[0] + b[0], down), (a[1], b[1], a[1] + b[1], up)))
     return (-INF if math.isnan(low) else low, INF if math.isnan(high) else high)
-neg = lambda a: a and (-a[1], -a[0])
-sub = lambda a, b: add(a, neg(b))
+neg, sub = lambda a: a and (-a[1], -a[0]), lambda a, b: add(a, neg(b))
 def mul(a, b):
     p = [0.0 if x == 0 or y == 0 else x * y for x in a for y in b]
     return ZERO if a == ZERO or b == ZERO else (down(min(p)), up(max(p)))
@@ -47,8 +36,8 @@ def end(f, *x):  # a function that overflows to ∞ instead of raising
         return f(*x)
     except (OverflowError, ZeroDivisionError):
         return -INF if f is math.sinh and x[0] < 0 else INF
-def rising(f, a, least=-INF, most=INF, domain=ALL):
-    return None if a[1] < domain[0] or a[0] > domain[1] else wide(end(f, max(a[0], domain[0])), end(f, min(a[1], domain[1])), least, most)
+rising = lambda f, a, least=-INF, most=INF, domain=ALL: None if a[1] < domain[0] or a[0] > domain[1] else wide(
+    end(f, max(a[0], domain[0])), end(f, min(a[1], domain[1])), least, most)
 logarithm = lambda f, a, edge=0.0: None if a[1] <= edge else wide(f(a[0]) if a[0] > edge else -INF, f(a[1]))
 root = lambda a: None if a is None or a[1] < 0 else (max(down(math.sqrt(max(a[0], 0.0))), 0.0), up(math.sqrt(a[1])))
 def turns(a, shift):  # the whole numbers k with (k + shift/2) π in the interval; many where they cannot be counted
@@ -61,16 +50,15 @@ def wave(f, a, shift):  # a wave with maxima at the even and minima at the odd h
 sin, cos = lambda x: wave(math.sin, x, 1), lambda x: wave(math.cos, x, 0)
 sinh, cosh = lambda x: rising(math.sinh, x), lambda x: rising(math.cosh, absolute(x), least=1.0)
 def sinc(a):  # sin x/x, which falls from 1 at 0 up to x = π and beyond; its minimum is above -0.2173
-    low, high = absolute(a)
-    value = lambda x: math.sin(x) / x if x else 1.0
-    return (-0.2173, 1.0) if high > math.pi else wide(value(high), value(low), -1.0, 1.0)
+    low, high = (math.sin(x) / x if 0 < x < INF else 1.0 for x in absolute(a))
+    return (-0.2173, 1.0) if size(a) > math.pi else wide(high, low, -1.0, 1.0)
 def sinc_slope(a):  # -x/3 + x^3/30 - x^5/840 + x^7/45360 - ..., an odd function that falls up to x = 2.08
     if size(a) > 2:
         return div(sub(cos(a), sinc(a)), a)
-    def series(x, seventh):
-        x, square = (x, x), powi((x, x), 2)
-        fifth = mul(square, add(div((-1.0, -1.0), (840.0, 840.0)), div(square, (45360.0, 45360.0)) if seventh else ZERO))
-        return mul(x, sub(mul(square, add(div(ONE, (30.0, 30.0)), fifth)), div(ONE, (3.0, 3.0))))
+    def series(x, seventh, value=ZERO):
+        for factor in (45360.0, -840.0, 30.0, -3.0)[not seventh :]:
+            value = add(div(ONE, point(factor)), mul(powi(point(x), 2), value))
+        return mul(point(x), value)
     return (series(a[1], a[1] < 0)[0], series(a[0], a[0] >= 0)[1])
 def powi(a, n):
     if n <= 1:
@@ -86,14 +74,12 @@ def power(a, b):
     p = [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]
     return ALL if a[0] < 0 else wide(min(p), max(p), 0.0)
 def power_by_exponent(x, y, value):  # x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)
-    if x[0] > 0:
-        return mul(value, logarithm(math.log, x))
-    most = mul(value, logarithm(math.log, x))[1] if x[1] > 1 else 0.0
-    return (down(down(-1 / (2.718281828459045 * y[0]))), most) if y[0] > 0 else ALL
+    whole = mul(value, logarithm(math.log, x) or ALL)
+    least = -INF if y[0] <= 0 else down(down(-1 / (2.718281828459045 * y[0])))
+    return whole if x[0] > 0 else (least, whole[1] if x[1] > 1 else 0.0) if y[0] > 0 else ALL
 crosses = lambda y, x: x[0] <= 0 and y[0] <= 0 <= y[1]  # may the angle jump by a turn?
-def atan2(y, x):
-    p = [math.atan2(a, b) for a in y for b in x]
-    return (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(min(p), max(p))
+atan2 = lambda y, x: (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(
+    min(p := [math.atan2(a, b) for a in y for b in x]), max(p))
 def quotient(a, b, v):
     share, cross = div(ONE, b), neg(powi(b, -2))
     return [share, neg(div(v, b))], [(0, 1, cross), (1, 0, cross), (1, 1, div(mul(TWO, v), powi(b, 2)))]
@@ -108,8 +94,7 @@ def arc(x, sign):
 def either(first, second):  # the slopes of a choice: certain, or between 0 and 1 with a kink
     known = first or second
     return [(ONE if first else ZERO), (ZERO if first else ONE)] if known else [(0.0, 1.0)] * 2, [] if known else [(0, 0, ALL), (1, 1, ALL)]
-LN10 = wide(math.log(10.0), math.log(10.0))
-always = lambda *_: True
+LN10, always = wide(math.log(10.0), math.log(10.0)), lambda *_: True
 # name: value; is it defined and continuous over the whole interval?; by the arguments and the value the first and the second
 # derivative, of two arguments as a list and as triples with the numbers of the arguments (unbounded where there is none)
 TABLE = {
@@ -145,13 +130,11 @@ TABLE = {
         [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))], [(0, 0, ALL), (1, 1, ALL)])),
 }
 TWO_ARGUMENTS = ("add", "sub", "mul", "div", "pow", "min", "max", "atan2")
-# functions over a box -------------------------------------------------------------------------------------------------
 operands = lambda op: [] if op[0] in ("const", "var") else op[1:2] if op[0] == "powi" else op[1:]
 def needed(ops, node):  # the operations that a row needs, in order
     wanted = {node}
     for at in range(node, -1, -1):
-        if at in wanted:
-            wanted.update(operands(ops[at]))
+        wanted.update(operands(ops[at]) if at in wanted else [])
     return sorted(wanted)
 def collect(terms):  # the sums of the products by key
     sums = {}
@@ -218,16 +201,36 @@ def bound(ops, rows, weights, tangent, box):
             form = add(form, add(mul(slopes.get(d, ZERO), step), mul(div(curvature.get(d, ZERO), TWO), powi(step, 2))))
         low = max(low, form[0])
     share = collect((0, ONE, point(w)) for row, w in weights if rows[row][0] == "objective").get(0, ZERO)
-    if share[1] > 0:
-        return div(point(low), share)[0] if low > -INF else -INF
-    return INF if low > 0 else -INF
-# the log --------------------------------------------------------------------------------------------------------------
+    return (div(point(low), share)[0] if low > -INF else -INF) if share[1] > 0 else INF if low > 0 else -INF
+def push(ops, *op):  # the place of an operation, which is listed once
+    op = ["powi", op[1], 2] if op[0] == "mul" and op[1] == op[2] else [*op]
+    return ops.index(op) if op in ops else ops.append(op) or len(ops) - 1
+def fraction(ops, at, one):  # a row as numerator and denominator
+    name, *given = ops[at]
+    if name not in ("neg", "add", "sub", "mul", "div"):
+        return at, one
+    times = lambda a, b: b if a == one else a if b == one else push(ops, "mul", a, b)
+    (n, d), (m, e) = (fraction(ops, a, one) for a in [*given, given[0]][:2])
+    if name in ("mul", "div"):
+        return (times(n, m), times(d, e)) if name == "mul" else (times(n, e), times(d, m))
+    n, m, d = (n, m, d) if d == e else (times(n, e), times(m, d), times(d, e))
+    return push(ops, "neg", n) if name == "neg" else push(ops, name, n, m), d
+def cleared(ops, rows, level):  # what rows mean at a level, the last variable: where N/D and -N/D are both rows, N - level |D| <= 0
+    ops, done, nodes = [*ops], [], [order[-1] for kind, order in rows if kind == "objective"]
+    one, level = push(ops, "const", 1.0), push(ops, "var", level)
+    for kind, order in rows:
+        node = order[-1]
+        paired = any(ops[a] == ["neg", b] for other in nodes for a, b in ((node, other), (other, node)))
+        n, d = fraction(ops, node, one) if paired else (node, one)
+        limit = push(ops, "mul", level, push(ops, "abs", d))
+        done.append(("at_most", needed(ops, push(ops, "sub", n, limit))) if kind == "objective" else (kind, order))
+    return ops, done
 is_number = lambda x: isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
 def read_problem(head):
     need(head["format"] == "grouser-certificate" and head["version"] == 1, "not a proof log of version 1")
-    lower, upper, ops = head["lower"], head["upper"], head["ops"]
-    need(len(lower) == len(upper) == len(head["variables"]), "the box has another number of sides than variables")
-    need(all(is_number(a) and is_number(b) and a <= b for a, b in zip(lower, upper)), "a side of the box is empty")
+    lower, upper, ops = (head[key] for key in ("lower", "upper", "ops"))
+    sides = [is_number(a) and is_number(b) and a <= b for a, b in zip(lower, upper, strict=True)]
+    need(len(sides) == len(head["variables"]) and all(sides), "a side of the box is missing or empty")
     for at, (name, *given) in enumerate(ops):
         need(name != "law", "the proof holds laws that are no formulas: this checker cannot replay them")
         whole = all(isinstance(a, int) for a in given[: 2 if name == "powi" else None])
@@ -243,16 +246,13 @@ def check_point(box, ops, rows, last):  # the point has the level and the violat
     for kind, order in rows:
         value = over(ops, order, [*map(point, x)], 0)[0]
         need(value is not None, "a row has no value at the point")
-        most = size(value) if kind == "equal" else value[1]
-        limit = last["upper"] if kind == "objective" else last["violation"]
+        most, limit = size(value) if kind == "equal" else value[1], last["upper" if kind == "objective" else "violation"]
         need(most <= limit + 1e-12 * (1 + abs(most)), f"the point exceeds what is claimed: {most} > {limit}")
 def check(lines):  # replays a log; returns what it proves
-    head = json.loads(next(lines))
-    box, ops, rows = read_problem(head)
-    pending, seen, lowest, leaves, last = {0: box}, {0}, INF, 0, None
-    for line in lines:
+    box, ops, rows = read_problem(head := json.loads(next(lines)))
+    pending, seen, lowest, leaves, last, without = {0: box}, {0}, INF, 0, None, None
+    for entry in map(json.loads, lines):
         need(last is None, "there are lines after the end")
-        entry = json.loads(line)
         if "end" in entry:
             last = entry
             continue
@@ -261,28 +261,29 @@ def check(lines):  # replays a log; returns what it proves
         if "divide" in entry:
             d, at = entry["divide"], entry["at"]
             need(d in range(len(box)) and is_number(at) and mine[d][0] < at < mine[d][1], f"box {entry['box']} is not divided inside")
-            for number, side in zip(entry["into"], ((mine[d][0], at), (at, mine[d][1])), strict=True):
-                need(number not in seen, f"box {number} occurs twice")
-                seen.add(number)
-                pending[number] = [*mine[:d], side, *mine[d + 1 :]]
+            parts = dict(zip(entry["into"], ((mine[d][0], at), (at, mine[d][1])), strict=True))
+            need(len(parts) == 2 and not seen & parts.keys(), f"a part of box {entry['box']} occurs twice")
+            seen.update(parts)
+            pending.update((number, [*mine[:d], side, *mine[d + 1 :]]) for number, side in parts.items())
             continue
         for row, weight in entry["weights"]:
             need(row in range(len(rows)) and is_number(weight) and (weight >= 0 or rows[row][0] == "equal"), "a multiplier is not allowed")
         claimed = {None: INF, "none": -INF}.get(entry["bound"], entry["bound"])
         at, curvature = tangent = entry.get("tangent", ([], 0.0))
         need(all(map(is_number, [*at, curvature])) and curvature <= 0, "a tangent is not allowed")
-        proved = bound(ops, rows, entry["weights"], tangent if at else None, mine)
+        without = without or ("cleared" in entry and cleared(ops, rows, len(box)))
+        here = (*without, [*mine, point(claimed)]) if "cleared" in entry else (ops, rows, mine)
+        proved = bound(*here[:2], entry["weights"], tangent if at else None, here[2])
         need(claimed <= proved, f"box {entry['box']}: {claimed} is claimed, {proved} is proved")
         lowest, leaves = min(lowest, claimed), leaves + 1
-    need(last is not None, "the log has no end")
-    need(not pending, f"{len(pending)} boxes are not covered")
+    need(last is not None and not pending, f"the log has no end, or {len(pending)} boxes are not covered")
     status, lower, upper = (last[key] for key in ("end", "lower", "upper"))
     need((status == "infeasible") == (lowest == INF), "whether there are feasible points is not what is claimed")
     need(lower is None or lower <= lowest, f"the lower bound {lower} is claimed, {lowest} is proved")
     if upper is not None:
         check_point(box, ops, rows, last)
-    if status == "proved":
-        need(None not in (lower, upper) and upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
+    closed = None not in (lower, upper) and upper - lower <= head["gap"] * (1 + abs(upper))
+    need(closed or status != "proved", "the gap is not reached")
     return f"{status}: lower {lower}, upper {upper}, {leaves} leaves"
 def verdict(path):  # the exit code of one log, and a line about it
     try:
@@ -292,7 +293,6 @@ def verdict(path):  # the exit code of one log, and a line about it
         return 1, f"refused: {reason}"
     except (OSError, ArithmeticError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
         return 2, f"refused: not a proof log: {type(reason).__name__}: {reason}"
-
 if __name__ == "__main__":
     verdicts = [verdict(path) for path in sys.argv[1:]]
     print("\n".join(line for _, line in verdicts) or __doc__)

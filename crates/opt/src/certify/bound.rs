@@ -38,6 +38,8 @@ pub(super) struct Tangent {
 pub(super) struct Weights {
     pub(super) rows: Multipliers,
     pub(super) tangent: Option<Tangent>,
+    /// Do the numbers mean rows without divisors?
+    pub(super) is_cleared: bool,
 }
 
 impl From<Multipliers> for Weights {
@@ -45,6 +47,7 @@ impl From<Multipliers> for Weights {
         Self {
             rows,
             tangent: None,
+            is_cleared: false,
         }
     }
 }
@@ -77,6 +80,8 @@ fn level(rows: &Rows, weights: &[(usize, f64)], low: f64) -> f64 {
         } else {
             level
         }
+    } else if rows.is_cleared {
+        low
     } else if low > 0.0 {
         f64::INFINITY
     } else {

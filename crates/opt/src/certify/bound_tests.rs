@@ -75,6 +75,7 @@ fn rows(tape: Tape, nodes: &[Node]) -> Rows {
         needed,
         lower: Vec::new(),
         upper: Vec::new(),
+        is_cleared: false,
     }
 }
 

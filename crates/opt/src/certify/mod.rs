@@ -5,6 +5,7 @@
 //! outward rounding, so that rounding errors cannot make a proof wrong. The best point comes from the local solver.
 
 mod bound;
+mod cleared;
 mod process;
 mod proof;
 mod rows;
@@ -220,7 +221,9 @@ pub fn certify_with(
     };
     let names: Vec<String> = problem.variables().iter().map(|v| v.name.clone()).collect();
     proof.begin(&rows, &names, settings.gap);
+    let cleared = rows.cleared();
     let search = search::Search {
+        cleared: cleared.as_ref(),
         problem,
         method,
         settings,

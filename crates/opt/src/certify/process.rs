@@ -57,6 +57,8 @@ pub(super) struct Examined {
     pub(super) middle: Vec<f64>,
     /// γ there; ∞ where a row is not met.
     pub(super) middle_level: f64,
+    /// Was a bound of second order tried?
+    pub(super) bent: bool,
 }
 
 /// What a box is examined for: points with γ < `target` that violate no row by more than `tolerance`.
@@ -94,14 +96,54 @@ struct Form {
 }
 
 impl Examiner {
-    /// Examines a box for points that are better than `aim`; with bounds of second order where `bend` is set.
+    /// Examines a box for points that are better than `aim`; with bounds of second order where `bend` is set, and
+    /// without divisors where they may vanish.
     pub(super) fn examine(
         &mut self,
         rows: &Rows,
+        cleared: Option<&Rows>,
         x: &[Interval],
         aim: &Aim<'_>,
         bend: bool,
     ) -> Examined {
+        let Some(cleared) = cleared.filter(|_| aim.target < f64::INFINITY) else {
+            return self.examine_rows(rows, x, aim, bend);
+        };
+        let mut examined = self.examine_rows(rows, x, aim, false);
+        if matches!(examined.end, End::Closed) {
+            return examined;
+        }
+        let with_level = |x: &[Interval]| [x, &[Interval::point(aim.target)]].concat();
+        let best = aim.best.map(|best| [best, &[aim.target]].concat());
+        let beyond = Aim {
+            target: f64::MIN_POSITIVE,
+            tolerance: aim.tolerance,
+            best: best.as_deref(),
+        };
+        let again = self.examine_rows(cleared, &with_level(&examined.rest), &beyond, bend);
+        let flagged = |weights: Weights| Weights {
+            is_cleared: true,
+            ..weights
+        };
+        examined.rest = again.rest[..x.len()].to_vec();
+        examined
+            .trims
+            .extend(again.trims.into_iter().map(|trim| Trim {
+                bound: aim.target,
+                weights: flagged(trim.weights),
+                ..trim
+            }));
+        if matches!(again.end, End::Closed) {
+            examined.bound = aim.target;
+            examined.weights = flagged(again.weights);
+        }
+        examined.end = again.end;
+        examined.bent = again.bent;
+        examined
+    }
+
+    /// As [`Self::examine`], with these rows alone.
+    fn examine_rows(&mut self, rows: &Rows, x: &[Interval], aim: &Aim<'_>, bend: bool) -> Examined {
         let target = aim.target;
         let mut examined = Examined {
             trims: Vec::new(),
@@ -111,6 +153,7 @@ impl Examiner {
             weights: Weights::default(),
             middle: x.iter().map(|x| x.middle()).collect(),
             middle_level: f64::INFINITY,
+            bent: false,
         };
         for pass in 0..MAX_PASSES {
             if self.naturally(rows, &mut examined, target) {
@@ -127,6 +170,7 @@ impl Examiner {
             let loss = self.trim(rows, &expansion, &mut examined, target);
             if loss < MIN_VOLUME_LOSS || pass + 1 == MAX_PASSES {
                 if bend {
+                    examined.bent = true;
                     self.bend(rows, &expansion, &mut examined, aim);
                 }
                 if examined.bound >= target {
@@ -197,7 +241,13 @@ impl Examiner {
             }
             if gradient.iter().all(|g| g.is_bounded()) && offset.is_bounded() {
                 expansion.rows.push(index);
-                expansion.kinds.push(row.kind);
+                // the greatest of the rows without divisors is to be above 0
+                let is_limit = rows.is_cleared && row.kind == LinearKind::AtMost;
+                expansion.kinds.push(if is_limit {
+                    LinearKind::Objective
+                } else {
+                    row.kind
+                });
                 expansion.gradients.extend(&gradient);
                 expansion.offsets.push(offset);
             }

@@ -138,8 +138,13 @@ impl Proof<'_, '_> {
             let at = numbers(t.at.iter().copied());
             format!(",\"tangent\":[{at},{}]", number(t.curvature))
         });
+        let cleared = if certificate.is_cleared {
+            ",\"cleared\":1"
+        } else {
+            ""
+        };
         self.line(&format!(
-            "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]{tangent}}}",
+            "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]{tangent}{cleared}}}",
             weights.join(",")
         ));
     }

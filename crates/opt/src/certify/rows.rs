@@ -24,6 +24,8 @@ pub(super) struct Rows {
     pub(super) needed: Vec<Node>,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
+    /// Are these rows without divisors, at a level that is their last variable?
+    pub(super) is_cleared: bool,
 }
 
 impl Rows {
@@ -92,6 +94,7 @@ impl Rows {
             needed,
             lower,
             upper,
+            is_cleared: false,
         })
     }
 

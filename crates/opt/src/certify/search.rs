@@ -30,6 +30,12 @@ const CLAIMED_SHARE: f64 = 0.97;
 /// The most divisions between two attempts at a bound of second order.
 const MAX_WAIT: u8 = 6;
 
+/// Bounds of second order are tried in every batch while one of so many closes its box, else in one of
+/// [`TRIAL_BATCHES`].
+const MAX_TRIED_PER_CLOSED: u64 = 8;
+const MIN_TRIED: u64 = 64;
+const TRIAL_BATCHES: u64 = 16;
+
 /// A box that is still open.
 struct Open {
     id: u64,
@@ -48,11 +54,11 @@ struct Patience {
 }
 
 impl Patience {
-    /// After the division of a box.
-    fn after(self) -> Self {
-        if self.wait > 0 {
+    /// After the division of a box, for which such a bound was tried or not.
+    fn after(self, tried: bool) -> Self {
+        if !tried {
             return Self {
-                wait: self.wait - 1,
+                wait: self.wait.saturating_sub(1),
                 ..self
             };
         }
@@ -60,6 +66,33 @@ impl Patience {
         Self {
             failed,
             wait: failed,
+        }
+    }
+}
+
+/// What bounds of second order brought over the whole search, the last batches first.
+#[derive(Default)]
+struct Yield {
+    tried: u64,
+    closed: u64,
+    batches: u64,
+}
+
+impl Yield {
+    /// Are they tried in the next batch?
+    fn is_worth(&mut self) -> bool {
+        self.batches += 1;
+        if self.batches.is_multiple_of(TRIAL_BATCHES) {
+            (self.tried, self.closed) = (self.tried / 2, self.closed / 2);
+            return true;
+        }
+        self.tried < MIN_TRIED || self.closed * MAX_TRIED_PER_CLOSED >= self.tried
+    }
+
+    fn add(&mut self, examined: &[Examined]) {
+        for result in examined.iter().filter(|result| result.bent) {
+            self.tried += 1;
+            self.closed += u64::from(matches!(result.end, End::Closed));
         }
     }
 }
@@ -97,6 +130,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) method: &'a Method,
     pub(super) settings: &'a CertifySettings,
     pub(super) rows: &'a Rows,
+    /// The rows without divisors, where one may vanish.
+    pub(super) cleared: Option<&'a Rows>,
     pub(super) proof: Proof<'a, 's>,
 }
 
@@ -211,6 +246,7 @@ impl Search<'_, '_> {
         let mut closed = f64::INFINITY;
         let mut boxes = 0_u64;
         let mut polish_at = 1_u64;
+        let mut second_order = Yield::default();
         let lowest = |heap: &BinaryHeap<Open>, stuck: &[Open], closed: f64| {
             let open = heap.peek().map_or(f64::INFINITY, |o| o.bound);
             let stuck = stuck.iter().map(|o| o.bound).fold(f64::INFINITY, f64::min);
@@ -253,19 +289,27 @@ impl Search<'_, '_> {
             {
                 batch.push(open);
             }
-            let rows = self.rows;
+            let (rows, cleared) = (self.rows, self.cleared);
             let at = best.as_ref().map(|b| b.x.clone());
             let aim = Aim {
                 target,
                 tolerance: self.settings.solve.constraint_tolerance,
                 best: at.as_deref(),
             };
+            let bend = second_order.is_worth();
             let examined: Vec<Examined> = batch
                 .par_iter()
                 .map_init(Examiner::default, |examiner, open| {
-                    examiner.examine(rows, &open.x, &aim, open.patience.wait == 0)
+                    examiner.examine(
+                        rows,
+                        cleared,
+                        &open.x,
+                        &aim,
+                        bend && open.patience.wait == 0,
+                    )
                 })
                 .collect();
+            second_order.add(&examined);
             boxes += batch.len() as u64;
             for result in &examined {
                 if result.middle_level < best.as_ref().map_or(f64::INFINITY, |b| b.level) {
@@ -395,7 +439,7 @@ impl Search<'_, '_> {
                         bound,
                         weights: weights.clone(),
                         x,
-                        patience: open.patience.after(),
+                        patience: open.patience.after(result.bent),
                     });
                 }
             }

@@ -75,6 +75,7 @@ impl Examiner {
                         examined.weights = Weights {
                             rows: weights.clone(),
                             tangent: Some(tangent),
+                            is_cleared: false,
                         };
                     }
                     if examined.bound >= target {
