@@ -48,6 +48,12 @@ test('every view fits a phone and has labels that can be read, light and dark', 
           assert.deepEqual(cut, []);
         }
         assert.deepEqual(await covered(page), [], hash);
+        // no name in a picture is cut off
+        const cut = await page.evaluate(() => [...document.querySelectorAll('.stress text, .hero svg text')].filter((text) => {
+          const [own, picture] = [text, text.ownerSVGElement].map((element) => element.getBoundingClientRect());
+          return own.width && (own.left < picture.left || own.right > picture.right);
+        }).map((text) => text.textContent));
+        assert.deepEqual(cut, [], hash);
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 390, hash);
         assert.deepEqual(await seriousFindings(page), []);
       });

@@ -4,6 +4,8 @@ import { svg, svgSymbol } from './dom.js';
 import { shown } from './format.js';
 
 const ARROWS = 15;
+/** Room for an angle with its symbol, pixels. */
+const ANGLE_TEXT_WIDTH = 84;
 /** Longest stress arrow in radii. */
 const LONGEST = 0.66;
 /** Length of the load's arrow in radii; other forces are in its scale. */
@@ -156,9 +158,10 @@ export class StressPicture {
     };
     scene.append(svg('path', { d: arc(point.theta_1_deg * rad), class: 'angle-arc' }));
     const y = rim(point.theta_1_deg * rad)[1];
-    const x = cx + radius * (point.theta_1_deg > 50 ? 1.02 : 0.92);
-    scene.append(svg('text', { x: x + 12, y: y - 26, class: 'angle-text' }, svgSymbol('θ_1'), ` = ${shown(point.theta_1_deg)}°`));
-    scene.append(svg('text', { x: x + 12, y: y - 8, class: 'angle-text muted' }, svgSymbol('θ_m'), ` = ${shown(point.theta_m_deg)}°`));
+    // within the picture on a phone too
+    const x = Math.min(cx + radius * (point.theta_1_deg > 50 ? 1.02 : 0.92) + 12, this.#width - ANGLE_TEXT_WIDTH);
+    scene.append(svg('text', { x, y: y - 26, class: 'angle-text' }, svgSymbol('θ_1'), ` = ${shown(point.theta_1_deg)}°`));
+    scene.append(svg('text', { x, y: y - 8, class: 'angle-text muted' }, svgSymbol('θ_m'), ` = ${shown(point.theta_m_deg)}°`));
     if (Math.abs(point.theta_2_deg) > 1.5) {
       const [bx, by] = rim(point.theta_2_deg * rad);
       scene.append(svg('text', { x: bx - 14, y: by - 8, 'text-anchor': 'end', class: 'angle-text muted' }, svgSymbol('θ_2'), ` = ${shown(point.theta_2_deg)}°`));
