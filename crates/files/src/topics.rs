@@ -5,6 +5,7 @@
 //! ```toml
 //! [topics]                              # every key is optional
 //! wheels = "/joint_states"              # sensor_msgs/JointState
+//! contact = "/dynamic_joint_states"     # control_msgs/DynamicJointState with `sinkage` (m), `entry_angle` (rad) of wheels
 //! yaw_rate = "/imu/data"                # sensor_msgs/Imu
 //! imu_up = "z"                          # its axis that points up: x, y, z, -x, -y or -z
 //! imu_forward = "x"                     # its axis that points forwards
@@ -86,6 +87,8 @@ pub struct WheelOdometry {
 pub struct Topics {
     /// The topic of the wheels' angles, rates or counts, by joint.
     pub wheels: Option<String>,
+    /// The topic of the wheels' sinkages and entry angles, by joint.
+    pub contact: Option<String>,
     /// The topic of the yaw rate.
     pub yaw_rate: Option<String>,
     /// The direction in the IMU's own frame that points up.
@@ -123,6 +126,7 @@ impl Topics {
     pub fn named(&self) -> impl Iterator<Item = &str> {
         let one = [
             &self.wheels,
+            &self.contact,
             &self.yaw_rate,
             &self.pose,
             &self.speed,
@@ -162,13 +166,7 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
     let mut fields: Vec<TopicFields> = Vec::new();
     section.sections("field", |field| {
         let topic = field.text("topic")?;
-        let (meaning, wheel, factor) = read_meaning(field)?;
-        let column = Column {
-            column: field.text("field")?.into(),
-            meaning,
-            wheel,
-            factor,
-        };
+        let column = read_meaning(field, field.text("field")?.into())?;
         match fields.iter_mut().find(|other| other.topic == topic) {
             Some(same) => same.fields.push(column),
             None => fields.push(TopicFields {
@@ -193,6 +191,7 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
     let ignore = section.texts("ignore")?;
     let topics = Topics {
         wheels: text("wheels")?,
+        contact: text("contact")?,
         yaw_rate: text("yaw_rate")?,
         imu_up,
         imu_forward,

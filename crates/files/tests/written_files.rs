@@ -127,6 +127,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 meaning,
                 wheel,
                 factor,
+                offset: 0.0,
             };
             Table {
                 file,

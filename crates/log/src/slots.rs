@@ -26,6 +26,15 @@ enum Slot {
 pub(crate) struct Part {
     pub(crate) column: usize,
     pub(crate) factor: f64,
+    /// What is added to it in SI.
+    offset: f64,
+}
+
+impl Part {
+    /// A number of the column in SI.
+    pub(crate) fn si(self, number: f64) -> f64 {
+        number * self.factor + self.offset
+    }
 }
 
 impl Slots {
@@ -34,6 +43,7 @@ impl Slots {
         let of = |column: usize| Part {
             column,
             factor: columns[column].factor,
+            offset: columns[column].offset,
         };
         let part = |meaning: Meaning| {
             let at = columns.iter().position(|c| c.meaning == meaning)?;
@@ -93,6 +103,12 @@ impl Slots {
                 }
                 Slot::Wheel(Meaning::WheelSteering, wheel, part) => {
                     number(part)?.map(|angle| Measurement::SteeringAngle { wheel, angle })
+                }
+                Slot::Wheel(Meaning::Sinkage, wheel, part) => {
+                    number(part)?.map(|depth| Measurement::Sinkage { wheel, depth })
+                }
+                Slot::Wheel(Meaning::EntryAngle, wheel, part) => {
+                    number(part)?.map(|angle| Measurement::EntryAngle { wheel, angle })
                 }
                 Slot::Wheel(_, wheel, part) => {
                     number(part)?.map(|rate| Measurement::WheelRate { wheel, rate })

@@ -35,6 +35,8 @@ const JOINT_NAME: usize = 256;
 pub enum Use {
     /// Angles and rates of wheels.
     Wheels,
+    /// Sinkages and entry angles of wheels.
+    Contacts,
     /// The yaw rate.
     YawRate,
     /// A pose and a speed, of the wheels or of something better: the log does not say which.
@@ -53,6 +55,7 @@ impl Use {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Wheels => "wheel angles or rates",
+            Self::Contacts => "sinkages or entry angles of wheels",
             Self::YawRate => "yaw rate",
             Self::Motion => "pose and speed",
             Self::Command => "commanded speed",
@@ -318,7 +321,9 @@ impl Tally {
                 let view = View::new(&topic.channel.type_name, value);
                 let names = match &view {
                     Some(View::JointState(joints)) => joints.names.as_slice(),
-                    Some(View::WheelTicks { names, .. }) => names.as_slice(),
+                    Some(View::WheelTicks { names, .. } | View::WheelContacts { names, .. }) => {
+                        names.as_slice()
+                    }
                     _ => &[],
                 };
                 let names = names.iter().filter(|name| name.len() <= JOINT_NAME);
@@ -372,6 +377,7 @@ fn bin(interval_ns: u64) -> usize {
 fn use_of(view: &View, topic: &str) -> Option<Use> {
     Some(match view {
         View::JointState(_) | View::WheelTicks { .. } => Use::Wheels,
+        View::WheelContacts { .. } => Use::Contacts,
         View::Imu(imu) => {
             imu.angular_rate?;
             Use::YawRate

@@ -46,6 +46,12 @@ scatter = 0.1
 speed_m_per_s = 0.25
 distance_m = 18.0
 "#;
+/// Sensors of both kinds, as good as a camera that looks at the wheel.
+const CONTACT_SENSORS: &str = "
+[sensors]
+sinkage_rate_hz = 10.0
+entry_angle_rate_hz = 10.0
+";
 /// Ticks of a second.
 const SECOND_TICKS: u32 = 100;
 /// Before, the robot settles and starts, s.
@@ -145,10 +151,10 @@ impl Second {
     }
 }
 
-fn waves(robot: &str) -> Scenario {
+fn waves(robot: &str, sensors: &str) -> Scenario {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots");
     let model = RobotModel::read(&folder.join(robot)).unwrap();
-    let document = Document::from_text("waves.toml", WAVES.to_owned()).unwrap();
+    let document = Document::from_text("waves.toml", format!("{WAVES}{sensors}")).unwrap();
     parse_scenario(&document, "waves", model).unwrap()
 }
 
@@ -282,7 +288,7 @@ fn soils(own: &Soil) -> Vec<(&'static str, Soil)> {
 
 #[test]
 fn an_unknown_soil_is_learnt_and_driven() {
-    let scenario = waves("five-wheel.toml");
+    let scenario = waves("five-wheel.toml", "");
     let own = scenario.ground.soils[0].soil;
     let weak = scaled_soil(&own, 0.8, 1.0).unwrap();
     let world = (&weak, Some(FOREIGN_LAW));
@@ -310,36 +316,82 @@ fn an_unknown_soil_is_learnt_and_driven() {
     );
 }
 
+/// The pull, the slip demand, and what the soil is learnt to be, over many drives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pool {
+    pull: Coverage,
+    demand: Coverage,
+    /// Sum of the widths of the pull's intervals over seconds.
+    width: f64,
+    /// Squared error of the friction angle (°), width of its intervals (°), and how often they held.
+    angle: [f64; 2],
+    angles: Coverage,
+}
+
+impl Pool {
+    fn add(&mut self, driven: &Driven, truth: &Soil) {
+        self.pull.pool(driven.pull);
+        self.demand.pool(driven.demand);
+        self.width += driven.width * f64::from(driven.pull.of);
+        let learnt = driven.result.soil.unwrap().friction_angle;
+        let phi = truth.params().phi.rad();
+        let off = (learnt.mean - phi).to_degrees();
+        self.angle[0] += off * off;
+        self.angle[1] += (learnt.high - learnt.low).to_degrees();
+        self.angles.add((learnt.low..=learnt.high).contains(&phi));
+    }
+}
+
 #[test]
 #[ignore = "minutes"]
 fn many_worlds() {
-    let scenario = waves("five-wheel.toml");
-    let own = scenario.ground.soils[0].soil;
+    let plain = waves("five-wheel.toml", "");
+    let with_contact = waves("five-wheel.toml", CONTACT_SENSORS);
+    let own = plain.ground.soils[0].soil;
     let seeds: u64 = std::env::var("GROUSER_SEEDS").map_or(2, |seeds| seeds.parse().unwrap());
-    let mut pools = [[Coverage::default(); 2]; 2];
+    let mut pools = [[Pool::default(); 2]; 2];
     for (name, soil) in soils(&own) {
         for (index, law) in [None, Some(FOREIGN_LAW)].into_iter().enumerate() {
             for seed in 1..=seeds {
                 let world = (&soil, law);
-                let learnt = drive(&scenario, Pilot::Controller, world, seed);
-                let known = drive(&scenario, Pilot::KnownSoil, world, seed);
+                let [learnt, known, contact] = std::thread::scope(|scope| {
+                    let drives = [
+                        (&plain, Pilot::Controller),
+                        (&plain, Pilot::KnownSoil),
+                        (&with_contact, Pilot::Controller),
+                    ];
+                    let drives = drives.map(|(scenario, pilot)| {
+                        scope.spawn(move || drive(scenario, pilot, world, seed))
+                    });
+                    drives.map(|drive| drive.join().unwrap())
+                });
                 let name = format!("{name}, {}", law.map_or("own law", ShearLaw::key));
                 print(&name, seed, &learnt, Some(&known));
-                pools[index][0].pool(learnt.pull);
-                pools[index][1].pool(learnt.demand);
+                print("  with sinkages and entry angles", seed, &contact, None);
+                pools[index][0].add(&learnt, &soil);
+                pools[index][1].add(&contact, &soil);
             }
         }
     }
-    for ([pull, demand], law) in pools.into_iter().zip(["own law", FOREIGN_LAW.key()]) {
-        println!(
-            "{law}: pull within its interval in {:.3} of {} seconds, slip demand in {:.3} of {}",
-            pull.share(),
-            pull.of,
-            demand.share(),
-            demand.of
-        );
+    for (pools, law) in pools.iter().zip(["own law", FOREIGN_LAW.key()]) {
+        for (pool, sensors) in pools.iter().zip(["without", "with"]) {
+            let drives = f64::from(pool.angles.of);
+            println!(
+                "{law}, {sensors} sinkages: pull within its interval in {:.3} of {} seconds, width {:.4}; slip demand in \
+                 {:.3} of {}; friction angle off by {:.2}° (rms), interval {:.1}°, held in {} of {}",
+                pool.pull.share(),
+                pool.pull.of,
+                pool.width / f64::from(pool.pull.of),
+                pool.demand.share(),
+                pool.demand.of,
+                (pool.angle[0] / drives).sqrt(),
+                pool.angle[1] / drives,
+                pool.angles.held,
+                pool.angles.of,
+            );
+        }
     }
-    for [pull, _] in pools {
-        assert!((0.85..=0.95).contains(&pull.share()), "{pull:?}");
+    for pool in pools.iter().flatten() {
+        assert!((0.85..=0.95).contains(&pool.pull.share()), "{pool:?}");
     }
 }

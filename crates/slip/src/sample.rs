@@ -125,6 +125,22 @@ pub enum Measurement {
         /// Current over its greatest, signed by the torque, 1.
         share: f64,
     },
+    /// How deep the lowest point of a wheel lies below the ground in front of it (a camera, a displacement sensor, the
+    /// suspension's kinematics), for [`OnBoard`](crate::onboard::OnBoard).
+    Sinkage {
+        /// The wheel's index.
+        wheel: usize,
+        /// m.
+        depth: f64,
+    },
+    /// The angle at which the ground in front of a wheel meets its rim, from the lowest point forwards: θ₁ of the paper, for
+    /// [`OnBoard`](crate::onboard::OnBoard).
+    EntryAngle {
+        /// The wheel's index.
+        wheel: usize,
+        /// rad.
+        angle: f64,
+    },
     /// How what carries a wheel (a rocker, an arm) moves beside the level robot, its pitching included. A wheel's sensor
     /// counts against its carrier, and on curved ground no two wheels travel alike.
     Carrier {
@@ -165,6 +181,8 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::Sinkage { wheel, .. }
+            | Self::EntryAngle { wheel, .. }
             | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => Some(wheel),
             _ => None,
@@ -188,6 +206,8 @@ impl Measurement {
             | Self::WheelRate { wheel, .. }
             | Self::Carrier { wheel, .. }
             | Self::MotorCurrent { wheel, .. }
+            | Self::Sinkage { wheel, .. }
+            | Self::EntryAngle { wheel, .. }
             | Self::SteeringAngle { wheel, .. }
             | Self::WheelTorque { wheel, .. } => *wheel = index,
             _ => {}
@@ -224,6 +244,8 @@ impl Measurement {
             | Self::Inertial { .. }
             | Self::JointAngle { .. }
             | Self::Steering { .. }
+            | Self::Sinkage { .. }
+            | Self::EntryAngle { .. }
             | Self::MotorCurrent { .. } => Ok(()),
             Self::WheelAngle { angle, .. } => check("angle", angle, "rad"),
             Self::WheelRate { rate, .. } => check("rate", rate, "rad/s"),
@@ -273,6 +295,8 @@ impl Measurement {
             Self::Inertial { .. }
                 | Self::JointAngle { .. }
                 | Self::Steering { .. }
+                | Self::Sinkage { .. }
+                | Self::EntryAngle { .. }
                 | Self::MotorCurrent { .. }
         )
     }

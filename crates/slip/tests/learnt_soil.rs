@@ -4,7 +4,7 @@
 
 use grouser_slip::control::Request;
 use grouser_slip::onboard::{
-    OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilMember, SoilTables,
+    OnBoard, OnBoardSettings, SoilFamily, SoilInterval, SoilLearnSettings, SoilMember, SoilTables,
 };
 use grouser_slip::prior::{SoilDoubt, scaled_soil};
 use grouser_slip::{Error, Measurement, Robot, Sample, Wheel};
@@ -58,15 +58,40 @@ struct Course {
     row: i64,
     angle: f64,
     way: f64,
+    measures_torque: bool,
+}
+
+/// What a sensor of sinkage shows of the true one (m).
+#[derive(Clone, Copy, PartialEq)]
+enum Sensor {
+    Absent,
+    Sinkage,
+    EntryAngle,
+    /// NaN, below the ground, and beyond the radius in turn.
+    Garbage,
+    /// The same value all the time.
+    Stuck,
 }
 
 /// Drives `rows` of 0.01 s at 0.25 m/s on `soil` at a slip; pull, torque and counts are those of the exact solver.
 fn drive(on_board: &mut OnBoard, course: &mut Course, soil: &Soil, slip: f64, rows: i64) {
+    drive_with(on_board, course, (soil, slip), rows, Sensor::Absent);
+}
+
+/// The same with a sensor of the wheels' sinkage ten times a second.
+fn drive_with(
+    on_board: &mut OnBoard,
+    course: &mut Course,
+    (soil, slip): (&Soil, f64),
+    rows: i64,
+    sensor: Sensor,
+) {
     let wheel = RigidWheel::new(RADIUS_M, WIDTH_M).unwrap();
     let contact = WheelOnSoil::new(wheel, *soil, Settings::default()).unwrap();
     let kinematics = Kinematics::straight(Slip::new(slip).unwrap());
     let forces = contact.under_load(LOAD_N, &kinematics).unwrap();
-    let forces = forces.point().unwrap().forces;
+    let point = forces.point().unwrap();
+    let (forces, sinkage) = (point.forces, point.sinkage);
     let pull = forces.drawbar_pull / LOAD_N;
     // uphill as steep as it can, so that it travels steadily
     let (sin, cos) = pull.atan().sin_cos();
@@ -103,7 +128,26 @@ fn drive(on_board: &mut OnBoard, course: &mut Course, soil: &Soil, slip: f64, ro
         for wheel in 0..2 {
             measurements.push(Measurement::WheelCount { wheel, raw });
             let share = torque / MAX_TORQUE_N_M;
-            measurements.push(Measurement::MotorCurrent { wheel, share });
+            if course.measures_torque {
+                measurements.push(Measurement::MotorCurrent { wheel, share });
+            }
+            if sensor != Sensor::Absent && course.row % 10 == 0 {
+                // a millimetre of noise with zero mean
+                let depth =
+                    sinkage + 0.001 * f64::from([-1_i8, 0, 1][(course.row / 10 % 3) as usize]);
+                measurements.push(match sensor {
+                    Sensor::EntryAngle => Measurement::EntryAngle {
+                        wheel,
+                        angle: (1.0 - depth / RADIUS_M).acos(),
+                    },
+                    Sensor::Garbage => Measurement::Sinkage {
+                        wheel,
+                        depth: [f64::NAN, -0.05, 0.5][(course.row / 10 % 3) as usize],
+                    },
+                    Sensor::Stuck => Measurement::Sinkage { wheel, depth: 0.09 },
+                    _ => Measurement::Sinkage { wheel, depth },
+                });
+            }
         }
         for measurement in measurements {
             on_board.update(Sample {
@@ -128,6 +172,7 @@ fn start() -> Course {
         row: 0,
         angle: 0.0,
         way: 0.0,
+        measures_torque: true,
     }
 }
 
@@ -171,6 +216,63 @@ fn strength_and_stiffness_are_found_and_forgotten_again() {
         "{back:?}"
     );
     assert!(back.changes > learnt.changes);
+}
+
+#[test]
+fn sinkages_and_entry_angles_tell_stiffness_from_strength() {
+    let soil = scaled_soil(&sand(), 0.7, 0.8).unwrap();
+    let learn = |sensor| {
+        let mut robot = on_board();
+        // pull alone: stiff and weak, or soft and strong?
+        let mut course = start();
+        course.measures_torque = false;
+        drive_with(&mut robot, &mut course, (&soil, 0.3), 800, sensor);
+        robot.soil().unwrap().estimate()
+    };
+    let without = learn(Sensor::Absent);
+    assert_eq!(without.contact_readings, 0);
+    for sensor in [Sensor::Sinkage, Sensor::EntryAngle] {
+        let with = learn(sensor);
+        assert_eq!(with.readings, without.readings);
+        assert!(
+            with.contact_readings > 3 && with.contacts_refused == 0,
+            "{with:?}"
+        );
+        assert!(
+            with.stiffness.low < 0.8 && 0.8 < with.stiffness.high,
+            "{with:?}"
+        );
+        let ratio = |of: SoilInterval| (of.high / of.low).ln();
+        assert!(
+            ratio(with.stiffness) < 0.9 * ratio(without.stiffness),
+            "{with:?} {without:?}"
+        );
+    }
+}
+
+#[test]
+fn a_broken_sensor_of_sinkage_changes_nothing() {
+    let learn = |sensor| {
+        let mut robot = on_board();
+        drive_with(&mut robot, &mut start(), (&sand(), 0.3), 6000, sensor);
+        (
+            robot.state().soil.unwrap(),
+            robot.soil().unwrap().estimate(),
+        )
+    };
+    let (belief, _) = learn(Sensor::Absent);
+    let (by_garbage, estimate) = learn(Sensor::Garbage);
+    assert_eq!(by_garbage, belief);
+    assert_eq!(
+        (estimate.contacts_refused, estimate.contact_readings),
+        (1200, 0)
+    );
+    let (by_stuck, estimate) = learn(Sensor::Stuck);
+    assert_eq!(by_stuck, belief);
+    assert!(
+        estimate.contacts_stuck > 30 && estimate.contact_readings == 0,
+        "{estimate:?}"
+    );
 }
 
 #[test]

@@ -46,6 +46,10 @@ pub enum Meaning {
     /// Current of a wheel's motor, positive when it drives forwards; [`Self::WheelTorque`] by `torque_per_ampere_nm` of the
     /// robot file.
     MotorCurrent,
+    /// How deep the lowest point of a wheel lies below the ground in front of it.
+    Sinkage,
+    /// The angle at which the ground in front of a wheel meets its rim, from the lowest point forwards.
+    EntryAngle,
     /// Angle by which a wheel is steered, to the left.
     WheelSteering,
     /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
@@ -80,13 +84,15 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 21] = [
+    pub const ALL: [(&'static str, Self, Quantity); 23] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
         ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
         ("motor_current", Self::MotorCurrent, Quantity::Current),
+        ("sinkage", Self::Sinkage, Quantity::Length),
+        ("entry_angle", Self::EntryAngle, Quantity::Angle),
         ("wheel_steering", Self::WheelSteering, Quantity::Angle),
         ("steering_angle", Self::SteeringAngle, Quantity::Angle),
         ("yaw_rate", Self::YawRate, Quantity::AngularRate),
@@ -131,6 +137,8 @@ impl Meaning {
                 | Self::WheelSpeed
                 | Self::WheelTorque
                 | Self::MotorCurrent
+                | Self::Sinkage
+                | Self::EntryAngle
                 | Self::WheelSteering
         )
     }
@@ -171,6 +179,8 @@ pub struct Column {
     pub wheel: Option<String>,
     /// What one of it is in SI.
     pub factor: f64,
+    /// What is added in SI: a sinkage by a sensor that measures its distance from the ground.
+    pub offset: f64,
 }
 
 /// The column of time.
@@ -374,17 +384,12 @@ fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Resul
 }
 
 fn read_column(section: &Section<'_>) -> Result<Column> {
-    let (meaning, wheel, factor) = read_meaning(section)?;
-    Ok(Column {
-        column: section.text("column")?.into(),
-        meaning,
-        wheel,
-        factor,
-    })
+    let column = section.text("column")?.into();
+    read_meaning(section, column)
 }
 
-/// What a column or a field means: its meaning, its wheel, and what one of it is in SI.
-pub(crate) fn read_meaning(section: &Section<'_>) -> Result<(Meaning, Option<String>, f64)> {
+/// What a column or a field of that name means.
+pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Column> {
     let names = Meaning::ALL.map(|(name, meaning, quantity)| (name, (meaning, quantity)));
     let (meaning, quantity) = section.choice("meaning", &names)?;
     let unit = section.choice("unit", &quantity.units())?;
@@ -408,7 +413,23 @@ pub(crate) fn read_meaning(section: &Section<'_>) -> Result<(Meaning, Option<Str
             },
         });
     }
-    Ok((meaning, wheel.map(Into::into), unit * scale.unwrap_or(1.0)))
+    let offset = section.optional_number("offset_m", (-1e3, 1e3))?;
+    if offset.is_some() && meaning != Meaning::Sinkage {
+        return Err(Error::Contradiction {
+            at: section.place_of("offset_m"),
+            message: format!(
+                "`offset_m` belongs to `sinkage`, not to `{}`",
+                meaning.name()
+            ),
+        });
+    }
+    Ok(Column {
+        column,
+        meaning,
+        wheel: wheel.map(Into::into),
+        factor: unit * scale.unwrap_or(1.0),
+        offset: offset.unwrap_or(0.0),
+    })
 }
 
 fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {

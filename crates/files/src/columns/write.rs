@@ -82,5 +82,8 @@ pub(crate) fn meaning(column: &Column, between: &str) -> String {
         keys.push(format!("unit = \"{unit}\""));
         keys.push(format!("scale = {:?}", column.factor));
     }
+    if column.offset != 0.0 {
+        keys.push(format!("offset_m = {:?}", column.offset));
+    }
     keys.join(between)
 }

@@ -116,6 +116,7 @@ fn write_topics(out: &mut TomlText, topics: &Topics) {
     out.header("[topics]");
     for (key, topic) in [
         ("wheels", &topics.wheels),
+        ("contact", &topics.contact),
         ("yaw_rate", &topics.yaw_rate),
         ("pose", &topics.pose),
         ("speed", &topics.speed),

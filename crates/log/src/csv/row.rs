@@ -65,7 +65,8 @@ impl Plan {
             let Some((text, place)) = given(part) else {
                 return Ok(None);
             };
-            let value = number::finite(text, self.decimal).map_err(bad(place))? * part.factor;
+            let value = number::finite(text, self.decimal).map_err(bad(place))?;
+            let value = part.si(value);
             // A factor may still carry a number out of range.
             if value.is_finite() {
                 Ok(Some(value))

@@ -3,6 +3,7 @@
 use grouser_real::Real;
 
 use super::Value;
+use super::known::CONTACT_INTERFACES;
 
 /// A message of these fields.
 ///
@@ -239,6 +240,25 @@ pub fn wheel_ticks(header: Value, names: &[&str], ticks: &[u64]) -> Value {
         ("header", header),
         ("name", texts(names)),
         ("ticks", Value::Array(ticks.collect())),
+    ])
+}
+
+/// `control_msgs/DynamicJointState` with sinkage (m) and entry angle (rad) of each joint, where they are measured.
+#[must_use]
+pub fn wheel_contacts(header: Value, names: &[&str], contacts: &[[Option<f64>; 2]]) -> Value {
+    let interfaces = contacts.iter().map(|contact| {
+        let known = CONTACT_INTERFACES.iter().zip(contact);
+        let measured = known.filter_map(|(name, value)| Some((*name, (*value)?)));
+        let (names, values): (Vec<&str>, Vec<f64>) = measured.unzip();
+        message([
+            ("interface_names", texts(&names)),
+            ("values", numbers(&values)),
+        ])
+    });
+    message([
+        ("header", header),
+        ("joint_names", texts(names)),
+        ("interface_values", Value::Array(interfaces.collect())),
     ])
 }
 

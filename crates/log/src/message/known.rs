@@ -9,6 +9,10 @@ use crate::container::{Channel, Encoding};
 
 /// Counters by joint.
 pub const WHEEL_TICKS: &str = "grouser_msgs/WheelTicks";
+/// Sinkages and entry angles, among other state interfaces by joint.
+pub const JOINT_INTERFACES: &str = "control_msgs/DynamicJointState";
+/// State interfaces of a wheel's joint, by kind: sinkage (m) and entry angle (rad).
+pub const CONTACT_INTERFACES: [&str; 2] = ["sinkage", "entry_angle"];
 /// Way since the message before.
 pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
 /// Slip by wheel.

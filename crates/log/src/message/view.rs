@@ -41,6 +41,13 @@ pub enum View {
         /// Counters.
         ticks: Vec<u64>,
     },
+    /// `control_msgs/DynamicJointState` with the state interfaces `sinkage` or `entry_angle`; one without them has no view.
+    WheelContacts {
+        /// Names.
+        names: Vec<String>,
+        /// Sinkage (m) and entry angle (rad) of each.
+        contacts: Vec<[Option<f64>; 2]>,
+    },
     /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame.
     Displacement {
         /// m.
@@ -191,6 +198,7 @@ impl View {
                 | "tf2_msgs/TFMessage"
                 | "tf/tfMessage"
                 | known::WHEEL_TICKS
+                | known::JOINT_INTERFACES
                 | known::DISPLACEMENT
         )
     }
@@ -294,6 +302,25 @@ impl View {
                 Some(Self::WheelTicks {
                     names: names(value)?,
                     ticks: ticks.map(whole).collect::<Option<_>>()?,
+                })
+            }
+            known::JOINT_INTERFACES => {
+                let joints = value.at("joint_names")?.elements()?.iter();
+                let names = joints.map(|name| Some(name.text()?.to_owned()));
+                let states = value.at("interface_values")?.elements()?.iter();
+                let contacts = states.map(|state| {
+                    let interfaces = state.at("interface_names")?.elements()?;
+                    let values = state.at("values")?.numbers()?;
+                    Some(known::CONTACT_INTERFACES.map(|wanted| {
+                        let is_it = |name: &Value| name.text() == Some(wanted);
+                        values.get(interfaces.iter().position(is_it)?).copied()
+                    }))
+                });
+                let contacts: Vec<[Option<f64>; 2]> = contacts.collect::<Option<_>>()?;
+                let measures = contacts.iter().flatten().any(Option::is_some);
+                measures.then_some(Self::WheelContacts {
+                    names: names.collect::<Option<_>>()?,
+                    contacts,
                 })
             }
             known::DISPLACEMENT => Some(Self::Displacement {

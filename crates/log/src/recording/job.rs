@@ -14,6 +14,8 @@ use crate::slots::Slots;
 pub(crate) enum Job {
     /// Angles, rates or counts of wheels: each joint's name and its wheel.
     Joints(Vec<(String, usize)>),
+    /// Sinkages and entry angles of wheels, likewise.
+    Contacts(Vec<(String, usize)>),
     /// The yaw rate about this direction.
     YawRate([f64; 3]),
     /// The acceleration along these directions, forwards and to the left.
@@ -48,6 +50,19 @@ impl Job {
         let usable = |trust: &[Trust]| trust.iter().all(|trust| trust.is_usable());
         match (self, view) {
             (Job::Joints(joints), Some(view)) => wheel_readings(joints, view, push),
+            (Job::Contacts(joints), Some(View::WheelContacts { names, contacts })) => {
+                for (name, [sinkage, entry_angle]) in names.iter().zip(contacts) {
+                    let Some(&(_, wheel)) = joints.iter().find(|(joint, _)| joint == name) else {
+                        continue;
+                    };
+                    if let Some(depth) = *sinkage {
+                        push(Measurement::Sinkage { wheel, depth });
+                    }
+                    if let Some(angle) = *entry_angle {
+                        push(Measurement::EntryAngle { wheel, angle });
+                    }
+                }
+            }
             (Job::YawRate(up), Some(View::Imu(imu))) => {
                 let trusted = imu.angular_rate_trust.iter().zip(up);
                 let usable = trusted
@@ -134,7 +149,7 @@ impl Job {
                 let found = slots.readings(
                     |part| {
                         let number = value.number_at(&paths[part.column]);
-                        Ok::<_, Infallible>(number.map(|number| number * part.factor))
+                        Ok::<_, Infallible>(number.map(|number| part.si(number)))
                     },
                     |part| {
                         let path = &paths[part.column];

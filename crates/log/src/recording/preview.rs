@@ -39,6 +39,8 @@ pub(super) struct Seen {
     pub(super) view: Option<View>,
     /// Joints, and whether they have a position, a velocity.
     pub(super) joints: BTreeMap<String, (bool, bool)>,
+    /// Joints with a sinkage, an entry angle.
+    pub(super) contacts: BTreeMap<String, [bool; 2]>,
     pub(super) accelerations: Accelerations,
     pub(super) fixes: Fixes,
     /// The first message.
@@ -266,6 +268,7 @@ impl Preview {
                 messages: 0,
                 view: None,
                 joints: BTreeMap::new(),
+                contacts: BTreeMap::new(),
                 accelerations: Accelerations::default(),
                 fixes: Fixes::default(),
                 sample: None,
@@ -292,6 +295,17 @@ impl Seen {
             View::WheelTicks { names, .. } => {
                 let names = names.iter().map(|name| (name.clone(), (false, false)));
                 self.joints.extend(names.take(MAX_JOINTS));
+            }
+            View::WheelContacts { names, contacts } => {
+                for (name, measured) in names.iter().zip(contacts) {
+                    if self.contacts.len() >= MAX_JOINTS && !self.contacts.contains_key(name) {
+                        continue;
+                    }
+                    let has = self.contacts.entry(name.clone()).or_default();
+                    for (has, value) in has.iter_mut().zip(measured) {
+                        *has |= value.is_some();
+                    }
+                }
             }
             View::Imu(imu) => {
                 if let Some(acceleration) = imu.acceleration {

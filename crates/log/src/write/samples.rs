@@ -11,6 +11,7 @@ use crate::message::{Value, build, known};
 /// Topic and type of each kind of message.
 const TICKS: (&str, &str) = ("/wheel_ticks", known::WHEEL_TICKS);
 const JOINTS: (&str, &str) = ("/joint_states", "sensor_msgs/JointState");
+const CONTACTS: (&str, &str) = ("/wheel_contacts", known::JOINT_INTERFACES);
 const IMU: (&str, &str) = ("/imu", "sensor_msgs/Imu");
 const WAY: (&str, &str) = ("/displacement", known::DISPLACEMENT);
 const POSE: (&str, &str) = ("/pose", "geometry_msgs/PoseStamped");
@@ -18,7 +19,8 @@ const SPEED: (&str, &str) = ("/ground_speed", "geometry_msgs/TwistStamped");
 const COMMAND: (&str, &str) = ("/cmd_vel", "geometry_msgs/TwistStamped");
 
 /// Writes samples as messages: counters as `grouser_msgs/WheelTicks`, angles and rates as
-/// `sensor_msgs/JointState` with the wheels' names as joints (torques as their efforts), yaw rate and acceleration as
+/// `sensor_msgs/JointState` with the wheels' names as joints (torques as their efforts), sinkages and entry angles as state
+/// interfaces of `control_msgs/DynamicJointState`, yaw rate and acceleration as
 /// `sensor_msgs/Imu`, a pose as
 /// `geometry_msgs/PoseStamped`, speed over ground and command as `geometry_msgs/TwistStamped`, ways as
 /// `grouser_msgs/Displacement`. Wheels of one time share one message.
@@ -101,6 +103,7 @@ impl<W: Write> SampleWriter<W> {
         };
         let header = || build::header(time_ns, "base_link");
         let (mut ticks, mut joints) = (Vec::new(), [const { Vec::new() }; 3]);
+        let mut contacts: BTreeMap<usize, [Option<f64>; 2]> = BTreeMap::new();
         let (mut yaw_rate, mut acceleration) = (None, None);
         for sample in &group {
             match sample.measurement {
@@ -108,6 +111,12 @@ impl<W: Write> SampleWriter<W> {
                 Measurement::WheelAngle { wheel, angle } => joints[0].push((wheel, angle)),
                 Measurement::WheelRate { wheel, rate } => joints[1].push((wheel, rate)),
                 Measurement::WheelTorque { wheel, torque } => joints[2].push((wheel, torque)),
+                Measurement::Sinkage { wheel, depth } => {
+                    contacts.entry(wheel).or_default()[0] = Some(depth);
+                }
+                Measurement::EntryAngle { wheel, angle } => {
+                    contacts.entry(wheel).or_default()[1] = Some(angle);
+                }
                 Measurement::YawRate { rate } => yaw_rate = Some(rate),
                 Measurement::Acceleration { forward, left } => acceleration = Some([forward, left]),
                 Measurement::Displacement {
@@ -145,6 +154,11 @@ impl<W: Write> SampleWriter<W> {
             let (wheels, raw): (Vec<usize>, Vec<u64>) = ticks.into_iter().unzip();
             let value = build::wheel_ticks(header(), &self.names(&wheels), &raw);
             self.send(TICKS, time_ns, &value)?;
+        }
+        if !contacts.is_empty() {
+            let (wheels, values): (Vec<usize>, Vec<_>) = contacts.into_iter().unzip();
+            let value = build::wheel_contacts(header(), &self.names(&wheels), &values);
+            self.send(CONTACTS, time_ns, &value)?;
         }
         // An array of a JointState holds all of its joints, or none: what is measured of the same wheels shares one.
         while let Some(first) = joints.iter().find(|part| !part.is_empty()) {

@@ -32,6 +32,9 @@ const MAX_DECISIONS: usize = 1000;
 /// The greatest slip is that of the load-weighted mean smoothed over this time, s.
 const WORST_SLIP_TIME_S: f64 = 1.0;
 
+/// A sensor of sinkage (m) or entry angle (rad) is never described as better than this: variances must not vanish.
+const MIN_CONTACT_SIGMA: f64 = 1e-6;
+
 /// A simulated drive under way.
 ///
 /// ```
@@ -132,6 +135,11 @@ impl Simulation {
         let learn = spec.filter(|_| pilot == Pilot::Controller).map(|spec| {
             let mut settings = SoilLearnSettings::default();
             settings.hysteresis = spec.hysteresis;
+            // noise and lasting error, as the sensors' data sheets say
+            let sensors = &scenario.sensors;
+            let sigma = |noise: f64, bias: f64| Real::hypot(noise, bias).max(MIN_CONTACT_SIGMA);
+            settings.sinkage_sigma = sigma(sensors.sinkage_sigma, sensors.sinkage_bias);
+            settings.entry_angle_sigma = sigma(sensors.entry_angle_sigma, sensors.entry_angle_bias);
             settings
         });
         let on_board = on_board(model, known, &scenario.sensors, (&control, learn))?;

@@ -60,13 +60,17 @@ pub enum FaultKind {
     CurrentOffset,
     /// The current reads 0.
     CurrentZero,
+    /// The sensors of sinkage and entry angle repeat themselves.
+    ContactStuck,
+    /// They give NaN, sinkages below 0 and beyond the radius in turn.
+    ContactGarbage,
     /// Every sensor is silent.
     AllSilent,
 }
 
 impl FaultKind {
     /// Every kind with its name in files and the range of its value, (0, 0) where it takes none.
-    pub const NAMES: [(&'static str, Self, (f64, f64)); 28] = [
+    pub const NAMES: [(&'static str, Self, (f64, f64)); 30] = [
         ("encoder-silent", Self::EncoderSilent, (0.0, 0.0)),
         ("encoder-stuck", Self::EncoderStuck, (0.0, 0.0)),
         ("pulse-loss", Self::PulseLoss, (0.0, 1.0)),
@@ -94,6 +98,8 @@ impl FaultKind {
         ("camera-scale", Self::CameraScale, (0.0, 100.0)),
         ("current-offset", Self::CurrentOffset, (-2.0, 2.0)),
         ("current-zero", Self::CurrentZero, (0.0, 0.0)),
+        ("contact-stuck", Self::ContactStuck, (0.0, 0.0)),
+        ("contact-garbage", Self::ContactGarbage, (0.0, 0.0)),
         ("all-silent", Self::AllSilent, (0.0, 0.0)),
     ];
 

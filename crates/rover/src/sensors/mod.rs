@@ -1,5 +1,6 @@
 //! What the robot's sensors show of the truth, with their noise, their delay and their faults.
 
+mod contact;
 mod encoder;
 mod fault;
 mod settings;
@@ -15,6 +16,7 @@ use grouser_slip::{Measurement, Sample};
 use crate::dynamics::Vehicle;
 use crate::ground::Noise;
 use crate::vector::Vector;
+use contact::ContactSensors;
 use encoder::Encoder;
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
@@ -40,6 +42,7 @@ pub struct Sensors {
     next_camera: f64,
     next_gnss: f64,
     next_sample: f64,
+    contact: ContactSensors,
     under_way: VecDeque<(f64, Sample)>,
 }
 
@@ -54,10 +57,11 @@ impl Sensors {
             .iter()
             .enumerate()
             .map(|(index, wheel)| Encoder::new(wheel, seed, index))
-            .collect();
+            .collect::<Vec<_>>();
         let mut gyro = Noise::new(seed, 1);
         let gyro_bias = settings.gyro_bias * gyro.normal();
         Self {
+            contact: ContactSensors::new(encoders.len(), &settings, seed),
             settings,
             schedule,
             encoders,
@@ -143,6 +147,7 @@ impl Sensors {
         self.joints(vehicle, time, stamp, delay);
         self.inertial(vehicle, time, stamp, delay);
         self.currents(vehicle, time, stamp, delay);
+        self.contacts(vehicle, time, stamp, delay);
         self.camera(vehicle, time, stamp, delay);
         self.gnss(vehicle, time, stamp, delay);
     }
@@ -227,6 +232,23 @@ impl Sensors {
         }
     }
 
+    fn contacts(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {
+        let Self {
+            contact,
+            settings,
+            schedule,
+            under_way,
+            ..
+        } = self;
+        contact.read(vehicle, (settings, schedule), time, |measurement| {
+            let sample = Sample {
+                time_ns: stamp,
+                measurement,
+            };
+            send(under_way, time + delay, sample);
+        });
+    }
+
     /// Way since the last picture, in the robot's frame at it.
     fn camera(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {
         let s = self.settings;
@@ -290,22 +312,20 @@ impl Sensors {
 
     /// Sends a sample on its way: it arrives at `due` (s), after everything that is due before.
     fn send(&mut self, due: f64, time_ns: i64, measurement: Measurement) {
-        if self.under_way.len() >= MAX_UNDER_WAY {
-            return;
-        }
-        let later = self
-            .under_way
-            .iter()
-            .rev()
-            .take_while(|(d, _)| *d > due)
-            .count();
-        let at = self.under_way.len() - later;
         let sample = Sample {
             time_ns,
             measurement,
         };
-        self.under_way.insert(at, (due, sample));
+        send(&mut self.under_way, due, sample);
     }
+}
+
+fn send(under_way: &mut VecDeque<(f64, Sample)>, due: f64, sample: Sample) {
+    if under_way.len() >= MAX_UNDER_WAY {
+        return;
+    }
+    let later = under_way.iter().rev().take_while(|(d, _)| *d > due).count();
+    under_way.insert(under_way.len() - later, (due, sample));
 }
 
 /// From `from` to `to`, rad in (−π, π].

@@ -42,6 +42,18 @@ pub struct SensorSettings {
     pub gnss_sigma: f64,
     /// How late a fix comes, s.
     pub gnss_latency: f64,
+    /// Readings of every wheel's sinkage, 1/s; 0: no such sensor.
+    pub sinkage_rate: f64,
+    /// Noise of a sinkage, m a reading.
+    pub sinkage_sigma: f64,
+    /// Spread of each wheel's constant error of its sinkage, m.
+    pub sinkage_bias: f64,
+    /// Readings of every wheel's entry angle, 1/s; 0: no such sensor.
+    pub entry_angle_rate: f64,
+    /// Noise of an entry angle, rad a reading.
+    pub entry_angle_sigma: f64,
+    /// Spread of each wheel's constant error of its entry angle, rad.
+    pub entry_angle_bias: f64,
 }
 
 impl Default for SensorSettings {
@@ -59,6 +71,12 @@ impl Default for SensorSettings {
             gnss_rate: 0.0,
             gnss_sigma: 0.02,
             gnss_latency: 0.1,
+            sinkage_rate: 0.0,
+            sinkage_sigma: 0.002,
+            sinkage_bias: 0.002,
+            entry_angle_rate: 0.0,
+            entry_angle_sigma: 0.04,
+            entry_angle_bias: 0.04,
         }
     }
 }
@@ -85,6 +103,22 @@ impl SensorSettings {
         Row::new("gnss_rate", "Hz", (0.0, 100.0), |s| &mut s.gnss_rate).key("gnss_rate_hz"),
         Row::new("gnss_sigma", "m", (0.0, 100.0), |s| &mut s.gnss_sigma).key("gnss_sigma_m"),
         Row::new("gnss_latency", "s", (0.0, 2.0), |s| &mut s.gnss_latency).key("gnss_latency_s"),
+        Row::new("sinkage_rate", "Hz", (0.0, 1000.0), |s| &mut s.sinkage_rate)
+            .key("sinkage_rate_hz"),
+        Row::new("sinkage_sigma", "m", (0.0, 1.0), |s| &mut s.sinkage_sigma).key("sinkage_sigma_m"),
+        Row::new("sinkage_bias", "m", (0.0, 1.0), |s| &mut s.sinkage_bias).key("sinkage_bias_m"),
+        Row::new("entry_angle_rate", "Hz", (0.0, 1000.0), |s| {
+            &mut s.entry_angle_rate
+        })
+        .key("entry_angle_rate_hz"),
+        Row::new("entry_angle_sigma", "rad", (0.0, 1.0), |s| {
+            &mut s.entry_angle_sigma
+        })
+        .key_in_degrees("entry_angle_sigma_deg"),
+        Row::new("entry_angle_bias", "rad", (0.0, 1.0), |s| {
+            &mut s.entry_angle_bias
+        })
+        .key_in_degrees("entry_angle_bias_deg"),
     ];
 
     /// Checks every value.

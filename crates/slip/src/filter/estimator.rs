@@ -198,6 +198,8 @@ impl Core {
             | Measurement::Inertial { .. }
             | Measurement::JointAngle { .. }
             | Measurement::Steering { .. }
+            | Measurement::Sinkage { .. }
+            | Measurement::EntryAngle { .. }
             | Measurement::MotorCurrent { .. } => Ok(()),
             Measurement::SteeringAngle { wheel, angle } => {
                 Fault::check_range("steering angle", angle, -7.0, 7.0, "rad")?;

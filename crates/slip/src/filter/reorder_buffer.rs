@@ -109,6 +109,8 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         | Measurement::Inertial { .. }
         | Measurement::JointAngle { .. }
         | Measurement::Steering { .. }
+        | Measurement::Sinkage { .. }
+        | Measurement::EntryAngle { .. }
         | Measurement::MotorCurrent { .. } => (0, 0),
         Measurement::SteeringAngle { wheel, .. } => (0, wheel),
         Measurement::Acceleration { .. } => (1, 0),

@@ -81,6 +81,8 @@ impl SensorClocks {
             | Measurement::JointAngle { .. }
             | Measurement::Steering { .. }
             | Measurement::SteeringAngle { .. }
+            | Measurement::Sinkage { .. }
+            | Measurement::EntryAngle { .. }
             | Measurement::MotorCurrent { .. } => (0, false),
             Measurement::Acceleration { .. } => (1, true),
             Measurement::YawRate { .. } => (2, true),

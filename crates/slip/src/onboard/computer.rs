@@ -8,7 +8,7 @@ use super::attitude::AttitudeFilter;
 use super::carrier::Carriers;
 use super::clock::Clock;
 use super::firmness::Firmness;
-use super::learn::SoilLearner;
+use super::learn::{ContactKind, SoilLearner};
 use super::settings::OnBoardSettings;
 use super::start_guard::StartGuard;
 use super::state::OnBoardState;
@@ -175,6 +175,14 @@ impl OnBoard {
                 self.update_current(wheel, share);
                 false
             }
+            Measurement::Sinkage { wheel, depth } => {
+                self.update_contact(wheel, ContactKind::Sinkage, depth);
+                false
+            }
+            Measurement::EntryAngle { wheel, angle } => {
+                self.update_contact(wheel, ContactKind::EntryAngle, angle);
+                false
+            }
             Measurement::Pose { .. } if !self.uses_poses => false,
             _ => self.filter_sample(sample, is_warm),
         };
@@ -221,6 +229,13 @@ impl OnBoard {
             );
         }
         is_accepted
+    }
+
+    fn update_contact(&mut self, wheel: usize, kind: ContactKind, value: f64) {
+        if let Some(learner) = &mut self.learner {
+            // the learner counts what it refuses
+            let _ = learner.add_contact(wheel, kind, value);
+        }
     }
 
     fn update_current(&mut self, wheel: usize, share: f64) {

@@ -71,12 +71,16 @@ impl Log {
 }
 
 /// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer,
-/// and the soil where it is learnt.
+/// sinkages and entry angles where they are measured, and the soil where it is learnt.
 struct Table {
     out: OutputFile,
     last_ns: i64,
     counts: Vec<Option<u64>>,
     torques: Vec<Option<f64>>,
+    /// Sinkage and entry angle of each wheel.
+    contacts: Vec<[Option<f64>; 2]>,
+    /// Which of both is measured.
+    measures_contact: [bool; 2],
     /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
     max_torques: Vec<Option<f64>>,
     /// Does the robot learn its soil?
@@ -97,6 +101,18 @@ impl Table {
         out.write_all(
             b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2",
         )?;
+        let sensors = &scenario.sensors;
+        let measures_contact =
+            [sensors.sinkage_rate, sensors.entry_angle_rate].map(|rate| rate > 0.0);
+        for (unit, _) in ["sinkage_m", "entry_angle_rad"]
+            .into_iter()
+            .zip(measures_contact)
+            .filter(|(_, measured)| *measured)
+        {
+            for wheel in wheels {
+                write!(out, ",{}_{unit}", wheel.name)?;
+            }
+        }
         let has_soil = scenario.learns_on_board();
         if has_soil {
             out.write_all(b",soil_strength,soil_strength_low,soil_strength_high,soil_stiffness,soil_stiffness_low")?;
@@ -107,6 +123,8 @@ impl Table {
             out,
             last_ns: 0,
             has_soil,
+            contacts: vec![[None; 2]; wheels.len()],
+            measures_contact,
             counts: vec![None; wheels.len()],
             torques: vec![None; wheels.len()],
             max_torques: mounts
@@ -119,6 +137,7 @@ impl Table {
     fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
         self.counts.fill(None);
         self.torques.fill(None);
+        self.contacts.fill([None; 2]);
         let mut time_ns = 0;
         let mut inertial = [None; 3];
         for sample in frame.samples {
@@ -134,6 +153,16 @@ impl Table {
                 Measurement::MotorCurrent { wheel, share } => {
                     if let Some(slot) = self.torques.get_mut(wheel) {
                         *slot = self.max_torques[wheel].map(|most| share * most);
+                    }
+                }
+                Measurement::Sinkage { wheel, depth } => {
+                    if let Some(slot) = self.contacts.get_mut(wheel) {
+                        slot[0] = Some(depth);
+                    }
+                }
+                Measurement::EntryAngle { wheel, angle } => {
+                    if let Some(slot) = self.contacts.get_mut(wheel) {
+                        slot[1] = Some(angle);
                     }
                 }
                 _ => continue,
@@ -156,7 +185,13 @@ impl Table {
         let soil = self
             .has_soil
             .then(|| frame.soil.as_ref().map_or([None; 9], soil_columns));
-        for value in torques.chain(inertial).chain(soil.into_iter().flatten()) {
+        let contacts = (0..2).filter(|sensor| self.measures_contact[*sensor]);
+        let contacts = contacts.flat_map(|sensor| self.contacts.iter().map(move |own| own[sensor]));
+        for value in torques
+            .chain(inertial)
+            .chain(contacts)
+            .chain(soil.into_iter().flatten())
+        {
             // a table holds numbers; what a broken sensor shows instead is an empty cell
             match value.filter(|value| value.is_finite()) {
                 Some(value) => write!(self.out, ",{}", exact(value))?,

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | `/wheel_ticks` | `grouser_msgs/WheelTicks` | counters as the hardware shows them |
 //! | `/joint_states` | `sensor_msgs/JointState` | angle of the encoder's shaft since the first reading (rad), torque on the wheel by its motor's current (N m) |
+//! | `/wheel_contacts` | `control_msgs/DynamicJointState` | sinkages (m) and entry angles (rad), where they are measured |
 //! | `/imu`, `/tf_static` | `sensor_msgs/Imu`, `tf2_msgs/TFMessage` | angular velocity and specific force, no orientation; how it is mounted |
 //! | `/camera/displacement` | `grouser_msgs/Displacement` | way since the last picture |
 //! | `/gnss/pose` | `geometry_msgs/PoseStamped` | fixes |
@@ -19,6 +20,7 @@
 //! Stamps are the sensors', times of recording those of arrival. Nothing under `/simulation/truth/` is read by
 //! `estimate`.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::io;
 
@@ -53,6 +55,7 @@ struct Wheels {
     stamp_ns: i64,
     counts: Vec<(usize, u64)>,
     shares: Vec<(usize, f64)>,
+    contacts: BTreeMap<usize, [Option<f64>; 2]>,
 }
 
 /// The file in the making.
@@ -62,6 +65,7 @@ pub(super) struct Recording {
     open: Wheels,
     ticks: Topic,
     states: Topic,
+    contacts: Option<Topic>,
     imu: Topic,
     camera: Option<Topic>,
     gnss: Option<Topic>,
@@ -116,6 +120,9 @@ impl Recording {
             open: Wheels::default(),
             ticks: topic("/wheel_ticks", known::WHEEL_TICKS)?,
             states: topic("/joint_states", "sensor_msgs/JointState")?,
+            contacts: (sensors.sinkage_rate.max(sensors.entry_angle_rate) > 0.0)
+                .then(|| topic("/wheel_contacts", known::JOINT_INTERFACES))
+                .transpose()?,
             imu: topic("/imu", "sensor_msgs/Imu")?,
             camera: (sensors.camera_rate > 0.0)
                 .then(|| topic("/camera/displacement", known::DISPLACEMENT))
@@ -185,6 +192,14 @@ impl Recording {
                     let value = imu(time_ns, rate, force);
                     self.writer.send(&mut self.imu, arrived_ns, &value)?;
                 }
+                Measurement::Sinkage { wheel, depth } => {
+                    self.at(time_ns, arrived_ns)?;
+                    self.open.contacts.entry(wheel).or_default()[0] = Some(depth);
+                }
+                Measurement::EntryAngle { wheel, angle } => {
+                    self.at(time_ns, arrived_ns)?;
+                    self.open.contacts.entry(wheel).or_default()[1] = Some(angle);
+                }
                 Measurement::MotorCurrent { wheel, share } => {
                     self.at(time_ns, arrived_ns)?;
                     self.open.shares.push((wheel, share));
@@ -213,6 +228,14 @@ impl Recording {
 
     fn flush(&mut self, arrived_ns: i64) -> io::Result<()> {
         let open = std::mem::take(&mut self.open);
+        if let Some(topic) = self.contacts.as_mut().filter(|_| !open.contacts.is_empty()) {
+            let (wheels, values): (Vec<usize>, Vec<_>) = open.contacts.into_iter().unzip();
+            let names = wheels.iter().map(|wheel| self.joints[*wheel].name.as_str());
+            let names: Vec<&str> = names.collect();
+            let header = build::header(open.stamp_ns, "base_link");
+            let value = build::wheel_contacts(header, &names, &values);
+            self.writer.send(topic, arrived_ns, &value)?;
+        }
         if open.counts.is_empty() {
             return Ok(());
         }

@@ -19,6 +19,9 @@ pub(super) fn soil<'a>() -> Fields<'a, &'a SoilEstimate> {
         "phi_low_deg" "lower end of its 90 % interval" = soil.friction_angle.low.to_degrees();
         "phi_high_deg" "upper end" = soil.friction_angle.high.to_degrees();
         "readings" "readings that were learnt from" = soil.readings;
+        "contact_readings" "readings that had a sinkage or an entry angle" = soil.contact_readings;
+        "contacts_refused" "sinkages and entry angles that no wheel can have" = soil.contacts_refused;
+        "contacts_stuck" "readings left out because a wheel's sensor repeated itself" = soil.contacts_stuck;
         "changes" "changes of the belief in use" = soil.changes;
         "interval_scale" "width of the intervals of the pull over the computed one" = soil.error_scale;
     }

@@ -60,6 +60,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
     };
     choosing.fields()?;
     choosing.wheels()?;
+    choosing.contacts()?;
     choosing.yaw_rate()?;
     choosing.motion()?;
     choosing.command()?;
@@ -151,7 +152,11 @@ impl<'a> Choosing<'a> {
             meaning.is_of_a_wheel()
                 && !matches!(
                     meaning,
-                    Meaning::WheelTorque | Meaning::MotorCurrent | Meaning::WheelSteering
+                    Meaning::WheelTorque
+                        | Meaning::MotorCurrent
+                        | Meaning::Sinkage
+                        | Meaning::EntryAngle
+                        | Meaning::WheelSteering
                 )
         };
         all.any(|(meaning, _)| turns(*meaning))

@@ -1,7 +1,7 @@
 //! Which topics measure the wheels.
 
 use grouser_files::columns::Meaning;
-use grouser_files::topics::WheelOdometry;
+use grouser_files::topics::{Topics, WheelOdometry};
 
 use super::names::joint_by_name;
 use super::{Choosing, Job, Seen};
@@ -49,21 +49,8 @@ impl Choosing<'_> {
     }
 
     pub(super) fn wheels(&mut self) -> Result<()> {
-        let joints_of = |seen: &Seen| -> Vec<(String, usize)> {
-            let joints = self.topics.joints.iter().enumerate();
-            let found = joints.filter_map(|(index, wheel)| {
-                let name = match &wheel.joint {
-                    // Logs of our own name the wheels themselves.
-                    Some(joint) => [joint, &wheel.wheel]
-                        .into_iter()
-                        .find(|name| seen.joints.contains_key(*name))
-                        .cloned(),
-                    None => joint_by_name(&wheel.wheel, seen.joints.keys()),
-                };
-                Some((name?, index))
-            });
-            found.collect()
-        };
+        let topics = self.topics;
+        let joints_of = |seen: &Seen| joints_in(topics, seen.joints.keys());
         let mut found = Vec::new();
         if let Some(name) = &self.topics.wheels {
             let seen = self.named("wheels", name)?;
@@ -109,6 +96,42 @@ impl Choosing<'_> {
         Ok(())
     }
 
+    /// Sinkages and entry angles: the topic that the robot file names, else the first that has some of the wheels.
+    pub(super) fn contacts(&mut self) -> Result<()> {
+        let found = if let Some(name) = &self.topics.contact {
+            let seen = self.named("contact", name)?;
+            if seen.contacts.is_empty() {
+                const WANTED: &str =
+                    "control_msgs/DynamicJointState with `sinkage` or `entry_angle`";
+                return Err(self.unfit("contact", seen, WANTED));
+            }
+            Some(seen)
+        } else {
+            let has_wheels =
+                |seen: &&Seen| !joints_in(self.topics, seen.contacts.keys()).is_empty();
+            self.free().find(has_wheels)
+        };
+        let Some(seen) = found else { return Ok(()) };
+        let joints = joints_in(self.topics, seen.contacts.keys());
+        if joints.is_empty() {
+            return Err(Error::NoJoints {
+                file: self.file.to_owned(),
+                topic: seen.channel.topic.clone(),
+                joints: seen.contacts.keys().cloned().collect::<Vec<_>>().join(", "),
+            });
+        }
+        let mut measures = Vec::new();
+        for (name, wheel) in &joints {
+            let has = seen.contacts.get(name).copied().unwrap_or_default();
+            let meanings = [Meaning::Sinkage, Meaning::EntryAngle].into_iter().zip(has);
+            let has = meanings.filter(|(_, has)| *has);
+            measures.extend(has.map(|(meaning, _)| (meaning, Some(*wheel))));
+        }
+        let word = format!("sinkages or entry angles of {} wheels", joints.len());
+        self.take(seen, Job::Contacts(joints), word, measures);
+        Ok(())
+    }
+
     fn wheel_odometry(&mut self, odometry: &WheelOdometry) -> Result<()> {
         let seen = self.named("wheel_odometry", &odometry.topic)?;
         if !matches!(seen.view, Some(View::Odometry(_))) {
@@ -139,4 +162,24 @@ impl Choosing<'_> {
 
 fn is_ticks(seen: &Seen) -> bool {
     matches!(seen.view, Some(View::WheelTicks { .. }))
+}
+
+/// The joints of the robot's wheels among these names.
+fn joints_in<'b>(
+    topics: &Topics,
+    names: impl Iterator<Item = &'b String> + Clone,
+) -> Vec<(String, usize)> {
+    let joints = topics.joints.iter().enumerate();
+    let found = joints.filter_map(|(index, wheel)| {
+        let name = match &wheel.joint {
+            // Logs of our own name the wheels themselves.
+            Some(joint) => [joint, &wheel.wheel]
+                .into_iter()
+                .find(|name| names.clone().any(|other| other == *name))
+                .cloned(),
+            None => joint_by_name(&wheel.wheel, names.clone()),
+        };
+        Some((name?, index))
+    });
+    found.collect()
 }

@@ -45,6 +45,12 @@ pub struct SoilEstimate {
     pub friction_angle: SoilInterval,
     /// Readings that entered.
     pub readings: u32,
+    /// How many of them had a sinkage or an entry angle.
+    pub contact_readings: u32,
+    /// Sinkages and entry angles that were refused: not finite, below 0 or beyond the radius.
+    pub contacts_refused: u32,
+    /// Readings of a wheel that were left out because its sensor repeated itself.
+    pub contacts_stuck: u32,
     /// How often the belief in use changed.
     pub changes: u32,
     /// Width of the intervals of the pull over the computed one: it follows how often they missed.

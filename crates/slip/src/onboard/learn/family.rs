@@ -5,6 +5,7 @@ use alloc::{boxed::Box, format, vec::Vec};
 use grouser_terra::{Kinematics, RigidWheel, Settings as LawSettings, Slip, Soil, WheelOnSoil};
 
 use super::super::settings::WheelSetup;
+use super::contact::leads;
 use crate::error::{Error, Result, check_range};
 use crate::prior::{STIFFNESSES, STRENGTHS, scaled_soil};
 use crate::robot::Robot;
@@ -34,6 +35,8 @@ pub struct SoilMember {
     pub pulls: SlipTable,
     /// Torque of a powered wheel over its load and radius.
     pub torques: SlipTable,
+    /// Sinkage of a powered wheel that leads, over its radius, under the load of such a wheel.
+    pub sinkages: SlipTable,
 }
 
 /// The known soil at four strengths and four stiffnesses.
@@ -96,6 +99,7 @@ impl SoilFamily {
             }
         }
         let load = load.max(MIN_LOAD_N);
+        let leading_load = leading_load(robot, setups).unwrap_or(load).max(MIN_LOAD_N);
         let all = count * load + free.iter().map(|wheel| wheel.1).sum::<f64>();
         let mut members = Vec::with_capacity(LEVELS);
         for strength in STRENGTHS {
@@ -105,6 +109,7 @@ impl SoilFamily {
                     Error::Law { of, source }
                 })?;
                 let (mut pulls, torques) = tables(rigid, &scaled, load).map_err(law)?;
+                let sinkages = sinkages(rigid, &scaled, leading_load).map_err(law)?;
                 let mut resistance = 0.0;
                 for wheel in &free {
                     resistance += free_resistance(*wheel, &scaled).map_err(law)?;
@@ -117,6 +122,7 @@ impl SoilFamily {
                     stiffness,
                     pulls,
                     torques,
+                    sinkages,
                 });
             }
         }
@@ -143,6 +149,9 @@ impl SoilFamily {
             check_range(OF, "stiffness", member.stiffness, (level, level), "1")?;
             for value in member.pulls.iter().chain(&member.torques) {
                 check_range(OF, "share of the load", *value, (-100.0, 100.0), "1")?;
+            }
+            for value in member.sinkages {
+                check_range(OF, "sinkage over radius", value, (0.0, 2.0), "1")?;
             }
         }
         Ok(Self {
@@ -192,6 +201,35 @@ fn tables(
         (*pull, *torque) = last;
     }
     Ok((pulls, torques))
+}
+
+/// Sinkage over radius; as for [`tables`] the last value holds where there is none.
+fn sinkages(wheel: RigidWheel, soil: &Soil, load: f64) -> grouser_terra::Result<SlipTable> {
+    let contact = WheelOnSoil::new(wheel, *soil, LawSettings::default())?;
+    let mut out = [0.0; SLIP_POINTS];
+    let mut last = 0.0;
+    for (index, sinkage) in out.iter_mut().enumerate() {
+        let found = contact.under_load(load, &Kinematics::straight(Slip::new(slip_at(index))?))?;
+        if let Some(point) = found.point() {
+            last = point.sinkage / wheel.running_radius();
+        }
+        *sinkage = last;
+    }
+    Ok(out)
+}
+
+/// Mean load of the powered wheels that lead, N.
+fn leading_load(robot: &Robot, setups: &[WheelSetup]) -> Option<f64> {
+    let wheels = robot.wheels();
+    let pairs = wheels.iter().zip(setups);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (_, setup) in
+        pairs.filter(|(wheel, setup)| setup.max_torque.is_some() && leads(wheel, wheels))
+    {
+        sum += setup.load;
+        count += 1.0;
+    }
+    (count > 0.0).then(|| sum / count)
 }
 
 /// Resistance (N) of a free wheel under a load (N) with a bearing's torque (N m); one that the soil does not turn slides.

@@ -4,11 +4,13 @@ use grouser_real::Real;
 
 use super::super::settings::WheelSetup;
 use super::belief::{ERROR_SCALE_LIMITS, SoilBelief, SoilEstimate, SoilInterval};
+use super::contact::ContactKind;
 use super::family::{LEVELS, SLIP_POINTS, SoilFamily, slip_at, value_at};
 use super::readings::{SoilReading, SoilReadings};
 use super::settings::SoilLearnSettings;
 use crate::control::WheelObservation;
 use crate::error::Result;
+use crate::fault::Fault;
 use crate::filter::SlipPrior;
 use crate::robot::Robot;
 
@@ -56,6 +58,8 @@ pub struct SoilLearner {
     /// `None`: the known soil, since too little has been learnt.
     in_use: Option<SoilBelief>,
     count: u32,
+    /// How many of them had a sinkage.
+    contacts: u32,
     changes: u32,
 }
 
@@ -69,13 +73,14 @@ impl SoilLearner {
         settings.check()?;
         let prior = SoilBelief::prior(&settings, &family);
         Ok(Self {
-            readings: SoilReadings::new(robot, setups),
+            readings: SoilReadings::new(robot, setups, &settings),
             family,
             settings,
             belief: prior,
             prior,
             in_use: None,
             count: 0,
+            contacts: 0,
             changes: 0,
         })
     }
@@ -83,6 +88,16 @@ impl SoilLearner {
     /// A sample of the accelerometer in the robot's axes, m/s².
     pub(in crate::onboard) fn add_force(&mut self, force: [f64; 3]) {
         self.readings.add_force(force);
+    }
+
+    /// A sinkage (m) or an entry angle (rad) of a wheel; what is refused is counted.
+    pub(in crate::onboard) fn add_contact(
+        &mut self,
+        wheel: usize,
+        kind: ContactKind,
+        value: f64,
+    ) -> core::result::Result<(), Fault> {
+        self.readings.contacts.add(wheel, kind, value)
     }
 
     /// What was begun is no reading.
@@ -123,6 +138,9 @@ impl SoilLearner {
             self.belief.weights = self.prior.weights;
         }
         self.count = self.count.saturating_add(1);
+        self.contacts = self
+            .contacts
+            .saturating_add(u32::from(reading.sinkage.is_some()));
         self.use_belief()
     }
 
@@ -158,8 +176,22 @@ impl SoilLearner {
                 }
             };
             *out = -0.5 * (distance.min(2.0 * MAX_SIGMA * MAX_SIGMA) + Real::ln(determinant));
+            if let Some((depth, depth_sigma)) = reading.sinkage {
+                let (expected, depth_by_slip) = value_at(&member.sinkages, slip);
+                let variance = self.sinkage_variance(expected)
+                    + square(depth_sigma)
+                    + square(depth_by_slip * sigma);
+                let distance = square(depth - expected) / variance;
+                *out -= 0.5 * (distance.min(MAX_SIGMA * MAX_SIGMA) + Real::ln(variance));
+            }
         }
         out
+    }
+
+    /// Variance of the model's own error in a sinkage over the radius.
+    fn sinkage_variance(&self, value: f64) -> f64 {
+        let [part, share] = self.settings.sinkage_error;
+        square(part) + square(share * value)
     }
 
     /// Variance of the model's own error in a share of the load.
@@ -286,6 +318,9 @@ impl SoilLearner {
             strength,
             stiffness: self.belief.stiffness(),
             readings: self.count,
+            contact_readings: self.contacts,
+            contacts_refused: self.readings.contacts.refused,
+            contacts_stuck: self.readings.contacts.stuck,
             changes: self.changes,
             error_scale: self.belief.error_scale,
         }

@@ -3,6 +3,8 @@
 use alloc::{boxed::Box, vec::Vec};
 
 use super::super::settings::WheelSetup;
+use super::contact::ContactReadings;
+use super::settings::SoilLearnSettings;
 use crate::control::WheelObservation;
 use crate::robot::Robot;
 use crate::state::{Health, Motion};
@@ -36,6 +38,8 @@ pub(super) struct SoilReading {
     pub(super) pull: f64,
     /// Torque of the powered wheels over load and radius, where it is measured.
     pub(super) torque: Option<f64>,
+    /// Sinkage of the leading wheels over their radius, and its standard deviation, where it is measured.
+    pub(super) sinkage: Option<(f64, f64)>,
 }
 
 /// No accelerometer of a robot measures more, m/s².
@@ -79,10 +83,11 @@ pub(super) struct SoilReadings {
     force: [f64; 2],
     rolled: f64,
     sums: Sums,
+    pub(super) contacts: ContactReadings,
 }
 
 impl SoilReadings {
-    pub(super) fn new(robot: &Robot, setups: &[WheelSetup]) -> Self {
+    pub(super) fn new(robot: &Robot, setups: &[WheelSetup], settings: &SoilLearnSettings) -> Self {
         let pairs = robot.wheels().iter().zip(setups);
         let wheels: Vec<_> = pairs
             .map(|(wheel, setup)| {
@@ -100,6 +105,7 @@ impl SoilReadings {
             force: [0.0; 2],
             rolled: 0.0,
             sums: Sums::default(),
+            contacts: ContactReadings::new(robot, settings),
         }
     }
 
@@ -117,6 +123,7 @@ impl SoilReadings {
         self.sums = Sums::default();
         self.force = [0.0; 2];
         self.rolled = 0.0;
+        self.contacts.discard();
     }
 
     /// One tick of `step` seconds at `speed` (m/s) and a turning rate (rad/s); a reading once there is one.
@@ -128,6 +135,39 @@ impl SoilReadings {
         step: f64,
     ) -> Option<SoilReading> {
         let force = core::mem::take(&mut self.force);
+        let tick = self.tick(observations, torques, (speed, yaw_rate), step);
+        let counts = tick.is_some() && force[1] > 0.0;
+        self.contacts.tick(counts);
+        let now = tick.filter(|_| counts)?;
+        let sums = &mut self.sums;
+        sums.ticks += 1.0;
+        sums.slip += now.slip;
+        sums.sigma += now.sigma;
+        sums.angle += now.angle;
+        sums.torque += now.torque;
+        sums.torques += now.torques;
+        sums.force = [sums.force[0] + force[0], sums.force[1] + force[1]];
+        if sums.angle < READING_ANGLE_RAD {
+            return None;
+        }
+        let sums = core::mem::take(&mut self.sums);
+        let reading = SoilReading {
+            slip: (sums.slip / sums.ticks, sums.sigma / sums.ticks),
+            pull: sums.force[0] / sums.force[1],
+            torque: (sums.torques > 0.0).then(|| sums.torque / sums.torques),
+            sinkage: self.contacts.take(),
+        };
+        reading.is_possible().then_some(reading)
+    }
+
+    /// Means over the wheels of one tick; `None` where the robot does not drive straight on.
+    fn tick(
+        &mut self,
+        observations: &[WheelObservation],
+        torques: &[Option<f64>],
+        (speed, yaw_rate): (f64, f64),
+        step: f64,
+    ) -> Option<Sums> {
         if !(speed >= STANDSTILL_SPEED_M_PER_S) {
             self.rolled = 0.0;
             return None;
@@ -160,28 +200,15 @@ impl SoilReadings {
             }
         }
         let is_known = load > 0.0 && load >= MIN_LOAD_SHARE * self.powered_load;
-        if !is_known || !(force[1] > 0.0) || !now.slip.is_finite() {
+        if !is_known || !now.slip.is_finite() {
             return None;
         }
-        let sums = &mut self.sums;
-        sums.ticks += 1.0;
-        sums.slip += now.slip / load;
-        sums.sigma += now.sigma / load;
-        sums.angle += now.angle / load;
+        now.slip /= load;
+        now.sigma /= load;
+        now.angle /= load;
         if lever > 0.0 {
-            sums.torque += now.torque / lever;
-            sums.torques += 1.0;
+            (now.torque, now.torques) = (now.torque / lever, 1.0);
         }
-        sums.force = [sums.force[0] + force[0], sums.force[1] + force[1]];
-        if sums.angle < READING_ANGLE_RAD {
-            return None;
-        }
-        let sums = core::mem::take(&mut self.sums);
-        let reading = SoilReading {
-            slip: (sums.slip / sums.ticks, sums.sigma / sums.ticks),
-            pull: sums.force[0] / sums.force[1],
-            torque: (sums.torques > 0.0).then(|| sums.torque / sums.torques),
-        };
-        reading.is_possible().then_some(reading)
+        Some(now)
     }
 }

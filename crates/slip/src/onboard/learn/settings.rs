@@ -1,5 +1,6 @@
 //! How soil is learnt.
 
+use super::contact::check_sigmas;
 use crate::error::{Result, check_range};
 
 /// How soil is learnt while driving.
@@ -22,6 +23,13 @@ pub struct SoilLearnSettings {
     /// The model's own error in pull and in torque, as a part of the load, and as a share of the value. Slips of one wheel
     /// and soil differ between the laws of shear by about a sixth.
     pub model_error: [f64; 2],
+    /// The model's own error in the sinkage of a leading wheel, as a part of its radius and as a share of the value: lugs and
+    /// crumbling walls; loads that move on slopes, and exponents n of another soil.
+    pub sinkage_error: [f64; 2],
+    /// Standard deviation of a sinkage, m: of its sensor's lasting error and of its noise over half a turn of the wheel.
+    pub sinkage_sigma: f64,
+    /// The same of an entry angle, rad.
+    pub entry_angle_sigma: f64,
     /// Weight of a reading, below 1 because the model's errors of successive readings are the same ones.
     pub weight: f64,
     /// Share of the prior that returns with every reading: the way back from a belief that has become wrong.
@@ -35,6 +43,9 @@ impl Default for SoilLearnSettings {
         Self {
             prior_sigma_ln: [0.33, 1.2],
             model_error: [0.02, 0.15],
+            sinkage_error: [0.02, 0.25],
+            sinkage_sigma: 0.003,
+            entry_angle_sigma: 0.05,
             weight: 0.3,
             forget: 0.02,
             hysteresis: 0.3,
@@ -50,11 +61,15 @@ impl SoilLearnSettings {
     pub fn check(&self) -> Result<()> {
         let [strength, stiffness] = self.prior_sigma_ln;
         let [part, share] = self.model_error;
+        let [depth, depth_share] = self.sinkage_error;
+        check_sigmas(self)?;
         for (field, value, limits) in [
             ("strength_sigma_ln", strength, (0.01, 2.0)),
             ("stiffness_sigma_ln", stiffness, (0.01, 5.0)),
             ("model_error", part, (1e-3, 1.0)),
             ("model_error_share", share, (0.0, 1.0)),
+            ("sinkage_error", depth, (1e-3, 1.0)),
+            ("sinkage_error_share", depth_share, (0.0, 1.0)),
             ("weight", self.weight, (0.0, 1.0)),
             ("forget", self.forget, (0.0, 0.5)),
             ("hysteresis", self.hysteresis, (0.0, 1.0)),
