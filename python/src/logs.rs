@@ -80,6 +80,7 @@ impl Choices {
             window_s: self.window_s,
             from_s: self.from_s,
             to_s: self.to_s,
+            learn_soil: None,
         })
     }
 }

@@ -61,6 +61,7 @@ mod run;
 mod session;
 #[cfg(feature = "command")]
 mod soil_choice;
+mod soil_text;
 #[cfg(feature = "command")]
 mod terminal;
 #[cfg(feature = "command")]

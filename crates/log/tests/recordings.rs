@@ -599,6 +599,83 @@ fn wheels_are_found_by_their_own_names_where_their_joints_are_not() {
 }
 
 #[test]
+fn sinkages_and_entry_angles_are_read_by_their_interfaces() {
+    let folder = Folder::new("contacts");
+    let path = folder.0.join("log.mcap");
+    let names = ["left", "right"].map(String::from);
+    let mut writer = SampleWriter::new(File::create(&path).unwrap(), &names).unwrap();
+    let at = |time_ns, measurement| Sample {
+        time_ns,
+        measurement,
+    };
+    let (wheel, angle, depth) = (0, 0.5, 0.0125);
+    let samples = [
+        at(5, Measurement::WheelAngle { wheel, angle: 7.5 }),
+        at(5, Measurement::Sinkage { wheel, depth }),
+        at(5, Measurement::EntryAngle { wheel, angle }),
+        at(9, Measurement::EntryAngle { wheel: 1, angle }),
+    ];
+    for sample in &samples {
+        writer.sample(sample).unwrap();
+    }
+    writer.finish().unwrap();
+    let robot = |topics: &str| {
+        let text = format!("format = 1\nname = \"cart\"\n{topics}\n{WHEELS}");
+        robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
+    };
+    let paths = [path];
+    for topics in ["", "[topics]\ncontact = \"/wheel_contacts\""] {
+        let log = Log::find_any(&paths, None, &robot(topics).topics).unwrap();
+        let mut found = readings(&log);
+        found.sort_by_key(|sample| !sample.measurement.is_rotation());
+        assert_eq!(found, samples);
+        assert!(log.measures_wheel(Meaning::Sinkage, "left"));
+        // of the right wheel the first messages show none
+        assert!(!log.measures_wheel(Meaning::Sinkage, "right"));
+    }
+    let wrong = robot("[topics]\ncontact = \"/joint_states\"");
+    let error = Log::find_any(&paths, None, &wrong.topics).unwrap_err();
+    assert!(error.to_string().contains("entry_angle"), "{error}");
+}
+
+#[test]
+fn a_distance_from_the_ground_is_a_sinkage() {
+    let column = "column = \"range_mm\", meaning = \"sinkage\", wheel = \"left\", unit = \"mm\"";
+    let map = |column: &str| {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [{{ {column} }}]\n"
+        );
+        grouser_files::columns::parse(&Document::from_text("map", text).unwrap())
+    };
+    let map_of_range = map(&format!("{column}, scale = -1.0, offset_m = 0.12")).unwrap();
+    let again = grouser_files::columns::to_toml(&map_of_range);
+    let again =
+        grouser_files::columns::parse(&Document::from_text("again", again).unwrap()).unwrap();
+    assert_eq!(again, map_of_range);
+    let bytes = std::io::Cursor::new("t,range_mm\n0,120\n1,\n2,95\n".as_bytes());
+    let topics = grouser_files::topics::Topics::default();
+    let log = Log::over("log.csv".as_ref(), bytes, Some(map_of_range), &topics).unwrap();
+    let depths: Vec<f64> = readings(&log)
+        .iter()
+        .map(|sample| match sample.measurement {
+            Measurement::Sinkage { wheel: 0, depth } => depth,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(depths.len(), 2);
+    assert!(
+        depths[0].abs() < 1e-15 && (depths[1] - 0.025).abs() < 1e-15,
+        "{depths:?}"
+    );
+    let torque = "column = \"a\", meaning = \"wheel_torque\", wheel = \"left\", unit = \"N m\"";
+    let error = map(&format!("{torque}, offset_m = 0.1")).unwrap_err();
+    assert!(
+        error.to_string().contains("belongs to `sinkage`"),
+        "{error}"
+    );
+}
+
+#[test]
 fn dates_are_times_and_rim_speeds_keep_their_unit() {
     let map = "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"date\" }\ncolumns = [\n\
                { column = \"v\", meaning = \"wheel_speed\", wheel = \"left\", unit = \"km/h\" },\n]\n";

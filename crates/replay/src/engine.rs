@@ -149,9 +149,12 @@ impl Engine {
             .unwrap_or_else(|| Method::of(&robot, inputs.reference));
         let slips = match method {
             Method::Filter => Slips::Filter(
-                Box::new(Fusion::new(file, &settings, options.smooth)?),
+                Box::new(Fusion::new(file, &settings, options)?),
                 Box::new(WindowMeans::new(&robot, settings)?),
             ),
+            Method::Window if options.learn_soil.is_some() => {
+                return Err(Error::NothingToLearnFrom);
+            }
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => Slips::Window(Box::new(WindowEstimator::new(&robot, settings)?)),
         };
@@ -406,13 +409,13 @@ impl Engine {
 
     fn summary(self) -> Summary {
         let reference = self.inputs.reference;
-        let (method, fused, rejected) = match &self.slips {
+        let (method, fused, rejected, soil) = match &self.slips {
             Slips::Filter(fusion, _) => {
                 let summary = fusion.summary(self.reckoning.ways());
                 let rejected = summary.rejected;
-                (Method::Filter, Some(summary), rejected)
+                (Method::Filter, Some(summary), rejected, fusion.soil())
             }
-            Slips::Window(estimator) => (Method::Window, None, estimator.rejected()),
+            Slips::Window(estimator) => (Method::Window, None, estimator.rejected(), None),
         };
         let wheels = self.robot.wheels().iter().zip(&self.tallies);
         let exchange = self.exchange.as_ref().and_then(ExchangeWatch::found);
@@ -451,6 +454,7 @@ impl Engine {
             clock_offset_s: self.clock_offset_s,
             odometry: self.odometry,
             fused,
+            soil,
             rejected,
         }
     }

@@ -65,6 +65,9 @@ pub enum Error {
     /// Means over windows are not smoothed.
     #[error("`--smooth` joins two runs of the filter; means over windows have none")]
     NothingToSmooth,
+    /// Means over windows have no slip at every moment.
+    #[error("`--learn-soil` needs the slips of the filter, but here means over windows find them")]
+    NothingToLearnFrom,
     /// Counts without a number of ticks per turn.
     #[error("wheel `{wheel}` is measured by counts, but its description has no `ticks_per_turn`")]
     NoTicks {

@@ -3,6 +3,7 @@
 use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
+use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowSettings};
 use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, WheelRole};
 
@@ -12,7 +13,9 @@ use crate::error::Result;
 use crate::gather::Gather;
 use crate::method::reaches_filter;
 use crate::moment::Moment;
+use crate::options::Options;
 use crate::smooth::Smoother;
+use crate::soil_learning::SoilLearning;
 
 /// Maximum number of events that are kept: the first of the log.
 const MAX_EVENTS: usize = 10_000;
@@ -69,11 +72,20 @@ pub(crate) struct Fusion {
     new_events: Vec<Change>,
     smoother: Option<Smoother>,
     is_smoothed: bool,
+    learning: Option<Box<SoilLearning>>,
 }
 
 impl Fusion {
-    pub(crate) fn new(file: &RobotFile, settings: &WindowSettings, smooth: bool) -> Result<Self> {
+    pub(crate) fn new(
+        file: &RobotFile,
+        settings: &WindowSettings,
+        options: &Options,
+    ) -> Result<Self> {
         let robot = &file.robot;
+        let smooth = options.smooth;
+        let learning = (options.learn_soil.as_ref())
+            .map(|soil| SoilLearning::new(file, soil).map(Box::new))
+            .transpose()?;
         let own = FilterSettings {
             // a log is in order of time: there is nothing to wait for
             horizon: 0.0,
@@ -101,11 +113,15 @@ impl Fusion {
             new_events: Vec::new(),
             smoother: smooth.then(|| Smoother::new(robot, own)),
             is_smoothed: smooth,
+            learning,
         })
     }
 
     /// A sample of the time at hand: which of them stands first in the log must not matter.
     pub(crate) fn update(&mut self, sample: Sample) {
+        if let Some(learning) = &mut self.learning {
+            learning.take(&sample.measurement);
+        }
         if reaches_filter(&sample.measurement, self.reference, &self.robot) {
             self.waiting.extend(self.gather.take(sample));
         }
@@ -166,10 +182,18 @@ impl Fusion {
             }
             wheel.motion = self.detector.motion(index, wheel.motion);
         }
+        if let Some(learning) = &mut self.learning {
+            learning.step(now_ns, &moment.wheels, (&known.body, &self.torques));
+        }
         match &mut self.smoother {
             Some(smoother) => smoother.push(moment),
             None => Ok(vec![moment]),
         }
+    }
+
+    /// What was learnt of the soil.
+    pub(crate) fn soil(&self) -> Option<SoilEstimate> {
+        self.learning.as_ref().map(|learning| learning.estimate())
     }
 
     /// Events of the time that was closed last.

@@ -72,6 +72,7 @@ mod run;
 mod samples;
 mod sink;
 mod smooth;
+mod soil_learning;
 mod soil_reading;
 mod start;
 mod steering;

@@ -2,6 +2,7 @@
 
 use grouser_files::robot::WheelSensor;
 use grouser_slip::Reference;
+use grouser_terra::Soil;
 
 use crate::method::Method;
 
@@ -29,4 +30,6 @@ pub struct Options {
     pub from_s: Option<f64>,
     /// What lies after this is left out, s from the log's start.
     pub to_s: Option<f64>,
+    /// Learns the soil on which the robot drives, of which this one is known; the filter must find the slips.
+    pub learn_soil: Option<Soil>,
 }

@@ -73,6 +73,7 @@ pub fn run_into(
         let by_windows = Options {
             method: Some(Method::Window),
             smooth: false,
+            learn_soil: None,
             ..*options
         };
         let beside = run_once(log, file, &by_windows, &mut Rows(|_: &Row<'_>| Ok(())))?;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
 use crate::axes::AxisCheck;
@@ -150,6 +151,8 @@ pub struct Summary {
     pub odometry: Option<Odometry>,
     /// What the filter says of itself, where it found the slips.
     pub fused: Option<FusedSummary>,
+    /// What was learnt of the soil, where that was wanted.
+    pub soil: Option<SoilEstimate>,
     /// Samples that were refused.
     pub rejected: Rejected,
 }

@@ -29,6 +29,7 @@ const BY_WINDOW: Options = Options {
     window_s: None,
     from_s: None,
     to_s: None,
+    learn_soil: None,
 };
 
 struct Kept {

@@ -31,6 +31,7 @@ const CUT: Options = Options {
     window_s: None,
     from_s: Some(1.9),
     to_s: None,
+    learn_soil: None,
 };
 
 #[test]

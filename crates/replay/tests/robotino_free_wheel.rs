@@ -29,6 +29,7 @@ const CUT: Options = Options {
     window_s: None,
     from_s: Some(1.9),
     to_s: None,
+    learn_soil: None,
 };
 /// The free wheels: radius (m) and ticks per turn.
 const RADIUS: f64 = 0.05;

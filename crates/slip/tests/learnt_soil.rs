@@ -133,8 +133,8 @@ fn drive_with(
             }
             if sensor != Sensor::Absent && course.row % 10 == 0 {
                 // a millimetre of noise with zero mean
-                let depth =
-                    sinkage + 0.001 * f64::from([-1_i8, 0, 1][(course.row / 10 % 3) as usize]);
+                let turn = usize::try_from(course.row / 10 % 3).unwrap();
+                let depth = sinkage + 0.001 * f64::from([-1_i8, 0, 1][turn]);
                 measurements.push(match sensor {
                     Sensor::EntryAngle => Measurement::EntryAngle {
                         wheel,
@@ -142,7 +142,7 @@ fn drive_with(
                     },
                     Sensor::Garbage => Measurement::Sinkage {
                         wheel,
-                        depth: [f64::NAN, -0.05, 0.5][(course.row / 10 % 3) as usize],
+                        depth: [f64::NAN, -0.05, 0.5][turn],
                     },
                     Sensor::Stuck => Measurement::Sinkage { wheel, depth: 0.09 },
                     _ => Measurement::Sinkage { wheel, depth },

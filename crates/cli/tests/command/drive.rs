@@ -395,3 +395,73 @@ fn what_is_learnt_of_the_soil_is_in_json_text_report_and_logs() {
         .json();
     assert!(topics.to_string().contains("/grouser/soil"), "{topics}");
 }
+
+/// Sinkages and entry angles of a drive are in both logs, and `estimate` learns the soil from either; slips do not change.
+#[test]
+fn sinkages_are_learnt_from_in_the_drive_and_from_its_logs() {
+    let folder = Folder::new();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let robot = format!("{root}/robots/five-wheel.toml");
+    let scenario = std::fs::read_to_string(format!("{root}/scenarios/sinkage.toml")).unwrap();
+    let short = scenario
+        .replace("../robots/five-wheel.toml", &robot)
+        .replace("duration_s = 120.0", "duration_s = 12.0");
+    let path = folder.file("short.toml", short).display().to_string();
+    let logs = ["drive.csv", "drive.mcap"].map(|name| folder.path(name).display().to_string());
+    for log in &logs {
+        let driven = grouser(["drive", &path, "-o", log, "--json"]).assert_done();
+        let soil = driven.json()["runs"][0]["soil"].clone();
+        assert_eq!(soil["contact_readings"], soil["readings"], "{soil}");
+        assert_eq!(soil["contacts_refused"], 0, "{soil}");
+    }
+    // the columns of the robot's file, and those of the sinkages
+    let with_columns = std::fs::read_to_string(&robot).unwrap();
+    let table = with_columns.find("[[table]]").unwrap();
+    let end = table + with_columns[table..].find("\n]").unwrap();
+    let columns = ["front_left", "front_right"].map(|wheel| {
+        format!(
+            "    {{ column = \"{wheel}_sinkage_m\", meaning = \"sinkage\", wheel = \"{wheel}\", unit = \"m\" }},\n\
+             \x20   {{ column = \"{wheel}_entry_angle_rad\", meaning = \"entry_angle\", wheel = \"{wheel}\", unit = \"rad\" }},"
+        )
+    });
+    let text = format!(
+        "{}\n{}{}",
+        &with_columns[..end],
+        columns.join("\n"),
+        &with_columns[end..]
+    );
+    let own = folder.file("robot.toml", text).display().to_string();
+    let mut learnt = Vec::new();
+    for (log, robot) in logs.iter().zip([&own, &robot]) {
+        let plain = grouser(["estimate", log, "--robot", robot, "--json"]).assert_done();
+        let soil = ["--soil", "dry-sand", "--learn-soil"];
+        let arguments = ["estimate", log, "--robot", robot, "--json"];
+        let found = grouser(arguments.into_iter().chain(soil)).assert_done();
+        let (plain, found) = (plain.json(), found.json());
+        assert!(plain["soil"].is_null());
+        for wheel in ["front_left", "rear_right"] {
+            assert_eq!(
+                plain["wheels"][wheel]["median"],
+                found["wheels"][wheel]["median"]
+            );
+        }
+        let soil = found["soil"].clone();
+        assert!(soil["contact_readings"].as_u64().unwrap() >= 3, "{soil}");
+        learnt.push(soil["stiffness"].as_f64().unwrap());
+    }
+    assert!((learnt[0] / learnt[1]).ln().abs() < 0.2, "{learnt:?}");
+    let words = grouser([
+        "estimate",
+        &logs[1],
+        "--robot",
+        &robot,
+        "--soil",
+        "dry-sand",
+        "--learn-soil",
+    ]);
+    assert!(words.assert_done().out.contains("with sinkages"));
+    let by_window = ["--soil", "dry-sand", "--learn-soil", "--method", "window"];
+    let arguments = ["estimate", &logs[1], "--robot", &robot];
+    let refused = grouser(arguments.into_iter().chain(by_window));
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+}

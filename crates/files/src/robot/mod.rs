@@ -40,6 +40,7 @@ mod write;
 use std::path::Path;
 
 use grouser_slip::filter::FilterSettings;
+use grouser_slip::onboard::SoilLearnSettings;
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
@@ -124,6 +125,8 @@ pub struct RobotFile {
     pub body: Option<BodyFile>,
     /// Gravity where the robot drives, m/s², if the file says it.
     pub gravity: Option<f64>,
+    /// Standard deviations of a wheel's sinkage (m) and entry angle (rad), lasting errors included.
+    pub contact_sigmas: [f64; 2],
 }
 
 /// Corrections of sensors and intervals, in `[estimator]`.
@@ -192,9 +195,16 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut reference = None;
         let mut wheel_sensor = None;
         let mut corrections = Corrections::default();
+        let mut contact_sigmas = default_contact_sigmas();
         root.section("estimator", |section| {
             (reference, corrections) = read_estimator(section, &mut settings)?;
             wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
+            if let Some(sigma) = section.optional_number("sinkage_sigma_m", (1e-6, 1.0))? {
+                contact_sigmas[0] = sigma;
+            }
+            if let Some(sigma) = section.optional_number("entry_angle_sigma_deg", (1e-4, 57.0))? {
+                contact_sigmas[1] = sigma.to_radians();
+            }
             Ok(())
         })?;
         let at = root.place_of("estimator");
@@ -241,8 +251,15 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             columns,
             body,
             gravity,
+            contact_sigmas,
         })
     })
+}
+
+/// Those of sensors that the file does not describe.
+pub(crate) fn default_contact_sigmas() -> [f64; 2] {
+    let usual = SoilLearnSettings::default();
+    [usual.sinkage_sigma, usual.entry_angle_sigma]
 }
 
 /// What the file says of topics and of columns.

@@ -5,7 +5,7 @@ use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
 
-use super::{RobotFile, filter_of};
+use super::{RobotFile, default_contact_sigmas, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::steering::SteeringKind;
@@ -49,6 +49,14 @@ pub fn to_toml(file: &RobotFile) -> String {
         if factor != 1.0 {
             out.number(key, factor);
         }
+    }
+    let [usual_depth, usual_angle] = default_contact_sigmas();
+    let [depth, angle] = file.contact_sigmas;
+    if depth != usual_depth {
+        out.number("sinkage_sigma_m", depth);
+    }
+    if angle != usual_angle {
+        out.degrees("entry_angle_sigma_deg", angle);
     }
     let usual = WindowSettings::default();
     write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);

@@ -7,8 +7,8 @@ use grouser_terra::{Angle, Slip};
 use super::attitude::AttitudeFilter;
 use super::carrier::Carriers;
 use super::clock::Clock;
-use super::firmness::Firmness;
-use super::learn::{ContactKind, SoilLearner};
+use super::firmness::{Compared, Firmness};
+use super::learn::{SoilDemand, SoilLearner};
 use super::settings::OnBoardSettings;
 use super::start_guard::StartGuard;
 use super::state::OnBoardState;
@@ -72,6 +72,7 @@ pub struct OnBoard {
     start: StartGuard,
     demand: Option<SlipDemand>,
     learner: Option<Box<SoilLearner>>,
+    /// What soft ground is told from: by the known soil, or the one that was learnt before.
     demand_now: Option<SlipPrior>,
     demand_due: f64,
     clock: Clock,
@@ -175,12 +176,11 @@ impl OnBoard {
                 self.update_current(wheel, share);
                 false
             }
-            Measurement::Sinkage { wheel, depth } => {
-                self.update_contact(wheel, ContactKind::Sinkage, depth);
-                false
-            }
-            Measurement::EntryAngle { wheel, angle } => {
-                self.update_contact(wheel, ContactKind::EntryAngle, angle);
+            Measurement::Sinkage { .. } | Measurement::EntryAngle { .. } => {
+                if let Some(learner) = &mut self.learner {
+                    // the learner counts what it refuses
+                    let _ = learner.add_contact(&sample.measurement);
+                }
                 false
             }
             Measurement::Pose { .. } if !self.uses_poses => false,
@@ -229,13 +229,6 @@ impl OnBoard {
             );
         }
         is_accepted
-    }
-
-    fn update_contact(&mut self, wheel: usize, kind: ContactKind, value: f64) {
-        if let Some(learner) = &mut self.learner {
-            // the learner counts what it refuses
-            let _ = learner.add_contact(wheel, kind, value);
-        }
     }
 
     fn update_current(&mut self, wheel: usize, share: f64) {
@@ -319,10 +312,13 @@ impl OnBoard {
         let is_settled = learner.is_none_or(SoilLearner::is_settled);
         for ((index, wheel), seen) in wheels.iter().enumerate().zip(&mut self.observations) {
             let slip = wheel.slip.map(Slip::value);
-            let torque_ratio = slip.map_or(1.0, |slip| {
-                learner.map_or(1.0, |own| own.torque_ratio(slip))
-            });
-            let by_soil = (slip.filter(|_| is_settled), torque_ratio);
+            let compared = match (learner, slip) {
+                (Some(_), _) if !is_settled => Compared::Before,
+                // soft is what is softer than both: that the soil learnt takes more torque is no alarm
+                (Some(own), Some(slip)) => Compared::Soil(own.torque_ratio(slip).min(1.0)),
+                _ => Compared::Soil(1.0),
+            };
+            let load = (self.torques[index], slip);
             *seen = WheelObservation {
                 slip,
                 sigma: wheel.sigma,
@@ -334,9 +330,7 @@ impl OnBoard {
                 motion: self.detector.motion(index, wheel.motion),
                 forward_speed: wheel.forward_speed.map(|speed| speed.value),
                 rim_speed: wheel.rim_speed.map(|speed| speed.value),
-                firmness: self
-                    .firmness
-                    .update(index, self.torques[index], by_soil, step),
+                firmness: self.firmness.update(index, load, compared, step),
                 ..*seen
             };
         }
@@ -367,13 +361,17 @@ impl OnBoard {
     fn look_up_demand(&mut self) {
         // nose down is downhill
         let slope = -self.attitude.pitch();
-        let learnt = self.learner.as_ref().and_then(|own| own.demand(slope));
-        self.demand_now = match (learnt, &self.demand) {
-            (Some(learnt), _) => learnt.slip,
-            (None, Some(demand)) => demand.at(Angle::from_rad(slope)),
-            (None, None) => return,
+        let known = self
+            .demand
+            .as_ref()
+            .map(|demand| demand.at(Angle::from_rad(slope)));
+        let learner = self.learner.as_deref();
+        let by_belief = |learnt: Option<SoilDemand>| match learnt {
+            Some(learnt) => learnt.slip,
+            None => known.flatten(),
         };
-        if let Some(prior) = self.demand_now {
+        self.demand_now = by_belief(learner.and_then(|own| own.demand_before(slope)));
+        if let Some(prior) = by_belief(learner.and_then(|own| own.demand(slope))) {
             let sigma = prior.sigma.max(MIN_PRIOR_SIGMA);
             // the table holds slips only, so that none is refused
             let _ = self.filter.set_slip_prior(SlipPrior { sigma, ..prior });

@@ -1,4 +1,7 @@
 //! How firm the ground under a wheel is beside the known soil: by the torque that it takes at its slip.
+//!
+//! While a robot has not learnt its soil yet, the ground that it has driven on stands for it: the known soil may be a wrong
+//! one, but ground that suddenly takes much less torque than before is softer.
 
 use alloc::{boxed::Box, vec::Vec};
 
@@ -11,12 +14,29 @@ const MIN_TORQUE_SHARE: f64 = 0.02;
 /// Firmness is smoothed over this time, s: half of the time in which soft ground is called.
 const TIME_CONSTANT_S: f64 = 0.15;
 
+/// The torque that the ground has taken is a mean over this time, s: ten times that in which soft ground is called.
+const USUAL_TIME_S: f64 = 3.0;
+/// It is compared with once it was measured for so long, s.
+const MIN_USUAL_TIME_S: f64 = 1.0;
+
+/// What the torque of a wheel is compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Compared {
+    /// A soil that takes this multiple of the known one's torque.
+    Soil(f64),
+    /// The ground before.
+    Before,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Wheel {
     expected: TorqueTable,
     max_torque: f64,
     /// Torque over the expected one, smoothed.
     ratio: Option<f64>,
+    /// Mean of torque over that of the known soil, and for how long it was measured, s.
+    usual: f64,
+    usual_time: f64,
 }
 
 /// Every wheel's firmness.
@@ -33,6 +53,8 @@ impl Firmness {
                 expected: tables.get(index).copied().flatten()?,
                 max_torque: (*max_torque)?,
                 ratio: None,
+                usual: 1.0,
+                usual_time: 0.0,
             })
         });
         Self {
@@ -40,17 +62,31 @@ impl Firmness {
         }
     }
 
-    /// Firmness of the ground under a wheel that takes `torque` (N m) at `slip`, `step` (s) after the last one, where the soil
-    /// takes `torque_ratio` times the torque of the known one.
+    /// Firmness of the ground under a wheel that takes `torque` (N m) at `slip`, `step` (s) after the last one.
     pub(super) fn update(
         &mut self,
         wheel: usize,
-        torque: Option<f64>,
-        (slip, torque_ratio): (Option<f64>, f64),
+        (torque, slip): (Option<f64>, Option<f64>),
+        compared: Compared,
         step: f64,
     ) -> Option<f64> {
         let own = self.wheels.get_mut(wheel)?.as_mut()?;
-        let ratio = own.ratio_now(torque, slip, torque_ratio).map(|now| {
+        let known_before = own.usual_time >= MIN_USUAL_TIME_S;
+        let multiple = match compared {
+            Compared::Soil(multiple) => multiple,
+            Compared::Before if known_before => own.usual.min(1.0),
+            Compared::Before => 1.0,
+        };
+        let now = own.ratio_now(torque, slip, multiple);
+        if let Some(now) = now {
+            own.usual_time = (own.usual_time + step).min(USUAL_TIME_S);
+            if own.usual_time > 0.0 {
+                own.usual += step / own.usual_time * (now - own.usual);
+            }
+        }
+        let now = now.filter(|_| known_before || compared != Compared::Before);
+        let now = now.map(|now| now / multiple).filter(|now| now.is_finite());
+        let ratio = now.map(|now| {
             let before = own.ratio.unwrap_or(1.0);
             before + step / (TIME_CONSTANT_S + step) * (now - before)
         });
@@ -60,10 +96,11 @@ impl Firmness {
 }
 
 impl Wheel {
-    fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>, torque_ratio: f64) -> Option<f64> {
+    /// Torque over that of the known soil, where a soil that takes `multiple` times as much shows in it.
+    fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>, multiple: f64) -> Option<f64> {
         let (torque, slip) = (torque.filter(|torque| torque.is_finite())?, slip?);
-        let expected = torque_ratio * self.expected_at(slip);
-        let tells = slip >= MIN_SLIP && expected >= MIN_TORQUE_SHARE * self.max_torque;
+        let expected = self.expected_at(slip);
+        let tells = slip >= MIN_SLIP && multiple * expected >= MIN_TORQUE_SHARE * self.max_torque;
         tells.then(|| torque.abs() / expected)
     }
 

@@ -22,7 +22,7 @@ const MAX_ANGLES_RAD: (f64, f64) = (0.45, 0.38);
 const READING_WAY_M: f64 = 0.4;
 /// The point of the way that the robot heads for lies this far ahead, m: about twice its length.
 const LOOK_AHEAD_M: f64 = 1.2;
-/// A goal or a point of the way is reached within this distance, m.
+/// The robot has arrived within this distance of the goal, m; if nothing holds it, it drives on until the goal lies abeam.
 const GOAL_RADIUS_M: f64 = 0.5;
 /// Further off its heading than this a robot turns rather than travels, rad: nothing is learnt then.
 const ON_COURSE_RAD: f64 = 0.25;
@@ -107,6 +107,8 @@ struct Aboard {
     sums: Sums,
     held_since: Option<f64>,
     held: u32,
+    /// The course on which the robot came within the goal's radius, rad: towards a point under the robot there is none.
+    last_course: Option<f64>,
 }
 
 /// Drives a scenario that has a plan; `sink` gets every frame and ends the drive by returning false.
@@ -219,6 +221,7 @@ impl Aboard {
             sums: Sums::default(),
             held_since: None,
             held: 0,
+            last_course: None,
         })
     }
 
@@ -243,13 +246,22 @@ impl Aboard {
         let step = self.advance(&on_board.estimate().body.odometry, fix);
         let request = match self.phase {
             Phase::Follow => {
-                if distance(self.place, self.goal) < GOAL_RADIUS_M {
+                let course = self.course();
+                let course = if distance(self.place, self.goal) < GOAL_RADIUS_M {
+                    *self.last_course.get_or_insert(course)
+                } else {
+                    self.last_course = None;
+                    course
+                };
+                if self.last_course.is_some() && self.is_abeam(course) {
                     return Ok(Some(Outcome::Arrived));
                 }
-                let course = self.course();
                 let is_on_course = turn(course - heading).abs() < ON_COURSE_RAD;
                 let is_settled = now > SETTLING_TIME_S;
                 let is_held = self.look(simulation, step, (now, is_on_course && is_settled))?;
+                if is_held && self.last_course.is_some() {
+                    return Ok(Some(Outcome::Arrived));
+                }
                 // where no way leads on, the robot goes back to where it has room to turn
                 let goes_back = is_held
                     || self.learns
@@ -335,6 +347,12 @@ impl Aboard {
         }
         let to = self.way.get(self.next).copied().unwrap_or(self.goal);
         (to.1 - self.place.1).atan2(to.0 - self.place.0)
+    }
+
+    /// Does the goal lie beside the robot or behind it, on this course (rad)?
+    fn is_abeam(&self, course: f64) -> bool {
+        let (sin, cos) = course.sin_cos();
+        (self.goal.0 - self.place.0) * cos + (self.goal.1 - self.place.1) * sin <= 0.0
     }
 
     /// Is the point after the next one nearer than the next one?

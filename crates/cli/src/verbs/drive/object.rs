@@ -51,7 +51,7 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
             of.1.own_laws.as_ref();
         "planned" "how the way was planned and what was learnt; null for a drive along legs" group(planned()) =
             of.1.planned.as_ref();
-        "soil" "what was learnt of the soil; null where it is not learnt" group(super::soil::soil()) =
+        "soil" "what was learnt of the soil; null where it is not learnt" group(crate::soil_text::soil()) =
             of.1.result.soil.as_ref();
         "worst_slip" "greatest slip" = of.1.result.worst_slip;
         "refused_samples" "samples that the estimator refused" = of.1.result.refused;

@@ -57,7 +57,7 @@ fn played(scenario: &Scenario, optimum: f64, run: &Run) -> Option<Value> {
         shown["tile_m"] = scenario.learn.as_ref().map(|learn| learn.tile).into();
     }
     if let Some(soil) = &run.result.soil {
-        shown["soil"] = super::soil::soil().object(soil).into();
+        shown["soil"] = crate::soil_text::soil().object(soil).into();
     }
     Some(shown)
 }

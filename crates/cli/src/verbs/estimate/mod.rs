@@ -36,6 +36,7 @@ use crate::progress::Progress;
 use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
+use crate::soil_text;
 use crate::verb_report::Report;
 use grouser_report::number::parse_finite;
 use grouser_report::{Object, printable};
@@ -67,6 +68,9 @@ pub(crate) struct Arguments {
     soil: Option<OsString>,
     #[command(flatten)]
     overrides: Overrides,
+    /// Learn the soil from slips, accelerations, torques and sinkages; the one of `--soil` is what is known of it
+    #[arg(long, requires = "soil")]
+    learn_soil: bool,
     /// What tells how fast the robot travels; the robot file's unless told
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
@@ -135,7 +139,7 @@ fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let request = request(arguments, session)?;
+    let mut request = request(arguments, session)?;
     if let Some(report) = job_beside(arguments, &request, session)? {
         return Ok(report);
     }
@@ -145,6 +149,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Ok::<_, Error>(chosen)
     });
     let soil = soil.transpose()?;
+    let known = soil.as_ref().filter(|_| arguments.learn_soil);
+    request.options.learn_soil = known.map(|known| known.soil);
     let log = request.log(&arguments.logs)?;
     let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
@@ -186,6 +192,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil.as_ref().map(|s| s.name.as_str()),
         &readings,
     );
+    if let Some(soil) = &summary.soil {
+        text.push('\n');
+        text.push_str(&soil_text::words(soil));
+        text.push('\n');
+    }
     if let Some(start) = &start {
         let _ = writeln!(text, "sensors: {}", start_words(start));
     }
@@ -335,6 +346,7 @@ fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
             window_s: arguments.window_s,
             from_s: arguments.from_s,
             to_s: arguments.to_s,
+            learn_soil: None,
         },
     })
 }

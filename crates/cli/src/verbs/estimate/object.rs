@@ -1,5 +1,6 @@
 //! What `estimate` found, as a list of fields.
 
+use crate::soil_text;
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
     AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, StartOutcome,
@@ -79,6 +80,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "doubts" "why the result is doubtful" =
             found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
+        "soil" "what was learnt of the soil; null without `--learn-soil`" group(soil_text::soil()) =
+            found.summary.soil.as_ref();
         "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, found.summary.fused.as_ref());
         "truth" "errors beside the true slips" rows(truth()) = found.errors.unwrap_or_default().iter();
         "rejected" "samples that were rejected" group(rejected()) = found.summary;

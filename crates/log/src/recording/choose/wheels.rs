@@ -50,7 +50,7 @@ impl Choosing<'_> {
 
     pub(super) fn wheels(&mut self) -> Result<()> {
         let topics = self.topics;
-        let joints_of = |seen: &Seen| joints_in(topics, seen.joints.keys());
+        let joints_of = |seen: &Seen| joints_in(topics, &seen.joints.keys());
         let mut found = Vec::new();
         if let Some(name) = &self.topics.wheels {
             let seen = self.named("wheels", name)?;
@@ -108,11 +108,11 @@ impl Choosing<'_> {
             Some(seen)
         } else {
             let has_wheels =
-                |seen: &&Seen| !joints_in(self.topics, seen.contacts.keys()).is_empty();
+                |seen: &&Seen| !joints_in(self.topics, &seen.contacts.keys()).is_empty();
             self.free().find(has_wheels)
         };
         let Some(seen) = found else { return Ok(()) };
-        let joints = joints_in(self.topics, seen.contacts.keys());
+        let joints = joints_in(self.topics, &seen.contacts.keys());
         if joints.is_empty() {
             return Err(Error::NoJoints {
                 file: self.file.to_owned(),
@@ -167,7 +167,7 @@ fn is_ticks(seen: &Seen) -> bool {
 /// The joints of the robot's wheels among these names.
 fn joints_in<'b>(
     topics: &Topics,
-    names: impl Iterator<Item = &'b String> + Clone,
+    names: &(impl Iterator<Item = &'b String> + Clone),
 ) -> Vec<(String, usize)> {
     let joints = topics.joints.iter().enumerate();
     let found = joints.filter_map(|(index, wheel)| {

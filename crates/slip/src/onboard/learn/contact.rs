@@ -21,7 +21,7 @@ const STUCK_READINGS: u32 = 10;
 
 /// Which of both a sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::onboard) enum ContactKind {
+pub(super) enum ContactKind {
     /// Sinkage, m.
     Sinkage,
     /// Entry angle, rad.

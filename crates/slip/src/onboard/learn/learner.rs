@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::fault::Fault;
 use crate::filter::SlipPrior;
 use crate::robot::Robot;
+use crate::sample::Measurement;
 
 /// No reading is taken for less likely than one this many sigma away: soil has surprises that no family holds.
 const MAX_SIGMA: f64 = 3.0;
@@ -26,6 +27,10 @@ const MISS_SHARE: f64 = 0.1;
 const ERROR_SCALE_GAIN: f64 = 0.5;
 /// The number of readings from which the ground is compared with the learnt soil: before, the prior may be a wrong soil.
 const MIN_READINGS: u32 = 3;
+/// Beliefs that are kept, at most.
+const MAX_LAG: usize = 8;
+/// Way of the rims over which a reading is the mean, in radii: half a turn.
+const READING_WAY_RADII: f64 = core::f64::consts::PI;
 /// Greatest standard deviation of one soil's slip demand: that of a slip of which nothing is known, in [0, 1].
 const MAX_DEMAND_SIGMA: f64 = 0.3;
 /// Below this derivative of the pull by slip the slip is not determined by the pull.
@@ -48,6 +53,9 @@ pub struct SoilDemand {
 }
 
 /// Learns the soil. It allocates nothing after construction, reads no clock and never panics.
+///
+/// [`OnBoard`](crate::onboard::OnBoard) feeds its own. Whoever has slips from elsewhere feeds one by hand: samples as they
+/// come, and a tick whenever slips, torques and a specific force are known.
 #[derive(Clone, Debug)]
 pub struct SoilLearner {
     family: SoilFamily,
@@ -57,6 +65,10 @@ pub struct SoilLearner {
     belief: SoilBelief,
     /// `None`: the known soil, since too little has been learnt.
     in_use: Option<SoilBelief>,
+    /// The beliefs in use after the last readings, the oldest first; from `MAX_LAG - lag` on they are kept.
+    past: [Option<SoilBelief>; MAX_LAG],
+    /// How many readings ago the ground was that soft ground is told from.
+    lag: usize,
     count: u32,
     /// How many of them had a sinkage.
     contacts: u32,
@@ -64,7 +76,11 @@ pub struct SoilLearner {
 }
 
 impl SoilLearner {
-    pub(in crate::onboard) fn new(
+    /// A learner for `robot`, whose wheels carry the loads of `setups`, among the soils of `family`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
+    pub fn new(
         robot: &Robot,
         setups: &[WheelSetup],
         family: SoilFamily,
@@ -79,6 +95,8 @@ impl SoilLearner {
             belief: prior,
             prior,
             in_use: None,
+            past: [None; MAX_LAG],
+            lag: lag(robot),
             count: 0,
             contacts: 0,
             changes: 0,
@@ -86,18 +104,25 @@ impl SoilLearner {
     }
 
     /// A sample of the accelerometer in the robot's axes, m/s².
-    pub(in crate::onboard) fn add_force(&mut self, force: [f64; 3]) {
+    pub fn add_force(&mut self, force: [f64; 3]) {
         self.readings.add_force(force);
     }
 
-    /// A sinkage (m) or an entry angle (rad) of a wheel; what is refused is counted.
-    pub(in crate::onboard) fn add_contact(
-        &mut self,
-        wheel: usize,
-        kind: ContactKind,
-        value: f64,
-    ) -> core::result::Result<(), Fault> {
-        self.readings.contacts.add(wheel, kind, value)
+    /// A sinkage or an entry angle of a wheel; any other measurement changes nothing.
+    ///
+    /// # Errors
+    /// [`Fault`] for a value that no wheel can have; it is counted.
+    pub fn add_contact(&mut self, measurement: &Measurement) -> core::result::Result<(), Fault> {
+        let contacts = &mut self.readings.contacts;
+        match *measurement {
+            Measurement::Sinkage { wheel, depth } => {
+                contacts.add(wheel, ContactKind::Sinkage, depth)
+            }
+            Measurement::EntryAngle { wheel, angle } => {
+                contacts.add(wheel, ContactKind::EntryAngle, angle)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// What was begun is no reading.
@@ -105,8 +130,9 @@ impl SoilLearner {
         self.readings.discard();
     }
 
-    /// One tick; true where the belief in use has changed.
-    pub(in crate::onboard) fn update(
+    /// One tick of `step` seconds at `motion`: forward speed (m/s) and yaw rate (rad/s). Torques are in N m. True where the
+    /// belief in use has changed. What came since the last tick counts if the robot drives straight on.
+    pub fn update(
         &mut self,
         observations: &[WheelObservation],
         torques: &[Option<f64>],
@@ -141,7 +167,20 @@ impl SoilLearner {
         self.contacts = self
             .contacts
             .saturating_add(u32::from(reading.sinkage.is_some()));
-        self.use_belief()
+        let has_changed = self.use_belief();
+        self.past.rotate_left(1);
+        self.past[MAX_LAG - 1] = self.in_use;
+        // what was believed before was no more than a guess
+        if self.count <= MIN_READINGS {
+            self.past = [self.in_use; MAX_LAG];
+        }
+        has_changed
+    }
+
+    /// The belief that was in use before the robot's wheels stood where they do: soft ground is told from that, since at the
+    /// edge of soft ground the readings move the belief to softer soil, which then explains the slip.
+    const fn before(&self) -> Option<&SoilBelief> {
+        self.past[MAX_LAG - self.lag].as_ref()
     }
 
     /// Takes up the belief once it differs enough from the one in use.
@@ -223,7 +262,16 @@ impl SoilLearner {
     /// soil.
     #[must_use]
     pub fn demand(&self, slope: f64) -> Option<SoilDemand> {
-        let belief = self.in_use.as_ref()?;
+        Some(self.demand_by(self.in_use.as_ref()?, slope))
+    }
+
+    /// The same by the belief that was in use a length of the robot before: what the ground ahead is compared with.
+    #[must_use]
+    pub fn demand_before(&self, slope: f64) -> Option<SoilDemand> {
+        Some(self.demand_by(self.before()?, slope))
+    }
+
+    fn demand_by(&self, belief: &SoilBelief, slope: f64) -> SoilDemand {
         let pull = Real::tan(slope);
         let (mut fails, mut held, mut mean, mut second) = (0.0, 0.0, 0.0, 0.0);
         for (weight, member) in belief.weights.iter().zip(self.family.members()) {
@@ -245,7 +293,7 @@ impl SoilLearner {
                 sigma: belief.error_scale * Real::sqrt((second / held - mean * mean).max(1e-8)),
             }
         });
-        Some(SoilDemand { slip, fails })
+        SoilDemand { slip, fails }
     }
 
     /// The slip of the greatest tractive efficiency by the belief in use; `None` while that is the known soil, and where no
@@ -279,10 +327,10 @@ impl SoilLearner {
         Some(slip.clamp(RUNNING_SLIP_LIMITS.0, RUNNING_SLIP_LIMITS.1))
     }
 
-    /// Torque that the belief in use expects at a slip, over that of the known soil.
+    /// Torque that the belief in use a length of the robot before expects at a slip, over that of the known soil.
     #[must_use]
     pub fn torque_ratio(&self, slip: f64) -> f64 {
-        let (Some(belief), Some(known)) = (&self.in_use, self.family.known()) else {
+        let (Some(belief), Some(known)) = (self.before(), self.family.known()) else {
             return 1.0;
         };
         let members = belief.weights.iter().zip(self.family.members());
@@ -337,9 +385,25 @@ impl SoilLearner {
         self.belief = *belief;
         self.count = MIN_READINGS;
         self.use_belief();
+        self.past = [self.in_use; MAX_LAG];
     }
 }
 
 fn square(value: f64) -> f64 {
     value * value
+}
+
+/// Readings until all wheels stand on the ground that the first one has met, and one more.
+fn lag(robot: &Robot) -> usize {
+    let wheels = robot.wheels();
+    let ends = wheels.iter().fold([f64::MAX, f64::MIN], |ends, wheel| {
+        [ends[0].min(wheel.x), ends[1].max(wheel.x)]
+    });
+    let radius = wheels
+        .iter()
+        .fold(0.0, |most: f64, wheel| most.max(wheel.radius));
+    let readings = (ends[1] - ends[0]) / (READING_WAY_RADII * radius);
+    (1..MAX_LAG)
+        .find(|lag| *lag as f64 > readings + 1.0)
+        .unwrap_or(MAX_LAG)
 }

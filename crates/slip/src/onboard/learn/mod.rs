@@ -18,7 +18,6 @@ mod readings;
 mod settings;
 
 pub use belief::{SoilBelief, SoilEstimate, SoilInterval};
-pub(super) use contact::ContactKind;
 pub use family::{LEVELS, SLIP_POINTS, SlipTable, SoilFamily, SoilMember};
 pub use learner::{SoilDemand, SoilLearner};
 pub use settings::SoilLearnSettings;
