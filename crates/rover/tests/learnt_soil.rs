@@ -342,6 +342,24 @@ impl Pool {
     }
 }
 
+/// Seeds of `soft-patch.toml` at which readings at the edge of the patch once hid it from a robot that learns: it was
+/// immobilised (81), or took firm ground for soft and left the map (29).
+#[test]
+fn a_soft_patch_is_not_learnt_away() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let text = std::fs::read_to_string(folder.join("scenarios/soft-patch.toml")).unwrap();
+    let model = RobotModel::read(&folder.join("robots/five-wheel.toml")).unwrap();
+    let document = Document::from_text("soft-patch.toml", format!("{text}\n[learn]\n")).unwrap();
+    let scenario = parse_scenario(&document, "soft-patch", model).unwrap();
+    let optimum = scenario.slip_setpoint().unwrap();
+    for seed in [29, 81] {
+        let mut drive = Simulation::new(&scenario, Pilot::Controller, optimum, seed).unwrap();
+        let result = drive.run(|_| true);
+        assert!(result.soil.is_some());
+        assert_eq!(result.outcome, Outcome::Arrived, "seed {seed}");
+    }
+}
+
 #[test]
 #[ignore = "minutes"]
 fn many_worlds() {

@@ -276,6 +276,37 @@ fn a_broken_sensor_of_sinkage_changes_nothing() {
 }
 
 #[test]
+fn soft_ground_is_told_from_the_belief_before_its_edge() {
+    let mut robot = on_board();
+    let mut course = start();
+    drive(&mut robot, &mut course, &sand(), 0.2, 3000);
+    let slope = 1.0_f64.to_radians();
+    let mean = |robot: &OnBoard, before: bool| {
+        let soil = robot.soil().unwrap();
+        let demand = if before {
+            soil.demand_before(slope)
+        } else {
+            soil.demand(slope)
+        };
+        demand.and_then(|demand| demand.slip).unwrap().mean
+    };
+    let on_sand = mean(&robot, true);
+    assert!((mean(&robot, false) - on_sand).abs() < 0.02);
+    // a second on much weaker soil moves the newest belief, and not what soft ground is told from
+    let weak = scaled_soil(&sand(), 0.45, 1.0).unwrap();
+    let before = robot.soil().unwrap().estimate();
+    while robot.soil().unwrap().estimate().changes == before.changes {
+        assert!(course.row < 6000, "the belief never changed");
+        drive(&mut robot, &mut course, &weak, 0.5, 10);
+    }
+    assert!(mean(&robot, false) > on_sand + 0.05);
+    assert!((mean(&robot, true) - on_sand).abs() < 1e-12);
+    // once the robot has driven on, it follows
+    drive(&mut robot, &mut course, &weak, 0.5, 1500);
+    assert!((mean(&robot, true) - mean(&robot, false)).abs() < 0.05);
+}
+
+#[test]
 fn a_belief_outlasts_a_restart_and_a_broken_one_is_refused() {
     let mut robot = on_board();
     let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
