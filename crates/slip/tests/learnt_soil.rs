@@ -276,10 +276,11 @@ fn a_broken_sensor_of_sinkage_changes_nothing() {
 }
 
 #[test]
-fn soft_ground_is_told_from_the_belief_before_its_edge() {
+fn what_soft_ground_is_told_from_follows_a_robot_s_length_later() {
     let mut robot = on_board();
     let mut course = start();
-    drive(&mut robot, &mut course, &sand(), 0.2, 3000);
+    let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
+    drive(&mut robot, &mut course, &weak, 0.3, 6000);
     let slope = 1.0_f64.to_radians();
     let mean = |robot: &OnBoard, before: bool| {
         let soil = robot.soil().unwrap();
@@ -290,20 +291,20 @@ fn soft_ground_is_told_from_the_belief_before_its_edge() {
         };
         demand.and_then(|demand| demand.slip).unwrap().mean
     };
-    let on_sand = mean(&robot, true);
-    assert!((mean(&robot, false) - on_sand).abs() < 0.02);
-    // a second on much weaker soil moves the newest belief, and not what soft ground is told from
-    let weak = scaled_soil(&sand(), 0.45, 1.0).unwrap();
+    let on_weak = mean(&robot, true);
+    assert!((mean(&robot, false) - on_weak).abs() < 0.02);
+    // another soil moves the newest belief, and not yet what soft ground is told from
     let before = robot.soil().unwrap().estimate();
     while robot.soil().unwrap().estimate().changes == before.changes {
-        assert!(course.row < 6000, "the belief never changed");
-        drive(&mut robot, &mut course, &weak, 0.5, 10);
+        assert!(course.row < 12_000, "the belief never changed");
+        drive(&mut robot, &mut course, &sand(), 0.2, 10);
     }
-    assert!(mean(&robot, false) > on_sand + 0.05);
-    assert!((mean(&robot, true) - on_sand).abs() < 1e-12);
+    assert!((mean(&robot, false) - on_weak).abs() > 1e-3);
+    assert!((mean(&robot, true) - on_weak).abs() < 1e-12);
     // once the robot has driven on, it follows
-    drive(&mut robot, &mut course, &weak, 0.5, 1500);
-    assert!((mean(&robot, true) - mean(&robot, false)).abs() < 0.05);
+    drive(&mut robot, &mut course, &sand(), 0.2, 6000);
+    assert!((mean(&robot, true) - mean(&robot, false)).abs() < 1e-3);
+    assert!((mean(&robot, true) - on_weak).abs() > 1e-3);
 }
 
 #[test]
