@@ -8,7 +8,6 @@ use alloc::{boxed::Box, vec::Vec};
 use grouser_real::Real;
 
 use super::settings::SoilLearnSettings;
-use crate::error::{Result, check_range};
 use crate::fault::Fault;
 use crate::robot::{Robot, Wheel};
 
@@ -204,14 +203,6 @@ pub(super) fn leads(wheel: &Wheel, wheels: &[Wheel]) -> bool {
         let reach = 0.5 * (width(wheel) + width(other));
         other.x > wheel.x && (other.y - wheel.y).abs() < reach
     })
-}
-
-/// Checks the noise of the sensors.
-pub(super) fn check_sigmas(settings: &SoilLearnSettings) -> Result<()> {
-    const OF: &str = "soil learning";
-    let (depth, angle) = (settings.sinkage_sigma, settings.entry_angle_sigma);
-    check_range(OF, "sinkage_sigma", depth, (1e-6, 1.0), "m")?;
-    check_range(OF, "entry_angle_sigma", angle, (1e-6, 1.0), "rad")
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! How soil is learnt.
 
-use super::contact::check_sigmas;
 use crate::error::{Result, check_range};
 
 /// How soil is learnt while driving.
@@ -62,7 +61,15 @@ impl SoilLearnSettings {
         let [strength, stiffness] = self.prior_sigma_ln;
         let [part, share] = self.model_error;
         let [depth, depth_share] = self.sinkage_error;
-        check_sigmas(self)?;
+        let (sinkage, angle) = (self.sinkage_sigma, self.entry_angle_sigma);
+        check_range("soil learning", "sinkage_sigma", sinkage, (1e-6, 1.0), "m")?;
+        check_range(
+            "soil learning",
+            "entry_angle_sigma",
+            angle,
+            (1e-6, 1.0),
+            "rad",
+        )?;
         for (field, value, limits) in [
             ("strength_sigma_ln", strength, (0.01, 2.0)),
             ("stiffness_sigma_ln", stiffness, (0.01, 5.0)),
