@@ -45,15 +45,11 @@ pub(crate) fn read(path: &Path, robot: &Robot) -> Result<Option<Learnt>> {
                 variance: section.number("variance", ANY)?,
             })
         };
-        learnt.gyro_bias = root
-            .section("gyro", |s| known(s, "bias_rad_per_s"))?
-            .unwrap_or_default();
+        learnt.gyro_bias = root.section("gyro", |s| known(s, "bias_rad_per_s"))?;
         let forward = root.section("accelerometer_forward", |s| known(s, "bias_m_per_s2"))?;
         let left = root.section("accelerometer_left", |s| known(s, "bias_m_per_s2"))?;
-        learnt.accelerometer_bias = [forward.unwrap_or_default(), left.unwrap_or_default()];
-        learnt.common_slip = root
-            .section("common_slip", |s| known(s, "slip"))?
-            .unwrap_or_default();
+        learnt.accelerometer_bias = [forward, left];
+        learnt.common_slip = root.section("common_slip", |s| known(s, "slip"))?;
         let wheels = root.sections("wheel", |section| {
             let name = section.text("name")?;
             let skid = section.optional_number("skid", ANY)?;
@@ -108,6 +104,7 @@ fn text(robot: &Robot, learnt: &Learnt) -> String {
         ("[accelerometer_left]", "bias_m_per_s2", left),
         ("[common_slip]", "slip", learnt.common_slip),
     ] {
+        let Some(known) = known else { continue };
         out.header(header);
         out.number(key, known.value);
         out.number("variance", known.variance);

@@ -5,11 +5,12 @@
 )]
 
 use grouser_slip::control::Request;
+use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::onboard::{
     OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
 };
 use grouser_slip::prior::SoilDoubt;
-use grouser_slip::{Measurement, Robot, Sample, Wheel};
+use grouser_slip::{Measured, Measurement, Robot, Sample, Wheel};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Rows and ticks come this often, ns.
@@ -161,22 +162,57 @@ fn what_it_has_learnt_outlasts_a_restart() {
         before.tick(index * PERIOD_NS, request());
     }
     let state = before.state();
-    let bias = state.learnt.gyro_bias;
+    let bias = state.learnt.gyro_bias.unwrap();
     assert!((bias.value - 0.01).abs() < 0.004, "{bias:?}");
     let mut after = OnBoard::new(&robot, settings(&robot)).unwrap();
-    assert!(after.state().learnt.gyro_bias.value.abs() < 1e-12);
+    let at_first = after.state().learnt.gyro_bias.unwrap();
+    assert!(at_first.value.abs() < 1e-12);
     after.restore(&state).unwrap();
     let restored = after.state();
-    assert_eq!(restored.learnt.gyro_bias, bias);
+    assert_eq!(restored.learnt.gyro_bias, Some(bias));
     assert_eq!(restored.learnt.common_slip, state.learnt.common_slip);
     assert_eq!(restored.heading, state.heading);
     let (skid, told) = (restored.learnt.wheels[2], state.learnt.wheels[2]);
     let (skid, told) = (skid.free_slip.unwrap(), told.free_slip.unwrap());
     assert!((skid.mean - told.mean).abs() < 1e-12 && (skid.sigma - told.sigma).abs() < 1e-12);
     let mut broken = state;
-    broken.learnt.gyro_bias.value = f64::NAN;
+    broken.learnt.gyro_bias = Some(Measured {
+        value: f64::NAN,
+        ..bias
+    });
     assert!(after.restore(&broken).is_err());
     assert_eq!(after.state(), restored);
+}
+
+/// A sensor's fault must not be what a robot fails to start with after it was repaired.
+#[test]
+fn the_bias_of_a_broken_sensor_is_not_kept() {
+    let robot = robot();
+    let mut filter = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
+    for index in 0..6000 {
+        let time_ns = index * PERIOD_NS;
+        let acceleration = Measurement::Acceleration {
+            forward: 9.0,
+            left: 0.0,
+        };
+        for wheel in 0..3 {
+            let measurement = Measurement::WheelCount { wheel, raw: 0 };
+            let _ = filter.update(Sample {
+                time_ns,
+                measurement,
+            });
+        }
+        let _ = filter.update(Sample {
+            time_ns,
+            measurement: acceleration,
+        });
+    }
+    let learnt = filter.learnt();
+    assert_eq!(learnt.accelerometer_bias[0], None, "{learnt:?}");
+    assert!(learnt.accelerometer_bias[1].is_some());
+    let mut after = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
+    after.restore(&learnt).unwrap();
+    assert!(after.learnt().accelerometer_bias[0].is_some());
 }
 
 /// The sensor's forward axis points up: every later number would be wrong.

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use super::damage::{WORDS, damage};
 use super::mischief::Mischief;
-use super::program::Folder;
+use super::program::{Folder, send};
 use super::random::Random;
 use super::verbs::Shared;
 
@@ -460,14 +460,6 @@ fn read<R: Read + Send + 'static>(pipe: Option<R>) -> thread::JoinHandle<Vec<u8>
         }
         bytes
     })
-}
-
-fn send(child: &Child, signal: &str) {
-    // it may have ended
-    let _ = Command::new("kill")
-        .args([signal, &child.id().to_string()])
-        .stderr(Stdio::null())
-        .status();
 }
 
 fn wait(child: &mut Child, limit: Duration) -> Option<ExitStatus> {

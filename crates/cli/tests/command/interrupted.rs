@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::program::{Folder, start, wait};
+use super::program::{Folder, send, start, wait};
 
 #[test]
 fn an_interrupted_job_leaves_nothing() {
@@ -30,11 +30,7 @@ fn an_interrupted_job_leaves_nothing() {
         }
         // It is being written under another name.
         assert_ne!(folder.names(), ["out.csv"]);
-        let sent = Command::new("kill")
-            .args([signal, &child.id().to_string()])
-            .status()
-            .unwrap();
-        assert!(sent.success());
+        assert!(send(&child, signal));
         let said = wait(child);
         drop(pipe);
         assert_eq!(said.code, Some(130), "{said:?}");
@@ -74,11 +70,7 @@ fn an_interrupted_search_keeps_the_best_so_far() {
         Stdio::null(),
     );
     thread::sleep(Duration::from_secs(3));
-    let sent = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(sent.success());
+    assert!(send(&child, "-INT"));
     let said = wait(child);
     assert_eq!(said.code, Some(130), "{said:?}");
     assert!(said.err.contains("best that was found so far"), "{said:?}");

@@ -71,6 +71,15 @@ pub(crate) fn start<S: AsRef<OsStr>>(
         .unwrap()
 }
 
+/// Sends a signal such as `-INT`; the shell's own `kill`, since not every machine has the program. False where it has ended.
+pub(crate) fn send(child: &Child, signal: &str) -> bool {
+    let sent = Command::new("sh")
+        .args(["-c", "kill \"$0\" \"$1\"", signal, &child.id().to_string()])
+        .stderr(Stdio::null())
+        .status();
+    sent.unwrap().success()
+}
+
 /// Waits for the program's end; kills it after [`LIMIT`] and fails.
 pub(crate) fn wait(mut child: Child) -> Said {
     fn reader(mut pipe: impl std::io::Read + Send + 'static) -> thread::JoinHandle<String> {

@@ -9,11 +9,16 @@ use crate::speed::Measured;
 
 /// A restored variance is at least this: the robot may have stood for long in between.
 const MIN_VARIANCE: f64 = 1e-12;
-/// Limits of a restored bias, rad/s and m/s²: a larger one is a broken sensor.
+/// Limits of a bias, rad/s and m/s²: a larger one is a broken sensor, which nothing is learnt of.
 const MAX_GYRO_BIAS_RAD_PER_S: f64 = 0.5;
 const MAX_ACCELEROMETER_BIAS_M_PER_S2: f64 = 5.0;
-/// Limit of a restored error of a radius, as a share.
+/// Limit of the error of a radius, as a share.
 const MAX_RADIUS_EXCESS: f64 = 0.2;
+const MAX_COMMON_SLIP: f64 = 1.0;
+const FREE_SLIP: (f64, f64) = (-0.95, 0.95);
+const FREE_SLIP_SIGMA: (f64, f64) = (0.0, 10.0);
+const OF: &str = "learnt";
+const VARIANCE: (f64, f64) = (0.0, 1e6);
 
 /// What was learnt of one wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,16 +31,16 @@ pub struct LearntWheel {
 }
 
 /// What [`SlipFilter::learnt`](super::SlipFilter::learnt) saves and
-/// [`SlipFilter::restore`](super::SlipFilter::restore) restores.
+/// [`SlipFilter::restore`](super::SlipFilter::restore) restores. What is `None` keeps its prior.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Learnt {
-    /// Bias of the gyro, rad/s.
-    pub gyro_bias: Measured,
-    /// Bias of the accelerometer forwards and to the left, m/s².
-    pub accelerometer_bias: [Measured; 2],
+    /// Bias of the gyro, rad/s; `None` where it is beyond what a sound gyro has.
+    pub gyro_bias: Option<Measured>,
+    /// Bias of the accelerometer forwards and to the left, m/s²; `None` where it is beyond what a sound one has.
+    pub accelerometer_bias: [Option<Measured>; 2],
     /// The powered wheels' common slip, which the soil causes.
-    pub common_slip: Measured,
+    pub common_slip: Option<Measured>,
     /// The wheels, in the robot's order.
     pub wheels: [LearntWheel; MAX_FILTER_WHEELS],
 }
@@ -43,26 +48,31 @@ pub struct Learnt {
 impl Core {
     /// What has been learnt so far.
     pub(super) fn learnt(&self) -> Learnt {
-        let known = |i: usize| Measured {
-            value: self.state.mean(i),
-            variance: self.state.covariance(i, i),
+        let known = |i: usize, most: f64| {
+            let known = Measured {
+                value: self.state.mean(i),
+                variance: self.state.covariance(i, i),
+            };
+            within(known, most)
         };
         let mut wheels = [LearntWheel::default(); MAX_FILTER_WHEELS];
         for (index, (wheel, slot)) in self.wheels.iter().zip(&mut wheels).enumerate() {
-            slot.radius_excess = self.output.checks[index].radius_excess;
-            slot.free_slip = wheel.free.then(|| {
-                let slip = own_slip(index);
-                SlipPrior {
-                    mean: self.state.mean(slip),
-                    sigma: self.state.sigma(slip),
-                }
-                .by_faster()
-            });
+            let excess = self.output.checks[index].radius_excess;
+            slot.radius_excess = excess.and_then(|excess| within(excess, MAX_RADIUS_EXCESS));
+            let slip = own_slip(index);
+            let skid = SlipPrior {
+                mean: self.state.mean(slip),
+                sigma: self.state.sigma(slip),
+            }
+            .by_faster();
+            let is_legal = check_skid(skid).is_ok();
+            slot.free_slip = (wheel.free && is_legal).then_some(skid);
         }
         Learnt {
-            gyro_bias: known(GYRO_BIAS),
-            accelerometer_bias: [FORWARD_BIAS, LEFT_BIAS].map(known),
-            common_slip: known(COMMON_SLIP),
+            gyro_bias: known(GYRO_BIAS, MAX_GYRO_BIAS_RAD_PER_S),
+            accelerometer_bias: [FORWARD_BIAS, LEFT_BIAS]
+                .map(|i| known(i, MAX_ACCELEROMETER_BIAS_M_PER_S2)),
+            common_slip: known(COMMON_SLIP, MAX_COMMON_SLIP),
             wheels,
         }
     }
@@ -77,6 +87,7 @@ impl Core {
             (COMMON_SLIP, learnt.common_slip),
         ];
         for (i, known) in states {
+            let Some(known) = known else { continue };
             let variance = known.variance.max(MIN_VARIANCE);
             self.state.reset(i, known.value, variance);
         }
@@ -100,27 +111,39 @@ impl Core {
     }
 }
 
+/// What may be restored; `None` for the rest.
+fn within(known: Measured, most: f64) -> Option<Measured> {
+    check("", known, most, "").is_ok().then_some(known)
+}
+
+fn check(field: &'static str, known: Measured, most: f64, unit: &'static str) -> Result<()> {
+    check_range(OF, field, known.value, (-most, most), unit)?;
+    check_range(OF, "variance", known.variance, VARIANCE, "1")
+}
+
+fn check_skid(skid: SlipPrior) -> Result<()> {
+    check_range(OF, "free_slip mean", skid.mean, FREE_SLIP, "1")?;
+    check_range(OF, "free_slip sigma", skid.sigma, FREE_SLIP_SIGMA, "1")
+}
+
 impl Learnt {
     fn check(&self) -> Result<()> {
-        let of = "learnt";
-        let within = |field, known: Measured, most: f64, unit| {
-            check_range(of, field, known.value, (-most, most), unit)?;
-            check_range(of, "variance", known.variance, (0.0, 1e6), "1")
-        };
-        let gyro = MAX_GYRO_BIAS_RAD_PER_S;
-        within("gyro_bias", self.gyro_bias, gyro, "rad/s")?;
-        for bias in self.accelerometer_bias {
-            let most = MAX_ACCELEROMETER_BIAS_M_PER_S2;
-            within("accelerometer_bias", bias, most, "m/s²")?;
+        if let Some(bias) = self.gyro_bias {
+            check("gyro_bias", bias, MAX_GYRO_BIAS_RAD_PER_S, "rad/s")?;
         }
-        within("common_slip", self.common_slip, 1.0, "1")?;
+        for bias in self.accelerometer_bias.into_iter().flatten() {
+            let most = MAX_ACCELEROMETER_BIAS_M_PER_S2;
+            check("accelerometer_bias", bias, most, "m/s²")?;
+        }
+        if let Some(slip) = self.common_slip {
+            check("common_slip", slip, MAX_COMMON_SLIP, "1")?;
+        }
         for wheel in &self.wheels {
             if let Some(skid) = wheel.free_slip {
-                check_range(of, "free_slip mean", skid.mean, (-0.95, 0.95), "1")?;
-                check_range(of, "free_slip sigma", skid.sigma, (0.0, 10.0), "1")?;
+                check_skid(skid)?;
             }
             if let Some(excess) = wheel.radius_excess {
-                within("radius_excess", excess, MAX_RADIUS_EXCESS, "1")?;
+                check("radius_excess", excess, MAX_RADIUS_EXCESS, "1")?;
             }
         }
         Ok(())
