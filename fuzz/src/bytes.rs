@@ -3,7 +3,6 @@
 /// The bytes that are left of a case; zeros once they are used up.
 pub struct Bytes<'a>(pub &'a [u8]);
 
-#[allow(dead_code, reason = "each target uses its own part of this")]
 impl Bytes<'_> {
     fn take<const N: usize>(&mut self) -> [u8; N] {
         let mut taken = [0; N];

@@ -1,16 +1,12 @@
 //! The controller under any input: every command finite and bounded, every decision with a number.
-#![no_main]
 
-mod bytes;
-mod stream;
-
-use bytes::Bytes;
+use crate::bytes::Bytes;
+use crate::{settings, stream};
 use grouser_slip::control::{
     ControlInput, ControlSettings, Controller, Decides, Request, WheelObservation,
 };
 use grouser_slip::filter::SlipPrior;
 use grouser_slip::{Degraded, Health, Invalid, Motion};
-use libfuzzer_sys::fuzz_target;
 
 const HEALTH: [Health; 6] = [
     Health::Ok,
@@ -29,19 +25,16 @@ fn number(bytes: &mut Bytes<'_>, from: f64, to: f64) -> Option<f64> {
     }
 }
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
     let wheels = 3 + bytes.u8() % 4;
-    let robot = stream::robot(16, wheels);
-    let mut settings = ControlSettings::default();
-    settings.optimum = bytes.within(0.01, 0.95);
+    let robot = stream::plain_robot(16, wheels);
+    let mut settings: ControlSettings = settings::drawn(&mut bytes, ControlSettings::FIELDS);
     settings.decides = match bytes.u8() % 4 {
         0 => Decides::Nothing,
         1 => Decides::Stops,
         _ => Decides::Everything,
     };
-    settings.high_slip_time = bytes.within(0.0, 1.0);
-    settings.dig_time = bytes.within(0.0, 1.0);
     let max_traction = settings.max_traction;
     let Ok(mut controller) = Controller::new(&robot, settings) else {
         return;
@@ -113,4 +106,4 @@ fuzz_target!(|bytes: &[u8]| {
             );
         }
     }
-});
+}

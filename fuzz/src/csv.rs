@@ -1,6 +1,4 @@
 //! A table out of any bytes: records or an error, never both, and never more than rows.
-#![no_main]
-
 use std::cell::RefCell;
 use std::fs;
 use std::path::PathBuf;
@@ -8,7 +6,6 @@ use std::path::PathBuf;
 use grouser_files::{Document, columns};
 use grouser_log::Log;
 use grouser_slip::Measurement;
-use libfuzzer_sys::fuzz_target;
 
 const OPTIONS: [&str; 6] = [
     "",
@@ -28,7 +25,7 @@ thread_local! {
     };
 }
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let Some((&kind, table)) = bytes.split_first() else {
         return;
     };
@@ -61,4 +58,4 @@ fuzz_target!(|bytes: &[u8]| {
             }
         }
     });
-});
+}

@@ -1,26 +1,22 @@
 //! The estimator under any stream of samples: total, finite, and honest about what it refuses.
-#![no_main]
 
-mod bytes;
-mod stream;
-
-use bytes::Bytes;
+use crate::bytes::Bytes;
+use crate::{settings, stream};
 use grouser_slip::Reference;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
-    let wheels = 3 + bytes.u8() % 4;
-    let bits = [8, 16, 32, 64][usize::from(bytes.u8() % 4)];
-    let reference = Reference::ALL[usize::from(bytes.u8()) % Reference::ALL.len()];
-    let settings = WindowSettings {
-        reference,
-        ..WindowSettings::default()
-    };
-    let Ok(mut estimator) = WindowEstimator::new(&stream::robot(bits, wheels), settings) else {
+    let Some(robot) = stream::robot(&mut bytes) else {
         return;
     };
+    let mut settings: WindowSettings = settings::drawn(&mut bytes, WindowSettings::FIELDS);
+    settings.reference = Reference::ALL[usize::from(bytes.u8()) % Reference::ALL.len()];
+    settings.history = [8, 100, 1000][usize::from(bytes.u8()) % 3];
+    let Ok(mut estimator) = WindowEstimator::new(&robot, settings) else {
+        return;
+    };
+    let wheels = robot.wheels().len() as u8;
     let mut time_ns = 0_i64;
     while !bytes.is_empty() {
         time_ns = stream::time(&mut bytes, time_ns);
@@ -39,4 +35,4 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(motion.covariance.iter().flatten().all(|v| v.is_finite()));
         }
     }
-});
+}

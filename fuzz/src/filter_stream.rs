@@ -1,21 +1,19 @@
 //! The filter over all sensors under any stream of samples: total, finite, and honest about what it refuses.
-#![no_main]
 
-mod bytes;
-mod stream;
-
-use bytes::Bytes;
+use crate::bytes::Bytes;
+use crate::{settings, stream};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
-    let wheels = 3 + bytes.u8() % 4;
-    let bits = [8, 16, 32, 64][usize::from(bytes.u8() % 4)];
-    let robot = stream::robot(bits, wheels);
-    let Ok(mut filter) = SlipFilter::new(&robot, FilterSettings::default()) else {
+    let Some(robot) = stream::robot(&mut bytes) else {
         return;
     };
+    let settings = settings::drawn(&mut bytes, FilterSettings::FIELDS);
+    let Ok(mut filter) = SlipFilter::new(&robot, settings) else {
+        return;
+    };
+    let wheels = robot.wheels().len() as u8;
     let mut time_ns = 0_i64;
     while !bytes.is_empty() {
         time_ns = stream::time(&mut bytes, time_ns);
@@ -44,4 +42,4 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(body.nis.is_finite(), "{body:?}");
         assert!(now.reference_age.is_none_or(f64::is_finite));
     }
-});
+}

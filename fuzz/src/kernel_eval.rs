@@ -1,15 +1,10 @@
 //! Forces at any sinkage of any wheel on any soil: an error, or numbers that are finite.
-#![no_main]
 
-mod bytes;
-mod point;
+use crate::bytes::Bytes;
 
-use bytes::Bytes;
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
-    let Some(point) = point::point(&mut bytes) else {
+    let Some(point) = crate::point::point(&mut bytes) else {
         return;
     };
     let radius = point.wheel.radius();
@@ -36,4 +31,4 @@ fuzz_target!(|bytes: &[u8]| {
         );
         assert!(solution.error_estimate.is_finite());
     }
-});
+}

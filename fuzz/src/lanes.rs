@@ -1,15 +1,10 @@
 //! A batch against one point at a time, machine against portable, a lane against itself alone.
-#![no_main]
 
-mod bytes;
-mod point;
-
-use bytes::Bytes;
+use crate::bytes::Bytes;
 use grouser_terra::{
     BatchColumns, BatchKernel, BatchPoints, Kinematics, RigidWheel, Settings, Slip, Soil,
     SoilParams, SolveStatus, WheelOnSoil,
 };
-use libfuzzer_sys::fuzz_target;
 
 /// Status, vertical force, drawbar pull and torque of each point.
 fn forces(
@@ -35,9 +30,9 @@ fn forces(
         .collect()
 }
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
-    let Some(point) = point::point(&mut bytes) else {
+    let Some(point) = crate::point::point(&mut bytes) else {
         return;
     };
     let count = usize::from(bytes.u8() % 12);
@@ -119,4 +114,4 @@ fuzz_target!(|bytes: &[u8]| {
             (a, b, c) => panic!("lanes {a:?}, portable {b:?}, alone {c:?}"),
         }
     }
-});
+}

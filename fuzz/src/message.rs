@@ -1,11 +1,8 @@
 //! A definition and a message out of any bytes: what decodes is written again to the same values.
-#![no_main]
-
 use grouser_log::container::{Channel, Encoding};
 use grouser_log::message::{Decoder, View};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let Some((&kind, rest)) = bytes.split_first() else {
         return;
     };
@@ -43,4 +40,4 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(value) = decoder.decode(data) {
         let _ = View::new(type_name, &value);
     }
-});
+}

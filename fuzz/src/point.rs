@@ -1,6 +1,4 @@
 //! A wheel on a soil out of the bytes of a case.
-#![allow(dead_code, reason = "each target uses its own part of this")]
-
 use grouser_terra::{
     Accuracy, Angle, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil,
 };
@@ -13,7 +11,6 @@ pub struct Point {
     pub soil: Soil,
     pub contact: WheelOnSoil,
     pub motion: Kinematics,
-    pub slip: f64,
 }
 
 pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
@@ -68,6 +65,5 @@ pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
         soil,
         contact,
         motion,
-        slip,
     })
 }

@@ -1,6 +1,4 @@
 //! A damaged log written anew, as either format: what was written is read again whole, message by message.
-#![no_main]
-
 use std::fs;
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -9,7 +7,6 @@ use std::sync::LazyLock;
 use grouser_log::Error;
 use grouser_log::container::Format;
 use grouser_log::write::{copy, verify};
-use libfuzzer_sys::fuzz_target;
 
 /// Files in memory where the system has them.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -25,7 +22,7 @@ fn file(name: &str) -> PathBuf {
     FOLDER.join(format!("grouser-fuzz-{}-{name}", std::process::id()))
 }
 
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let magics: [&[u8]; 2] = [b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n"];
     let kind = bytes.last().copied().unwrap_or(0);
     let is_log = magics.iter().any(|magic| bytes.starts_with(magic));
@@ -55,4 +52,4 @@ fuzz_target!(|bytes: &[u8]| {
     let anew = file("anew");
     fs::write(&anew, written.into_inner()).expect("a file");
     verify(&anew, &copied).expect("what was written is whole");
-});
+}

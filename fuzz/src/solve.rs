@@ -1,15 +1,10 @@
 //! The sinkage under any load: an error, a status, or a sinkage that carries the load.
-#![no_main]
 
-mod bytes;
-mod point;
+use crate::bytes::Bytes;
 
-use bytes::Bytes;
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| {
+pub fn run(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
-    let Some(point) = point::point(&mut bytes) else {
+    let Some(point) = crate::point::point(&mut bytes) else {
         return;
     };
     for _ in 0..3 {
@@ -36,4 +31,4 @@ fuzz_target!(|bytes: &[u8]| {
         let off = (f.vertical_force - load).abs();
         assert!(off <= 1e-6 * load.abs() + 1e-9, "{load:e} N, but {f:?}");
     }
-});
+}

@@ -1,14 +1,13 @@
-//! A robot, and a stream of samples of its sensors with every fault that bytes can make.
-#![allow(dead_code, reason = "each target uses its own part of this")]
-
+//! Robots, and a stream of samples of its sensors with every fault that bytes can make.
 use grouser_slip::{
     CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelEstimate,
 };
+use grouser_terra::Angle;
 
 use crate::bytes::Bytes;
 
-/// Three to six wheels, the last one free.
-pub fn robot(bits: u32, wheels: u8) -> Robot {
+/// Wheels on both sides, the last one free.
+pub fn plain_robot(bits: u32, wheels: u8) -> Robot {
     let width = CounterWidth::new(bits).expect("a width");
     let encoder = Encoder::counting(1000).counter(width);
     let wheel = |k: u8| {
@@ -19,12 +18,39 @@ pub fn robot(bits: u32, wheels: u8) -> Robot {
             Wheel::powered(name)
         };
         let y = if k % 2 == 0 { 0.2 } else { -0.2 };
-        wheel
-            .at(0.3 - 0.2 * f64::from(k), y)
-            .radius(0.1)
-            .encoder(encoder)
+        let wheel = wheel.at(0.3 - 0.2 * f64::from(k), y).radius(0.1);
+        wheel.width(0.05).load(20.0).encoder(encoder)
     };
     Robot::new("robot".into(), (0..wheels).map(wheel).collect()).expect("a robot")
+}
+
+/// One to eight wheels anywhere, in any direction, of any size, steered or not; `None` where the library refuses it.
+pub fn robot(bytes: &mut Bytes<'_>) -> Option<Robot> {
+    let wheels = 1 + bytes.u8() % 8;
+    if bytes.u8() % 2 == 0 {
+        return Some(plain_robot(8 << (bytes.u8() % 4), wheels.max(2)));
+    }
+    let wheels = (0..wheels).map(|k| {
+        let kind = bytes.u8();
+        let name = format!("w{k}");
+        let wheel = if kind % 4 == 0 {
+            Wheel::free(name)
+        } else {
+            Wheel::powered(name)
+        };
+        let mut wheel = wheel
+            .at(bytes.within(-2.0, 2.0), bytes.within(-1.0, 1.0))
+            .radius(10_f64.powf(bytes.within(-2.0, 0.0)))
+            .ticks_per_turn(10_f64.powf(bytes.within(0.0, 6.0)));
+        if kind & 16 != 0 {
+            wheel = wheel.heading(Angle::from_deg(bytes.within(-180.0, 180.0)));
+        }
+        if kind & 32 != 0 {
+            wheel = wheel.steered_about(bytes.within(-2.0, 2.0), bytes.within(-1.0, 1.0));
+        }
+        wheel
+    });
+    Robot::new("robot".into(), wheels.collect()).ok()
 }
 
 /// A time after, at, before or far from the last one.
@@ -42,7 +68,7 @@ pub fn time(bytes: &mut Bytes<'_>, last_ns: i64) -> i64 {
 pub fn sample(bytes: &mut Bytes<'_>, time_ns: i64, wheels: u8) -> Sample {
     let wheel = usize::from(bytes.u8() % (wheels + 1));
     let turn = |bytes: &mut Bytes<'_>| (bytes.u8() % 2 == 0).then(|| bytes.any());
-    let measurement = match bytes.u8() % 10 {
+    let measurement = match bytes.u8() % 17 {
         0 | 1 => Measurement::WheelCount {
             wheel,
             raw: bytes.u64() >> (bytes.u8() % 64),
@@ -73,6 +99,36 @@ pub fn sample(bytes: &mut Bytes<'_>, time_ns: i64, wheels: u8) -> Sample {
         8 => Measurement::Speed {
             forward: bytes.any(),
             left: turn(bytes),
+        },
+        9 => Measurement::Acceleration {
+            forward: bytes.any(),
+            left: bytes.any(),
+        },
+        10 => Measurement::Inertial {
+            force: [bytes.any(), bytes.any(), bytes.any()],
+            rate: [bytes.any(), bytes.any(), bytes.any()],
+        },
+        11 => Measurement::JointAngle {
+            joint: wheel,
+            angle: bytes.any(),
+        },
+        12 => Measurement::SteeringAngle {
+            wheel,
+            angle: bytes.any(),
+        },
+        13 => Measurement::MotorCurrent {
+            wheel,
+            share: bytes.any(),
+        },
+        14 => Measurement::Carrier {
+            wheel,
+            turn: bytes.any(),
+            forward: bytes.any(),
+            up: bytes.any(),
+        },
+        15 => Measurement::WheelTorque {
+            wheel,
+            torque: bytes.any(),
         },
         _ => Measurement::Command {
             forward: bytes.any(),
