@@ -67,13 +67,25 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// The committed seeds, and for containers the files of other writers.
+/// Folders of seeds beside a target's own, as in `fuzz/run`.
+fn other_folders(name: &str) -> &'static [&'static str] {
+    match name {
+        "mcap_read" | "bag_read" | "recover" => &["crates/log/tests/interop"],
+        "toml_config" => &["examples/scenarios", "examples/robots", "examples/problems"],
+        "urdf" => &["examples/robots"],
+        _ => &[],
+    }
+}
+
+/// The committed seeds, and files of the project.
 fn seeds(name: &str) -> Vec<Vec<u8>> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut folders = vec![here.join("seeds").join(name)];
-    if ["mcap_read", "bag_read", "recover"].contains(&name) {
-        folders.push(here.join("../crates/log/tests/interop"));
-    }
+    folders.extend(
+        other_folders(name)
+            .iter()
+            .map(|folder| here.join("..").join(folder)),
+    );
     let mut files: Vec<PathBuf> = folders
         .iter()
         .filter_map(|folder| fs::read_dir(folder).ok())

@@ -5,13 +5,21 @@ use grouser_real::Real;
 
 use super::estimator::Core;
 use super::ground_track::{Inertial, Outcome};
-use super::motion_model::{COMMON_SLIP, FORWARD, LEFT, YAW};
+use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
+use super::multiple_model::TurnError;
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between};
 use crate::sample::Measurement;
+use crate::speed::Measured;
 
 /// Variance of a speed beside that of the slip, m²/s²: what two steps of 5 ms at 0.2 m/s² differ by.
 const SPEED_VARIANCE_FLOOR: f64 = 1e-6;
+
+/// How long the error of a turn rate stays the same, s: of a gyro, and of wheels that slip.
+const GYRO_ERROR_MEMORY_S: f64 = 100.0;
+const WHEEL_TURN_ERROR_MEMORY_S: f64 = 2.0;
+/// The models know the gyro's bias better where their variance is below this share of the filter's own.
+const BETTER_VARIANCE_SHARE: f64 = 0.9;
 
 impl Core {
     /// Predicts the motion over the ground, and puts it in the state.
@@ -20,8 +28,22 @@ impl Core {
             return;
         };
         let dropout = self.settings.dropout;
+        let turn_error = if self.gyro.is_trusted(time_ns, &self.settings) {
+            TurnError {
+                removed: self.state.mean(GYRO_BIAS),
+                sigma: self.state.sigma(GYRO_BIAS),
+                memory: GYRO_ERROR_MEMORY_S,
+            }
+        } else {
+            TurnError {
+                removed: 0.0,
+                sigma: self.state.sigma(YAW),
+                memory: WHEEL_TURN_ERROR_MEMORY_S,
+            }
+        };
         let inertial = Inertial {
             yaw_rate: self.state.mean(YAW),
+            turn_error,
             force: self
                 .accelerometer
                 .last
@@ -98,7 +120,26 @@ impl Core {
             if let Some(motion) = motion.filter(|_| !has_gyro) {
                 self.update_turn(&motion, now_ns);
             }
+            if has_gyro {
+                self.learn_gyro_bias(now_ns);
+            }
         }
         Ok(())
+    }
+
+    /// Takes on what the models have learnt of the gyro's bias, where they know it better.
+    fn learn_gyro_bias(&mut self, now_ns: i64) {
+        let Some((motion, ..)) = self
+            .ground
+            .as_ref()
+            .and_then(|ground| ground.motion(now_ns))
+        else {
+            return;
+        };
+        let Measured { value, variance } = motion.turn_error;
+        if variance < BETTER_VARIANCE_SHARE * self.state.covariance(GYRO_BIAS, GYRO_BIAS) {
+            let bias = self.state.mean(GYRO_BIAS) + value;
+            self.state.reset(GYRO_BIAS, bias, variance);
+        }
     }
 }

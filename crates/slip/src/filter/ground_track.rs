@@ -6,7 +6,7 @@ use grouser_real::Real;
 use super::MAX_FILTER_WHEELS;
 use super::accelerometer::SpecificForce;
 use super::multiple_model::reference_noise::ReferenceNoise;
-use super::multiple_model::{ModelMotion, MultipleModel, WheelStep};
+use super::multiple_model::{ModelMotion, MultipleModel, TurnError, WheelStep};
 use super::output::RimPath;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
@@ -35,9 +35,14 @@ const STARTED_S: f64 = 2.0;
 const SILENT_PERIODS: f64 = 2.5;
 /// Positions that are refused for this many readings restart the models: a steady reference is right, not the models.
 const MAX_REFUSED: u32 = 6;
-/// Standard deviation of a heading, rad: measured, and summed from displacements.
+/// Standard deviation of a heading, rad: measured, where its own readings do not show a larger one, and summed from
+/// displacements.
 const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
 const SUMMED_HEADING_SIGMA_RAD: f64 = 1e-3;
+/// A heading that each displacement turns by its error: this standard deviation of the error until it is learnt, rad; and
+/// what is learnt of second differences as of independent readings is smaller by this factor, √3.
+const DISPLACEMENT_TURN_SIGMA_RAD: f64 = 2e-3;
+const SUM_OVER_INDEPENDENT: f64 = 1.732_050_807_568_877_2;
 /// A measured heading that was wrong this often is not used beside a gyro: many poses have none.
 const MAX_HEADING_RESTARTS: u32 = 2;
 /// A measured heading that has changed by this much is one, rad; poses without a heading repeat a number.
@@ -51,6 +56,8 @@ const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
 /// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
 const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
 const AWAITED_PERIODS: f64 = 1.5;
+/// Rims run at most so much faster than the robot in a turn: the inverse.
+const MIN_RIM_SHARE: f64 = 0.1;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
 /// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
@@ -67,6 +74,7 @@ pub(super) const MAX_DELAY_S: f64 = 1.0;
 #[derive(Clone, Copy)]
 pub(super) struct Inertial {
     pub(super) yaw_rate: f64,
+    pub(super) turn_error: TurnError,
     pub(super) force: Option<SpecificForce>,
 }
 
@@ -99,7 +107,9 @@ pub(super) struct GroundTrack {
     rim_speed: f64,
     /// Has the rims' motion been measured? Models that start without it would start at rest.
     has_rims: bool,
-    accel_noise: ReferenceNoise,
+    accel_noise: ReferenceNoise<2>,
+    heading_noise: ReferenceNoise<1>,
+    speed_noise: ReferenceNoise<1>,
     accel_ns: Option<i64>,
     accel_period_s: f64,
     /// Sum and number of the accelerometer's readings since the last step.
@@ -137,6 +147,8 @@ impl GroundTrack {
             rim_speed: 0.0,
             has_rims: false,
             accel_noise: ReferenceNoise::new(),
+            heading_noise: ReferenceNoise::new(),
+            speed_noise: ReferenceNoise::new(),
             accel_ns: None,
             accel_period_s: 0.0,
             accel_sum: [0.0; 2],
@@ -289,6 +301,7 @@ impl GroundTrack {
             rim_way: rims.way,
             direction: rims.direction,
             turn: inertial.yaw_rate * dt,
+            turn_error: inertial.turn_error,
             acceleration: inertial.force.map(|last| {
                 let force = if self.accel_count > 0.0 {
                     self.accel_sum.map(|sum| sum / self.accel_count)
@@ -323,10 +336,13 @@ impl GroundTrack {
             .iter()
             .filter(|wheel| heard(wheel))
             .all(|wheel| (first[0] * wheel.row[1] - first[1] * wheel.row[0]).abs() < PARALLEL_SINE);
+        // rims that slip run faster than the robot in its turn, too
+        let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
+        let turn = yaw_rate / share.max(MIN_RIM_SHARE);
         let level = |wheel: &WheelChannel| {
             let (rim, _) = wheel.rim?;
             Some(Measured {
-                value: rim.value - yaw_rate * wheel.row[2],
+                value: rim.value - turn * wheel.row[2],
                 variance: rim.variance,
             })
         };
@@ -339,10 +355,17 @@ impl GroundTrack {
         let sorted = &mut sorted[..count];
         sorted.sort_unstable_by(f64::total_cmp);
         let median = 0.5 * (sorted.get(count.max(1) / 2)? + sorted[count.max(1).div_ceil(2) - 1]);
-        let agrees = |rim: Measured| {
+        let is_near = |rim: Measured| {
             let limit = (INLIER_SHARE * median.abs()).max(INLIER_SIGMA * rim.sigma());
-            !parallel || count < 3 || (rim.value - median).abs() <= limit
+            (rim.value - median).abs() <= limit
         };
+        let any_near = wheels
+            .iter()
+            .filter(|wheel| heard(wheel))
+            .filter_map(level)
+            .any(is_near);
+        // two sides that run apart have no wheel near their middle
+        let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
         let mut by_way = Observations::default();
         let mut by_speed = Observations::default();
         let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
@@ -350,7 +373,7 @@ impl GroundTrack {
             let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
                 continue;
             };
-            let along = ways[index] - yaw_rate * dt * wheel.row[2];
+            let along = ways[index] - turn * dt * wheel.row[2];
             way += along;
             speed += rim.value;
             variance += rim.variance;
@@ -485,10 +508,10 @@ impl GroundTrack {
         } else {
             self.period_s = passed;
         }
-        if matches!(measurement, Measurement::Displacement { .. }) {
-            // each displacement adds its own error to their sum
-            self.models.wander(settings.position_sigma);
-        }
+        let heading_sigma = yaw.map_or(heading_sigma, |yaw| {
+            let turned = now[2] - since[2];
+            self.heading_sigma((yaw - turned, heading_sigma), measurement, settings)
+        });
         let agreement = self
             .models
             .update_position(place, since, settings.position_sigma);
@@ -511,12 +534,38 @@ impl GroundTrack {
         Outcome::Refused
     }
 
+    /// Learns the noise of headings from one less the turn by gyro or wheels, and returns the standard deviation of this one.
+    fn heading_sigma(
+        &mut self,
+        (beside_turn, sigma): (f64, f64),
+        measurement: &Measurement,
+        settings: &FilterSettings,
+    ) -> f64 {
+        self.heading_noise.push([beside_turn]);
+        let learnt = self.heading_noise.learnt();
+        if !matches!(measurement, Measurement::Displacement { .. }) {
+            return learnt.map_or(sigma, |learnt| learnt.max(sigma));
+        }
+        // each displacement adds its own errors to their sum
+        let turn = learnt.map_or(DISPLACEMENT_TURN_SIGMA_RAD, |learnt| {
+            SUM_OVER_INDEPENDENT * learnt
+        });
+        self.models.wander(settings.position_sigma, turn);
+        sigma
+    }
+
     fn update_speed(&mut self, now_ns: i64, forward: f64, settings: &FilterSettings) -> Outcome {
         if !self.models.has_started() {
             self.start(now_ns, [0.0; 2], (0.0, SUMMED_HEADING_SIGMA_RAD), settings);
         }
-        self.models
-            .update_speed(forward * Real::cos(self.direction), settings.speed_sigma);
+        let speed = forward * Real::cos(self.direction);
+        let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
+        self.speed_noise.push([speed - self.rim_speed * share]);
+        let sigma = self
+            .speed_noise
+            .sigma(settings.speed_sigma)
+            .max(settings.speed_sigma);
+        self.models.update_speed(speed, sigma);
         self.accepted_ns = Some(now_ns);
         Outcome::Accepted
     }

@@ -14,8 +14,11 @@ pub(super) mod reference_noise;
 use grouser_real::Real;
 
 use group::Group;
-use model::{DRIFT, HEADING, Rim, SLIP, STATES, Step, X, Y};
+pub(super) use model::TurnError;
+use model::{DRIFT, HEADING, Rim, SLIP, STATES, Step, TURN_ERROR, X, Y};
 use reference_noise::ReferenceNoise;
+
+use crate::speed::Measured;
 
 /// Process noise densities of slip of the lone models, 1/√s: from firm ground to a wheel that breaks away; set by the profiles
 /// of `known_truth` in the generator's crate.
@@ -53,8 +56,9 @@ pub(crate) struct WheelStep {
     pub(crate) rim_way: f64,
     /// Direction in which the rims run, beside the robot's heading, rad.
     pub(crate) direction: f64,
-    /// Turn of the robot, rad.
+    /// Turn of the robot, rad, and what is known of its error.
     pub(crate) turn: f64,
+    pub(crate) turn_error: TurnError,
     /// Specific force along that direction, m/s², and its noise density, m/s/√s.
     pub(crate) acceleration: Option<(f64, f64)>,
     /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
@@ -74,6 +78,8 @@ pub(crate) struct ModelMotion {
     /// Sideways over forward speed.
     pub(crate) drift: f64,
     pub(crate) drift_sigma: f64,
+    /// Error of the turn rate, rad/s, and its variance.
+    pub(crate) turn_error: Measured,
     /// Place and heading in the reference's frame.
     pub(crate) place: [f64; 2],
     pub(crate) heading: f64,
@@ -96,7 +102,8 @@ pub(crate) struct MultipleModel {
     shares: [f64; GROUPS],
     /// Means over all groups, as of the last step.
     mean: [f64; STATES],
-    noise: ReferenceNoise,
+    noise: ReferenceNoise<2>,
+    turn_error: TurnError,
     has_started: bool,
     was_inertial: bool,
     rim_speed: f64,
@@ -130,6 +137,7 @@ impl MultipleModel {
             shares: [1.0 / GROUPS as f64; GROUPS],
             mean: [0.0; STATES],
             noise: ReferenceNoise::new(),
+            turn_error: TurnError::default(),
             has_started: false,
             was_inertial: false,
             rim_speed: 0.0,
@@ -147,6 +155,7 @@ impl MultipleModel {
         noise.interrupt();
         *self = Self {
             noise,
+            turn_error: self.turn_error,
             rim_path: self.rim_path,
             turned: self.turned,
             rim_way: self.rim_way,
@@ -168,6 +177,8 @@ impl MultipleModel {
     /// Predicts over one step.
     pub(crate) fn advance(&mut self, wheels: &WheelStep) {
         self.rim_speed = wheels.rim_speed;
+        let before = core::mem::replace(&mut self.turn_error, wheels.turn_error);
+        let removed = wheels.turn_error.removed - before.removed;
         if !self.has_started {
             return;
         }
@@ -189,6 +200,8 @@ impl MultipleModel {
                 rim_way: wheels.rim_way,
                 direction: wheels.direction,
                 turn: wheels.turn,
+                turn_error: wheels.turn_error,
+                removed,
                 acceleration: wheels.acceleration.filter(|_| uses),
             };
             group.mix(wheels.dt);
@@ -220,10 +233,9 @@ impl MultipleModel {
         heading_sigma: f64,
     ) {
         let (rim, slip) = (self.rim_speed, self.slip_prior);
+        let sigma = [position_sigma, heading_sigma, self.turn_error.sigma];
         for group in &mut self.groups {
-            group.each(|model| {
-                model.start(place, heading, [position_sigma, heading_sigma], rim, slip);
-            });
+            group.each(|model| model.start(place, heading, sigma, rim, slip));
         }
         self.has_started = true;
         self.average();
@@ -291,10 +303,13 @@ impl MultipleModel {
         }
     }
 
-    /// The reference's frame may have wandered by `distance` (m).
-    pub(crate) fn wander(&mut self, distance: f64) {
+    /// The reference's frame may have wandered by `distance` (m) and turned by `angle` (rad).
+    pub(crate) fn wander(&mut self, distance: f64, angle: f64) {
         for group in &mut self.groups {
-            group.each(|model| model.inflate_position(distance * distance));
+            group.each(|model| {
+                model.inflate_position(distance * distance);
+                model.inflate_heading(angle * angle);
+            });
         }
     }
 
@@ -313,6 +328,10 @@ impl MultipleModel {
             slip_sigma: slip.1,
             drift: drift.0,
             drift_sigma: drift.1,
+            turn_error: Measured {
+                value: self.mean[TURN_ERROR],
+                variance: self.variance(TURN_ERROR),
+            },
             place: [self.mean[X], self.mean[Y]],
             heading: self.mean[HEADING],
         })

@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 /// Number of states.
-pub(super) const STATES: usize = 7;
+pub(super) const STATES: usize = 8;
 /// Place in the reference's frame, m.
 pub(super) const X: usize = 0;
 /// Its second coordinate, m.
@@ -18,6 +18,8 @@ pub(super) const SLIP: usize = 4;
 pub(super) const DRIFT: usize = 5;
 /// Bias of the accelerometer along the direction of travel, m/s².
 const BIAS: usize = 6;
+/// Error of the turn rate, rad/s: what is left of the gyro's bias, or the wheels' slip where they alone tell the turn.
+pub(super) const TURN_ERROR: usize = 7;
 
 /// Prior share of outliers among the readings of a reference; the cells of `known_truth` draw half of it.
 const OUTLIER_SHARE: f64 = 0.02;
@@ -30,7 +32,7 @@ const SIDE_NOISE: f64 = 0.03;
 /// Process noise density of the drift, 1/√s, and its time constant, s: slopes are crossed for seconds.
 const DRIFT_NOISE: f64 = 0.03;
 const DRIFT_MEMORY_S: f64 = 5.0;
-/// Process noise density of the heading beside the gyro's bias, rad/√s.
+/// Process noise density of the heading beside the error of the turn rate, rad/√s.
 const HEADING_NOISE: f64 = 1e-3;
 /// Slip lies within ±1.
 const MAX_SLIP: f64 = 1.0;
@@ -45,8 +47,22 @@ pub(super) struct Step {
     pub(super) direction: f64,
     /// Turn of the robot over the step, rad.
     pub(super) turn: f64,
+    pub(super) turn_error: TurnError,
+    /// By how much more than before the turn rate is reduced, rad/s.
+    pub(super) removed: f64,
     /// Specific force along the direction, m/s², and its noise density, m/s/√s.
     pub(super) acceleration: Option<(f64, f64)>,
+}
+
+/// What is known of the error of the turn rate.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TurnError {
+    /// What the turn rate was reduced by already, rad/s.
+    pub(crate) removed: f64,
+    /// Standard deviation of the rest, rad/s.
+    pub(crate) sigma: f64,
+    /// How long it stays the same, s.
+    pub(crate) memory: f64,
 }
 
 /// The rims' mean speed over a window, which ties speed and slip.
@@ -84,7 +100,7 @@ impl Model {
         &mut self,
         place: [f64; 2],
         heading: f64,
-        sigma: [f64; 2],
+        [position_sigma, heading_sigma, turn_sigma]: [f64; 3],
         rim: f64,
         slip: [f64; 2],
     ) {
@@ -96,10 +112,21 @@ impl Model {
             slip[0],
             0.0,
             0.0,
+            0.0,
         ];
         self.covariance = [[0.0; STATES]; STATES];
         let speed = rim.abs() * slip[1] + 0.01;
-        let sigmas = [sigma[0], sigma[0], sigma[1], speed, slip[1], 0.05, 0.3];
+        let place = position_sigma;
+        let sigmas = [
+            place,
+            place,
+            heading_sigma,
+            speed,
+            slip[1],
+            0.05,
+            0.3,
+            turn_sigma,
+        ];
         for (i, sigma) in sigmas.into_iter().enumerate() {
             self.covariance[i][i] = sigma * sigma;
         }
@@ -119,9 +146,11 @@ impl Model {
     /// Predicts over one step.
     pub(super) fn predict(&mut self, step: &Step) {
         let dt = step.dt;
-        let [.., slip, drift, bias] = self.mean;
-        let (sin, cos) = Real::sin_cos(self.mean[HEADING] + step.direction + 0.5 * step.turn);
-        self.mean[HEADING] += step.turn;
+        let [.., slip, drift, bias, _] = self.mean;
+        let turn = self.predict_turn_error(step);
+        let (sin, cos) = Real::sin_cos(self.mean[HEADING] + step.direction + 0.5 * turn);
+        self.mean[HEADING] += turn;
+        self.propagate(HEADING, TURN_ERROR, -dt);
         self.covariance[HEADING][HEADING] += HEADING_NOISE * HEADING_NOISE * dt;
         let way;
         if let Some((force, noise)) = step.acceleration {
@@ -168,6 +197,28 @@ impl Model {
         self.covariance[SLIP][SLIP] += self.slip_noise * self.slip_noise * dt;
     }
 
+    /// Predicts the error of the turn rate; returns the turn without it.
+    fn predict_turn_error(&mut self, step: &Step) -> f64 {
+        let TurnError { sigma, memory, .. } = step.turn_error;
+        self.mean[TURN_ERROR] -= step.removed;
+        let kept = 1.0 - (step.dt / memory).min(1.0);
+        let variance = sigma * sigma;
+        let own = self.covariance[TURN_ERROR][TURN_ERROR];
+        // who reduces the turn rate may have learnt more of it than the positions tell
+        let known = if own > variance {
+            Real::sqrt(variance / own)
+        } else {
+            1.0
+        };
+        self.mean[TURN_ERROR] *= kept;
+        for i in 0..STATES {
+            self.covariance[i][TURN_ERROR] *= kept * known;
+            self.covariance[TURN_ERROR][i] *= kept * known;
+        }
+        self.covariance[TURN_ERROR][TURN_ERROR] += (1.0 - kept * kept) * variance;
+        step.turn - self.mean[TURN_ERROR] * step.dt
+    }
+
     /// Without an accelerometer the speed follows from rim and slip.
     pub(super) fn follow_rim(&mut self, rim: Rim) {
         let (share, slope) = rim_share(self.mean[SLIP]);
@@ -202,6 +253,11 @@ impl Model {
 
     fn clamp_slip(&mut self) {
         self.mean[SLIP] = self.mean[SLIP].clamp(-MAX_SLIP, MAX_SLIP);
+    }
+
+    /// Inflates the variance of the heading (rad²).
+    pub(super) fn inflate_heading(&mut self, variance: f64) {
+        self.covariance[HEADING][HEADING] += variance;
     }
 
     /// Inflates the variance of the position (m²).

@@ -16,12 +16,12 @@ const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
 /// Variance of the second difference of white noise over that of the noise.
 const SECOND_DIFFERENCE: f64 = 6.0;
 
-/// Standard deviation of the positions about the way of the wheels, by the median of second differences: a constant slip
+/// Standard deviation of readings (positions, headings) about the way or the turn of the wheels and the gyro, by the median of second differences: a constant slip
 /// drops out, and outliers and changes of slip are few. The median is followed in small steps: that of few differences would
 /// make the noise itself noisy.
 #[derive(Clone, Debug)]
-pub(crate) struct ReferenceNoise {
-    last: [[f64; 2]; 2],
+pub(crate) struct ReferenceNoise<const AXES: usize> {
+    last: [[f64; AXES]; 2],
     seen: usize,
     sizes: [f64; KEPT],
     next: usize,
@@ -30,10 +30,10 @@ pub(crate) struct ReferenceNoise {
     lasting: Option<f64>,
 }
 
-impl ReferenceNoise {
+impl<const AXES: usize> ReferenceNoise<AXES> {
     pub(crate) const fn new() -> Self {
         Self {
-            last: [[0.0; 2]; 2],
+            last: [[0.0; AXES]; 2],
             seen: 0,
             sizes: [0.0; KEPT],
             next: 0,
@@ -42,15 +42,15 @@ impl ReferenceNoise {
         }
     }
 
-    /// Adds a position less the way of the wheels.
-    pub(crate) fn push(&mut self, reading: [f64; 2]) {
+    /// Adds a reading less what the wheels or the gyro say.
+    pub(crate) fn push(&mut self, reading: [f64; AXES]) {
         let [before, last] = self.last;
         self.last = [last, reading];
         self.seen += 1;
         if self.seen < 3 {
             return;
         }
-        for axis in 0..2 {
+        for axis in 0..AXES {
             let size = (reading[axis] - 2.0 * last[axis] + before[axis]).abs();
             self.sizes[self.next] = size;
             self.next = (self.next + 1) % KEPT;
@@ -79,7 +79,7 @@ impl ReferenceNoise {
         self.seen = 0;
     }
 
-    /// The learnt standard deviation, m.
+    /// The learnt standard deviation, in the unit of the readings.
     pub(crate) fn learnt(&self) -> Option<f64> {
         self.lasting
             .map(|median| median / (MEDIAN_OF_NORMAL * Real::sqrt(SECOND_DIFFERENCE)))

@@ -1,0 +1,240 @@
+//! The filter beside an absolute reference while the robot turns: gyros with a bias that no rest has shown, sides that run far
+//! apart at high slip, headings that wander, speeds with more noise than described. The world knows no model of the filter: a
+//! body that is steered along a course, and rims that run faster than the ground under them by their slip.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod noise;
+
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::{Health, Measurement, Robot, Sample, Wheel};
+use noise::Noise;
+
+const STEP_S: f64 = 0.01;
+const RADIUS_M: f64 = 0.1;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Reference {
+    /// At 10 Hz, with this noise of place (m) and heading (rad).
+    Pose([f64; 2]),
+    /// At 20 Hz, with this noise of way (m) and turn (rad).
+    Displacement([f64; 2]),
+    /// At 10 Hz, with this noise, m/s.
+    Speed(f64),
+}
+
+struct World {
+    /// Wheels a side, half a metre apart, and half their track, m.
+    rows: usize,
+    half_track: f64,
+    speed: f64,
+    turn: f64,
+    slip: fn(f64) -> f64,
+    /// rad/s; `None`: no gyro.
+    gyro_bias: Option<f64>,
+    reference: Reference,
+    seed: u64,
+}
+
+/// Errors of all wheels from 20 s on.
+#[derive(Debug)]
+struct Score {
+    rmse: f64,
+    /// Share of estimates that are `Ok` and more than four sigma off.
+    wrong: f64,
+    /// Mean squared error over variance.
+    nees: f64,
+}
+
+impl World {
+    fn robot(&self) -> Robot {
+        let wheels = (0..2 * self.rows).map(|i| {
+            let (x, y) = self.place(i);
+            Wheel::powered(format!("w{i}"))
+                .at(x, y)
+                .radius(RADIUS_M)
+                .ticks_per_turn(4096)
+        });
+        Robot::new("turning".into(), wheels.collect()).unwrap()
+    }
+
+    fn place(&self, wheel: usize) -> (f64, f64) {
+        let row = (wheel / 2) as f64 - 0.5 * (self.rows as f64 - 1.0);
+        let side = if wheel.is_multiple_of(2) { 1.0 } else { -1.0 };
+        (0.5 * row, side * self.half_track)
+    }
+
+    fn run(&self) -> Score {
+        let mut noise = Noise::new(self.seed);
+        let mut filter = SlipFilter::new(&self.robot(), FilterSettings::any_ground()).unwrap();
+        let mut angles = vec![0.0; 2 * self.rows];
+        let ([mut x, mut y], mut yaw) = ([0.0_f64; 2], 0.0_f64);
+        let mut passed = [0.0; 3];
+        let (mut squares, mut scaled, mut wrong, mut ok, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for step in 0..8000_i32 {
+            let time = f64::from(step) * STEP_S;
+            let time_ns = i64::from(step) * 10_000_000;
+            let v = self.speed * (1.0 - (-time / 0.4).exp());
+            // straight, left, straight, right …
+            let side = match step / 1000 % 4 {
+                1 => 1.0,
+                3 => -1.0,
+                _ => 0.0,
+            };
+            let turn = side * self.turn * v / self.speed;
+            let middle = yaw + 0.5 * turn * STEP_S;
+            x += v * STEP_S * middle.cos();
+            y += v * STEP_S * middle.sin();
+            yaw += turn * STEP_S;
+            for (slot, part) in passed.iter_mut().zip([v, 0.0, turn]) {
+                *slot += part * STEP_S;
+            }
+            let slip = (self.slip)(time);
+            let mut give = |measurement| {
+                let _ = filter.update(Sample {
+                    time_ns,
+                    measurement,
+                });
+            };
+            for (wheel, angle) in angles.iter_mut().enumerate() {
+                let ground = v - turn * self.place(wheel).1;
+                let rate = ground / (1.0 - slip) / RADIUS_M;
+                *angle += rate * STEP_S;
+                // a rate that is never quite 0, so that the filter sees no rest
+                let rate = rate + 0.01 * noise.normal();
+                give(Measurement::WheelRate { wheel, rate });
+            }
+            if let Some(bias) = self.gyro_bias {
+                let rate = turn + bias + 0.005 * noise.normal();
+                give(Measurement::YawRate { rate });
+            }
+            match self.reference {
+                Reference::Pose([place, heading]) if step % 10 == 0 => give(Measurement::Pose {
+                    x: x + place * noise.normal(),
+                    y: y + place * noise.normal(),
+                    yaw: yaw + heading * noise.normal(),
+                }),
+                Reference::Displacement([way, heading]) if step % 5 == 0 => {
+                    let [forward, left, turned] = core::mem::take(&mut passed);
+                    give(Measurement::Displacement {
+                        forward: forward + way * noise.normal(),
+                        left: left + way * noise.normal(),
+                        turn: Some(turned + heading * noise.normal()),
+                    });
+                }
+                Reference::Speed(sigma) if step % 10 == 0 => give(Measurement::Speed {
+                    forward: v + sigma * noise.normal(),
+                    left: None,
+                }),
+                _ => {}
+            }
+            if time < 20.0 || step % 10 != 0 {
+                continue;
+            }
+            for (wheel, estimate) in filter.latest().wheels.iter().enumerate() {
+                let ground = v - turn * self.place(wheel).1;
+                let (Some(found), Some(sigma)) = (estimate.slip, estimate.sigma) else {
+                    continue;
+                };
+                if (ground / (1.0 - slip)).abs() < 0.05 {
+                    continue;
+                }
+                let error = found.value() - slip;
+                squares += error * error;
+                count += 1.0;
+                if estimate.health == Health::Ok {
+                    ok += 1.0;
+                    scaled += (error / sigma).powi(2);
+                    wrong += f64::from(u8::from(error.abs() > 4.0 * sigma));
+                }
+            }
+        }
+        assert!(count > 1000.0, "{count} estimates");
+        Score {
+            rmse: (squares / count).sqrt(),
+            wrong: wrong / f64::max(ok, 1.0),
+            nees: scaled / f64::max(ok, 1.0),
+        }
+    }
+
+    fn assert_within(&self, rmse: f64) {
+        let score = self.run();
+        assert!(score.rmse <= rmse, "{score:?}, but {rmse}");
+        assert!(score.wrong < 0.01 && score.nees < 2.0, "{score:?}");
+    }
+}
+
+const WORLD: World = World {
+    rows: 1,
+    half_track: 0.14,
+    speed: 0.37,
+    turn: 0.3,
+    slip: |_| 0.1,
+    gyro_bias: Some(0.015),
+    reference: Reference::Pose([0.005, 0.02]),
+    seed: 1,
+};
+
+/// 0.015 rad/s is within the bias that the settings expect. Heading that is a second wrong hides slip as cos.
+#[test]
+fn a_gyros_bias_is_learnt_from_the_heading_of_poses() {
+    for seed in 1..4 {
+        World { seed, ..WORLD }.assert_within(0.02);
+    }
+}
+
+#[test]
+fn sides_that_run_far_apart_are_no_outliers_of_each_other() {
+    let world = World {
+        rows: 3,
+        half_track: 0.6,
+        speed: 0.7,
+        turn: 0.41,
+        slip: |time| if time < 35.0 { 0.33 } else { 0.73 },
+        gyro_bias: Some(0.002),
+        ..WORLD
+    };
+    world.assert_within(0.05);
+    World {
+        reference: Reference::Displacement([0.002, 0.002]),
+        ..world
+    }
+    .assert_within(0.05);
+}
+
+#[test]
+fn a_heading_that_wanders_with_each_displacement_is_followed() {
+    for gyro_bias in [None, Some(-0.008)] {
+        World {
+            half_track: 0.08,
+            speed: 2.4,
+            turn: 0.2,
+            gyro_bias,
+            reference: Reference::Displacement([0.002, 0.03]),
+            ..WORLD
+        }
+        .assert_within(0.025);
+    }
+}
+
+#[test]
+fn the_turn_by_slipping_wheels_is_corrected_by_poses() {
+    World {
+        rows: 3,
+        half_track: 0.3,
+        speed: 0.5,
+        slip: |time| 0.1 + 0.004 * time,
+        gyro_bias: None,
+        ..WORLD
+    }
+    .assert_within(0.06);
+}
+
+#[test]
+fn the_noise_of_a_speed_is_learnt() {
+    World {
+        speed: 0.6,
+        reference: Reference::Speed(0.1),
+        ..WORLD
+    }
+    .assert_within(0.06);
+}
