@@ -1,4 +1,5 @@
 //! `mutate TARGET [EXECUTIONS [SEED]]`: a target over its committed seeds, mutated at random; the same seed gives the same cases.
+//! `mutate list` names the targets.
 //! Without libFuzzer and its feedback, on any Rust: what CI runs of a target.
 
 use std::fs;
@@ -21,15 +22,18 @@ fn main() -> ExitCode {
         Some(text) => text.parse().ok(),
         None => Some(default),
     };
+    if name == "list" {
+        for target in grouser_fuzz::TARGETS {
+            println!("{}", target.name);
+        }
+        return ExitCode::SUCCESS;
+    }
     let (Some(target), Some(executions), Some(seed)) = (
         grouser_fuzz::find(name),
         number(1, 100_000),
         number(2, 2012),
     ) else {
-        eprintln!("mutate TARGET [EXECUTIONS [SEED]], TARGET one of:");
-        for target in grouser_fuzz::TARGETS {
-            eprintln!("  {}", target.name);
-        }
+        eprintln!("mutate list | TARGET [EXECUTIONS [SEED]]");
         return ExitCode::from(2);
     };
     let seeds = seeds(name);
