@@ -45,6 +45,13 @@ rivals:
     bench/target/venv/bin/pip install --quiet numpy scipy numba
     bench/target/venv/bin/python bench/rivals.py
 
+# `estimate` on a hundred random robots, sensors and courses of a world of its own, beside naive means (bench/random_logs.py)
+random-logs first="0" count="100":
+    cargo build --release
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy
+    bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}}
+
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:
     RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --target x86_64-unknown-linux-gnu

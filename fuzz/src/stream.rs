@@ -68,7 +68,7 @@ pub fn time(bytes: &mut Bytes<'_>, last_ns: i64) -> i64 {
 pub fn sample(bytes: &mut Bytes<'_>, time_ns: i64, wheels: u8) -> Sample {
     let wheel = usize::from(bytes.u8() % (wheels + 1));
     let turn = |bytes: &mut Bytes<'_>| (bytes.u8() % 2 == 0).then(|| bytes.any());
-    let measurement = match bytes.u8() % 17 {
+    let measurement = match bytes.u8() % 19 {
         0 | 1 => Measurement::WheelCount {
             wheel,
             raw: bytes.u64() >> (bytes.u8() % 64),
@@ -129,6 +129,14 @@ pub fn sample(bytes: &mut Bytes<'_>, time_ns: i64, wheels: u8) -> Sample {
         15 => Measurement::WheelTorque {
             wheel,
             torque: bytes.any(),
+        },
+        16 => Measurement::Sinkage {
+            wheel,
+            depth: bytes.any(),
+        },
+        17 => Measurement::EntryAngle {
+            wheel,
+            angle: bytes.any(),
         },
         _ => Measurement::Command {
             forward: bytes.any(),

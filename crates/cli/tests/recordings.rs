@@ -291,54 +291,6 @@ fn an_estimate_as_messages_says_what_the_table_says() {
     assert!((yaw - 0.90).abs() < 0.01, "{yaw}");
 }
 
-#[test]
-fn layouts_of_viewers_show_topics_that_are_written() {
-    let folder = Folder::new("layouts");
-    let (estimate, drive) = (folder.path("slip.mcap"), folder.path("drive.mcap"));
-    let scenario = "examples/scenarios/sandbox.toml";
-    let mut written = BTreeSet::from(["/diagnostics".to_owned()]);
-    for (arguments, out) in [
-        (vec!["estimate", MCAP, "--robot", ROBOT, "-o"], &estimate),
-        (vec!["drive", scenario, "-o"], &drive),
-    ] {
-        let done = grouser(&arguments).arg(out).output().unwrap();
-        assert!(done.status.success(), "{arguments:?}");
-        let mut messages =
-            Messages::open(Path::new(out), grouser_log::Clock::Header, |_| true).unwrap();
-        assert!(messages.by_ref().count() > 1000);
-        written.extend(
-            messages
-                .channels()
-                .iter()
-                .map(|channel| channel.topic.clone()),
-        );
-    }
-    for (name, least) in [
-        ("foxglove.json", 20),
-        ("plotjuggler.xml", 15),
-        ("rerun_blueprint.py", 20),
-    ] {
-        let path = root().join("examples/viewers").join(name);
-        let text = fs::read_to_string(path).unwrap();
-        // what stands in quotes and begins as a topic does
-        let quoted = text.split('"').skip(1).step_by(2);
-        let shown = quoted.filter(|part| part.starts_with('/') && part.len() > 1);
-        let mut count = 0;
-        for path in shown {
-            let fits = |topic: &String| {
-                path.strip_prefix(topic.as_str())
-                    .is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric()))
-            };
-            assert!(
-                written.iter().any(fits),
-                "{name}: {path} is in no recording"
-            );
-            count += 1;
-        }
-        assert!(count >= least, "{name}: {count} topics");
-    }
-}
-
 /// A kill at any moment leaves the old file or the whole new one.
 #[test]
 fn a_kill_leaves_the_old_file_or_the_new_one() {

@@ -28,14 +28,14 @@ fn a_layout_names_what_a_recording_has() {
         let info = grouser(["log", "info", recording, "--json"]).assert_done();
         info.json()["topics"].as_array().unwrap().clone()
     };
-    // the layout of a scene shows drives as well, whose recordings have ruts
+    // layouts with a scene show drives as well, whose recordings have ruts and the truth
     let of_estimate = topics(&recording);
     let of_both = [of_estimate.clone(), topics(&drive)].concat();
     let mut named = 0;
     for (layout, topics) in [
         ("foxglove.json", &of_both),
         ("plotjuggler.xml", &of_estimate),
-        ("rerun_blueprint.py", &of_estimate),
+        ("rerun_blueprint.py", &of_both),
     ] {
         let text = std::fs::read_to_string(format!("{root}/viewers/{layout}")).unwrap();
         for path in paths(&text) {
