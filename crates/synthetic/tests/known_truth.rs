@@ -179,6 +179,14 @@ fn the_filter_is_better_than_the_naive_means_at_every_speed() {
     }
 }
 
+/// Wheels and gyro contradict each other for two seconds: the wheels' error is none of the gyro's.
+#[test]
+fn a_gyro_that_is_distrusted_for_a_while_keeps_its_bias() {
+    let one = score(&drive(3.0, true, Disturbance::Clean, 8));
+    println!("{one:?}");
+    assert!(one.rmse < 0.3 * one.naive && one.wrong_s < 1.0, "{one:?}");
+}
+
 #[test]
 fn outliers_and_late_stamps_do_not_lock_the_reference_out() {
     for disturbance in [Disturbance::Outliers, Disturbance::Late] {

@@ -30,12 +30,14 @@ impl Core {
         let dropout = self.settings.dropout;
         let turn_error = if self.gyro.is_trusted(time_ns, &self.settings) {
             TurnError {
+                by_gyro: true,
                 removed: self.state.mean(GYRO_BIAS),
                 sigma: self.state.sigma(GYRO_BIAS),
                 memory: GYRO_ERROR_MEMORY_S,
             }
         } else {
             TurnError {
+                by_gyro: false,
                 removed: 0.0,
                 sigma: self.state.sigma(YAW),
                 memory: WHEEL_TURN_ERROR_MEMORY_S,

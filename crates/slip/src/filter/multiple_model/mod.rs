@@ -178,7 +178,12 @@ impl MultipleModel {
     pub(crate) fn advance(&mut self, wheels: &WheelStep) {
         self.rim_speed = wheels.rim_speed;
         let before = core::mem::replace(&mut self.turn_error, wheels.turn_error);
-        let removed = wheels.turn_error.removed - before.removed;
+        let same_sensor = wheels.turn_error.by_gyro == before.by_gyro;
+        let removed = if same_sensor {
+            wheels.turn_error.removed - before.removed
+        } else {
+            0.0
+        };
         if !self.has_started {
             return;
         }
@@ -193,6 +198,9 @@ impl MultipleModel {
         for group in &mut self.groups {
             if begins {
                 group.each(|model| model.follow_rim(rim));
+            }
+            if !same_sensor {
+                group.each(|model| model.restart_turn_error(wheels.turn_error.sigma));
             }
             let uses = is_inertial && group.is_inertial;
             let step = Step {

@@ -57,6 +57,8 @@ pub(super) struct Step {
 /// What is known of the error of the turn rate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TurnError {
+    /// Does a gyro measure the turn rate, or do the wheels?
+    pub(crate) by_gyro: bool,
     /// What the turn rate was reduced by already, rad/s.
     pub(crate) removed: f64,
     /// Standard deviation of the rest, rad/s.
@@ -195,6 +197,16 @@ impl Model {
         self.covariance[DRIFT][DRIFT] += DRIFT_NOISE * DRIFT_NOISE * dt;
         self.covariance[BIAS][BIAS] += self.bias_noise * self.bias_noise * dt;
         self.covariance[SLIP][SLIP] += self.slip_noise * self.slip_noise * dt;
+    }
+
+    /// Another sensor measures the turn rate now, with an error of its own.
+    pub(super) fn restart_turn_error(&mut self, sigma: f64) {
+        self.mean[TURN_ERROR] = 0.0;
+        for i in 0..STATES {
+            self.covariance[i][TURN_ERROR] = 0.0;
+            self.covariance[TURN_ERROR][i] = 0.0;
+        }
+        self.covariance[TURN_ERROR][TURN_ERROR] = sigma * sigma;
     }
 
     /// Predicts the error of the turn rate; returns the turn without it.
