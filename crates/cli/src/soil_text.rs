@@ -47,7 +47,7 @@ pub(crate) fn words(soil: &SoilEstimate) -> String {
     };
     format!(
         "soil learnt from {} readings{contacts}, {} changes of belief: strength {} and stiffness {} of the known soil, \
-         friction angle {:.1}° [{:.1}°, {:.1}°]; 90 % intervals within soils of this kind",
+         friction angle {:.1}° [{:.1}°, {:.1}°]; 90 % intervals if the soil is of this kind: on others half of them held",
         soil.readings,
         soil.changes,
         interval(soil.strength, 2),
