@@ -50,7 +50,7 @@ pub struct WheelPoints {
 }
 
 impl WheelPoints {
-    /// For so many wheels.
+    /// For a number of wheels.
     #[must_use]
     pub fn new(wheels: usize) -> Self {
         Self {

@@ -30,8 +30,8 @@ const CLAIMED_SHARE: f64 = 0.97;
 /// The most divisions between two attempts at a bound of second order.
 const MAX_WAIT: u8 = 6;
 
-/// Bounds of second order are tried in every batch while one of so many closes its box, else in one of
-/// [`TRIAL_BATCHES`].
+/// Bounds of second order are tried in every batch while at least one of this many closes its box, else in one batch
+/// of [`TRIAL_BATCHES`].
 const MAX_TRIED_PER_CLOSED: u64 = 8;
 const MIN_TRIED: u64 = 64;
 const TRIAL_BATCHES: u64 = 16;

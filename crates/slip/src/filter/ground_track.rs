@@ -5,24 +5,20 @@ use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
 use super::accelerometer::SpecificForce;
+use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
 use super::multiple_model::reference_noise::ReferenceNoise;
 use super::multiple_model::{ModelMotion, MultipleModel, TurnError, WheelStep};
 use super::output::RimPath;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
 use super::wheel_channel::WheelChannel;
-use crate::body::Observations;
 use crate::history::{History, nanoseconds, seconds_between};
 use crate::sample::Measurement;
-use crate::speed::Measured;
 
 /// The models are predicted this often, s: rims and slips change slowly against it.
 const STEP_S: f64 = 0.005;
 /// Positions are used at most this often, s: errors of faster ones are correlated.
 const POSITION_PERIOD_S: f64 = 0.1;
-/// A wheel counts while its rim speed is within this share, or this many sigma, of the median.
-const INLIER_SHARE: f64 = 0.2;
-const INLIER_SIGMA: f64 = 3.0;
 /// A reading with a larger probability of being an outlier is refused.
 const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
 /// Without a reference for this long the motion is no longer that of the models, s.
@@ -49,22 +45,11 @@ const MAX_HEADING_RESTARTS: u32 = 2;
 const HEADING_CHANGE_RAD: f64 = 0.05;
 /// A shorter course may be a step back or a rocking: it overrules no measured heading, m.
 const MIN_COURSE_M: f64 = 0.3;
-/// Rims slower than this do not turn, m/s.
-const TURNING_SPEED_M_PER_S: f64 = 0.01;
 /// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
 const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
 /// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
 const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
 const AWAITED_PERIODS: f64 = 1.5;
-/// Rims run at most so much faster than the robot in a turn: the inverse.
-const MIN_RIM_SHARE: f64 = 0.1;
-/// Rim and robot differ by this for other reasons than slip, m/s.
-const RIM_CREEP_M_PER_S: f64 = 5e-4;
-/// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
-/// this a steered wheel that slips more than the others turned the direction of the motion.
-const SIDEWAYS_VARIANCE_SHARE: f64 = 1e-4;
-/// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
-const PARALLEL_SINE: f64 = 0.02;
 /// Entries of the history: 1 s at the step's period with room.
 const HISTORY_ENTRIES: usize = 512;
 /// The longest delay of a reading that is still used, s.
@@ -85,14 +70,6 @@ pub(super) enum Outcome {
     Unused,
     Refused,
     Accepted,
-}
-
-/// The motion of the rims along their common direction.
-struct Rims {
-    way: f64,
-    direction: f64,
-    speed: f64,
-    variance: f64,
 }
 
 /// Models, rims and the reference's own state.
@@ -288,7 +265,15 @@ impl GroundTrack {
         self.stepped_ns = Some(now_ns);
         let before = core::mem::replace(&mut self.travels, travels);
         let ways = core::array::from_fn(|i| travels[i] - before[i]);
-        let Some(rims) = self.rims(now_ns, dt, wheels, ways, inertial.yaw_rate, settings) else {
+        let step = RimStep {
+            now_ns,
+            dt,
+            ways,
+            yaw_rate: inertial.yaw_rate,
+            rim_share: self.models.motion().map_or(1.0, |motion| motion.rim_share),
+            direction: self.direction,
+        };
+        let Some(rims) = mean_rims(&step, wheels, settings) else {
             return;
         };
         self.direction = rims.direction;
@@ -317,119 +302,6 @@ impl GroundTrack {
         self.accel_sum = [0.0; 2];
         self.accel_count = 0.0;
         self.history.push(now_ns, self.models.totals());
-    }
-
-    /// The motion of the rims over a step, over the powered wheels that agree with the median.
-    fn rims(
-        &self,
-        now_ns: i64,
-        dt: f64,
-        wheels: &WheelBank,
-        ways: [f64; MAX_FILTER_WHEELS],
-        yaw_rate: f64,
-        settings: &FilterSettings,
-    ) -> Option<Rims> {
-        let heard =
-            |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
-        let first = wheels.iter().find(|wheel| heard(wheel))?.row;
-        let parallel = wheels
-            .iter()
-            .filter(|wheel| heard(wheel))
-            .all(|wheel| (first[0] * wheel.row[1] - first[1] * wheel.row[0]).abs() < PARALLEL_SINE);
-        // rims that slip run faster than the robot in its turn, too
-        let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
-        let turn = yaw_rate / share.max(MIN_RIM_SHARE);
-        let level = |wheel: &WheelChannel| {
-            let (rim, _) = wheel.rim?;
-            Some(Measured {
-                value: rim.value - turn * wheel.row[2],
-                variance: rim.variance,
-            })
-        };
-        let mut sorted = [0.0; MAX_FILTER_WHEELS];
-        let mut count = 0;
-        for rim in wheels.iter().filter(|wheel| heard(wheel)).filter_map(level) {
-            sorted[count] = rim.value;
-            count += 1;
-        }
-        let sorted = &mut sorted[..count];
-        sorted.sort_unstable_by(f64::total_cmp);
-        let median = 0.5 * (sorted.get(count.max(1) / 2)? + sorted[count.max(1).div_ceil(2) - 1]);
-        let is_near = |rim: Measured| {
-            let limit = (INLIER_SHARE * median.abs()).max(INLIER_SIGMA * rim.sigma());
-            (rim.value - median).abs() <= limit
-        };
-        let any_near = wheels
-            .iter()
-            .filter(|wheel| heard(wheel))
-            .filter_map(level)
-            .any(is_near);
-        // two sides that run apart have no wheel near their middle
-        let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
-        let mut by_way = Observations::default();
-        let mut by_speed = Observations::default();
-        let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
-        for (index, wheel) in wheels.iter().enumerate().filter(|(_, wheel)| heard(wheel)) {
-            let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
-                continue;
-            };
-            let along = ways[index] - turn * dt * wheel.row[2];
-            way += along;
-            speed += rim.value;
-            variance += rim.variance;
-            used += 1.0;
-            if !parallel {
-                let row = [wheel.row[0], wheel.row[1], 0.0];
-                let of = |value| Measured {
-                    value,
-                    variance: 1.0,
-                };
-                by_way.add(row, of(along));
-                by_speed.add(row, of(rim.value));
-            }
-        }
-        if used < 1.0 {
-            return None;
-        }
-        let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
-        if parallel {
-            return Some(Rims {
-                way: way / used,
-                direction: Real::atan2(first[1], first[0]),
-                speed: speed / used,
-                variance,
-            });
-        }
-        let turn = Measured {
-            value: 0.0,
-            variance: 1.0,
-        };
-        by_way.add([0.0, 0.0, 1.0], turn);
-        by_speed.add([0.0, 0.0, 1.0], turn);
-        if let Some(heading) = one_way(wheels) {
-            let row = [-Real::sin(heading), Real::cos(heading), 0.0];
-            let still = Measured {
-                value: 0.0,
-                variance: SIDEWAYS_VARIANCE_SHARE,
-            };
-            by_way.add(row, still);
-            by_speed.add(row, still);
-        }
-        let [x, y, _] = by_speed.solve()?.velocity;
-        let speed = Real::hypot(x, y);
-        let direction = if speed > TURNING_SPEED_M_PER_S {
-            Real::atan2(y, x)
-        } else {
-            self.direction
-        };
-        let (sin, cos) = Real::sin_cos(direction);
-        let [way_x, way_y, _] = by_way.solve()?.velocity;
-        Some(Rims {
-            way: cos * way_x + sin * way_y,
-            direction,
-            speed: cos * x + sin * y,
-            variance,
-        })
     }
 
     /// Uses a measurement that was taken at `taken_ns` and arrives now.
@@ -630,16 +502,4 @@ fn travel_at(wheel: &WheelChannel, now_ns: i64, dropout: f64) -> f64 {
         .filter(|silence| (0.0..=dropout).contains(silence));
     let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
     wheel.track.travel() + since.unwrap_or(0.0) * rim
-}
-
-/// The heading of the wheels that are not steered (rad), if all wheels have it at no steering angle.
-fn one_way(wheels: &WheelBank) -> Option<f64> {
-    let heading = wheels
-        .iter()
-        .find(|wheel| !wheel.steering.is_used())?
-        .steering
-        .heading;
-    let is_parallel =
-        |wheel: &WheelChannel| Real::sin(wheel.steering.heading - heading).abs() < PARALLEL_SINE;
-    wheels.iter().all(is_parallel).then_some(heading)
 }

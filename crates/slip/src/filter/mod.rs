@@ -43,6 +43,7 @@ mod inertial_path;
 mod input;
 mod kalman;
 mod learnt;
+mod mean_rims;
 mod monitor;
 mod motion_model;
 mod multiple_model;

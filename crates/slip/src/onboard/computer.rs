@@ -72,7 +72,7 @@ pub struct OnBoard {
     start: StartGuard,
     demand: Option<SlipDemand>,
     learner: Option<Box<SoilLearner>>,
-    /// What soft ground is told from: by the known soil, or the one that was learnt before.
+    /// The slip demand that soft ground is compared with: of the known soil, or of the belief one robot length before.
     demand_now: Option<SlipPrior>,
     demand_due: f64,
     clock: Clock,

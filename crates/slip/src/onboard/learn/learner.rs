@@ -67,7 +67,7 @@ pub struct SoilLearner {
     in_use: Option<SoilBelief>,
     /// The beliefs in use after the last readings, the oldest first; from `MAX_LAG - lag` on they are kept.
     past: [Option<SoilBelief>; MAX_LAG],
-    /// How many readings ago the ground was that soft ground is told from.
+    /// Age, in readings, of the belief that soft ground is compared with.
     lag: usize,
     count: u32,
     /// How many of them had a sinkage.
@@ -177,8 +177,8 @@ impl SoilLearner {
         has_changed
     }
 
-    /// The belief that was in use before the robot's wheels stood where they do: soft ground is told from that, since at the
-    /// edge of soft ground the readings move the belief to softer soil, which then explains the slip.
+    /// The belief that was in use one robot length before. Soft ground is compared with it, since at the edge of soft
+    /// ground the readings move the belief to softer soil, which then explains the slip.
     const fn before(&self) -> Option<&SoilBelief> {
         self.past[MAX_LAG - self.lag].as_ref()
     }

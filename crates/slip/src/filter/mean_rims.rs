@@ -1,0 +1,174 @@
+//! The motion of all rims together, along their common direction: what the models of [`super::ground_track`] are predicted by.
+
+use grouser_real::Real;
+
+use super::MAX_FILTER_WHEELS;
+use super::settings::FilterSettings;
+use super::wheel_bank::WheelBank;
+use super::wheel_channel::WheelChannel;
+use crate::body::Observations;
+use crate::speed::Measured;
+
+/// A wheel counts while its rim speed is within this share, or this many sigma, of the median.
+const INLIER_SHARE: f64 = 0.2;
+const INLIER_SIGMA: f64 = 3.0;
+/// Rims slower than this do not turn, m/s.
+pub(super) const TURNING_SPEED_M_PER_S: f64 = 0.01;
+/// Least share of the robot's speed in that of its rims by which a turn is scaled.
+const MIN_RIM_SHARE: f64 = 0.1;
+/// Rim and robot differ by this for other reasons than slip, m/s.
+const RIM_CREEP_M_PER_S: f64 = 5e-4;
+/// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
+/// this a steered wheel that slips more than the others turned the direction of the motion.
+const SIDEWAYS_VARIANCE_SHARE: f64 = 1e-4;
+/// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
+const PARALLEL_SINE: f64 = 0.02;
+
+/// What the rims did over one step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RimStep {
+    pub(super) now_ns: i64,
+    /// Length, s.
+    pub(super) dt: f64,
+    /// Way of each rim, m.
+    pub(super) ways: [f64; MAX_FILTER_WHEELS],
+    /// Of the robot, rad/s.
+    pub(super) yaw_rate: f64,
+    /// The robot's speed over that of its rims, as estimated before.
+    pub(super) rim_share: f64,
+    /// Direction while the rims do not turn, beside the robot's heading, rad.
+    pub(super) direction: f64,
+}
+
+/// The motion of the rims along their common direction.
+pub(super) struct Rims {
+    /// m.
+    pub(super) way: f64,
+    /// Beside the robot's heading, rad.
+    pub(super) direction: f64,
+    /// m/s, and its variance, m²/s².
+    pub(super) speed: f64,
+    pub(super) variance: f64,
+}
+
+/// The motion of the rims over a step, over the powered wheels that agree with the median.
+pub(super) fn mean_rims(
+    step: &RimStep,
+    wheels: &WheelBank,
+    settings: &FilterSettings,
+) -> Option<Rims> {
+    let RimStep {
+        now_ns, dt, ways, ..
+    } = *step;
+    let heard = |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
+    let first = wheels.iter().find(|wheel| heard(wheel))?.row;
+    let parallel = wheels
+        .iter()
+        .filter(|wheel| heard(wheel))
+        .all(|wheel| (first[0] * wheel.row[1] - first[1] * wheel.row[0]).abs() < PARALLEL_SINE);
+    // rims that slip run faster than the robot in its turn, too
+    let turn = step.yaw_rate / step.rim_share.max(MIN_RIM_SHARE);
+    let level = |wheel: &WheelChannel| {
+        let (rim, _) = wheel.rim?;
+        Some(Measured {
+            value: rim.value - turn * wheel.row[2],
+            variance: rim.variance,
+        })
+    };
+    let mut sorted = [0.0; MAX_FILTER_WHEELS];
+    let mut count = 0;
+    for rim in wheels.iter().filter(|wheel| heard(wheel)).filter_map(level) {
+        sorted[count] = rim.value;
+        count += 1;
+    }
+    let sorted = &mut sorted[..count];
+    sorted.sort_unstable_by(f64::total_cmp);
+    let median = 0.5 * (sorted.get(count.max(1) / 2)? + sorted[count.max(1).div_ceil(2) - 1]);
+    let is_near = |rim: Measured| {
+        let limit = (INLIER_SHARE * median.abs()).max(INLIER_SIGMA * rim.sigma());
+        (rim.value - median).abs() <= limit
+    };
+    let any_near = wheels
+        .iter()
+        .filter(|wheel| heard(wheel))
+        .filter_map(level)
+        .any(is_near);
+    // two sides that run apart have no wheel near their middle
+    let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
+    let mut by_way = Observations::default();
+    let mut by_speed = Observations::default();
+    let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
+    for (index, wheel) in wheels.iter().enumerate().filter(|(_, wheel)| heard(wheel)) {
+        let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
+            continue;
+        };
+        let along = ways[index] - turn * dt * wheel.row[2];
+        way += along;
+        speed += rim.value;
+        variance += rim.variance;
+        used += 1.0;
+        if !parallel {
+            let row = [wheel.row[0], wheel.row[1], 0.0];
+            let of = |value| Measured {
+                value,
+                variance: 1.0,
+            };
+            by_way.add(row, of(along));
+            by_speed.add(row, of(rim.value));
+        }
+    }
+    if used < 1.0 {
+        return None;
+    }
+    let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    if parallel {
+        return Some(Rims {
+            way: way / used,
+            direction: Real::atan2(first[1], first[0]),
+            speed: speed / used,
+            variance,
+        });
+    }
+    let turn = Measured {
+        value: 0.0,
+        variance: 1.0,
+    };
+    by_way.add([0.0, 0.0, 1.0], turn);
+    by_speed.add([0.0, 0.0, 1.0], turn);
+    if let Some(heading) = one_way(wheels) {
+        let row = [-Real::sin(heading), Real::cos(heading), 0.0];
+        let still = Measured {
+            value: 0.0,
+            variance: SIDEWAYS_VARIANCE_SHARE,
+        };
+        by_way.add(row, still);
+        by_speed.add(row, still);
+    }
+    let [x, y, _] = by_speed.solve()?.velocity;
+    let speed = Real::hypot(x, y);
+    let direction = if speed > TURNING_SPEED_M_PER_S {
+        Real::atan2(y, x)
+    } else {
+        step.direction
+    };
+    let (sin, cos) = Real::sin_cos(direction);
+    let [way_x, way_y, _] = by_way.solve()?.velocity;
+    Some(Rims {
+        way: cos * way_x + sin * way_y,
+        direction,
+        speed: cos * x + sin * y,
+        variance,
+    })
+}
+
+/// The heading of the wheels that are not steered (rad), if all wheels have it at no steering angle.
+fn one_way(wheels: &WheelBank) -> Option<f64> {
+    let heading = wheels
+        .iter()
+        .find(|wheel| !wheel.steering.is_used())?
+        .steering
+        .heading;
+    let is_parallel =
+        |wheel: &WheelChannel| Real::sin(wheel.steering.heading - heading).abs() < PARALLEL_SINE;
+    wheels.iter().all(is_parallel).then_some(heading)
+}
