@@ -78,4 +78,4 @@ pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
 pub use solve::{Merit, evaluate, solve, solve_with};
 pub use status::{Limit, Status, Violation};
-pub use tape::{Binary, Law, LawEnclosure, Node, Tape, TapedFunctions, Unary};
+pub use tape::{Binary, Node, Tape, TapedFunctions, Unary};

@@ -59,7 +59,7 @@ impl Model for TapedFunctions {
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let x: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
         let mut at = Enclosures::default();
-        at.forward(&self.tape, &x, &self.needed(), false);
+        at.forward(&self.tape, &x, &self.needed());
         for (value, node) in values.iter_mut().zip(&self.functions) {
             *value = middle(at.values[*node as usize]);
         }
@@ -68,11 +68,12 @@ impl Model for TapedFunctions {
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         let x: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
         let mut at = Enclosures::default();
-        at.forward(&self.tape, &x, &self.needed(), true);
+        at.forward(&self.tape, &x, &self.needed());
         let mut gradient = vec![Interval::ZERO; x.len()];
         for (row, node) in self.functions.iter().enumerate() {
             values[row] = middle(at.values[*node as usize]);
-            let regular = at.gradient(&self.tape, &self.tape.needed(*node), &mut gradient);
+            let needed = self.tape.needed(*node);
+            let regular = at.gradient(&self.tape, &needed, &[(*node, 1.0)], &mut gradient);
             for (slot, slope) in jacobian.row_mut(row).iter_mut().zip(&gradient) {
                 *slot = if regular { middle(*slope) } else { f64::NAN };
             }

@@ -61,10 +61,11 @@ fn boxed(params: fn() -> ProblemParams<'static>, sides: &[(f64, f64)]) -> Proble
 }
 
 /// The problems that are proved within a second each.
-const QUICK: [&str; 8] = [
+const QUICK: [&str; 9] = [
     "CB2",
     "SPIRAL",
     "RosenSuzuki",
+    "PBC3",
     "Davidon2",
     "MAD1",
     "MAD4",

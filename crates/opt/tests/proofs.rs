@@ -70,6 +70,15 @@ impl Functions for Quotients {
     }
 }
 
+/// sin(x y)/x, whose dividend vanishes with its divisor, beside a plane.
+struct Limit;
+impl Functions for Limit {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = x[1] / x[0] * (x[0] * x[1]).sin() - R::ONE;
+        f[1] = x[1] / (x[0] * x[0]) * x[0].powi(3) - x[1];
+    }
+}
+
 fn quotients() -> Problem<'static> {
     let params = ProblemParams::new(&[0.1, 0.2], 3, Exact(Quotients)).absolute(3);
     let sides = ["x", "y"].map(|name| Variable::bounded(name, 0.1, -6.0, 6.0));
@@ -160,6 +169,7 @@ fn the_checker_accepts_what_is_proved() {
         (problem(Cb2, 1.0, 1, 2), 1e-6, CertifyStatus::Infeasible),
         (problem(Everything, 1.5, 1, 2), 1e-3, CertifyStatus::Proved),
         (quotients(), 1e-6, CertifyStatus::Proved),
+        (problem(Limit, 4.0, 0, 2), 1e-4, CertifyStatus::Proved),
     ];
     let logs: Vec<Vec<String>> = cases
         .iter()

@@ -20,7 +20,7 @@ use grouser_real::Interval;
 
 use super::rows::Rows;
 use crate::sqp::LinearKind;
-use crate::tape::{Curvatures, Enclosures};
+use crate::tape::{Curvatures, Enclosures, Node};
 
 /// Rows with their multipliers.
 pub(super) type Multipliers = Vec<(usize, f64)>;
@@ -56,8 +56,6 @@ impl From<Multipliers> for Weights {
 #[derive(Default)]
 pub(super) struct Bounder {
     over: Enclosures,
-    at: Enclosures,
-    gradient: Vec<Interval>,
     curvatures: Curvatures,
 }
 
@@ -87,6 +85,12 @@ fn level(rows: &Rows, weights: &[(usize, f64)], low: f64) -> f64 {
     } else {
         f64::NEG_INFINITY
     }
+}
+
+/// The weighted operations of a weighted sum of rows.
+fn terms(rows: &Rows, weights: &[(usize, f64)]) -> Vec<(Node, f64)> {
+    let term = |&(row, weight): &(usize, f64)| (rows.list[row].node, weight);
+    weights.iter().map(term).collect()
 }
 
 /// The curvature along one side.
@@ -157,42 +161,28 @@ pub(super) fn centre(x: Interval, slope: Interval) -> f64 {
 }
 
 impl Bounder {
+    /// Σ λ row over a box, and its gradient where it is defined and continuous there.
     fn sum(&mut self, rows: &Rows, weights: &[(usize, f64)], x: &[Interval]) -> Sum {
-        let mut natural = Interval::ZERO;
-        let mut total = vec![Interval::ZERO; x.len()];
-        self.gradient.resize(x.len(), Interval::ZERO);
-        let mut regular = true;
-        for &(index, weight) in weights {
-            let row = &rows.list[index];
-            self.over.forward(&rows.tape, x, &row.needed, true);
-            let weight = Interval::point(weight);
-            natural += weight * self.over.values[row.node as usize];
-            regular = regular
-                && self
-                    .over
-                    .gradient(&rows.tape, &row.needed, &mut self.gradient);
-            if regular {
-                for (total, g) in total.iter_mut().zip(&self.gradient) {
-                    *total += weight * *g;
-                }
-            }
-        }
+        let terms = terms(rows, weights);
+        let nodes = rows.needed_by(weights);
+        self.over.forward(&rows.tape, x, &nodes);
+        let natural = self.over.sum(&rows.tape, &nodes, &terms);
+        let mut gradient = vec![Interval::ZERO; x.len()];
+        let regular = self
+            .over
+            .gradient(&rows.tape, &nodes, &terms, &mut gradient);
         Sum {
             natural,
-            gradient: regular.then_some(total),
+            gradient: regular.then_some(gradient),
         }
     }
 
     /// Σ λ row at one point; empty where a row has no value.
     fn at(&mut self, rows: &Rows, weights: &[(usize, f64)], c: &[f64]) -> Interval {
         let point: Vec<Interval> = c.iter().map(|c| Interval::point(*c)).collect();
-        let mut sum = Interval::ZERO;
-        for &(index, weight) in weights {
-            let row = &rows.list[index];
-            self.at.forward(&rows.tape, &point, &row.needed, false);
-            sum += Interval::point(weight) * self.at.values[row.node as usize];
-        }
-        sum
+        let nodes = rows.needed_by(weights);
+        self.over.forward(&rows.tape, &point, &nodes);
+        self.over.sum(&rows.tape, &nodes, &terms(rows, weights))
     }
 
     /// The lower bound of γ over a box; ∞ where the box holds no feasible point.
@@ -215,10 +205,8 @@ impl Bounder {
         weights: &[(usize, f64)],
         x: &[Interval],
     ) -> Option<Vec<Interval>> {
-        let nodes = rows
-            .tape
-            .needed_by(weights.iter().map(|(row, _)| rows.list[*row].node));
-        self.over.forward(&rows.tape, x, &nodes, false);
+        let nodes = rows.needed_by(weights);
+        self.over.forward(&rows.tape, x, &nodes);
         self.curvatures
             .forward(&rows.tape, x.len(), &self.over.values, &nodes);
         let mut sum = vec![Interval::ZERO; x.len() * (x.len() + 1) / 2];

@@ -7,28 +7,9 @@ use crate::certify::rows::{Row, Rows};
 use crate::certify::tangent::greatest_curvature;
 use crate::random::Random;
 use crate::sqp::LinearKind;
+use crate::tape::tests::UNARY;
 use crate::tape::{Binary, Node, Tape, Unary};
 
-const UNARY: [Unary; 18] = [
-    Unary::Neg,
-    Unary::Abs,
-    Unary::Sqrt,
-    Unary::Exp,
-    Unary::ExpM1,
-    Unary::Ln,
-    Unary::Ln1p,
-    Unary::Log10,
-    Unary::Sin,
-    Unary::Cos,
-    Unary::Tan,
-    Unary::Asin,
-    Unary::Acos,
-    Unary::Atan,
-    Unary::Sinh,
-    Unary::Cosh,
-    Unary::Tanh,
-    Unary::Sinc,
-];
 const BINARY: [Binary; 7] = [
     Binary::Add,
     Binary::Sub,

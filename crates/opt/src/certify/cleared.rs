@@ -78,7 +78,7 @@ impl Rows {
             .map(|(low, high)| Interval::new(*low, *high))
             .collect();
         let mut over = Enclosures::default();
-        over.forward(&self.tape, &x, &self.needed, false);
+        over.forward(&self.tape, &x, &self.needed);
         let is_pole = |node: &Node| match self.tape.ops[*node as usize] {
             Op::Binary(Binary::Div, _, divisor) => over.values[divisor as usize].contains(0.0),
             _ => false,

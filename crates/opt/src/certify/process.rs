@@ -159,7 +159,7 @@ impl Examiner {
             if self.naturally(rows, &mut examined, target) {
                 return examined;
             }
-            let expansion = self.expand(rows, &examined.rest, pass == 0);
+            let expansion = self.expand(rows, &examined.rest);
             examined.middle = examined.rest.iter().map(|x| x.middle()).collect();
             examined.middle_level = self.middle_level(rows, aim.tolerance);
             let scales = self.relax(rows, &expansion, &mut examined, target);
@@ -186,8 +186,7 @@ impl Examiner {
 
     /// Bounds by each row alone; `true` where that closes the box.
     fn naturally(&mut self, rows: &Rows, examined: &mut Examined, target: f64) -> bool {
-        self.over
-            .forward(&rows.tape, &examined.rest, &rows.needed, true);
+        self.over.forward(&rows.tape, &examined.rest, &rows.needed);
         for (index, row) in rows.list.iter().enumerate() {
             let value = self.over.values[row.node as usize];
             let (bound, weight) = if value.is_empty() {
@@ -213,7 +212,7 @@ impl Examiner {
     }
 
     /// The rows that matter, with gradients over the box and values at its middle.
-    fn expand(&mut self, rows: &Rows, x: &[Interval], _first: bool) -> Expansion {
+    fn expand(&mut self, rows: &Rows, x: &[Interval]) -> Expansion {
         let value = |over: &Enclosures, index: usize| over.values[rows.list[index].node as usize];
         let highest_low = (0..rows.list.len())
             .filter(|r| rows.list[*r].kind == LinearKind::Objective)
@@ -226,7 +225,7 @@ impl Examiner {
             offsets: Vec::new(),
         };
         let middle: Vec<Interval> = x.iter().map(|x| Interval::point(x.middle())).collect();
-        self.at.forward(&rows.tape, &middle, &rows.needed, false);
+        self.at.forward(&rows.tape, &middle, &rows.needed);
         let mut gradient = vec![Interval::ZERO; x.len()];
         for (index, row) in rows.list.iter().enumerate() {
             let over = value(&self.over, index);
@@ -236,7 +235,12 @@ impl Examiner {
                 LinearKind::Equal => true,
             };
             let offset = value(&self.at, index);
-            if !matters || !self.over.gradient(&rows.tape, &row.needed, &mut gradient) {
+            let term = [(row.node, 1.0)];
+            if !matters
+                || !self
+                    .over
+                    .gradient(&rows.tape, &row.needed, &term, &mut gradient)
+            {
                 continue;
             }
             if gradient.iter().all(|g| g.is_bounded()) && offset.is_bounded() {

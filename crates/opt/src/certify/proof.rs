@@ -82,7 +82,6 @@ impl Proof<'_, '_> {
                 Op::Unary(function, a) => format!("[\"{}\",{a}]", function.name()),
                 Op::Binary(function, a, b) => format!("[\"{}\",{a},{b}]", function.name()),
                 Op::WholePower(a, n) => format!("[\"powi\",{a},{n}]"),
-                Op::Law { law, output } => format!("[\"law\",{law},{output}]"),
             })
             .collect();
         let kinds = |kind| match kind {

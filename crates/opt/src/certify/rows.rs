@@ -1,5 +1,7 @@
 //! The problem to be certified: rows on a tape that must lie below one level γ, or below or at 0.
 
+use std::borrow::Cow;
+
 use super::CertifyError;
 use crate::method::Method;
 use crate::problem::{Problem, Relation};
@@ -39,7 +41,8 @@ impl Rows {
         } = problem
             .model()
             .taped(n, problem.function_count())
-            .ok_or(CertifyError::NoFormula)?;
+            .ok_or(CertifyError::NoFormula)?
+            .with_limits();
         let mut list: Vec<(String, LinearKind, Node)> = Vec::new();
         if let Method::Weighted { weights } = method {
             let node = weighted_sum(&mut tape, &functions, weights, problem.absolute());
@@ -96,6 +99,17 @@ impl Rows {
             upper,
             is_cleared: false,
         })
+    }
+
+    /// The operations that a weighted sum of rows needs, in order.
+    pub(super) fn needed_by(&self, weights: &[(usize, f64)]) -> Cow<'_, [Node]> {
+        match weights {
+            [(row, _)] => Cow::Borrowed(&self.list[*row].needed),
+            _ => self
+                .tape
+                .needed_by(weights.iter().map(|(row, _)| self.list[*row].node))
+                .into(),
+        }
     }
 
     /// How many variables there are.

@@ -103,14 +103,17 @@ impl Examiner {
     ) -> Option<(Multipliers, Vec<f64>, f64)> {
         let n = at.len();
         let point: Vec<Interval> = at.iter().map(|p| Interval::point(*p)).collect();
-        self.at.forward(&rows.tape, &point, &rows.needed, true);
+        self.at.forward(&rows.tape, &point, &rows.needed);
         let mut gradient = vec![Interval::ZERO; n];
         let (mut kinds, mut list) = (Vec::new(), Vec::new());
         let (mut gradients, mut offsets) = (Vec::new(), Vec::new());
         for (&row, &kind) in expansion.rows.iter().zip(&expansion.kinds) {
             let own = &rows.list[row];
             let value = self.at.values[own.node as usize];
-            if self.at.gradient(&rows.tape, &own.needed, &mut gradient)
+            let term = [(own.node, 1.0)];
+            if self
+                .at
+                .gradient(&rows.tape, &own.needed, &term, &mut gradient)
                 && value.is_bounded()
                 && gradient.iter().all(|g| g.is_bounded())
             {

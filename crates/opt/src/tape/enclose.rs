@@ -1,20 +1,20 @@
-//! Enclosures of a tape's operations over a box, and of their gradients by the chain rule in reverse.
+//! Enclosures of a tape's operations over a box, and of the gradients of weighted sums by the chain rule in reverse.
 //!
-//! Beside each enclosure it is recorded whether the operation is defined and continuous everywhere in the box: the
-//! mean value theorem needs both.
+//! Beside each enclosure it is recorded whether the operation is defined and continuous everywhere over the enclosures
+//! of its operands: the mean value theorem needs both.
 
 use grouser_real::Interval;
 
-use super::{Binary, LawEnclosure, Node, Op, Tape, Unary};
+use super::{Binary, Node, Op, Tape, Unary};
 
 /// The enclosures of a tape over one box.
 #[derive(Default)]
 pub(crate) struct Enclosures {
     pub(crate) values: Vec<Interval>,
-    /// Defined and continuous over the whole box?
-    pub(crate) regular: Vec<bool>,
-    laws: Vec<Option<LawEnclosure>>,
-    adjoints: Vec<Interval>,
+    /// Is the operation defined and continuous over the enclosures of its operands?
+    regular: Vec<bool>,
+    /// What a weighted sum of operations owes to each operation: its coefficient, or the derivative by it.
+    shares: Vec<Interval>,
 }
 
 impl Tape {
@@ -22,125 +22,131 @@ impl Tape {
     #[must_use]
     pub fn enclose(&self, x: &[Interval], node: Node) -> Interval {
         let mut enclosures = Enclosures::default();
-        enclosures.forward(self, x, &self.needed(node), false);
+        enclosures.forward(self, x, &self.needed(node));
         enclosures.values[node as usize]
     }
 }
 
 impl Enclosures {
-    /// Encloses the operations `nodes`, which must hold all that they need; `gradient` where [`Self::gradient`] is
-    /// to follow.
-    pub(crate) fn forward(&mut self, tape: &Tape, x: &[Interval], nodes: &[Node], gradient: bool) {
+    /// Encloses the operations `nodes`, which must hold all that they need.
+    pub(crate) fn forward(&mut self, tape: &Tape, x: &[Interval], nodes: &[Node]) {
         self.values.resize(tape.ops.len(), Interval::ENTIRE);
         self.regular.resize(tape.ops.len(), false);
-        self.laws.clear();
-        self.laws.resize(tape.calls.len(), None);
-        let mut computed = vec![false; tape.calls.len()];
         for &node in nodes {
             let at = node as usize;
-            let (value, regular) = match tape.ops[at] {
+            let value = |node: Node| self.values[node as usize];
+            (self.values[at], self.regular[at]) = match tape.ops[at] {
                 Op::Constant(value) => (Interval::point(value), true),
                 Op::Variable(index) => (x[index], true),
-                Op::Unary(function, a) => {
-                    let a = a as usize;
-                    let (value, regular) = unary(function, self.values[a]);
-                    (value, regular && self.regular[a])
-                }
-                Op::WholePower(a, n) => {
-                    let a = a as usize;
-                    let regular = n >= 0 || !self.values[a].contains(0.0);
-                    (self.values[a].powi(n), regular && self.regular[a])
-                }
-                Op::Binary(function, a, b) => {
-                    let (a, b) = (a as usize, b as usize);
-                    let (value, regular) = binary(function, self.values[a], self.values[b]);
-                    (value, regular && self.regular[a] && self.regular[b])
-                }
-                Op::Law { law, output } => {
-                    let call = &tape.calls[law];
-                    if !computed[law] {
-                        computed[law] = true;
-                        let arguments: Vec<Interval> = call
-                            .arguments
-                            .iter()
-                            .map(|a| self.values[*a as usize])
-                            .collect();
-                        self.laws[law] = call.law.enclose(&arguments, gradient);
-                    }
-                    match &self.laws[law] {
-                        Some(enclosure) => (
-                            enclosure.values[output],
-                            call.arguments.iter().all(|a| self.regular[*a as usize]),
-                        ),
-                        None => (Interval::ENTIRE, false),
-                    }
-                }
+                Op::Unary(function, a) => unary(function, value(a)),
+                Op::WholePower(a, n) => (value(a).powi(n), n >= 0 || !value(a).contains(0.0)),
+                Op::Binary(function, a, b) => binary(function, value(a), value(b)),
             };
-            self.values[at] = value;
-            self.regular[at] = regular;
         }
     }
 
-    /// The enclosure of the gradient of the last of `nodes`, after a forward pass over them; `false` where that
-    /// function is not regular over the box.
+    /// Σ weight · operation for `terms`, after a forward pass over `nodes`. Sums are taken
+    /// apart, so that what the terms have in common counts once; empty where a term has no value.
+    pub(crate) fn sum(&mut self, tape: &Tape, nodes: &[Node], terms: &[(Node, f64)]) -> Interval {
+        if terms
+            .iter()
+            .any(|(node, _)| self.values[*node as usize].is_empty())
+        {
+            return Interval::EMPTY;
+        }
+        self.seed(tape, nodes, terms);
+        let mut sum = Interval::ZERO;
+        for &node in nodes.iter().rev() {
+            let share = self.shares[node as usize];
+            if share != Interval::ZERO && !self.pass_through(tape, node, share) {
+                sum += share * self.values[node as usize];
+            }
+        }
+        sum
+    }
+
+    /// The enclosure of the gradient of Σ weight · operation for `terms`, after a forward
+    /// pass over `nodes`; `false` where that sum may be undefined or jump in the box.
     pub(crate) fn gradient(
         &mut self,
         tape: &Tape,
         nodes: &[Node],
+        terms: &[(Node, f64)],
         gradient: &mut [Interval],
     ) -> bool {
         gradient.fill(Interval::ZERO);
-        let Some(&last) = nodes.last() else {
-            return false;
-        };
-        if !self.regular[last as usize] {
-            return false;
-        }
-        self.adjoints.resize(tape.ops.len(), Interval::ZERO);
-        for node in nodes {
-            self.adjoints[*node as usize] = Interval::ZERO;
-        }
-        self.adjoints[last as usize] = Interval::ONE;
+        self.seed(tape, nodes, terms);
         for &node in nodes.iter().rev() {
             let at = node as usize;
-            let adjoint = self.adjoints[at];
-            if adjoint == Interval::ZERO {
+            let share = self.shares[at];
+            // what has no share in the sum need not be continuous
+            if share == Interval::ZERO || self.pass_through(tape, node, share) {
                 continue;
+            }
+            if !self.regular[at] {
+                return false;
             }
             let value = self.values[at];
             match tape.ops[at] {
                 Op::Constant(_) => {}
-                Op::Variable(index) => gradient[index] += adjoint,
+                Op::Variable(index) => gradient[index] += share,
                 Op::Unary(function, a) => {
                     let slope = unary_slope(function, self.values[a as usize], value);
-                    self.pass(tape, a, adjoint, slope);
+                    self.pass(tape, a, share, slope);
                 }
                 Op::WholePower(a, n) => {
                     let slope = Interval::point(f64::from(n)) * self.values[a as usize].powi(n - 1);
-                    self.pass(tape, a, adjoint, slope);
+                    self.pass(tape, a, share, slope);
                 }
                 Op::Binary(function, a, b) => {
                     let (x, y) = (self.values[a as usize], self.values[b as usize]);
                     let (by_a, by_b) = binary_slopes(function, x, y, value);
-                    self.pass(tape, a, adjoint, by_a);
-                    self.pass(tape, b, adjoint, by_b);
-                }
-                Op::Law { law, output } => {
-                    let arguments = &tape.calls[law].arguments;
-                    for (index, &a) in arguments.iter().enumerate() {
-                        let slope = self.laws[law].as_ref().map_or(Interval::ENTIRE, |e| {
-                            let at = output * arguments.len() + index;
-                            e.gradients.get(at).copied().unwrap_or(Interval::ENTIRE)
-                        });
-                        self.pass(tape, a, adjoint, slope);
-                    }
+                    self.pass(tape, a, share, by_a);
+                    self.pass(tape, b, share, by_b);
                 }
             }
         }
         true
     }
 
-    fn pass(&mut self, tape: &Tape, to: Node, adjoint: Interval, slope: Interval) {
+    fn seed(&mut self, tape: &Tape, nodes: &[Node], terms: &[(Node, f64)]) {
+        self.shares.resize(tape.ops.len(), Interval::ZERO);
+        for node in nodes {
+            self.shares[*node as usize] = Interval::ZERO;
+        }
+        for &(node, weight) in terms {
+            self.shares[node as usize] += Interval::point(weight);
+        }
+    }
+
+    /// Passes a share on to the operands of a sum, a difference, a sign or a multiple; `false` for other operations.
+    /// Shares are not rounded where they are exact, so that equal parts of two terms cancel.
+    fn pass_through(&mut self, tape: &Tape, node: Node, share: Interval) -> bool {
+        let constant = |node: Node| match tape.ops[node as usize] {
+            Op::Constant(value) => Some(value),
+            _ => None,
+        };
+        match tape.ops[node as usize] {
+            Op::Unary(Unary::Neg, a) => self.shares[a as usize] -= share,
+            Op::Binary(Binary::Add, a, b) => {
+                self.shares[a as usize] += share;
+                self.shares[b as usize] += share;
+            }
+            Op::Binary(Binary::Sub, a, b) => {
+                self.shares[a as usize] += share;
+                self.shares[b as usize] -= share;
+            }
+            Op::Binary(Binary::Mul, a, b) => match (constant(a), constant(b)) {
+                (Some(factor), None) => self.shares[b as usize] += multiple(share, factor),
+                (None, Some(factor)) => self.shares[a as usize] += multiple(share, factor),
+                _ => return false,
+            },
+            _ => return false,
+        }
+        true
+    }
+
+    fn pass(&mut self, tape: &Tape, to: Node, share: Interval, slope: Interval) {
         if matches!(tape.ops[to as usize], Op::Constant(_)) {
             return;
         }
@@ -150,8 +156,36 @@ impl Enclosures {
         } else {
             slope
         };
-        self.adjoints[to as usize] += adjoint * slope;
+        self.shares[to as usize] += share * slope;
     }
+}
+
+/// share · factor; one number where the product is exact.
+fn multiple(share: Interval, factor: f64) -> Interval {
+    let product = share.low() * factor;
+    if share.low() == share.high() && product_error(share.low(), factor, product) == 0.0 {
+        Interval::point(product)
+    } else {
+        share * Interval::point(factor)
+    }
+}
+
+/// What rounding left out of `product` = a b (Dekker 1971, Numerische Mathematik 18); NaN where numbers so great or so
+/// small have no exact answer.
+fn product_error(a: f64, b: f64, product: f64) -> f64 {
+    /// 2²⁷ + 1 splits a number into two halves of 26 bits.
+    const SPLITTER: f64 = 134_217_729.0;
+    const EXACT: std::ops::Range<f64> = 1e-140..1e140;
+    if !EXACT.contains(&a.abs()) || !EXACT.contains(&b.abs()) {
+        return f64::NAN;
+    }
+    let split = |x: f64| {
+        let great = SPLITTER * x;
+        let high = great - (great - x);
+        (high, x - high)
+    };
+    let ((a, a_low), (b, b_low)) = (split(a), split(b));
+    ((a * b - product) + a * b_low + a_low * b) + a_low * b_low
 }
 
 fn unary(function: Unary, x: Interval) -> (Interval, bool) {

@@ -1,12 +1,12 @@
 //! Functions as a list of operations: what a bound over a box and a proof can be computed from.
 
 mod enclose;
+mod limits;
 mod second;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use std::collections::HashMap;
-use std::sync::Arc;
-
-use grouser_real::Interval;
 
 pub(crate) use enclose::Enclosures;
 pub(crate) use second::Curvatures;
@@ -109,33 +109,6 @@ pub(crate) enum Op {
     Unary(Unary, Node),
     Binary(Binary, Node, Node),
     WholePower(Node, i32),
-    /// Output number `output` of law number `law`.
-    Law {
-        law: usize,
-        output: usize,
-    },
-}
-
-/// Values and gradients of the outputs of a law over a box of its arguments.
-#[derive(Clone, Debug, Default)]
-pub struct LawEnclosure {
-    /// One enclosure per output.
-    pub values: Vec<Interval>,
-    /// Row-major: the derivative of each output by each argument; empty where none was requested.
-    pub gradients: Vec<Interval>,
-}
-
-/// A function that is no formula, such as the solution of an equation, with enclosures of its own.
-pub trait Law: Send + Sync {
-    /// Encloses every output over a box of arguments, with derivatives where `gradient` is set. `None` where the
-    /// outputs may be undefined or may jump somewhere in the box.
-    fn enclose(&self, arguments: &[Interval], gradient: bool) -> Option<LawEnclosure>;
-}
-
-#[derive(Clone)]
-pub(crate) struct LawCall {
-    pub(crate) law: Arc<dyn Law>,
-    pub(crate) arguments: Vec<Node>,
 }
 
 #[derive(PartialEq, Eq, Hash)]
@@ -165,7 +138,6 @@ enum Key {
 #[derive(Default)]
 pub struct Tape {
     pub(crate) ops: Vec<Op>,
-    pub(crate) calls: Vec<LawCall>,
     known: HashMap<Key, Node>,
 }
 
@@ -176,21 +148,16 @@ impl Tape {
         Self::default()
     }
 
-    fn push(&mut self, op: Op) -> Node {
+    fn once(&mut self, key: Key, op: Op) -> Node {
+        if let Some(node) = self.known.get(&key) {
+            return *node;
+        }
         #[allow(
             clippy::cast_possible_truncation,
             reason = "a tape of 2³² operations does not fit into memory"
         )]
         let node = self.ops.len() as Node;
         self.ops.push(op);
-        node
-    }
-
-    fn once(&mut self, key: Key, op: Op) -> Node {
-        if let Some(node) = self.known.get(&key) {
-            return *node;
-        }
-        let node = self.push(op);
         self.known.insert(key, node);
         node
     }
@@ -223,23 +190,8 @@ impl Tape {
         self.once(Key::WholePower(x, n), Op::WholePower(x, n))
     }
 
-    /// The outputs of a law.
-    pub fn law(&mut self, law: Arc<dyn Law>, arguments: Vec<Node>, outputs: usize) -> Vec<Node> {
-        let number = self.calls.len();
-        self.calls.push(LawCall { law, arguments });
-        (0..outputs)
-            .map(|output| {
-                self.push(Op::Law {
-                    law: number,
-                    output,
-                })
-            })
-            .collect()
-    }
-
     /// Adds the operations of `other`; returns where its nodes are now.
     pub fn append(&mut self, other: &Self) -> Vec<Node> {
-        let first = self.calls.len();
         let mut at: Vec<Node> = Vec::with_capacity(other.ops.len());
         for op in &other.ops {
             let node = match *op {
@@ -248,56 +200,40 @@ impl Tape {
                 Op::Unary(function, x) => self.unary(function, at[x as usize]),
                 Op::Binary(function, a, b) => self.binary(function, at[a as usize], at[b as usize]),
                 Op::WholePower(x, n) => self.whole_power(at[x as usize], n),
-                Op::Law { law, output } => self.push(Op::Law {
-                    law: first + law,
-                    output,
-                }),
             };
             at.push(node);
-        }
-        for call in &other.calls {
-            self.calls.push(LawCall {
-                law: Arc::clone(&call.law),
-                arguments: call.arguments.iter().map(|a| at[*a as usize]).collect(),
-            });
         }
         at
     }
 
-    /// The operations that any of these depends on, in order.
+    /// The operations that any of these depends on, themselves included, in order.
     pub(crate) fn needed_by(&self, nodes: impl IntoIterator<Item = Node>) -> Vec<Node> {
-        let mut all: Vec<Node> = nodes
-            .into_iter()
-            .flat_map(|node| self.needed(node))
-            .collect();
-        all.sort_unstable();
-        all.dedup();
-        all
+        let mut wanted = vec![false; self.ops.len()];
+        for node in nodes {
+            wanted[node as usize] = true;
+        }
+        for at in (0..self.ops.len()).rev() {
+            if !wanted[at] {
+                continue;
+            }
+            match self.ops[at] {
+                Op::Constant(_) | Op::Variable(_) => {}
+                Op::Unary(_, x) | Op::WholePower(x, _) => wanted[x as usize] = true,
+                Op::Binary(_, a, b) => {
+                    wanted[a as usize] = true;
+                    wanted[b as usize] = true;
+                }
+            }
+        }
+        (0..)
+            .zip(wanted)
+            .filter_map(|(node, wanted)| wanted.then_some(node))
+            .collect()
     }
 
     /// The operations that `node` depends on, in order, itself last.
     pub(crate) fn needed(&self, node: Node) -> Vec<Node> {
-        let mut wanted = vec![false; node as usize + 1];
-        wanted[node as usize] = true;
-        for at in (0..=node as usize).rev() {
-            if !wanted[at] {
-                continue;
-            }
-            match &self.ops[at] {
-                Op::Constant(_) | Op::Variable(_) => {}
-                Op::Unary(_, x) | Op::WholePower(x, _) => wanted[*x as usize] = true,
-                Op::Binary(_, a, b) => {
-                    wanted[*a as usize] = true;
-                    wanted[*b as usize] = true;
-                }
-                Op::Law { law, .. } => {
-                    for a in &self.calls[*law].arguments {
-                        wanted[*a as usize] = true;
-                    }
-                }
-            }
-        }
-        (0..=node).filter(|at| wanted[*at as usize]).collect()
+        self.needed_by([node])
     }
 }
 

@@ -49,7 +49,6 @@ impl Curvatures {
                 Op::Binary(function, a, b) => {
                     self.combine(at, function, (a, value(a)), (b, value(b)), values[at])
                 }
-                Op::Law { .. } => false,
             };
         }
     }
@@ -221,11 +220,7 @@ fn unary(function: Unary, x: Interval, value: Interval) -> Slopes {
             let first = one - value.square();
             (first, -(two * value * first))
         }
-        // −∫ t² cos(x t) dt from 0 to 1
-        Unary::Sinc => {
-            let third = (one / Interval::point(3.0)).high();
-            (x.sinc_slope(), Interval::new(-third, third))
-        }
+        Unary::Sinc => (x.sinc_slope(), x.sinc_curvature()),
         _ => return None,
     })
 }
