@@ -130,7 +130,7 @@ def needed(ops, node):  # the operations that a row needs, in order
 def collect(terms):  # the sums of the products by key
     sums = {}
     for key, factor, part in terms:
-        sums[key] = add(sums.get(key, ZERO), mul(factor or ALL, part))
+        sums[key] = add(sums.get(key, ZERO), part if factor == ONE else mul(factor or ALL, part))
     return sums
 def forward(ops, order, box):  # over a box: operations' arguments, their values (None: nowhere), and which are defined and continuous
     taken, value, regular = {}, {}, {}

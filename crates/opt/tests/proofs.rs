@@ -79,6 +79,16 @@ impl Functions for Limit {
     }
 }
 
+/// Poles in objectives without their opposites, which cancel in a pair of them.
+struct Poles;
+impl Functions for Poles {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let pole = x[0] / (x[0] + R::from_f64(0.1));
+        f[0] = x[0].square() + x[1].square() + pole;
+        f[1] = (x[1] - R::ONE).square() - pole;
+    }
+}
+
 fn quotients() -> Problem<'static> {
     let params = ProblemParams::new(&[0.1, 0.2], 3, Exact(Quotients)).absolute(3);
     let sides = ["x", "y"].map(|name| Variable::bounded(name, 0.1, -6.0, 6.0));
@@ -170,6 +180,7 @@ fn the_checker_accepts_what_is_proved() {
         (problem(Everything, 1.5, 1, 2), 1e-3, CertifyStatus::Proved),
         (quotients(), 1e-6, CertifyStatus::Proved),
         (problem(Limit, 4.0, 0, 2), 1e-4, CertifyStatus::Proved),
+        (problem(Poles, 4.0, 0, 2), 1e-6, CertifyStatus::Proved),
     ];
     let logs: Vec<Vec<String>> = cases
         .iter()

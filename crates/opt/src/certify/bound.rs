@@ -18,9 +18,10 @@
 
 use grouser_real::Interval;
 
+use super::process::Form;
 use super::rows::Rows;
 use crate::sqp::LinearKind;
-use crate::tape::{Curvatures, Enclosures, Node};
+use crate::tape::{Curvatures, Enclosures};
 
 /// Rows with their multipliers.
 pub(super) type Multipliers = Vec<(usize, f64)>;
@@ -85,12 +86,6 @@ fn level(rows: &Rows, weights: &[(usize, f64)], low: f64) -> f64 {
     } else {
         f64::NEG_INFINITY
     }
-}
-
-/// The weighted operations of a weighted sum of rows.
-fn terms(rows: &Rows, weights: &[(usize, f64)]) -> Vec<(Node, f64)> {
-    let term = |&(row, weight): &(usize, f64)| (rows.list[row].node, weight);
-    weights.iter().map(term).collect()
 }
 
 /// The curvature along one side.
@@ -163,7 +158,7 @@ pub(super) fn centre(x: Interval, slope: Interval) -> f64 {
 impl Bounder {
     /// Σ λ row over a box, and its gradient where it is defined and continuous there.
     fn sum(&mut self, rows: &Rows, weights: &[(usize, f64)], x: &[Interval]) -> Sum {
-        let terms = terms(rows, weights);
+        let terms = rows.terms(weights);
         let nodes = rows.needed_by(weights);
         self.over.forward(&rows.tape, x, &nodes);
         let natural = self.over.sum(&rows.tape, &nodes, &terms);
@@ -182,7 +177,31 @@ impl Bounder {
         let point: Vec<Interval> = c.iter().map(|c| Interval::point(*c)).collect();
         let nodes = rows.needed_by(weights);
         self.over.forward(&rows.tape, &point, &nodes);
-        self.over.sum(&rows.tape, &nodes, &terms(rows, weights))
+        self.over.sum(&rows.tape, &nodes, &rows.terms(weights))
+    }
+
+    /// The linear form of multipliers about the middle of a box; `None` where it has no bounded slopes.
+    pub(super) fn form(
+        &mut self,
+        rows: &Rows,
+        weights: &Weights,
+        x: &[Interval],
+        target: f64,
+    ) -> Option<Form> {
+        let slopes = self.sum(rows, &weights.rows, x).gradient?;
+        let middle: Vec<f64> = x.iter().map(|x| x.middle()).collect();
+        let offset = self.at(rows, &weights.rows, &middle).low();
+        let objectives = weights
+            .rows
+            .iter()
+            .filter(|(row, _)| rows.list[*row].kind == LinearKind::Objective);
+        let share: f64 = objectives.map(|(_, weight)| weight).sum();
+        slopes.iter().all(|s| s.is_bounded()).then(|| Form {
+            weights: weights.clone(),
+            offset,
+            slopes,
+            limit: if share > 0.0 { share * target } else { 0.0 },
+        })
     }
 
     /// The lower bound of γ over a box; ∞ where the box holds no feasible point.

@@ -1,4 +1,4 @@
-//! Bounds of second order lie below the weighted sum of random rows at random points.
+//! Bounds lie below the weighted sum of random rows at random points.
 
 use grouser_real::Interval;
 
@@ -56,6 +56,7 @@ fn rows(tape: Tape, nodes: &[Node]) -> Rows {
         needed,
         lower: Vec::new(),
         upper: Vec::new(),
+        opposites: None,
         is_cleared: false,
     }
 }
@@ -140,4 +141,61 @@ fn no_random_value_lies_below_a_bound_of_second_order() {
         }
     }
     assert!(close > bounds / 4, "{close} of {bounds} bounds are close");
+}
+
+/// Rows that share an operation, which cancels for equal weights.
+#[test]
+fn no_random_value_lies_below_a_bound_of_first_order() {
+    let mut random = Random::new(2012);
+    let mut bounder = Bounder::default();
+    let (mut bounds, mut cancelled) = (0, 0);
+    while bounds < 20_000 {
+        let mut tape = Tape::new();
+        let [shared, a, b] = [3, 2, 2].map(|depth| expression(&mut tape, &mut random, depth));
+        let half = tape.constant(0.5);
+        let sum = tape.binary(Binary::Add, shared, a);
+        let difference = tape.binary(Binary::Sub, b, shared);
+        let nodes = [
+            tape.binary(Binary::Mul, half, sum),
+            tape.binary(Binary::Mul, difference, half),
+        ];
+        let rows = rows(tape, &nodes);
+        for weights in [[0.5, 0.5], [0.7, 0.3]] {
+            let size = 10.0_f64.powf(2.0 * random.uniform() - 1.5);
+            let x: Vec<Interval> = (0..VARIABLES)
+                .map(|_| {
+                    let centre = 4.0 * random.uniform() - 2.0;
+                    Interval::new(centre - size * random.uniform(), centre + size)
+                })
+                .collect();
+            let multipliers = vec![(0, weights[0]), (1, weights[1])];
+            let bound = bounder.bound(&rows, &multipliers.into(), &x);
+            if bound == f64::NEG_INFINITY {
+                continue;
+            }
+            bounds += 1;
+            cancelled += usize::from(!rows.tape.enclose(&x, nodes[0]).is_bounded());
+            for _ in 0..10 {
+                let point: Vec<Interval> = x
+                    .iter()
+                    .map(|x| {
+                        let at = x.low() + x.width() * random.uniform();
+                        Interval::point(at.clamp(x.low(), x.high()))
+                    })
+                    .collect();
+                let mut sum = Interval::ZERO;
+                for (node, weight) in nodes.iter().zip(weights) {
+                    sum += Interval::point(weight) * rows.tape.enclose(&point, *node);
+                }
+                if !sum.is_empty() {
+                    let value = sum.high() + 1e-12 * sum.magnitude();
+                    assert!(value >= bound, "{value} < {bound} at {point:?} in {x:?}");
+                }
+            }
+        }
+    }
+    assert!(
+        cancelled > 500,
+        "{cancelled} of {bounds} bounds cancel a pole"
+    );
 }

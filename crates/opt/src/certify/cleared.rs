@@ -143,6 +143,7 @@ impl Rows {
             needed,
             lower: with_level(&self.lower),
             upper: with_level(&self.upper),
+            opposites: None,
             is_cleared: true,
         })
     }

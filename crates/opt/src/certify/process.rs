@@ -18,6 +18,10 @@ const MAX_PASSES: usize = 6;
 const TRIM_MARGIN: f64 = 0.02;
 /// A box is divided here: off the middle, so that optima at round numbers do not lie on the faces of many boxes.
 const DIVISION_SHARE: f64 = 0.487;
+/// So many rows with poles are looked at for pairs whose poles cancel.
+const MAX_POLES: usize = 16;
+/// Multipliers of such pairs are multiples of the inverse of this.
+const PAIR_STEPS: f64 = 1_073_741_824.0;
 /// What an objective without a multiplier counts beside the others in the choice of the side to divide.
 const IDLE_SHARE: f64 = 0.05;
 
@@ -77,9 +81,9 @@ pub(super) struct Examiner {
     pub(super) at: Enclosures,
 }
 
-/// The rows that matter in a box, to first order.
+/// The rows that matter in a box, to first order. A pair of rows stands for two of them whose poles cancel.
 pub(super) struct Expansion {
-    pub(super) rows: Vec<usize>,
+    pub(super) rows: Vec<Multipliers>,
     pub(super) kinds: Vec<LinearKind>,
     /// Row-major enclosures of the gradients.
     gradients: Vec<Interval>,
@@ -88,11 +92,11 @@ pub(super) struct Expansion {
 }
 
 /// A linear form Σ λ row at the middle and its slopes, against what it must not exceed.
-struct Form {
-    weights: Weights,
-    offset: f64,
-    slopes: Vec<Interval>,
-    limit: f64,
+pub(super) struct Form {
+    pub(super) weights: Weights,
+    pub(super) offset: f64,
+    pub(super) slopes: Vec<Interval>,
+    pub(super) limit: f64,
 }
 
 impl Examiner {
@@ -187,6 +191,10 @@ impl Examiner {
     /// Bounds by each row alone; `true` where that closes the box.
     fn naturally(&mut self, rows: &Rows, examined: &mut Examined, target: f64) -> bool {
         self.over.forward(&rows.tape, &examined.rest, &rows.needed);
+        if let Some(weights) = rows.nonnegative().filter(|_| target <= 0.0) {
+            examined.bound = self.bounder.bound(rows, &weights, &examined.rest);
+            examined.weights = weights;
+        }
         for (index, row) in rows.list.iter().enumerate() {
             let value = self.over.values[row.node as usize];
             let (bound, weight) = if value.is_empty() {
@@ -227,6 +235,7 @@ impl Examiner {
         let middle: Vec<Interval> = x.iter().map(|x| Interval::point(x.middle())).collect();
         self.at.forward(&rows.tape, &middle, &rows.needed);
         let mut gradient = vec![Interval::ZERO; x.len()];
+        let mut irregular: Multipliers = Vec::new();
         for (index, row) in rows.list.iter().enumerate() {
             let over = value(&self.over, index);
             let matters = match row.kind {
@@ -235,16 +244,19 @@ impl Examiner {
                 LinearKind::Equal => true,
             };
             let offset = value(&self.at, index);
-            let term = [(row.node, 1.0)];
-            if !matters
-                || !self
-                    .over
-                    .gradient(&rows.tape, &row.needed, &term, &mut gradient)
-            {
+            if !matters {
                 continue;
             }
-            if gradient.iter().all(|g| g.is_bounded()) && offset.is_bounded() {
-                expansion.rows.push(index);
+            let term = [(row.node, 1.0)];
+            let regular = self
+                .over
+                .gradient(&rows.tape, &row.needed, &term, &mut gradient);
+            // the rows without divisors do better where there are opposites
+            if !regular && row.kind == LinearKind::Objective && rows.opposites.is_none() {
+                irregular.push((index, 0.5));
+            }
+            if regular && gradient.iter().all(|g| g.is_bounded()) && offset.is_bounded() {
+                expansion.rows.push(vec![(index, 1.0)]);
                 // the greatest of the rows without divisors is to be above 0
                 let is_limit = rows.is_cleared && row.kind == LinearKind::AtMost;
                 expansion.kinds.push(if is_limit {
@@ -254,6 +266,22 @@ impl Examiner {
                 });
                 expansion.gradients.extend(&gradient);
                 expansion.offsets.push(offset);
+            }
+        }
+        for (at, &first) in irregular.iter().enumerate().take(MAX_POLES) {
+            for &second in irregular[at + 1..].iter().take(MAX_POLES) {
+                let pair = vec![first, second];
+                let (terms, needed) = (rows.terms(&pair), rows.needed_by(&pair));
+                let regular = self
+                    .over
+                    .gradient(&rows.tape, &needed, &terms, &mut gradient);
+                let offset = self.at.sum(&rows.tape, &needed, &terms);
+                if regular && gradient.iter().all(|g| g.is_bounded()) && offset.is_bounded() {
+                    expansion.rows.push(pair);
+                    expansion.kinds.push(LinearKind::Objective);
+                    expansion.gradients.extend(&gradient);
+                    expansion.offsets.push(offset);
+                }
             }
         }
         expansion
@@ -317,9 +345,9 @@ impl Examiner {
                 continue;
             }
             scales[at] += multiplier.abs();
-            weights.push((expansion.rows[at], multiplier));
+            expansion.add(&mut weights, at, multiplier);
             if expansion.kinds[at] != LinearKind::Objective {
-                limits.push((expansion.rows[at], multiplier));
+                expansion.add(&mut limits, at, multiplier);
             }
         }
         for candidate in [weights, limits] {
@@ -345,7 +373,13 @@ impl Examiner {
         target: f64,
     ) -> f64 {
         let before = examined.rest.clone();
-        let forms = forms(expansion, examined, target);
+        let mut forms = forms(expansion, target);
+        if target < f64::INFINITY
+            && examined.weights.rows.len() > 1
+            && examined.weights.tangent.is_none()
+        {
+            forms.extend(self.bounder.form(rows, &examined.weights, &before, target));
+        }
         for variable in 0..before.len() {
             for above in [false, true] {
                 let side = examined.rest[variable];
@@ -420,12 +454,31 @@ pub(super) fn allowed(kind: LinearKind, multiplier: f64) -> f64 {
     }
 }
 
-/// The linear forms that may trim a box: each row alone, and the best multipliers.
-fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
-    let n = examined.rest.len();
+impl Expansion {
+    /// Adds a multiple of row or pair `at` to a weighted sum.
+    pub(super) fn add(&self, sum: &mut Multipliers, at: usize, multiplier: f64) {
+        let multiplier = if let [(row, weight)] = self.rows[at][..] {
+            debug_assert!(weight == 1.0, "row {row}");
+            multiplier
+        } else {
+            // so that the poles of several pairs cancel without rounding
+            (multiplier * PAIR_STEPS).round() / PAIR_STEPS
+        };
+        for &(row, weight) in &self.rows[at] {
+            match sum.iter_mut().find(|(other, _)| *other == row) {
+                Some((_, sum)) => *sum += weight * multiplier,
+                None => sum.push((row, weight * multiplier)),
+            }
+        }
+    }
+}
+
+/// The linear forms of each row alone that may trim a box.
+fn forms(expansion: &Expansion, target: f64) -> Vec<Form> {
+    let n = expansion.gradients.len() / expansion.rows.len().max(1);
     let slopes = |at: usize| &expansion.gradients[at * n..(at + 1) * n];
     let mut list = Vec::new();
-    for (at, &row) in expansion.rows.iter().enumerate() {
+    for (at, row) in expansion.rows.iter().enumerate() {
         let own = slopes(at);
         let mut push = |sign: f64, limit: f64| {
             let (offset, slopes) = if sign < 0.0 {
@@ -437,7 +490,11 @@ fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
                 (expansion.offsets[at].low(), own.to_vec())
             };
             list.push(Form {
-                weights: vec![(row, sign)].into(),
+                weights: row
+                    .iter()
+                    .map(|(row, weight)| (*row, sign * weight))
+                    .collect::<Multipliers>()
+                    .into(),
                 offset,
                 slopes,
                 limit,
@@ -452,32 +509,6 @@ fn forms(expansion: &Expansion, examined: &Examined, target: f64) -> Vec<Form> {
                 push(-1.0, 0.0);
             }
         }
-    }
-    if target < f64::INFINITY
-        && examined.weights.rows.len() > 1
-        && examined.weights.tangent.is_none()
-    {
-        let mut offset = 0.0;
-        let mut share = 0.0;
-        let mut sum = vec![Interval::ZERO; n];
-        for &(row, weight) in &examined.weights.rows {
-            let Some(at) = expansion.rows.iter().position(|r| *r == row) else {
-                return list;
-            };
-            offset += weight * expansion.offsets[at].middle();
-            if expansion.kinds[at] == LinearKind::Objective {
-                share += weight;
-            }
-            for (sum, g) in sum.iter_mut().zip(slopes(at)) {
-                *sum += Interval::point(weight) * *g;
-            }
-        }
-        list.push(Form {
-            weights: examined.weights.clone(),
-            offset,
-            slopes: sum,
-            limit: share * target,
-        });
     }
     list
 }

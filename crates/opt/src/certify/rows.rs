@@ -3,11 +3,12 @@
 use std::borrow::Cow;
 
 use super::CertifyError;
+use super::bound::Weights;
 use crate::method::Method;
 use crate::problem::{Problem, Relation};
 use crate::program::{Kind, Program};
 use crate::sqp::LinearKind;
-use crate::tape::{Binary, Node, Tape, TapedFunctions, Unary};
+use crate::tape::{Binary, Node, Op, Tape, TapedFunctions, Unary};
 
 /// A row: an expression, and what it must satisfy.
 pub(super) struct Row {
@@ -26,6 +27,8 @@ pub(super) struct Rows {
     pub(super) needed: Vec<Node>,
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
+    /// An objective and its opposite, where there are such.
+    pub(super) opposites: Option<(usize, usize)>,
     /// Are these rows without divisors, at a level that is their last variable?
     pub(super) is_cleared: bool,
 }
@@ -91,7 +94,15 @@ impl Rows {
             })
             .collect();
         let needed = tape.needed_by(list.iter().map(|row| row.node));
+        let opposites = list.iter().enumerate().find_map(|(at, row)| {
+            let is_opposite = |other: &Row| {
+                tape.ops[other.node as usize] == Op::Unary(Unary::Neg, row.node)
+                    && [row.kind, other.kind] == [LinearKind::Objective; 2]
+            };
+            list.iter().position(is_opposite).map(|other| (at, other))
+        });
         Ok(Self {
+            opposites,
             tape,
             list,
             needed,
@@ -110,6 +121,18 @@ impl Rows {
                 .needed_by(weights.iter().map(|(row, _)| self.list[*row].node))
                 .into(),
         }
+    }
+
+    /// Multipliers that prove γ ≥ 0: the greater of a number and its opposite is not negative.
+    pub(super) fn nonnegative(&self) -> Option<Weights> {
+        let (row, opposite) = self.opposites?;
+        Some(vec![(row, 0.5), (opposite, 0.5)].into())
+    }
+
+    /// The operations of a weighted sum of rows.
+    pub(super) fn terms(&self, weights: &[(usize, f64)]) -> Vec<(Node, f64)> {
+        let term = |&(row, weight): &(usize, f64)| (self.list[row].node, weight);
+        weights.iter().map(term).collect()
     }
 
     /// How many variables there are.

@@ -219,6 +219,14 @@ impl Search<'_, '_> {
         best
     }
 
+    /// What may be claimed of all boxes that are not closed.
+    fn lowest(&self, heap: &BinaryHeap<Open>, stuck: &[Open]) -> f64 {
+        let open = heap.peek().map_or(f64::INFINITY, |o| o.bound);
+        let stuck = stuck.iter().map(|o| o.bound).fold(f64::INFINITY, f64::min);
+        let floor = self.rows.opposites.map_or(f64::NEG_INFINITY, |_| 0.0);
+        claim(open.min(stuck).max(floor))
+    }
+
     /// The whole box.
     fn root(&self) -> Open {
         let sides = self.rows.lower.iter().zip(&self.rows.upper);
@@ -247,13 +255,8 @@ impl Search<'_, '_> {
         let mut boxes = 0_u64;
         let mut polish_at = 1_u64;
         let mut second_order = Yield::default();
-        let lowest = |heap: &BinaryHeap<Open>, stuck: &[Open], closed: f64| {
-            let open = heap.peek().map_or(f64::INFINITY, |o| o.bound);
-            let stuck = stuck.iter().map(|o| o.bound).fold(f64::INFINITY, f64::min);
-            claim(open.min(stuck)).min(closed)
-        };
         let status = loop {
-            let lower = lowest(&heap, &stuck, closed);
+            let lower = self.lowest(&heap, &stuck).min(closed);
             let upper = best.as_ref().map_or(f64::INFINITY, |b: &Best| b.level);
             if heap.is_empty() {
                 break match &best {
@@ -368,9 +371,15 @@ impl Search<'_, '_> {
     /// Enters a box that is claimed as it is; returns the claim.
     fn close(&mut self, open: &Open) -> f64 {
         // the bound may be that of the box from which this one was divided
-        let own = Bounder::default().bound(self.rows, &open.weights, &open.x);
-        let bound = claim(own);
-        self.proof.leaf(open.id, bound, &open.weights);
+        let mut bounder = Bounder::default();
+        let own = bounder.bound(self.rows, &open.weights, &open.x);
+        let trivial = self.rows.nonnegative().filter(|_| own < 0.0);
+        let (bound, weights) = match &trivial {
+            Some(weights) => (bounder.bound(self.rows, weights, &open.x), weights),
+            None => (own, &open.weights),
+        };
+        let bound = claim(bound);
+        self.proof.leaf(open.id, bound, weights);
         bound
     }
 

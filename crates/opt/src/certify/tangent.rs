@@ -107,13 +107,10 @@ impl Examiner {
         let mut gradient = vec![Interval::ZERO; n];
         let (mut kinds, mut list) = (Vec::new(), Vec::new());
         let (mut gradients, mut offsets) = (Vec::new(), Vec::new());
-        for (&row, &kind) in expansion.rows.iter().zip(&expansion.kinds) {
-            let own = &rows.list[row];
-            let value = self.at.values[own.node as usize];
-            let term = [(own.node, 1.0)];
-            if self
-                .at
-                .gradient(&rows.tape, &own.needed, &term, &mut gradient)
+        for (row, (own, &kind)) in expansion.rows.iter().zip(&expansion.kinds).enumerate() {
+            let (terms, needed) = (rows.terms(own), rows.needed_by(own));
+            let value = self.at.sum(&rows.tape, &needed, &terms);
+            if self.at.gradient(&rows.tape, &needed, &terms, &mut gradient)
                 && value.is_bounded()
                 && gradient.iter().all(|g| g.is_bounded())
             {
@@ -165,7 +162,7 @@ impl Examiner {
                 if multiplier == 0.0 || !multiplier.is_finite() {
                     continue;
                 }
-                weights.push((list[at], multiplier));
+                expansion.add(&mut weights, list[at], multiplier);
                 share += if kinds[at] == LinearKind::Objective {
                     multiplier
                 } else {
