@@ -54,19 +54,19 @@ random-logs first="0" count="100":
 
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:
-    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --lib --test batches --target x86_64-unknown-linux-gnu
+    RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --target x86_64-unknown-linux-gnu --lib --test all -- lanes:: batches::
 
 # a long search for random cases in which standard and reference mode disagree; minutes
 search:
-    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test properties --test batches
+    PROPTEST_CASES=20000 cargo test --release --package grouser-terra --test all -- properties:: batches::
 
 # every cut of 64 KiB files, every bit of 16 KiB ones, a thousand kills of a logger; a part runs in `cargo test`
 dense:
-    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test truncated_files --test flipped_bits --test killed_loggers -- --nocapture
+    GROUSER_DENSE=all cargo test --release --package grouser-log --no-fail-fast --test all -- --nocapture truncated_files:: flipped_bits:: killed_loggers::
 
 # ten thousand runs with random faults from a seed on, 3.3e8 samples (about five minutes of one core); twice the same seeds print the same bits
 soak first="0":
-    GROUSER_SOAK_RUNS=10000 GROUSER_SOAK_FIRST={{first}} cargo test --release --package grouser-synthetic --test soak -- --nocapture
+    GROUSER_SOAK_RUNS=10000 GROUSER_SOAK_FIRST={{first}} cargo test --release --package grouser-synthetic --test all soak:: -- --nocapture
 
 # the node for an hour with each transport: eight wheels at 200 Hz with bursts; needs GROUSER_LIVE_PYTHON (live/ci installs it)
 live-soak seconds="3600":
@@ -74,11 +74,12 @@ live-soak seconds="3600":
 
 # slip maps: 100 000 random poses against the exact solver, and a million cells with 64 soils; minutes
 terrain:
-    cargo test --release --package grouser-terrain --test table --test speed -- --ignored --nocapture
+    cargo test --release --package grouser-terrain --test all table:: -- --ignored --nocapture
+    cargo test --release --package grouser-terrain --test speed -- --ignored --nocapture
 
 # five ways to a goal over hidden patches of soil on the relief of Mars ($GROUSER_DATA/mars-dem), 50 missions; minutes
 mission:
-    GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test mission -- --ignored --nocapture
+    GROUSER_MISSION_ROWS=1 cargo test --release --package grouser-terrain --test all mission:: -- --ignored --nocapture
 
 # SHA-256 of reference cases, batches, drives and an estimate on x86-64 (also without AVX), AArch64, ARMv7, RISC-V and
 # WebAssembly, the others emulated; builds each, an hour. One machine: just same-bits x86_64 aarch64 -- reference batch
@@ -96,7 +97,7 @@ miri:
 
 # soil learnt while driving, on nine soils under two laws of shear: what was predicted against what was true; minutes
 learnt-soil seeds="2":
-    GROUSER_SEEDS={{seeds}} cargo test --release --package grouser-rover --test learnt_soil -- --ignored --nocapture
+    GROUSER_SEEDS={{seeds}} cargo test --release --package grouser-rover --test all learnt_soil:: -- --ignored --nocapture
 
 # 6000 black-box cases against the program, with overflow checks; minutes. Another first case draws others
 attack cases="6000" first="0":
@@ -112,10 +113,10 @@ python:
 
 # random starts of each published and each shipped problem: no solution may be refuted by 200 probes of 1e-4 around it; minutes
 refuted starts="450":
-    GROUSER_STARTS={{starts}} cargo test --release --package grouser-opt --package grouser-design --test refuted -- --nocapture
+    GROUSER_STARTS={{starts}} cargo test --release --package grouser-opt --package grouser-design --test all refuted:: -- --nocapture
 
 # proofs of the published problems' global optima over boxes of ±5 around their starts, 60 s each, with their logs checked
 certify seconds="60":
     mkdir -p target/proofs
-    GROUSER_CERTIFY_S={{seconds}} GROUSER_CERTIFY_LOGS="$PWD/target/proofs" cargo test --release --package grouser-opt --test certified -- --nocapture published
+    GROUSER_CERTIFY_S={{seconds}} GROUSER_CERTIFY_LOGS="$PWD/target/proofs" cargo test --release --package grouser-opt --test all certified::published -- --nocapture
     python3 checker/check.py target/proofs/*.jsonl

@@ -1,13 +1,10 @@
 //! The header against the library: constants, sizes, offsets and functions, by a C compiler.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod compiler;
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::mem::{offset_of, size_of};
 
-use compiler::{header, needs_compiler, scratch};
+use crate::compiler::{header, needs_compiler, scratch};
 
 macro_rules! constants {
     ($($name:ident)*) => { &[$((stringify!($name), grouser_c::$name as i64)),*] };

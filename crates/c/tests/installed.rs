@@ -1,16 +1,9 @@
 //! The installed library: C++ by pkg-config and by CMake, and what it takes of a firmware's stack.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it skips"
-)]
-
-mod compiler;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use compiler::{folder, library, needs_compiler, scratch};
+use crate::compiler::{folder, library, needs_compiler, scratch};
 
 /// Most stack of one push or tick for six wheels, bytes: what a task of a microcontroller is usually given.
 const MAX_STACK_BYTES: u64 = 8 << 10;

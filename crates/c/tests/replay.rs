@@ -1,16 +1,14 @@
 //! The C example against the engine of `grouser estimate`, on the same log: the same bits.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod compiler;
 
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use compiler::{folder, library, needs_compiler, scratch};
 use grouser_files::{columns, robot};
 use grouser_log::Log;
 use grouser_replay::{Options, Row, run};
 use grouser_slip::WheelRole;
+
+use crate::compiler::{folder, library, needs_compiler, scratch};
 
 /// Slip and sigma of a wheel at a time, as bits.
 type Slips = BTreeMap<(i64, usize), (u64, u64)>;

@@ -1,12 +1,4 @@
 //! Identification and validation on measured data.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say that it is skipped"
-)]
-
-#[path = "../../log/tests/support/measured_data.rs"]
-mod measured_data;
 
 use std::path::PathBuf;
 
@@ -17,7 +9,8 @@ use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
 use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
 use grouser_terra::{RigidWheel, SoilParams, catalogue};
-use measured_data::measured_data;
+
+use crate::measured_data::measured_data;
 
 /// The folder of measured data.
 fn data() -> Option<PathBuf> {

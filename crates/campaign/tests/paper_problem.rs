@@ -1,5 +1,4 @@
 //! The paper's problem: what is known of it, and what it depends on.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_campaign::paper::{PRINTED_SLIP, READINGS, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};

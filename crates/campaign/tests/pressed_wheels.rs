@@ -1,19 +1,12 @@
 //! Plates to wheels: laws of size, fitted on two discs, against the wheels of the same test bed pressed into the sand
 //! without turning.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and prints the measured figures"
-)]
-
-#[path = "../../log/tests/support/measured_data.rs"]
-mod measured_data;
 
 use std::path::Path;
 
 use grouser_campaign::validate::{plate_tests, read_press};
 use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
-use measured_data::measured_data;
+
+use crate::measured_data::measured_data;
 
 /// A modulus of pressure against sinkage (m).
 type Modulus<'a> = &'a dyn Fn(f64) -> f64;

@@ -1,16 +1,12 @@
 //! The lock file by the rules of `deny.toml`: licences, sources, banned crates, duplicates. The rules are cargo-deny's; this
 //! needs no network and no other program.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
+use crate::repository::root;
 
 /// Every package of the graph for all targets.
 fn packages(features: &[&str]) -> Vec<Value> {

@@ -3,18 +3,13 @@
 //! A block ```` ```sh ```` runs line by line; the block ```` ```text ```` after it quotes lines of its output. In ```` ```console ````
 //! a line after `$ ` runs and the others are quoted. ```` ```toml title="F" ```` writes the file F. `sh data` and `console data` need
 //! the measured data (`GROUSER_DATA`); `exit=N` is the exit code if it is not 0.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-fn root() -> PathBuf {
-    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    package.ancestors().nth(2).unwrap().to_owned()
-}
+use crate::repository::root;
 
 /// A fenced block: its language, the words behind it, and its lines.
 struct Block {

@@ -1,24 +1,14 @@
 //! The verb `estimate` from outside: its keys, columns, exit codes, and what bad input gets.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
+use crate::repository::{Folder, is_error_alone, root};
+
 const LOG: &str = "examples/five-wheel/log.csv";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// Under `--json` standard output has the error, and no result.
-fn is_error_alone(output: &Output) -> bool {
-    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
-    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
-}
 
 fn grouser(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_grouser"))
@@ -45,37 +35,6 @@ fn refused(arguments: &[&str], message: &str) {
         told.starts_with("error: ") && told.contains(message),
         "{arguments:?}: {told}"
     );
-}
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("grouser-estimate-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        fs::write(self.0.join(name), text).unwrap();
-        self.path(name)
-    }
-
-    fn is_empty(&self) -> bool {
-        fs::read_dir(&self.0).unwrap().next().is_none()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 #[test]
@@ -116,7 +75,7 @@ fn the_keys_of_the_contract_are_there_in_the_robots_order() {
 
 #[test]
 fn the_table_has_the_columns_of_the_contract_and_every_wheel() {
-    let folder = Folder::new("table");
+    let folder = Folder::new("estimate-table");
     let table = folder.path("slip.csv");
     let output = grouser(&[LOG, "--robot", ROBOT, "-o", &table]);
     assert_eq!(output.status.code(), Some(0));
@@ -144,7 +103,7 @@ fn the_table_has_the_columns_of_the_contract_and_every_wheel() {
 
 #[test]
 fn figures_are_drawn_in_both_formats() {
-    let folder = Folder::new("figures");
+    let folder = Folder::new("estimate-figures");
     let (svg, png) = (folder.path("slip.svg"), folder.path("slip.png"));
     let output = grouser(&[LOG, "--robot", ROBOT, "-o", &svg, "-o", &png]);
     assert_eq!(output.status.code(), Some(0));
@@ -208,13 +167,13 @@ fn a_soil_says_what_the_slip_means() {
 
 #[test]
 fn a_log_without_motion_ends_with_1_and_its_status() {
-    let folder = Folder::new("still");
+    let folder = Folder::new("estimate-still");
     let header = fs::read_to_string(root().join(LOG)).unwrap();
     let header = header.lines().next().unwrap();
     let rows: Vec<String> = (0..100)
         .map(|i| format!("{},5,5,5,5,5,0", 20 * i))
         .collect();
-    let log = folder.file("log.csv", &format!("{header}\n{}\n", rows.join("\n")));
+    let log = folder.file("log.csv", format!("{header}\n{}\n", rows.join("\n")));
     let output = grouser(&[&log, "--robot", ROBOT, "--json"]);
     assert_eq!(output.status.code(), Some(1));
     let found = json(&output);
@@ -227,7 +186,7 @@ fn a_log_without_motion_ends_with_1_and_its_status() {
 
 #[test]
 fn a_radius_is_calibrated_into_a_robot_file_that_works() {
-    let folder = Folder::new("calibrate");
+    let folder = Folder::new("estimate-calibrate");
     let robot = folder.path("robot.toml");
     let firm = ["--from-s", "4", "--to-s", "10.5"];
     let calibrate = [
@@ -262,7 +221,7 @@ fn a_radius_is_calibrated_into_a_robot_file_that_works() {
 
 #[test]
 fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
-    let folder = Folder::new("refused");
+    let folder = Folder::new("estimate-refused");
     let table = folder.path("slip.csv");
     let with = |log: &str, robot: &str, message: &str| {
         refused(&[log, "--robot", robot, "-o", &table], message);
@@ -298,16 +257,16 @@ fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
     }
     // Broken in the middle: nothing is left of the table that was begun.
     let whole = fs::read_to_string(root().join(LOG)).unwrap();
-    let sick = Folder::new("sick");
-    let log = sick.file("log.csv", &whole.replacen("\n39000,", "\n39000,x", 1));
+    let sick = Folder::new("estimate-sick");
+    let log = sick.file("log.csv", whole.replacen("\n39000,", "\n39000,x", 1));
     with(&log, ROBOT, "line 1952, column 2 `front_left_ticks`");
-    assert!(folder.is_empty());
+    assert!(folder.names().is_empty());
 }
 
 #[cfg(unix)]
 #[test]
 fn a_pipe_as_a_log_does_not_hang() {
-    let folder = Folder::new("pipe");
+    let folder = Folder::new("estimate-pipe");
     let pipe = folder.path("log.csv");
     assert!(
         Command::new("mkfifo")
@@ -337,7 +296,7 @@ fn a_wide_window_of_time_or_none_of_it_is_no_panic() {
 
 #[test]
 fn a_wrong_unit_is_found_by_the_check() {
-    let folder = Folder::new("check");
+    let folder = Folder::new("estimate-check");
     let example = root().join("examples/five-wheel");
     let columns = fs::read_to_string(example.join("columns.toml")).unwrap();
     // The gyro's numbers are rad/s; they are read as degrees.

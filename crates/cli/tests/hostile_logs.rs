@@ -1,49 +1,17 @@
 //! The command on logs that are cut, flipped, empty or something else: an answer or an error with its exit
 //! code, never a panic, a hang, or half an object on stdout.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::repository::{Folder, is_error_alone, root};
+
 const ROBOT: &str = "examples/five-wheel/robot.toml";
 const COLUMNS: &str = "examples/five-wheel/columns.toml";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// Under `--json` standard output has the error, and no result.
-fn is_error_alone(output: &Output) -> bool {
-    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
-    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
-}
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("grouser-hostile-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str, bytes: &[u8]) -> String {
-        fs::write(self.0.join(name), bytes).unwrap();
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// Runs the command; whatever it is given, it ends in time by one of its exit codes.
 fn grouser(arguments: &[&str]) -> Output {
@@ -107,7 +75,7 @@ fn broken(bytes: &[u8], count: usize) -> Vec<Vec<u8>> {
 
 #[test]
 fn estimate_and_info_of_a_broken_mcap_file() {
-    let folder = Folder::new("mcap");
+    let folder = Folder::new("hostile_logs-mcap");
     let whole = fs::read(root().join("examples/five-wheel/log.mcap")).unwrap();
     let mut estimated = 0;
     for bytes in broken(&whole, 8) {
@@ -121,7 +89,7 @@ fn estimate_and_info_of_a_broken_mcap_file() {
 
 #[test]
 fn recovery_of_a_broken_mcap_file_is_whole_partial_or_nothing() {
-    let folder = Folder::new("recover");
+    let folder = Folder::new("hostile_logs-recover");
     let whole = fs::read(root().join("examples/five-wheel/log.mcap")).unwrap();
     for bytes in broken(&whole, 4) {
         let log = folder.file("log.mcap", &bytes);
@@ -145,7 +113,7 @@ fn recovery_of_a_broken_mcap_file_is_whole_partial_or_nothing() {
 
 #[test]
 fn estimate_of_a_broken_table() {
-    let folder = Folder::new("table");
+    let folder = Folder::new("hostile_logs-table");
     let whole = fs::read(root().join("examples/five-wheel/log.csv")).unwrap();
     let whole = &whole[..60_000];
     for bytes in broken(whole, 8) {
@@ -158,7 +126,7 @@ fn estimate_of_a_broken_table() {
 
 #[test]
 fn estimate_with_a_broken_robot_or_map() {
-    let folder = Folder::new("toml");
+    let folder = Folder::new("hostile_logs-toml");
     for (name, other) in [(ROBOT, COLUMNS), (COLUMNS, ROBOT)] {
         let whole = fs::read(root().join(name)).unwrap();
         for bytes in broken(&whole, 6) {
@@ -176,7 +144,7 @@ fn estimate_with_a_broken_robot_or_map() {
 
 #[test]
 fn a_log_that_is_something_else() {
-    let folder = Folder::new("else");
+    let folder = Folder::new("hostile_logs-else");
     let noise: Vec<u8> = (0..5000_u32)
         .map(|k| k.wrapping_mul(2_654_435_761).to_be_bytes()[0])
         .collect();

@@ -1,32 +1,10 @@
 //! `identify` and `validate`: the shipped example against its truth, the soil file through other verbs, and what is
 //! refused.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say that it is skipped"
-)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// Under `--json` standard output has the error, and no result.
-fn is_error_alone(output: &Output) -> bool {
-    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
-}
-
-fn grouser(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grouser"))
-        .current_dir(root())
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use crate::repository::{Folder, grouser, is_error_alone, root};
 
 fn json(arguments: &[&str]) -> serde_json::Value {
     let output = grouser(arguments);
@@ -38,33 +16,12 @@ fn json(arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// A folder of its own, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("grouser-{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn at(&self, name: &str) -> String {
-        self.0.join(name).display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// The example was made by another program from `truth.toml`: each number lies in its interval, or near it where
 /// chance has put it outside (five of a hundred do).
 #[test]
 fn the_example_gives_back_what_it_was_made_of() {
-    let folder = Folder::new("bevameter");
-    let (soil, figure) = (folder.at("sand.toml"), folder.at("residuals.svg"));
+    let folder = Folder::new("identify-bevameter");
+    let (soil, figure) = (folder.path("sand.toml"), folder.path("residuals.svg"));
     let found = json(&[
         "identify",
         "examples/bevameter/tests.toml",
@@ -126,15 +83,15 @@ fn the_example_gives_back_what_it_was_made_of() {
 
 #[test]
 fn what_the_tests_cannot_tell_is_named() {
-    let folder = Folder::new("untold");
+    let folder = Folder::new("identify-untold");
     let shear: Vec<String> = fs::read_to_string(root().join("examples/bevameter/shear.csv"))
         .unwrap()
         .lines()
         .filter(|line| line.starts_with("normal") || line.starts_with("7,"))
         .map(str::to_owned)
         .collect();
-    fs::write(folder.at("shear.csv"), shear.join("\n")).unwrap();
-    let tests = folder.at("tests.toml");
+    fs::write(folder.path("shear.csv"), shear.join("\n")).unwrap();
+    let tests = folder.path("tests.toml");
     fs::write(
         &tests,
         "format = 1\nname = \"one load\"\n[shear]\ntable = \"shear.csv\"\n",
@@ -145,16 +102,16 @@ fn what_the_tests_cannot_tell_is_named() {
     let warnings = String::from_utf8(output.stderr).unwrap();
     assert!(warnings.contains("cohesion_kpa"), "{warnings}");
     // and no soil file can be made of it
-    let refused = grouser(&["identify", &tests, "-o", &folder.at("soil.toml")]);
+    let refused = grouser(&["identify", &tests, "-o", &folder.path("soil.toml")]);
     assert_eq!(refused.status.code(), Some(2));
     let error = String::from_utf8(refused.stderr).unwrap();
     assert!(error.contains("do not tell n"), "{error}");
-    assert!(!Path::new(&folder.at("soil.toml")).exists());
+    assert!(!Path::new(&folder.path("soil.toml")).exists());
 }
 
 #[test]
 fn bad_jobs_are_refused_with_their_place() {
-    let folder = Folder::new("badjobs");
+    let folder = Folder::new("identify-badjobs");
     for (text, expected) in [
         ("format = 1\nname = \"x\"\n", "no [[plate]]"),
         (
@@ -170,7 +127,7 @@ fn bad_jobs_are_refused_with_their_place() {
             "did you mean \"c_1\"",
         ),
     ] {
-        let tests = folder.at("tests.toml");
+        let tests = folder.path("tests.toml");
         fs::write(&tests, text).unwrap();
         let output = grouser(&["identify", &tests, "--json"]);
         assert_eq!(output.status.code(), Some(2), "{text}");
@@ -192,8 +149,8 @@ fn validate_prints_the_rows_it_promises() {
         eprintln!("skipped: no measured data (GROUSER_DATA)");
         return;
     }
-    let folder = Folder::new("validate");
-    let (figure, table) = (folder.at("measured.svg"), folder.at("rows.csv"));
+    let folder = Folder::new("identify-validate");
+    let (figure, table) = (folder.path("measured.svg"), folder.path("rows.csv"));
     let found = json(&[
         "validate",
         "--data",

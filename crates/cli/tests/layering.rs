@@ -1,10 +1,9 @@
 //! The floors of the workspace, held against `cargo metadata`: what a crate may import, where threads may
 //! live, which crates stay without the standard library, and who may write `unsafe`.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+
+use crate::repository::{cargo, files, root};
 
 /// Each crate and the ones of ours that it may use (dev-dependencies aside). A new crate needs a line here
 /// and one in DESIGN.md.
@@ -144,28 +143,6 @@ const UNSAFE_FILES: &[&str] = &[
     "crates/c/src/lib.rs",
 ];
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .nth(2)
-        .unwrap()
-        .to_owned()
-}
-
-fn cargo(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO"))
-        .current_dir(root())
-        .args(arguments)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).unwrap()
-}
-
 /// Each crate of ours with the names of all its dependencies but dev-dependencies.
 fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     let text = cargo(&["metadata", "--no-deps", "--format-version", "1"]);
@@ -250,16 +227,7 @@ fn no_file_but_the_machines_lanes_and_the_c_interface_may_be_unsafe() {
                 "{package} does not forbid unsafe code"
             );
         }
-        check_folder(&source);
-    }
-}
-
-fn check_folder(folder: &Path) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            check_folder(&path);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+        for path in files(&source, "rs") {
             let allowed = UNSAFE_FILES.iter().any(|file| path.ends_with(file));
             let text = std::fs::read_to_string(&path).unwrap();
             assert!(

@@ -1,32 +1,16 @@
 //! The verb `log` from outside: what it says, writes, and refuses.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say that it is skipped"
-)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
 
 use serde_json::Value;
+
+use crate::repository::{Folder, grouser, root};
 
 const TABLE: &str = "examples/five-wheel/log.csv";
 const MCAP: &str = "examples/five-wheel/log.mcap";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
 const JACKAL: &str = "examples/jackal/robot.toml";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn grouser(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grouser"))
-        .current_dir(root())
-        .args(arguments)
-        .output()
-        .unwrap()
-}
 
 /// The JSON object of a run that ends with `code`.
 fn json(arguments: &[&str], code: i32) -> Value {
@@ -44,34 +28,6 @@ fn refused(arguments: &[&str], message: &str) {
         output.stdout.is_empty() && told.contains(message),
         "{arguments:?}: {told}"
     );
-}
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("grouser-log-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 /// The Jackal's bag.
@@ -109,7 +65,7 @@ fn slips(log: &str, robot: &str, more: &[&str], folder: &Folder) -> String {
 
 #[test]
 fn a_table_becomes_mcap_with_the_same_slips() {
-    let folder = Folder::new("table");
+    let folder = Folder::new("log-table");
     let mcap = folder.path("run.mcap");
     let object = json(&["log", "convert", TABLE, &mcap], 0);
     assert_eq!(object["records"], 2001 * 6);
@@ -137,7 +93,7 @@ fn a_run_of_several_tables_becomes_one_mcap_with_the_same_slips() {
         return;
     };
     let run = imu.replace("__mobile_base_sensors_imu_data.csv.gz", "");
-    let folder = Folder::new("kobuki");
+    let folder = Folder::new("log-kobuki");
     let (mcap, robot) = (folder.path("run.mcap"), "examples/kobuki/robot.toml");
     let map = ["--map", "examples/kobuki/columns.toml"];
     json(&[&["log", "convert", &run, &mcap], &map[..]].concat(), 0);
@@ -151,7 +107,7 @@ fn a_run_of_several_tables_becomes_one_mcap_with_the_same_slips() {
 #[test]
 fn a_bag_becomes_mcap_and_a_bag_again_without_a_loss() {
     let Some(bag) = jackal() else { return };
-    let folder = Folder::new("bag");
+    let folder = Folder::new("log-bag");
     let (mcap, again) = (folder.path("j.mcap"), folder.path("j.bag"));
     let object = json(&["log", "convert", &bag, &mcap], 0);
     assert_eq!(
@@ -166,7 +122,7 @@ fn a_bag_becomes_mcap_and_a_bag_again_without_a_loss() {
 
 #[test]
 fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
-    let folder = Folder::new("e7");
+    let folder = Folder::new("log-e7");
     let bytes = fs::read(root().join(MCAP)).unwrap();
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
     // The power went off within a chunk.
@@ -206,7 +162,7 @@ fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
 
 #[test]
 fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
-    let folder = Folder::new("damaged");
+    let folder = Folder::new("log-damaged");
     let bytes = fs::read(root().join(MCAP)).unwrap();
     let cut = folder.path("cut.mcap");
     fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
@@ -224,7 +180,7 @@ fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
 
 #[test]
 fn what_cannot_be_read_at_all_leaves_no_file() {
-    let folder = Folder::new("e7-nothing");
+    let folder = Folder::new("log-e7-nothing");
     let (cut, saved) = (folder.path("cut.mcap"), folder.path("saved.mcap"));
     fs::write(&cut, &fs::read(root().join(MCAP)).unwrap()[..60]).unwrap();
     let object = json(&["log", "recover", &cut, &saved], 1);
@@ -238,7 +194,7 @@ fn what_cannot_be_read_at_all_leaves_no_file() {
 #[test]
 fn a_damaged_bag_is_recovered_as_a_bag() {
     let Some(bag) = jackal() else { return };
-    let folder = Folder::new("bag-cut");
+    let folder = Folder::new("log-bag-cut");
     let bytes = fs::read(bag).unwrap();
     let (cut, saved) = (folder.path("cut.bag"), folder.path("saved.bag"));
     fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
@@ -250,7 +206,7 @@ fn a_damaged_bag_is_recovered_as_a_bag() {
 /// A radius and a number of ticks that nobody measured would scale every slip.
 #[test]
 fn a_suggested_robot_is_refused_until_its_placeholders_are_numbers() {
-    let folder = Folder::new("suggest");
+    let folder = Folder::new("log-suggest");
     let mut logs = vec![TABLE.to_owned(), MCAP.to_owned()];
     logs.extend(jackal());
     for log in logs {
@@ -276,7 +232,7 @@ fn a_suggested_robot_is_refused_until_its_placeholders_are_numbers() {
 
 #[test]
 fn a_folder_is_one_run() {
-    let folder = Folder::new("folder");
+    let folder = Folder::new("log-folder");
     let bytes = fs::read(root().join(MCAP)).unwrap();
     // As rosbag2 splits a recording, with its metadata beside it.
     for part in ["run_0.mcap", "run_1.mcap"] {
@@ -308,7 +264,7 @@ fn a_folder_is_one_run() {
     );
 
     // Tables of one run, in a folder that holds something else as well.
-    let folder = Folder::new("tables");
+    let folder = Folder::new("log-tables");
     fs::write(
         folder.0.join("wheels.csv"),
         "t,left_ticks,right_ticks\n0,1,2\n1,2,3\n",
@@ -362,7 +318,7 @@ fn types_stand_whole_in_their_lines_when_piped() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let folder = Folder::new("refused");
+    let folder = Folder::new("log-refused");
     let out = |name: &str| folder.path(name);
     refused(&["log", "convert", MCAP, &out("x.csv")], "holds 2 topics");
     refused(

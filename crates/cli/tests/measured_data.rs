@@ -1,6 +1,5 @@
 //! Where `CI` is set, every folder of measured data that the README names is there: the tests that use one skip what they do
 //! not find, each by itself.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::{Path, PathBuf};
 

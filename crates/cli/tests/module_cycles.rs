@@ -1,9 +1,10 @@
 //! Modules import only downwards: the imports between the modules of a crate form no cycle. A folder is one module, and in
 //! the command each verb is.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use crate::repository::{files, root};
 
 /// Folders whose members are modules of their own.
 const OPEN_FOLDERS: &[&str] = &["verbs"];
@@ -17,17 +18,6 @@ fn module(segments: &[String]) -> Option<String> {
         .get(1)
         .filter(|_| OPEN_FOLDERS.contains(&first.as_str()));
     Some(second.map_or_else(|| first.clone(), |second| format!("{first}::{second}")))
-}
-
-fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            rust_files(&path, files);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            files.push(path);
-        }
-    }
 }
 
 /// The segments of the module that a file holds.
@@ -89,10 +79,8 @@ fn code(file: &Path) -> String {
 
 /// The imports between the modules of a crate.
 fn imports(folder: &str) -> Graph {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(1);
-    let source = root.unwrap().join(folder).join("src");
-    let mut files = Vec::new();
-    rust_files(&source, &mut files);
+    let source = root().join("crates").join(folder).join("src");
+    let files = files(&source, "rs");
     let known: BTreeSet<Vec<String>> = files.iter().map(|file| segments(&source, file)).collect();
     // Names that the crate's root takes from its modules.
     let mut roots = BTreeMap::new();

@@ -1,61 +1,17 @@
 //! The verbs `optimize` and `paper` from outside: keys, order, exit codes, files, and what bad input gets.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use serde_json::Value;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-/// Under `--json` standard output has the error, and no result.
-fn is_error_alone(output: &Output) -> bool {
-    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
-    object.as_object().unwrap().keys().eq(["error"]) && object["error"]["message"].is_string()
-}
-
-fn grouser(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grouser"))
-        .current_dir(root())
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use crate::repository::{Folder, grouser, is_error_alone};
 
 fn json(output: &Output) -> Value {
     let text = std::str::from_utf8(&output.stdout).unwrap();
     assert!(!text.contains("NaN") && !text.contains("inf,"), "{text}");
     serde_json::from_str(text).unwrap()
-}
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("grouser-optimize-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        fs::write(self.0.join(name), text).unwrap();
-        self.path(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 const PAGE: &str = r#"
@@ -81,13 +37,13 @@ fn keys(object: &Value) -> Vec<&str> {
 
 #[test]
 fn every_key_of_the_contract_is_there_in_the_order_of_the_file() {
-    let folder = Folder::new("keys");
+    let folder = Folder::new("optimize-keys");
     // every variable has both bounds: eight starts unless the file says otherwise
     let spread = folder.file("spread.toml", PAGE);
     let spread = json(&grouser(&["optimize", &spread, "--json"]));
     assert_eq!(spread["starts"].as_array().unwrap().len(), 8);
     assert_eq!(spread["provenance"]["seed"], 1);
-    let problem = folder.file("page.toml", &PAGE.replace("method", "starts = 1\nmethod"));
+    let problem = folder.file("page.toml", PAGE.replace("method", "starts = 1\nmethod"));
     let output = grouser(&["optimize", &problem, "--json"]);
     assert_eq!(output.status.code(), Some(0));
     let found = json(&output);
@@ -142,7 +98,7 @@ fn text_says_what_binds_and_what_it_costs() {
 
 #[test]
 fn a_front_with_its_knee_as_json_table_and_figure() {
-    let folder = Folder::new("front");
+    let folder = Folder::new("optimize-front");
     let (table, figure, picture) = (
         folder.path("f.csv"),
         folder.path("f.svg"),
@@ -174,7 +130,7 @@ fn a_front_with_its_knee_as_json_table_and_figure() {
 
 #[test]
 fn no_result_is_exit_1_with_its_json() {
-    let folder = Folder::new("infeasible");
+    let folder = Folder::new("optimize-infeasible");
     let problem = folder.file(
         "p.toml",
         "method = \"minimax\"\n[variables]\nx = { start = 5.0 }\n[objectives]\nf = \"x\"\n[constraints]\nlow = \"x <= 1\"\nhigh = \"x >= 3\"\n",
@@ -201,7 +157,7 @@ fn no_result_is_exit_1_with_its_json() {
     ] {
         let problem = folder.file(
             "q.toml",
-            &format!(
+            format!(
                 "method = \"minimax\"\n[variables]\nx = {{ start = 5.0 }}\n[objectives]\n{text}\n"
             ),
         );
@@ -213,21 +169,20 @@ fn no_result_is_exit_1_with_its_json() {
 
 #[test]
 fn bad_problems_are_exit_2_and_leave_nothing() {
-    let folder = Folder::new("bad");
+    let folder = Folder::new("optimize-bad");
     let missing = folder.path("none.toml");
     let broken = folder.file("broken.toml", "method = ");
-    let unknown = folder.file("unknown.toml", &PAGE.replace("x1 + x2 - 8", "x1 + x3 - 8"));
+    let unknown = folder.file("unknown.toml", PAGE.replace("x1 + x2 - 8", "x1 + x3 - 8"));
     let deep = folder.file(
         "deep.toml",
-        &PAGE.replace(
+        PAGE.replace(
             "x1 + x2 - 8",
             &format!("{}x1{}", "(".repeat(300), ")".repeat(300)),
         ),
     );
     let starts = folder.file(
         "starts.toml",
-        &PAGE
-            .replace("method", "starts = 5\nmethod")
+        PAGE.replace("method", "starts = 5\nmethod")
             .replace(", upper = 10.0", ""),
     );
     for (problem, message) in [
@@ -252,7 +207,7 @@ fn bad_problems_are_exit_2_and_leave_nothing() {
 
 #[test]
 fn the_paper_is_written_and_its_slip_is_not_claimed() {
-    let folder = Folder::new("paper");
+    let folder = Folder::new("optimize-paper");
     let target = folder.path("out");
     let output = grouser(&["paper", "-o", &target, "--json"]);
     assert_eq!(output.status.code(), Some(0));
@@ -332,7 +287,7 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
 
 #[test]
 fn a_certificate_is_proved_refused_or_doubtful() {
-    let folder = Folder::new("certificate");
+    let folder = Folder::new("optimize-certificate");
     let proof = folder.path("proof.jsonl");
     let proved = grouser(&[
         "optimize",

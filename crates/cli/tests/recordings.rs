@@ -1,9 +1,8 @@
 //! MCAP files that the command writes: what `estimate` says in them, and what a kill leaves.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -11,38 +10,15 @@ use grouser_log::Messages;
 use grouser_log::container::Channel;
 use grouser_log::message::{Value, View};
 
+use crate::repository::{Folder, root};
+
 const MCAP: &str = "examples/five-wheel/log.mcap";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
 
 fn grouser(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_grouser"));
     command.current_dir(root()).args(arguments);
     command
-}
-
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("grouser-rec-{name}-{}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 /// The points of a `sensor_msgs/PointCloud2`: x, y, z and slip.
@@ -90,7 +66,7 @@ with AnyReader([Path(path)]) as reader:
 #[test]
 #[allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
 fn others_read_where_the_wheels_of_a_drive_were_and_how_they_slipped() {
-    let folder = Folder::new("points");
+    let folder = Folder::new("recordings-points");
     let mcap = folder.path("drive.mcap");
     let scenario = "examples/scenarios/sandbox.toml";
     let done = grouser(&["drive", scenario, "-o", &mcap]).output().unwrap();
@@ -157,7 +133,7 @@ fn others_read_where_the_wheels_of_a_drive_were_and_how_they_slipped() {
 #[test]
 #[allow(clippy::too_many_lines, reason = "a part for each topic")]
 fn an_estimate_as_messages_says_what_the_table_says() {
-    let folder = Folder::new("estimate");
+    let folder = Folder::new("recordings-estimate");
     let (mcap, table) = (folder.path("slip.mcap"), folder.path("slip.csv"));
     let done = grouser(&[
         "estimate", MCAP, "--robot", ROBOT, "-o", &mcap, "-o", &table,
@@ -294,7 +270,7 @@ fn an_estimate_as_messages_says_what_the_table_says() {
 /// A kill at any moment leaves the old file or the whole new one.
 #[test]
 fn a_kill_leaves_the_old_file_or_the_new_one() {
-    let folder = Folder::new("kill");
+    let folder = Folder::new("recordings-kill");
     let out = folder.path("out.mcap");
     let old = b"the old file".to_vec();
     let (mut kept, mut renewed) = (0, 0);

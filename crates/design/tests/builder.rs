@@ -1,5 +1,4 @@
 //! A design built in a program beside the same one in a file, and soils that no file describes.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_design::{Answer, Design, Error, Optimum, State, parse};
 use grouser_files::Document;

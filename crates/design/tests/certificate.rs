@@ -1,9 +1,4 @@
 //! Certificates of designs with wheels under a load.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -27,7 +22,7 @@ fn shipped(name: &str) -> Design {
     read(&folder.join(name)).unwrap()
 }
 
-/// `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-design --test certificate -- --nocapture` measures the gaps.
+/// `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-design --test all certificate:: -- --nocapture` measures the gaps.
 #[test]
 fn shipped_problems_have_bounds_on_both_sides_of_their_optimum() {
     let seconds = std::env::var("GROUSER_CERTIFY_S").map_or(4.0, |s| s.parse().unwrap());

@@ -1,5 +1,4 @@
 //! Problem files: what they may say, what they may not, and what the shipped ones give.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
 

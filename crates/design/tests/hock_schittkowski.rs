@@ -2,7 +2,6 @@
 //! Mathematical Systems 187, 1981: problems with nonlinear constraints, as problem files, from their starts.
 //!
 //! Number 13, whose optimum has no multipliers (the constraints' gradients vanish together there), is left out.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_design::{Answer, parse};
 use grouser_files::Document;

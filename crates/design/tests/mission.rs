@@ -1,5 +1,4 @@
 //! The wheel of a mission against searches that share nothing with it: a grid over radius and width in the exact solver.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::ops::ControlFlow;
 

@@ -1,5 +1,4 @@
 //! Every quantity against terra's own answer, and its derivatives against finite differences.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_design::{Answer, Design, Quantity, parse};
 use grouser_files::Document;

@@ -1,19 +1,12 @@
 //! No point that is called a solution is refuted by random probes around it, from random starts of the shipped
-//! problems. `GROUSER_STARTS=1000 cargo test --release -p grouser-design --test refuted` makes thousands of solves.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
-
-#[path = "../../opt/tests/support/random_starts.rs"]
-mod random_starts;
+//! problems. `GROUSER_STARTS=1000 cargo test --release -p grouser-design --test all refuted::` makes thousands of solves.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use grouser_design::{Answer, Design, Task, read};
-use random_starts::{Stream, starts};
+
+use crate::random_starts::{Stream, starts};
 
 /// The decrease by the best of 200 probes of up to 1e-4 of each variable's range; `None` where none lowers the
 /// utility by 1e-6 (1 + |utility|).

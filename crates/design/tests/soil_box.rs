@@ -1,10 +1,8 @@
 //! Proofs about slopes against the laws themselves, at random soils and slips.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use crate::random_starts::Stream;
 
 #[allow(dead_code, reason = "shared with searches from random starts")]
-#[path = "../../opt/tests/support/random_starts.rs"]
-mod random_starts;
-
 use std::ops::ControlFlow;
 
 use grouser_design::{prove_no_slip_holds, read};
@@ -13,7 +11,6 @@ use grouser_terra::{
     Angle, Bekker, Kinematics, Pressure, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil,
     catalogue,
 };
-use random_starts::Stream;
 
 /// The soil box ships with a minimum above 0: no soil of it may leave less, whatever its numbers.
 #[test]

@@ -1,5 +1,4 @@
 //! Problems that are written and read again.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_design::{Design, DesignBuilder, Error, ObjectiveParams, State, Task, parse, to_toml};
 use grouser_files::Document;

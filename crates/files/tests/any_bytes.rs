@@ -1,5 +1,4 @@
 //! Any text at all as a robot or a column map: what it says or an error, never a panic.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_files::{Document, columns, robot};
 use proptest::prelude::*;

@@ -1,11 +1,5 @@
 //! Paths that are no files. None may hang, and each has its own error.
 #![cfg(unix)]
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::ffi::OsStr;
 use std::fs;

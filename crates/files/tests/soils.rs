@@ -1,5 +1,4 @@
 //! Soil files: read, completed, refused.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_files::{Document, Error, soil};
 use grouser_terra::catalogue::{self, Completion};

@@ -1,10 +1,4 @@
 //! TOML that is deep, large, twice, unknown, too big a number, or no number.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::fmt::Write;
 

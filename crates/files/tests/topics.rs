@@ -1,5 +1,4 @@
 //! The section `[topics]` of robot files: what it says, and what is told of mistakes.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_files::columns::Meaning;
 use grouser_files::robot::{self, RobotFile};

@@ -1,6 +1,5 @@
 //! Robot files out of URDF: the shipped five-wheeled robot comes out as it is, a skid-steer as computed by hand, and
 //! what is no robot is refused with its reason.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};

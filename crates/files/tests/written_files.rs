@@ -1,5 +1,4 @@
 //! Files that are written read back to the same values.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(
     clippy::format_push_string,
     reason = "a file is put together line by line"

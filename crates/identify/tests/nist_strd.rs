@@ -1,6 +1,5 @@
 //! Statistical Reference Datasets of the National Institute of Standards and Technology, nonlinear
 //! regression: certified parameters, standard errors and sums of squares, from both published starts.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_identify::least_squares::{
     Bounded, Loss, Settings, StartSettings, Uncertainty, fit, multi_start, profile,

@@ -1,12 +1,10 @@
 //! Any bytes at all: records or an error, never a panic, and never more records than rows.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use proptest::prelude::*;
-use scratch::read;
+
+use crate::scratch::read;
 
 /// Each case has a folder of its own.
 static CASE: AtomicUsize = AtomicUsize::new(0);

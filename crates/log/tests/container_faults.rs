@@ -1,13 +1,5 @@
 //! MCAP files and bags with wrong contents: sizes that disagree, lengths that lie, numbers
 //! used twice, ends that are missing, paths that are no files, disks that are full, formats of tomorrow.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it skipped"
-)]
-
-mod scratch;
-mod written;
 
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -16,8 +8,10 @@ use std::time::{Duration, Instant};
 use grouser_log::Error;
 use grouser_log::container::{Container, Damage, Event, Format};
 use grouser_log::write::copy;
-use scratch::Folder;
-use written::{ChunkAt, Packing, Plan, Row, Written, read};
+
+use crate::scratch::Folder;
+use crate::written;
+use crate::written::{ChunkAt, Packing, Plan, Row, Written, read};
 
 fn plan(packing: Packing) -> Plan {
     Plan {

@@ -1,20 +1,13 @@
 //! Tables that are empty, ragged, foreign or broken. Each gives an error that names line and
 //! column, and never a part of the log as if it were the whole.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod scratch;
 
 use std::io::Write;
 
 use grouser_log::csv::LINE_LIMIT;
 use grouser_log::{Cell, Error};
 use grouser_slip::Measurement;
-use scratch::{Folder, map, read};
+
+use crate::scratch::{Folder, map, read};
 
 const GOOD: &str = "t,n,g\n0,1,0.5\n0.1,2,0.25\n";
 

@@ -1,6 +1,5 @@
 //! Decoding into the value of the message before: the same as anew, whatever stood there, and without
 //! allocation where the message is like it.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_log::container::{Channel, Encoding};
 use grouser_log::message::{Decoder, Definition, Value, build, known};

@@ -1,8 +1,5 @@
 //! What sensors in the field send: fixes of satellite receivers with and without a position, an IMU mounted at an angle, a
 //! bag beside a table, clocks that are set.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -15,7 +12,8 @@ use grouser_log::message::{Value, build};
 use grouser_log::write::McapWriter;
 use grouser_log::{Error, Log};
 use grouser_slip::{Measurement, Sample};
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 const WHEELS: &str =
     "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n";

@@ -1,17 +1,12 @@
 //! Every bit of files of 16 KiB flipped. A part of the bits runs always; all of them by
 //! `just dense`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod written;
 
 use std::time::{Duration, Instant};
 
 use grouser_log::container::Damage;
-use written::{Packing, Plan, Row, Written, cases, read};
+
+use crate::written;
+use crate::written::{Packing, Plan, Row, Written, cases, read};
 
 fn plan(packing: Packing) -> Plan {
     Plan {

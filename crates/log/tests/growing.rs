@@ -1,5 +1,4 @@
 //! Recordings that are read while they are written: by a writer that appends, is killed, and begins again.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::BTreeMap;
 use std::env;

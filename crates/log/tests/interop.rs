@@ -1,13 +1,6 @@
 //! Logs exchanged with code that is not ours, both ways, equal to the bit: `mcap-ros2-support` and `rosbags`
 //! in a Python that `GROUSER_PYTHON` names (`.ci/run` makes one). Without it the tests say that they are
 //! skipped.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say that it is skipped"
-)]
-
-mod scratch;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -18,7 +11,8 @@ use std::process::Command;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::message::{Decoder, Value, build, known};
 use grouser_log::write::{McapWriter, copy, verify};
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 /// Runs the other side; false (said on stderr) where there is no Python for it.
 fn exchange(job: &str, arguments: &[&Path]) -> bool {

@@ -1,12 +1,5 @@
 //! A program is killed at a random moment of its logging. A part of the kills runs always; a
 //! thousand of each format by `just dense`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking, and the killed program reports by its output"
-)]
-
-mod scratch;
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write as _};
@@ -17,7 +10,8 @@ use std::{env, thread};
 
 use grouser_log::container::{Channel, Container, Encoding, Event, Format};
 use grouser_log::write::{Times, Writer};
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 const INTO: &str = "GROUSER_LOG_INTO";
 /// Messages at 200 Hz, ns.
@@ -67,7 +61,7 @@ fn logger() {
 /// Kills a logger after a while; how many messages it said were taken, and which are read of its file.
 fn kill(path: &Path, after: Duration) -> (u64, Vec<u64>) {
     let mut running = Command::new(env::current_exe().unwrap())
-        .args(["logger", "--exact", "--nocapture"])
+        .args(["killed_loggers::logger", "--exact", "--nocapture"])
         .env(INTO, path)
         .stdout(Stdio::piped())
         .spawn()

@@ -1,5 +1,4 @@
 //! Definitions as long as a file may declare them: read in time and memory that their length bounds.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fmt::Write as _;
 use std::io::Cursor;

@@ -1,18 +1,11 @@
 //! Bags that robots wrote, against figures read from them by another program (30 lines of Python that
 //! know the record layout of bags and the offsets within these messages, and no definitions).
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say that it is skipped"
-)]
-
-#[path = "support/measured_data.rs"]
-mod measured_data;
 
 use grouser_log::container::{Container, Event};
 use grouser_log::message::Decoder;
 use grouser_log::{Error, Survey, Use, series};
-use measured_data::measured_data;
+
+use crate::measured_data::measured_data;
 
 #[test]
 fn the_jackal_has_a_yaw_rate_and_odometry() {

@@ -1,7 +1,4 @@
 //! Logs written by code that is not ours (`interop/write.py`), whole and broken.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -9,7 +6,8 @@ use std::path::{Path, PathBuf};
 use grouser_log::Error;
 use grouser_log::container::{Container, Damage, Event};
 use grouser_log::message::{Decoder, JointState, View};
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 const COUNT: usize = 40;
 const FILES: [&str; 6] = [

@@ -1,8 +1,5 @@
 //! Bags and MCAP files as logs: which topics are chosen, how an IMU is mounted, which times count, what
 //! covariances say. The files are written here, with other programs' files tested in `interop.rs`.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -13,7 +10,8 @@ use grouser_log::message::{Value, build};
 use grouser_log::write::{McapWriter, SampleWriter};
 use grouser_log::{Error, Log};
 use grouser_slip::{Measurement, Sample};
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 const WHEELS: &str = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
      [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";

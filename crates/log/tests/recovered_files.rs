@@ -1,7 +1,4 @@
 //! Whatever is wrong with a file, what is written of it reads without damage and is the same.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{copy, verify};
 use proptest::prelude::*;
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 /// Written by others (`interop/write.py`).
 const FILES: [(&str, Format); 6] = [

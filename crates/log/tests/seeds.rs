@@ -1,11 +1,9 @@
-//! Writes the small files that fuzzing begins with: `cargo test -p grouser-log --test seeds -- --ignored`.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod written;
+//! Writes the small files that fuzzing begins with: `cargo test -p grouser-log --test all seeds:: -- --ignored`.
 
 use std::path::Path;
 
-use written::{Packing, Plan, Written};
+use crate::written;
+use crate::written::{Packing, Plan, Written};
 
 #[test]
 #[ignore = "writes fuzz/seeds"]

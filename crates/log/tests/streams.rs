@@ -1,12 +1,4 @@
 //! Compressed logs, several files, and rows out of order.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod scratch;
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -15,7 +7,8 @@ use flate2::{Compression, write::GzEncoder};
 use grouser_files::{Document, columns};
 use grouser_log::{Error, Log};
 use grouser_slip::{Measurement, Sample};
-use scratch::{Folder, map, read};
+
+use crate::scratch::{Folder, map, read};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());

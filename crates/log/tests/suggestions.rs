@@ -1,7 +1,4 @@
 //! What is proposed for a log is a robot file that is read, whatever the names in the log are.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod scratch;
 
 use std::fs::File;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +8,8 @@ use grouser_log::message::build;
 use grouser_log::write::McapWriter;
 use grouser_log::{Log, Sheet, Survey, suggest_for_sheets, suggest_for_survey};
 use proptest::prelude::*;
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 /// Each case has a folder of its own.
 static CASE: AtomicUsize = AtomicUsize::new(0);

@@ -1,15 +1,9 @@
 //! Files of 64 KiB cut at every byte. A part of the cuts runs always; all of them by `just dense`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod written;
 
 use std::time::{Duration, Instant};
 
-use written::{Packing, Plan, Written, cases, read};
+use crate::written;
+use crate::written::{Packing, Plan, Written, cases, read};
 
 /// Chunks of several blocks, where the packing has blocks that can be read alone.
 fn plan(packing: Packing) -> Plan {

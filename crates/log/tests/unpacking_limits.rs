@@ -1,18 +1,12 @@
 //! Small files that unfold, and files that declare more than they should. Memory stays
 //! below 64 MiB + twice the file, and no file takes longer than its bytes are worth.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod scratch;
 
 use std::io::Write as _;
 use std::time::{Duration, Instant};
 
 use grouser_log::Survey;
-use scratch::Folder;
+
+use crate::scratch::Folder;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const MIB: usize = 1 << 20;

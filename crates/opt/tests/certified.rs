@@ -1,25 +1,6 @@
 //! The published problems over boxes of ±5 around their starts (`literature/boxes.csv`, within the problems' own
 //! bounds): proved, or the gap that was reached.
-//! `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-opt --test certified -- --nocapture` measures all of them.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
-
-#[path = "literature/further.rs"]
-mod further;
-#[path = "literature/luksan_vlcek_linear.rs"]
-mod luksan_vlcek_linear;
-#[path = "literature/luksan_vlcek_unconstrained.rs"]
-mod luksan_vlcek_unconstrained;
-#[path = "literature/other.rs"]
-mod other;
-#[path = "support/random_starts.rs"]
-#[allow(dead_code, reason = "shared with other tests")]
-mod random_starts;
-#[path = "literature/suite.rs"]
-mod suite;
+//! `GROUSER_CERTIFY_S=60 cargo test --release -p grouser-opt --test all certified:: -- --nocapture` measures all of them.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +12,10 @@ use grouser_opt::{
     ProblemParams, Settings, Variable, certify, certify_with, evaluate, solve,
 };
 use grouser_real::Scalar;
-use random_starts::Stream;
+
+use crate::literature::further;
+use crate::literature::suite;
+use crate::random_starts::Stream;
 
 /// The boxes: problem, variable, lower, upper.
 const BOXES: &str = include_str!("literature/boxes.csv");

@@ -1,5 +1,4 @@
 //! Random convex problems: each has one optimum, so a solve must converge and prove it.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_opt::{
     Differences, Exact, Functions, Jacobian, LinearConstraint, Method, Problem, ProblemParams,

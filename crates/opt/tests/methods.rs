@@ -1,5 +1,4 @@
 //! Goal attainment, weighted sums and Chebyshev distances against closed forms.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_opt::{
     Exact, Functions, Method, Problem, ProblemParams, Settings, Solution, Status,

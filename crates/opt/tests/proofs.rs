@@ -2,14 +2,8 @@
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::unwrap_used,
-    clippy::print_stdout,
     reason = "a test stops at the first surprise, prints what it measured, and picks places in lists"
 )]
-
-#[path = "support/random_starts.rs"]
-#[allow(dead_code, reason = "shared with other tests")]
-mod random_starts;
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -21,7 +15,8 @@ use grouser_opt::{
     certify_with,
 };
 use grouser_real::Scalar;
-use random_starts::Stream;
+
+use crate::random_starts::Stream;
 
 /// Charalambous & Conn 1978.
 struct Cb2;

@@ -1,30 +1,16 @@
 //! No point that is called a solution is refuted by random probes around it, from random starts of the published
-//! problems. `GROUSER_STARTS=600 cargo test --release -p grouser-opt --test refuted` makes 10 800 solves.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
+//! problems. `GROUSER_STARTS=600 cargo test --release -p grouser-opt --test all refuted::` makes 10 800 solves.
 
-#[path = "literature/luksan_vlcek_linear.rs"]
-mod luksan_vlcek_linear;
-#[path = "literature/luksan_vlcek_unconstrained.rs"]
-mod luksan_vlcek_unconstrained;
-#[path = "literature/other.rs"]
-mod other;
-#[path = "support/random_starts.rs"]
-mod random_starts;
+use crate::literature::suite;
+use crate::random_starts::{Stream, starts};
+
 #[allow(dead_code, reason = "shared with the literature's tests")]
-#[path = "literature/suite.rs"]
-mod suite;
-
 use std::collections::BTreeMap;
 
 use grouser_opt::{
     Exact, Functions, Method, Problem, ProblemParams, Settings, Status, Variable, evaluate, solve,
 };
 use grouser_real::Scalar;
-use random_starts::{Stream, starts};
 
 /// The best of 200 probes of up to 1e-4 (1 + |x|) in each variable; `None` where none lowers the utility by
 /// 1e-6 (1 + |utility|).

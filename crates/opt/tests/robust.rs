@@ -1,5 +1,4 @@
 //! Robust measures against closed forms, and the samples they stand on.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_opt::{
     Differences, Error, Exact, Functions, Measure, Method, ProblemParams, Settings, Sobol,

@@ -1,15 +1,12 @@
 //! Multi-start and fronts: what they find, and that neither seed-mates nor threads change it.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-#[path = "fronts/hypervolume.rs"]
-mod hypervolume;
 
 use grouser_opt::{
     Differences, Error, Exact, Functions, Method, ParetoSettings, Problem, ProblemParams, Settings,
     Variable, das_dennis, knee, multi_start, pareto,
 };
 use grouser_real::Scalar;
-use hypervolume::hypervolume;
+
+use crate::fronts::hypervolume::hypervolume;
 
 /// Two equally deep valleys at ±1, and a shallow one at 3.
 fn valleys() -> Problem<'static> {

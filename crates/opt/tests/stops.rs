@@ -1,5 +1,4 @@
 //! Callers hear of every solver's progress and may stop it; models say why they fail.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};

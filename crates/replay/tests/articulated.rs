@@ -1,9 +1,4 @@
 //! A robot of two bodies with a vertical joint: its wheels' slips against a world made of positions alone.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
 
 use std::fmt::Write as _;
 use std::io::Cursor;

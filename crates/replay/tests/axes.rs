@@ -1,9 +1,4 @@
 //! Sensors whose axes are described wrongly are named, and an acceleration along one axis is of use.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;

@@ -1,12 +1,4 @@
 //! Radius, track, scale of the gyro and intervals from runs with a reference.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may print what it measured"
-)]
-
-mod shipped;
 
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -17,7 +9,9 @@ use grouser_log::Log;
 use grouser_replay::{
     Error, GeometryCalibration, Options, calibrate_geometry, calibrate_intervals,
 };
-use shipped::{data, example};
+
+use crate::shipped;
+use crate::shipped::{data, example};
 
 const ROBOT: &str = "format = 1\nname = \"cart\"\n\
     [[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\

@@ -1,11 +1,4 @@
 //! Left and right encoders exchanged: found in bends to both sides on robots of two, four and six wheels, and nowhere else.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may print what it measured"
-)]
-
-mod shipped;
 
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -14,7 +7,8 @@ use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
 use grouser_replay::{Doubt, ExchangeCheck, Options, Summary, run};
 use grouser_synthetic::Noise;
-use shipped::{ROBOTINO, data, example, root};
+
+use crate::shipped::{ROBOTINO, data, example, root};
 
 const DT_S: f64 = 0.02;
 const ROWS: u32 = 3000;

@@ -1,12 +1,4 @@
 //! The example that ships, against the truth it was made from.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use std::path::PathBuf;
 
@@ -14,7 +6,8 @@ use grouser_replay::{Method, Options, Quantiles, Row, run, soil_readings};
 use grouser_slip::{Health, Motion, Reference};
 use grouser_synthetic::FiveWheel;
 use grouser_terra::catalogue;
-use shipped::{example, root};
+
+use crate::shipped::{example, root};
 
 fn log() -> PathBuf {
     root().join("examples/five-wheel/log.csv")

@@ -1,17 +1,10 @@
 //! The Jackal's bag: an IMU and the odometry of the wheels' driver.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use grouser_log::series;
 use grouser_replay::{Method, Options};
 use grouser_slip::Reference;
-use shipped::{data, example};
+
+use crate::shipped::{data, example};
 
 const ODOMETRY: &str = "/jackal_velocity_controller/odom";
 

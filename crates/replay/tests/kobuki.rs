@@ -1,17 +1,10 @@
 //! Kobuki: the yaw of the encoders against the gyro's, clocks aligned.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use grouser_files::robot::WheelSensor;
 use grouser_replay::{Options, Summary};
 use grouser_slip::{Counter, CounterWidth, Measurement};
-use shipped::{data, example};
+
+use crate::shipped::{data, example};
 
 fn summary(run: &str, sensor: Option<WheelSensor>) -> Option<Summary> {
     let folder = data("kobuki")?;

@@ -1,12 +1,4 @@
 //! Logs and robots that do not fit, and logs in which nothing happens.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +7,9 @@ use std::path::PathBuf;
 use grouser_files::robot::WheelSensor;
 use grouser_replay::{Doubt, Error, Options, Status, run};
 use grouser_slip::{Reference, Robot, WheelRole};
-use shipped::{Example, example};
+
+use crate::shipped;
+use crate::shipped::{Example, example};
 
 struct File(PathBuf);
 

@@ -3,14 +3,6 @@
 //!
 //! Robotino: the camera's path at 5 Hz with 2 mm of noise; the truth is the camera's way over half a second at full rate.
 //! Plaza: a lawn mower on firm grass that does not slip, with positions by GNSS.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may print what it measured"
-)]
-
-mod shipped;
 
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -22,7 +14,8 @@ use grouser_log::Log;
 use grouser_replay::{Method, Options, Row, run};
 use grouser_slip::Measurement;
 use grouser_synthetic::Noise;
-use shipped::{ROBOTINO, data, example, root};
+
+use crate::shipped::{ROBOTINO, data, example, root};
 
 const POSE_PERIOD_S: f64 = 0.2;
 const POSE_SIGMA_M: f64 = 0.002;

@@ -1,5 +1,4 @@
 //! What a log can show: an absolute reference outranks `grip`, and without one there is no way over ground.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fmt::Write as _;
 use std::io::Cursor;

@@ -1,9 +1,4 @@
 //! The smoother of robots without a free wheel against the centred means, on drives whose slip is known.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
 
 use grouser_replay::smoothed;
 use grouser_slip::Sample;

@@ -1,17 +1,10 @@
 //! Robotino against its overhead camera: the figures of the data page, from velocity, the first 60 rows
 //! (1.9 s) cut.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use grouser_files::robot::WheelSensor;
 use grouser_replay::{Options, calibrate_radius};
-use shipped::{data, example};
+
+use crate::shipped::{data, example};
 
 /// Slip along the commanded direction as the data page gives it.
 const FIGURES: [(&str, f64); 6] = [

@@ -1,13 +1,5 @@
 //! Robotino with the camera's path turned into free wheels of 500 ticks: what the filter says by them, and by the camera
 //! itself, against the slip by the camera.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -19,7 +11,8 @@ use grouser_files::robot;
 use grouser_log::Log;
 use grouser_replay::{Method, Options, Row, Sink, Step, Summary, run_into};
 use grouser_slip::Measurement;
-use shipped::{ROBOTINO, data, example, root};
+
+use crate::shipped::{ROBOTINO, data, example, root};
 
 const CUT: Options = Options {
     method: Some(Method::Filter),

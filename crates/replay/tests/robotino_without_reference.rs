@@ -1,12 +1,4 @@
 //! Robotino by currents and encoders alone, each run judged by what the others taught; and a change of ground.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod shipped;
 
 use std::path::Path;
 
@@ -18,7 +10,8 @@ use grouser_replay::{
     slips_by_known_grounds,
 };
 use grouser_slip::{Measurement, Reference};
-use shipped::{ROBOTINO, data, example, root};
+
+use crate::shipped::{ROBOTINO, data, example, root};
 
 const TWO_SURFACES: [&str; 6] = [
     "green_table_exp00",

@@ -1,9 +1,4 @@
 //! Forward and backward against the filter alone, on synthetic runs whose slips are known.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use grouser_replay::smoothed;
 use grouser_slip::filter::FilterSettings;

@@ -1,9 +1,4 @@
 //! Robots that steer: wheels that roll without slip show none, if the angle of the steering is known.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
 
 use std::fmt::Write as _;
 use std::io::Cursor;

@@ -1,11 +1,6 @@
 //! A robot whose wheels do not slip and whose description is wrong: that is geometry, and no wheel slips.
 //!
-//! An hour: `cargo test --release -p grouser-replay --test wrong_geometry -- --ignored --nocapture`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
+//! An hour: `cargo test --release -p grouser-replay --test all wrong_geometry:: -- --ignored --nocapture`.
 
 use std::fmt::Write as _;
 use std::io::Cursor;

@@ -1,5 +1,4 @@
 //! What slopes cost a robot, against the wheel alone and against the balance of forces.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
 

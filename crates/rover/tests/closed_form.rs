@@ -1,5 +1,4 @@
 //! The dynamics against closed forms: loads at rest, slip on a slope, energy, rest, steps, repetition.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::{Path, PathBuf};
 

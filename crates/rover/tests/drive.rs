@@ -1,9 +1,4 @@
 //! Whole drives: shipped scenarios with the filter and the controller in the loop, held against what is true.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::path::Path;
 

@@ -2,11 +2,6 @@
 //! second of driving is compared with what then was true in the simulation. The learner never reads the truth.
 //!
 //! `just learnt-soil` runs the long form.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::path::Path;
 

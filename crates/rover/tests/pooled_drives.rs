@@ -1,12 +1,7 @@
 //! Many drives of each shipped scenario, on ground that obeys the estimator's own law of shear and on ground that obeys others:
 //! what is `Ok` is never wrong for a second, and the sigmas hold on average.
 //!
-//! `cargo test --release -p grouser-rover --test pooled_drives -- --ignored --nocapture`; minutes.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
+//! `cargo test --release -p grouser-rover --test all pooled_drives:: -- --ignored --nocapture`; minutes.
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! How slip-sinkage follows a change of slip, and what passes leave for the wheels behind.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_rover::dynamics::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
 use grouser_rover::ground::{Ground, HeightMap, Packing, Track};

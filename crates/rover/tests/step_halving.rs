@@ -1,9 +1,4 @@
 //! What the step and the accuracy of the wheels' forces change in a motion, apart and together.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::path::Path;
 

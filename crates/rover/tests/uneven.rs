@@ -1,9 +1,4 @@
 //! Robots at rest on uneven ground against closed forms and against the simulated machine.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,19 +1,17 @@
 //! The controller against the faults that concern it, and its promises.
 #![allow(
-    clippy::unwrap_used,
     clippy::cast_possible_truncation,
     reason = "a test fails by panicking; its times are short"
 )]
 
-mod four_wheels;
-
-use four_wheels::four_wheels;
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Decision, Ending, Mode, Reason,
     Request, WheelCommand, WheelObservation,
 };
 use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot};
 use proptest::prelude::*;
+
+use crate::four_wheels::four_wheels;
 
 /// A robot of four powered wheels.
 fn robot() -> Robot {

@@ -1,10 +1,4 @@
 //! Counters roll over, both ways, at the exact boundary, and more than once between readings.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use grouser_slip::{Counter, CounterWidth, Error};
 use proptest::prelude::*;

@@ -1,16 +1,9 @@
 //! Events are called in the time stated, and not where nothing happens.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod noise;
-mod world;
 
 use grouser_slip::detect::{Change, DetectSettings, Detector, Event};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use world::{Truth, World};
+
+use crate::world::{Truth, World};
 
 /// Drives `world` through filter and detector; `torque` gives each powered wheel's.
 fn changes(

@@ -1,20 +1,14 @@
 //! The estimator on drives whose slip is known.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
-mod cart;
-
-use cart::{Drivers, FREE, robot, settings};
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{
     Degraded, Fault, Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip,
     WheelRole,
 };
 use proptest::prelude::*;
+
+use crate::cart;
+use crate::cart::{Drivers, FREE, robot, settings};
 
 const ROW: i64 = 20_000_000;
 

@@ -1,18 +1,15 @@
 //! The filter on a robot whose slips are known.
 #![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a test fails by panicking and may say what it measured; counts are small"
 )]
 
-mod noise;
-mod world;
-
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::{Health, Sample};
-use world::{Truth, World};
+
+use crate::world;
+use crate::world::{Truth, World};
 
 /// What a run came to, over the powered wheels.
 #[derive(Clone, Copy, Debug, Default)]

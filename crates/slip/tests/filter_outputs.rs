@@ -1,19 +1,16 @@
 //! What the filter says of the robot as a whole, on robots whose motion is known in closed form: side slip angles, place with
 //! its covariance, way without compensation; a skid-steered robot in a bend, one with omni wheels that drives sideways.
 #![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a test fails by panicking and may say what it measured; counts are small"
 )]
 
-mod noise;
-
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::{CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelRole};
 use grouser_terra::Angle;
-use noise::Noise;
+
+use crate::noise::Noise;
 
 const STEP_NS: i64 = 10_000_000;
 const STEP: f64 = 0.01;

@@ -1,21 +1,16 @@
 //! The promises R1 to R9, one test each, of the slip filter. R8 is in `filter_outputs.rs`; the long runs are in the generator's crate.
 #![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a test fails by panicking and may say what it measured; counts are small"
 )]
 
-mod noise;
-mod sane;
-mod world;
-
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::{Fault, Health, Measurement, Sample};
 use proptest::prelude::*;
-use sane::is_sane;
-use world::World;
+
+use crate::sane::is_sane;
+use crate::world::World;
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![

@@ -1,6 +1,5 @@
 //! Soil learnt by the on-board computer, from sensors that the exact solver of another soil drives: not from the tables that
 //! it chooses between.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_slip::control::Request;
 use grouser_slip::onboard::{

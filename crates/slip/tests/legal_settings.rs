@@ -1,10 +1,5 @@
 //! Filter, window estimator and on-board computer under settings drawn from all that are legal, on robots of several kinds:
 //! no panic, and nothing said that is not finite.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod noise;
-mod sane;
-mod world;
 
 use grouser_slip::control::{ControlSettings, Request};
 use grouser_slip::detect::DetectSettings;
@@ -13,10 +8,11 @@ use grouser_slip::onboard::{OnBoard, OnBoardSettings};
 use grouser_slip::settings::Field;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Sample};
-use noise::Noise;
 use proptest::prelude::*;
-use sane::is_sane;
-use world::{STEP_NS, World};
+
+use crate::noise::Noise;
+use crate::sane::is_sane;
+use crate::world::{STEP_NS, World};
 
 /// Settings of which about half of the numbers lie anywhere within their limits, some of them at a limit.
 fn drawn<S: Copy + Default>(noise: &mut Noise, fields: &[Field<S>]) -> S {

@@ -3,21 +3,15 @@
 //!
 //! What is proved is bounded by that: five behaviours in a row, one robot, limits of time and length shortened so that each
 //! limit is passed within a behaviour. Arbitrary numbers are the business of `tick_properties.rs`.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking, and prints what it covered"
-)]
-
-mod four_wheels;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use four_wheels::four_wheels;
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Mode, Request, WheelObservation,
 };
 use grouser_slip::{Health, Motion, Robot};
+
+use crate::four_wheels::four_wheels;
 
 /// The loop's period.
 const PERIOD_S: f64 = 0.05;

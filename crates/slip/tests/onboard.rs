@@ -1,8 +1,4 @@
 //! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test fails by panicking; its times are short"
-)]
 
 use grouser_slip::control::Request;
 use grouser_slip::filter::{FilterSettings, SlipFilter};

@@ -1,12 +1,4 @@
 //! What the soil model says beforehand, and what it takes away from the fifth wheel's bias.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod noise;
-mod world;
 
 use std::time::Instant;
 
@@ -16,7 +8,8 @@ use grouser_terra::{
     Angle, Bekker, Pressure, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams,
     WheelOnSoil, catalogue,
 };
-use world::World;
+
+use crate::world::World;
 
 fn sand() -> Soil {
     catalogue::find("dry-sand").unwrap().soil().unwrap()
@@ -245,7 +238,7 @@ fn tables_are_those_of_whole_searches() {
     }
 }
 
-/// How long the tables of a drive take: `cargo test --release -p grouser-slip --test prior -- --ignored --nocapture`.
+/// How long the tables of a drive take: `cargo test --release -p grouser-slip --test all prior:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]
 fn time_of_the_tables() {

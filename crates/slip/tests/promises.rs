@@ -1,18 +1,11 @@
 //! What is promised of everything that runs online: total, finite, without allocation, deterministic.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
-mod cart;
-
-use cart::{Drivers, robot, settings};
 use grouser_real::OutOfRange;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Error, Health, Measurement, Reference, Robot, Sample};
 use proptest::prelude::*;
+
+use crate::cart::{Drivers, robot, settings};
 
 /// Any bit pattern, and those that break things more often.
 fn number() -> impl Strategy<Value = f64> {

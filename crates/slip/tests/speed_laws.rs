@@ -1,10 +1,4 @@
 //! The speed laws against pulses of a known rotation.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::f64::consts::TAU;
 

@@ -3,24 +3,20 @@
 //! Each run is a drive of 20 s with real modes (slip, digging, soft ground, leaning), into which samples of any bit pattern are
 //! put. What holds of every tick is checked at every tick; `mode_machine.rs` enumerates the modes.
 #![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a test fails by panicking, and prints what it covered; its counts are small"
 )]
 
-mod four_wheels;
-mod noise;
-
 use std::collections::BTreeMap;
 
-use four_wheels::four_wheels;
 use grouser_slip::control::{Decides, Mode, Request, WheelCommand};
 use grouser_slip::onboard::{OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, StartPolicy};
 use grouser_slip::{Measurement, Robot, Sample, Wheel};
 use grouser_terra::catalogue;
-use noise::Noise;
+
+use crate::four_wheels::four_wheels;
+use crate::noise::Noise;
 
 const PERIOD_NS: i64 = 20_000_000;
 const PERIOD_S: f64 = 0.02;

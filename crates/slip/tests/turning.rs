@@ -1,13 +1,11 @@
 //! The filter beside an absolute reference while the robot turns: gyros with a bias that no rest has shown, sides that run far
 //! apart at high slip, headings that wander, speeds with more noise than described. The world knows no model of the filter: a
 //! body that is steered along a course, and rims that run faster than the ground under them by their slip.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod noise;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::{Health, Measurement, Robot, Sample, Wheel};
-use noise::Noise;
+
+use crate::noise::Noise;
 
 const STEP_S: f64 = 0.01;
 const RADIUS_M: f64 = 0.1;

@@ -1,16 +1,11 @@
 //! Faults of wheels and their encoders (A1 to A15), put into the five-wheeled robot's run in every phase.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_slip::detect::{DetectSettings, Detector, Event as Said};
 use grouser_slip::{Degraded, Health, Invalid, Measurement, Motion};
 use grouser_synthetic::{Event, Fault};
-use trial::{END_S, FREE, PHASES, Trial};
+
+use crate::trial;
+use crate::trial::{END_S, FREE, PHASES, Trial};
 
 const fn is_invalid(health: Health) -> bool {
     matches!(health, Health::Invalid(_))

@@ -1,16 +1,11 @@
 //! Faults of the other sensors (C1 to C12), put into the five-wheeled robot's run.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_slip::filter::{FilterSettings, SlipPrior};
 use grouser_slip::{Degraded, Error, Health, Measurement, Sample};
 use grouser_synthetic::{Event, Fault};
-use trial::{END_S, FREE, Outcome, PHASES, Trial, with_camera};
+
+use crate::trial;
+use crate::trial::{END_S, FREE, Outcome, PHASES, Trial, with_camera};
 
 fn honest(out: &Outcome, what: &str) {
     let (lasted, at, wheel) = out.silence();

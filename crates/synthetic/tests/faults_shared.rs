@@ -1,16 +1,10 @@
 //! Faults that look like slip: of the only reference, of all powered wheels, of one wheel's clock, name or number. Each over
 //! fifty seeds: detected, or covered by sigma, or one of those that nothing on the robot shows (docs/online.md).
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_slip::{Degraded, Health};
 use grouser_synthetic::{Event, Fault};
-use trial::{END_S, FREE, Trial, with_camera};
+
+use crate::trial::{END_S, FREE, Trial, with_camera};
 
 const SEEDS: u64 = 50;
 

@@ -1,18 +1,13 @@
 //! What is wrong from the start (C8, C9, C12): units, signs, axes, which way is up. Each is refused with the name of its field,
 //! and a robot that is as described never is.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_slip::start::{Progress, StartCheck, check_gravity};
 use grouser_slip::{Fault as Refusal, Measurement, Robot, Sample};
 use grouser_synthetic::{Event, Fault};
 use grouser_terra::Angle;
-use trial::{END_S, FREE, Trial, with_camera};
+
+use crate::trial;
+use crate::trial::{END_S, FREE, Trial, with_camera};
 
 /// What the check says in the end, when it said so first (s), and whether it was through with everything.
 fn check(

@@ -1,16 +1,13 @@
 //! Faults of time (B1 to B11), put into the five-wheeled robot's run.
 #![allow(
     clippy::cast_possible_wrap,
-    clippy::unwrap_used,
-    clippy::print_stdout,
     reason = "a test fails by panicking and may say what it measured"
 )]
 
-mod trial;
-
 use grouser_slip::{Counter, CounterWidth, Health, Measurement, Sample};
 use grouser_synthetic::{Camera, Fault};
-use trial::{END_S, FREE, Outcome, PHASES, Trial};
+
+use crate::trial::{END_S, FREE, Outcome, PHASES, Trial};
 
 const SECOND: i64 = 1_000_000_000;
 const YEAR: i64 = 31_557_600 * SECOND;

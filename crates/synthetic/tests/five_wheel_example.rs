@@ -1,10 +1,4 @@
 //! The example that ships is what the generator gives, to the byte.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use std::fs;
 use std::path::Path;

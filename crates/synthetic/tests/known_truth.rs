@@ -1,9 +1,4 @@
 //! The slip filter on drives with known slip, beside the naive means of one and two seconds.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may print what it measured"
-)]
 
 use grouser_slip::Health;
 use grouser_slip::filter::{FilterSettings, SlipFilter};

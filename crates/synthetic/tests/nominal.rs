@@ -1,14 +1,8 @@
 //! Without faults: how far the filter's slips are from the truth, whether its sigmas say so, and that it allocates nothing.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_synthetic::{Camera, Noise};
-use trial::{FREE, Trial};
+
+use crate::trial::{FREE, Trial};
 
 /// How far one wheel's slip goes from the others' in these runs, as the filter has it (it halves what it is told on calm ground).
 const TOLD: f64 = 0.046;

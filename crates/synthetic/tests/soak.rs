@@ -1,15 +1,9 @@
 //! Random faults over many runs: never Ok and more than four sigma off for over a second. `GROUSER_SOAK_RUNS` says how many
 //! (100 unless told; `just soak` takes 10 000).
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
-
-mod trial;
 
 use grouser_synthetic::{Camera, Event, Fault, Leg, Noise};
-use trial::{FREE, Trial};
+
+use crate::trial::{FREE, Trial};
 
 /// One of `count` kinds at random.
 #[allow(

@@ -1,5 +1,4 @@
 //! Lanes against one at a time, and a lane against its neighbours (faults D13 and D14).
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{
     Accuracy, BatchColumns, BatchInput, BatchKernel, BatchPoints, Error, Kinematics, RigidWheel,

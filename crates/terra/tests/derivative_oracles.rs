@@ -1,6 +1,5 @@
 //! Exact derivatives against two others that share no code with ours: num-dual's dual numbers, and the
 //! complex step, f′(x) = Im f(x + ih)/h with h so small that nothing is left out.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

@@ -1,5 +1,4 @@
 //! How much work a solve takes, without a clock: a change here is a change of the algorithm.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 

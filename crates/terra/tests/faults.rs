@@ -1,5 +1,4 @@
 //! Bad input to the kernel and what must happen, named by its entry in the list of faults (D1-D15).
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_real::OutOfRange;
 use grouser_terra::{

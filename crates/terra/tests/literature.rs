@@ -1,10 +1,7 @@
 //! Published and pinned numbers, one file each.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod literature {
-    mod ani_2012;
-    mod fifth_wheel;
-    mod reece_wheel;
-    mod shibly_2005;
-    mod wong_reece_1967;
-}
+mod ani_2012;
+mod fifth_wheel;
+mod reece_wheel;
+mod shibly_2005;
+mod wong_reece_1967;

@@ -2,8 +2,6 @@
 //! as the documentation prints them (`oracle/law_cases.csv`, mpmath with 40 digits: split at θ_m, at every
 //! sign change of the rim's speed and at seven more places).
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use grouser_real::Dual;
 use grouser_terra::{
     Accuracy, Angle, DualInputs, GrouserRule, Grousers, Kinematics, LawChoice, RigidWheel,

@@ -1,5 +1,4 @@
 //! The same laws over f32 and dual numbers, so that the generic code stays honest.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_real::{Dual, Real, Scalar};
 use grouser_terra::{

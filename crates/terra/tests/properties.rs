@@ -1,5 +1,4 @@
 //! What must hold for every wheel on every soil.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{
     Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, ShearLaw, Slip, Soil, SoilParams,

@@ -1,8 +1,6 @@
 //! Every law together against 30-digit quadrature of the same formulas (`oracle/wheel_cases.csv`: split
 //! at θ_m and at every sign change of j, checked against a second implementation to 1e-16).
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use grouser_terra::{Accuracy, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 
 struct Case {

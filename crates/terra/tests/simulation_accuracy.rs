@@ -1,5 +1,4 @@
 //! Forces for steps in time against reference mode, over random contacts of every motion that a robot meets.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_terra::{
     Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil,

@@ -1,6 +1,5 @@
 //! The laws for soil that is dug, pushed and ploughed: against an independent program, against differences,
 //! and that they are off by default.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_real::Dual;
 use grouser_terra::{

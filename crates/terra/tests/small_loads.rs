@@ -1,9 +1,4 @@
 //! Loads far below any wheel's, where stresses that nearly cancel leave few digits.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking and may say what it measured"
-)]
 
 use grouser_terra::{Caution, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 

@@ -1,5 +1,4 @@
 //! The steepest slope against halving with the greatest pull of each slope.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::time::Instant;
 

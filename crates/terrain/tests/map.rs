@@ -1,6 +1,4 @@
 //! Maps of relief whose answer is known: an inclined plane against the exact solver, unknown ground, and the file itself.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "a test that is skipped is reported")]
 
 use std::fmt::Write as _;
 use std::fs::{self, File};

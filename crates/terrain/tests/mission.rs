@@ -1,12 +1,10 @@
 //! Five ways to a goal over ground with hidden patches of soil, in one run: straight, reactive, planned with the prior soil,
 //! planned and learnt, and an oracle. The world obeys other laws and other soils than the planner's.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "small indices"
 )]
-#![allow(clippy::print_stdout, reason = "the table is the result")]
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -4,7 +4,6 @@
     clippy::too_many_lines,
     reason = "all moves in one place, to be compared with the page"
 )]
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_rover::ground::Noise;
 use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};

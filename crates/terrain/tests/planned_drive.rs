@@ -1,10 +1,5 @@
 //! The whole loop on full dynamics: plan, drive, learn, plan anew, in a world of another law with a patch that the planner
 //! does not know.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(
-    clippy::print_stdout,
-    reason = "the figures of a drive are worth reading"
-)]
 
 use grouser_rover::drive::{Outcome, Scenario, read_scenario};
 use grouser_terrain::mission::{PlannedDrive, drive};

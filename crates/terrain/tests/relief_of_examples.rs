@@ -1,6 +1,5 @@
 //! The generated relief of `examples/terrain`: the files have the heights of the shapes that they are said to
-//! have. `GROUSER_WRITE_EXAMPLES=1 cargo test -p grouser-terrain --test relief_of_examples` writes them anew.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! have. `GROUSER_WRITE_EXAMPLES=1 cargo test -p grouser-terrain --test all relief_of_examples::` writes them anew.
 
 use std::fmt::Write as _;
 use std::fs;

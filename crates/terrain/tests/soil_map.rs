@@ -1,5 +1,4 @@
 //! Maps of several soils against the exact solver, and ways whose risk comes from more than one soil.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fmt::Write as _;
 use std::fs;

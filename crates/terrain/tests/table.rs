@@ -1,6 +1,4 @@
 //! The table against the exact solver, and the exact solver against `climb`, which is another program for the same question.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![allow(clippy::print_stderr, reason = "the figures that RESULTS.md quotes")]
 
 use grouser_rover::ground::Noise;
 use grouser_rover::robot::RobotModel;
@@ -101,7 +99,7 @@ fn the_table_keeps_its_bound_on_random_poses() {
     }
 }
 
-/// 100 000 poses: `cargo test --release -p grouser-terrain --test table -- --ignored --nocapture`.
+/// 100 000 poses: `cargo test --release -p grouser-terrain --test all table:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes; `just terrain` runs it"]
 fn the_table_keeps_its_bound_on_a_hundred_thousand_poses() {

@@ -1,10 +1,4 @@
 //! The C compiler of the machine.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and may say what it skips"
-)]
-#![allow(dead_code, reason = "each test uses its share")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

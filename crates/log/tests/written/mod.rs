@@ -1,5 +1,4 @@
 //! MCAP files and ROS 1 bags written from their specifications, with every place known.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
 
 pub(crate) mod bag;
 pub(crate) mod mcap;

@@ -6,7 +6,7 @@
 use grouser_opt::{Functions, LinearConstraint, ProblemParams};
 use grouser_real::Scalar;
 
-use crate::suite::{Case, absolute, at_most, plain};
+use super::suite::{Case, absolute, at_most, plain};
 
 /// A problem of variables alone: its functions in one closure-like type.
 macro_rules! functions {

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use grouser_opt::{Functions, ProblemParams, Relation};
 use grouser_real::Scalar;
 
-use crate::luksan_vlcek_unconstrained::{WONG_START, hs113};
-use crate::suite::{absolute, at_most, plain};
+use super::luksan_vlcek_unconstrained::{WONG_START, hs113};
+use super::suite::{absolute, at_most, plain};
 
 struct Wong2;
 impl Functions for Wong2 {

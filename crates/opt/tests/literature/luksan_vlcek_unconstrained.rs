@@ -4,7 +4,7 @@
 use grouser_opt::{Functions, ProblemParams};
 use grouser_real::Scalar;
 
-use crate::suite::{absolute, plain};
+use super::suite::{absolute, plain};
 
 struct Spiral;
 impl Functions for Spiral {

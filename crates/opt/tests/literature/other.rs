@@ -3,7 +3,7 @@
 use grouser_opt::{Functions, ProblemParams};
 use grouser_real::Scalar;
 
-use crate::suite::plain;
+use super::suite::plain;
 
 struct Cb2;
 impl Functions for Cb2 {

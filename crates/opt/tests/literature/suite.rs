@@ -2,7 +2,7 @@
 
 use grouser_opt::{Exact, Functions, LinearConstraint, ProblemParams};
 
-use crate::{luksan_vlcek_linear, luksan_vlcek_unconstrained, other};
+use super::{luksan_vlcek_linear, luksan_vlcek_unconstrained, other};
 
 pub(crate) struct Case {
     pub(crate) name: &'static str,

@@ -1,8 +1,4 @@
 //! The examples that ship, and the measured data where it is at hand.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
-
-#[path = "../../../log/tests/support/measured_data.rs"]
-mod measured_data;
 
 use std::path::{Path, PathBuf};
 
@@ -11,12 +7,11 @@ use grouser_files::{columns, robot};
 use grouser_log::Log;
 use grouser_replay::{Options, Summary, run};
 
+pub(crate) use crate::measured_data::measured_data as data;
+
 pub(crate) fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
-
-#[allow(unused_imports, reason = "each test file uses its own part of this")]
-pub(crate) use measured_data::measured_data as data;
 
 /// Robotino's, by the names of their files.
 pub(crate) const ROBOTINO: [&str; 6] = [

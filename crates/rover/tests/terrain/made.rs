@@ -237,7 +237,7 @@ pub(crate) fn heights(columns: usize, rows: usize) -> Vec<f32> {
 }
 
 /// Writes the small files that fuzzing begins with; the first byte says the kind of file:
-/// `cargo test -p grouser-rover --test terrain -- --ignored`.
+/// `cargo test -p grouser-rover --test all terrain:: -- --ignored`.
 #[test]
 #[ignore = "writes fuzz/seeds/heightmap"]
 fn write_the_seeds() {

@@ -1,5 +1,4 @@
 //! A cart for tests: four powered wheels and a free one, driven by a formula.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,5 @@
 //! A robot with known slips: what its sensors would say, sample after sample.
 #![allow(
-    dead_code,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "each test takes what it needs; counts and steps are small"
@@ -66,7 +65,6 @@ impl Default for World {
 pub(crate) struct Truth {
     pub(crate) time: f64,
     pub(crate) speed: f64,
-    pub(crate) yaw_rate: f64,
     /// Slip by wheel; `None` where it stands.
     pub(crate) slips: Vec<Option<f64>>,
 }
@@ -150,7 +148,6 @@ impl World {
             let mut truth = Truth {
                 time,
                 speed,
-                yaw_rate,
                 slips: vec![None; count],
             };
             samples.clear();

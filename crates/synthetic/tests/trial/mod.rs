@@ -1,5 +1,4 @@
 //! A run of the slip filter on the five-wheeled robot, with faults, against what is true.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
 
 use grouser_slip::filter::{FilterOutput, FilterSettings, SlipFilter};
 use grouser_slip::{Health, Sample, WheelEstimate};
@@ -174,7 +173,6 @@ impl Trial {
                 truth: std::array::from_fn(|i| course.slip(row, i)),
                 speed: step.speed,
                 known_speed: (known.body.forward.value, known.body.forward.sigma()),
-                common: (known.body.common_slip.value, known.body.common_slip.sigma()),
             });
         }
         out
@@ -189,7 +187,6 @@ pub(crate) struct Moment {
     pub(crate) truth: [Option<f64>; WHEELS],
     pub(crate) speed: f64,
     pub(crate) known_speed: (f64, f64),
-    pub(crate) common: (f64, f64),
 }
 
 impl Moment {

@@ -2,17 +2,13 @@
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::unwrap_used,
     reason = "a test stops at the first surprise, and picks places in lists"
 )]
 
-#[path = "../support/random_starts.rs"]
-#[allow(dead_code, reason = "shared with other tests")]
-mod random_starts;
-
 use grouser_opt::{Binary, Node, Tape, Unary};
 use grouser_real::Interval;
-use random_starts::Stream;
+
+use crate::random_starts::Stream;
 
 type One = (&'static str, Unary, fn(f64) -> f64);
 type Two = (&'static str, Binary, fn(f64, f64) -> f64);

@@ -1,11 +1,6 @@
 //! Fronts of published problems: hypervolume before and after polishing, exactness, determinism.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
 
-mod hypervolume;
+pub(crate) mod hypervolume;
 mod problems;
 
 use grouser_opt::{Front, ParetoSettings, Problem, pareto};

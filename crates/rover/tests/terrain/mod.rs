@@ -1,5 +1,4 @@
 //! Terrain files: made in the test, broken in every way, read or refused with a type.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod damage;
 mod geotiff;

@@ -1,14 +1,10 @@
 //! The published minimax problems, each from its published start.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first surprise, and prints what it measured"
-)]
 
+pub(crate) mod further;
 mod luksan_vlcek_linear;
 mod luksan_vlcek_unconstrained;
 mod other;
-mod suite;
+pub(crate) mod suite;
 
 use std::fmt::Write as _;
 

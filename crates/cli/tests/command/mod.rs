@@ -1,5 +1,4 @@
 //! Drives the built program as a user does.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod batch;
 mod contract;

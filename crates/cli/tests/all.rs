@@ -1,0 +1,23 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+mod repository;
+
+mod command;
+mod dependencies;
+mod docs;
+mod estimate;
+mod hostile_logs;
+mod identify;
+mod layering;
+mod log;
+mod measured_data;
+mod module_cycles;
+mod optimize;
+mod recordings;
+mod test_commands;

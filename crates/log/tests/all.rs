@@ -1,0 +1,32 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+#[path = "support/measured_data.rs"]
+mod measured_data;
+mod scratch;
+mod written;
+
+mod any_bytes;
+mod container_faults;
+mod csv_faults;
+mod decode_again;
+mod field_inputs;
+mod flipped_bits;
+mod growing;
+mod interop;
+mod killed_loggers;
+mod long_definitions;
+mod measured_bags;
+mod others_files;
+mod recordings;
+mod recovered_files;
+mod seeds;
+mod streams;
+mod suggestions;
+mod truncated_files;
+mod unpacking_limits;

@@ -1,0 +1,23 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+#[path = "support/random_starts.rs"]
+mod random_starts;
+
+mod certified;
+mod convex;
+mod enclosures;
+mod fronts;
+mod literature;
+mod methods;
+mod outcomes;
+mod proofs;
+mod refuted;
+mod robust;
+mod searches;
+mod stops;

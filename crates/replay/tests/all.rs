@@ -1,0 +1,29 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+#[path = "../../log/tests/support/measured_data.rs"]
+mod measured_data;
+mod shipped;
+
+mod articulated;
+mod axes;
+mod calibration;
+mod exchanged;
+mod five_wheel;
+mod jackal;
+mod kobuki;
+mod logs_that_say_nothing;
+mod measured_poses;
+mod observability;
+mod path_smoothing;
+mod robotino;
+mod robotino_free_wheel;
+mod robotino_without_reference;
+mod smoothing;
+mod steered;
+mod wrong_geometry;

@@ -1,0 +1,17 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+mod climb;
+mod closed_form;
+mod drive;
+mod learnt_soil;
+mod pooled_drives;
+mod settling;
+mod step_halving;
+mod terrain;
+mod uneven;

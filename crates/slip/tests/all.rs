@@ -1,0 +1,30 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+mod cart;
+mod four_wheels;
+mod noise;
+mod sane;
+mod world;
+
+mod control;
+mod counters;
+mod detect;
+mod estimator;
+mod filter;
+mod filter_outputs;
+mod filter_promises;
+mod learnt_soil;
+mod legal_settings;
+mod mode_machine;
+mod onboard;
+mod prior;
+mod promises;
+mod speed_laws;
+mod tick_properties;
+mod turning;

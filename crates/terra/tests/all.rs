@@ -1,0 +1,21 @@
+//! All integration tests of the crate as one program: each program is compiled and linked with every library again.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and prints what it measured or why it is skipped"
+)]
+
+mod batches;
+mod derivative_oracles;
+mod effort;
+mod faults;
+mod literature;
+mod lug_cases;
+mod number_kinds;
+mod properties;
+mod reference_cases;
+mod simulation_accuracy;
+mod slip_laws;
+mod small_loads;
+mod steepest_slope;
