@@ -1,6 +1,6 @@
 //! Figures as files, by the ending of their name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
@@ -29,6 +29,11 @@ pub(crate) fn ending(path: &Path) -> Option<String> {
 }
 
 impl Target {
+    /// Begins all figures.
+    pub(crate) fn begin(paths: &[PathBuf]) -> Result<Vec<Self>> {
+        paths.iter().map(|path| Self::of(path)).collect()
+    }
+
     /// Begins the figure `path`.
     pub(crate) fn of(path: &Path) -> Result<Self> {
         let format = match ending(path).as_deref() {

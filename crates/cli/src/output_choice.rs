@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{Target, ending};
 use crate::output::OutputFile;
+use grouser_figure::Figure;
 
 /// A file that has been begun.
 pub(crate) enum Output {
@@ -18,6 +19,19 @@ impl Output {
     /// Begins all files, so that a path that cannot be written is refused before the work.
     pub(crate) fn begin(paths: &[PathBuf]) -> Result<Vec<Self>> {
         paths.iter().map(|path| Self::of(path)).collect()
+    }
+
+    /// Writes all files; gives the lines that say so.
+    pub(crate) fn write_all(
+        outputs: Vec<Self>,
+        table: impl Fn() -> String,
+        figure: impl Fn() -> Result<Figure>,
+    ) -> Result<String> {
+        let written = outputs.into_iter().map(|output| match output {
+            Self::Table(file) => file.write_whole(table().as_bytes()),
+            Self::Figure(target) => target.write(&figure()?),
+        });
+        written.collect()
     }
 
     fn of(path: &Path) -> Result<Self> {

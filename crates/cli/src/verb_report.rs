@@ -33,4 +33,17 @@ impl Report {
             warnings: Vec::new(),
         }
     }
+
+    /// Where something failed there is no result.
+    pub(crate) fn failing(self, failure: Option<String>) -> Self {
+        let outcome = match failure {
+            Some(_) => Outcome::NoResult,
+            None => self.outcome,
+        };
+        Self {
+            outcome,
+            failure,
+            ..self
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, SharedDecoder, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View, decode};
 use crate::order::Ordered;
 
 /// How many messages a message may stand from its place in time.
@@ -171,13 +171,7 @@ impl Messages {
                     return;
                 };
                 let mut value = Value::Null;
-                let decoded = match &**decoder {
-                    Ok(decoder) => decoder
-                        .decode_into(message.data, &mut value)
-                        .map_err(|error| error.to_string()),
-                    Err(problem) => Err(problem.clone()),
-                };
-                if let Err(problem) = decoded {
+                if let Err(problem) = decode(decoder, message.data, &mut value) {
                     self.left_out.undecoded += 1;
                     self.left_out.problem.get_or_insert(problem);
                     return;

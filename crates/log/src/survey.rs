@@ -8,7 +8,7 @@ use grouser_real::Real;
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
 use crate::message::known::TRUTH;
-use crate::message::{Decoders, SharedDecoder, Spare, Value, View};
+use crate::message::{Decoders, SharedDecoder, Spare, Value, View, decode};
 use crate::messages::stamp_of;
 use crate::recording::{is_command, is_over_ground};
 
@@ -279,12 +279,7 @@ impl Tally {
         topic.bytes += data.len() as u64;
         topic.first_ns = topic.first_ns.min(time);
         topic.last_ns = topic.last_ns.max(time);
-        let decoded = match &*self.decoder {
-            Ok(decoder) => decoder
-                .decode_into(data, value)
-                .map_err(|error| error.to_string()),
-            Err(problem) => Err(problem.clone()),
-        };
+        let decoded = decode(&self.decoder, data, value);
         let stamp = decoded.as_ref().ok().and_then(|()| stamp_of(value));
         let stamp = stamp.map(i64::cast_unsigned);
         if topic.messages == 1 {

@@ -5,7 +5,7 @@ mod proof;
 use std::path::PathBuf;
 
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
-use grouser_report::number::{exact, parse_finite, shown};
+use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, fields};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{ClimbStep, climb};
@@ -123,12 +123,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(proof) = &climbed.proof {
         text.push_str(&proof.text());
     }
-    for output in outputs {
-        text.push_str(&match output {
-            Output::Table(file) => file.write_whole(climbed.csv().as_bytes())?,
-            Output::Figure(target) => target.write(&climbed.draw())?,
-        });
-    }
+    text.push_str(&Output::write_all(
+        outputs,
+        || step().csv(&climbed.steps),
+        || Ok(climbed.draw()),
+    )?);
     let failure = steepest
         .is_none()
         .then(|| "not even level ground is climbed: no slip gives enough pull".to_owned());
@@ -136,20 +135,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .proof
         .as_ref()
         .is_some_and(|proof| !proof.is_proved());
-    Ok(Report {
-        outcome: if failure.is_some() {
-            Outcome::NoResult
-        } else if is_unproved {
-            Outcome::Doubtful
-        } else {
-            Outcome::Done
-        },
-        object: object().object(&climbed),
-        text,
-        is_aside: false,
-        failure,
+    let outcome = if is_unproved {
+        Outcome::Doubtful
+    } else {
+        Outcome::Done
+    };
+    let report = Report {
+        outcome,
         warnings: climbed.warnings(),
-    })
+        ..Report::done(object().object(&climbed), text)
+    };
+    Ok(report.failing(failure))
 }
 
 fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<Climber> {
@@ -306,25 +302,6 @@ impl Climbed {
             shown(self.gravity),
             step().table(self.steps.iter())
         )
-    }
-
-    fn csv(&self) -> String {
-        let optional = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or_else(String::new, exact);
-        let mut out =
-            String::from("slope_deg,slip,energy_j_per_m,sinkage_m,reserve_n,tip_over_deg\n");
-        for step in &self.steps {
-            let cells = [
-                Some(step.slope.to_degrees()),
-                step.slip,
-                energy(step),
-                step.sinkage,
-                Some(step.reserve),
-                Some(step.tip_over.to_degrees()),
-            ];
-            out.push_str(&cells.map(optional).join(","));
-            out.push('\n');
-        }
-        out
     }
 
     fn draw(&self) -> Figure {

@@ -10,7 +10,7 @@ use super::ObjectiveParams;
 use crate::design::{Constraint, Design, Objective, Program, Slot, Task};
 use crate::error::{Error, Result};
 use crate::formula::{Formula, FormulaError, Relation, constraint};
-use crate::quantity::{Fixed, Parameter, Place, Quantity};
+use crate::quantity::{Fixed, POINT, Parameter, Place};
 use crate::scope::{Scope, first_missing};
 
 fn refuse(at: &FilePlace, name: &str, source: FormulaError) -> Error {
@@ -202,10 +202,10 @@ pub(super) fn check_needs(
     let given = |p: Parameter| first_missing(scope, fixed, &[p]).is_none();
     let loaded = given(Parameter::Load);
     for quantity in quantities {
-        let mut needs = quantity.needs().to_vec();
+        let mut needs = quantity.needs();
         if quantity.needs_sinkage_or_load() {
             if loaded {
-                needs.extend_from_slice(Quantity::point_parameters());
+                needs.extend_from_slice(&POINT);
             } else {
                 needs.push(Parameter::Sinkage);
             }

@@ -136,18 +136,13 @@ impl Quantity {
     }
 
     /// What it cannot do without.
-    pub(crate) fn needs(self) -> &'static [Parameter] {
+    pub(crate) fn needs(self) -> Vec<Parameter> {
         Self::ALL[self as usize].2.parameters()
     }
 
     /// Does it need a sinkage, given or solved for from a load?
     pub(crate) fn needs_sinkage_or_load(self) -> bool {
         Self::ALL[self as usize].2 != Need::Search
-    }
-
-    /// What finding the sinkage under a load needs.
-    pub(crate) fn point_parameters() -> &'static [Parameter] {
-        Need::Point.parameters()
     }
 }
 
@@ -165,52 +160,34 @@ enum Need {
     Search,
 }
 
+/// What forces at a slip, and the sinkage under a load, need; pressure and strength need the numbers from the width on.
+pub(crate) const POINT: [Parameter; 11] = [
+    Parameter::Radius,
+    Parameter::Width,
+    Parameter::Exponent,
+    Parameter::KC,
+    Parameter::KPhi,
+    Parameter::Cohesion,
+    Parameter::Phi,
+    Parameter::KShear,
+    Parameter::C1,
+    Parameter::C2,
+    Parameter::Slip,
+];
+
 impl Need {
-    fn parameters(self) -> &'static [Parameter] {
+    fn parameters(self) -> Vec<Parameter> {
         use Parameter as P;
         match self {
-            Self::Geometry => &[P::Radius],
-            Self::Pressure => &[P::Width, P::Exponent, P::KC, P::KPhi],
-            Self::Strength => &[P::Width, P::Exponent, P::KC, P::KPhi, P::Cohesion, P::Phi],
-            Self::StrengthAtTheta => &[
-                P::Radius,
-                P::Width,
-                P::Exponent,
-                P::KC,
-                P::KPhi,
-                P::Cohesion,
-                P::Phi,
-                P::Theta,
-            ],
-            Self::SlipModel => &[P::Radius, P::Theta],
-            Self::SlipModelShear => &[P::Radius, P::Theta, P::KShear],
-            Self::Point => &[
-                P::Radius,
-                P::Width,
-                P::Exponent,
-                P::KC,
-                P::KPhi,
-                P::Cohesion,
-                P::Phi,
-                P::KShear,
-                P::C1,
-                P::C2,
-                P::Slip,
-            ],
-            Self::Depth => &[],
-            Self::Search => &[
-                P::Radius,
-                P::Width,
-                P::Exponent,
-                P::KC,
-                P::KPhi,
-                P::Cohesion,
-                P::Phi,
-                P::KShear,
-                P::C1,
-                P::C2,
-                P::Load,
-            ],
+            Self::Geometry => POINT[..1].to_vec(),
+            Self::Pressure => POINT[1..5].to_vec(),
+            Self::Strength => POINT[1..7].to_vec(),
+            Self::StrengthAtTheta => [&POINT[..7], &[P::Theta]].concat(),
+            Self::SlipModel => vec![P::Radius, P::Theta],
+            Self::SlipModelShear => vec![P::Radius, P::Theta, P::KShear],
+            Self::Point => POINT.to_vec(),
+            Self::Depth => Vec::new(),
+            Self::Search => [&POINT[..10], &[P::Load]].concat(),
         }
     }
 }

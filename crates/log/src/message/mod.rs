@@ -14,7 +14,7 @@ mod view;
 pub use covariance::Trust;
 pub use definition::Definition;
 pub(crate) use definition::short;
-pub(crate) use shared::{Decoders, SharedDecoder};
+pub(crate) use shared::{Decoders, SharedDecoder, decode};
 pub(crate) use spare::{Spare, is_spare};
 pub use value::Value;
 pub use view::{Imu, JointState, NavSatFix, Odometry, Transform, View};

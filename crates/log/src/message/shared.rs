@@ -2,11 +2,22 @@
 
 use std::sync::Arc;
 
-use super::Decoder;
+use super::{Decoder, Value};
 use crate::container::{Channel, Encoding};
 
 /// A decoder, or why there is none.
 pub(crate) type SharedDecoder = Arc<std::result::Result<Decoder, String>>;
+
+/// Decodes a message into `value`, or says why not.
+pub(crate) fn decode(
+    decoder: &SharedDecoder,
+    data: &[u8],
+    value: &mut Value,
+) -> Result<(), String> {
+    let decoder = decoder.as_ref().as_ref().map_err(String::clone)?;
+    let decoded = decoder.decode_into(data, value);
+    decoded.map_err(|error| error.to_string())
+}
 
 /// The decoders of a file's channels.
 #[derive(Default)]

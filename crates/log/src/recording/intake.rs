@@ -12,7 +12,7 @@ use super::job::Job;
 use super::navigation::Track;
 use crate::container::Channel;
 use crate::measures::Measures;
-use crate::message::{Decoders, SharedDecoder, Value, View, is_spare, short};
+use crate::message::{Decoders, SharedDecoder, Value, View, decode, is_spare, short};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
 use crate::order::{Limit, Ordered};
 
@@ -160,13 +160,7 @@ impl Intake {
             return;
         };
         let known = &mut self.channels[index];
-        let decoded = match &*known.decoder {
-            Ok(decoder) => decoder
-                .decode_into(bytes, &mut known.value)
-                .map_err(|error| error.to_string()),
-            Err(problem) => Err(problem.clone()),
-        };
-        if let Err(problem) = decoded {
+        if let Err(problem) = decode(&known.decoder, bytes, &mut known.value) {
             self.left_out.undecoded += 1;
             self.left_out.problem.get_or_insert(problem);
             return;

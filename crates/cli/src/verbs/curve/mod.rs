@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use self::family::Family;
 use self::output::Frame;
 use crate::error::{Error, Result};
-use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::operation::{self, Prescribed};
 use crate::output_choice::Output;
@@ -92,27 +91,19 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if outputs.is_empty() {
         text.push_str(&frame.table());
     }
-    for output in outputs {
-        text.push_str(&match output {
-            Output::Table(file) => file.write_whole(frame.csv().as_bytes())?,
-            Output::Figure(target) => target.write(&figure::draw(&chosen.name, &families))?,
-        });
-    }
+    text.push_str(&Output::write_all(
+        outputs,
+        || frame.csv(),
+        || Ok(figure::draw(&chosen.name, &families)),
+    )?);
     let found = families
         .iter()
         .flat_map(|family| &family.points)
         .any(|(_, a)| a.point.is_some());
+    let failure = (!found).then(|| "no point of the curve has a solution".to_owned());
     Ok(Report {
-        outcome: if found {
-            Outcome::Done
-        } else {
-            Outcome::NoResult
-        },
-        object: output::fields().object(frame),
-        text,
-        is_aside: false,
-        failure: (!found).then(|| "no point of the curve has a solution".to_owned()),
         warnings: families.iter().filter_map(most_at_spin).collect(),
+        ..Report::done(output::fields().object(frame), text).failing(failure)
     })
 }
 

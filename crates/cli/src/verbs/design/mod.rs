@@ -156,12 +156,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         checked: &checked,
     };
     let mut text = designed.text();
-    for output in outputs {
-        text.push_str(&match output {
-            Output::Table(file) => file.write_whole(table::csv(&front).as_bytes())?,
-            Output::Figure(target) => target.write(&figure::draw(&designed))?,
-        });
-    }
+    text.push_str(&Output::write_all(
+        outputs,
+        || table::csv(&front),
+        || Ok(figure::draw(&designed)),
+    )?);
     let mut warnings = designed.warnings(request::Request::touching_radius(&carrier, &ranges));
     if let Some(chosen) = designed.chosen() {
         if let Some(file) = robot_output {

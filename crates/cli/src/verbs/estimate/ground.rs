@@ -94,15 +94,13 @@ pub(super) fn by_known(
             (false, true) => Outcome::Done,
             (false, false) => Outcome::Doubtful,
         },
-        object: fields().object(of),
-        text: text(request, of),
-        is_aside: false,
         failure: is_empty.then(|| {
             "no stretch with a slip: nowhere does one command hold for 4 s of straight drive in which every motor's current \
              or torque is logged"
                 .to_owned()
         }),
         warnings: doubts.clone(),
+        ..Report::done(fields().object(of), text(request, of))
     })
 }
 

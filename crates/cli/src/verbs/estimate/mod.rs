@@ -116,26 +116,26 @@ pub(crate) struct Arguments {
 }
 
 fn reference(name: &str) -> std::result::Result<Reference, String> {
-    let mut all = Reference::ALL.into_iter();
-    all.find(|reference| reference.name() == name)
-        .ok_or_else(|| {
-            let names = Reference::ALL.map(Reference::name);
-            format!("must be one of {}", names.join(", "))
-        })
+    one_of(
+        name,
+        &Reference::ALL.map(|reference| (reference.name(), reference)),
+    )
 }
 
 fn method(name: &str) -> std::result::Result<Method, String> {
-    let mut all = Method::NAMES.into_iter();
-    all.find(|(other, _)| *other == name)
-        .map(|(_, method)| method)
-        .ok_or_else(|| "must be one of filter, window".to_owned())
+    one_of(name, &Method::NAMES)
 }
 
 fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
-    let mut all = WheelSensor::NAMES.into_iter();
-    all.find(|(other, _)| *other == name)
-        .map(|(_, sensor)| sensor)
-        .ok_or_else(|| "must be one of count, angle, rate".to_owned())
+    one_of(name, &WheelSensor::NAMES)
+}
+
+fn one_of<T: Copy>(name: &str, all: &[(&str, T)]) -> std::result::Result<T, String> {
+    let found = all.iter().find(|(other, _)| *other == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
+        format!("must be one of {}", names.join(", "))
+    })
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {

@@ -10,6 +10,7 @@ use grouser_slip::Wheel;
 
 use super::figure::{Trace, draw};
 use super::mcap::Recording;
+use crate::csv_line::quoted;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
 use crate::output::OutputFile;
@@ -134,20 +135,11 @@ fn write_row(table: &mut OutputFile, row: &Row<'_>) -> io::Result<()> {
         table,
         "{},{},{},{},{},{},{}",
         exact(row.time_s),
-        field(row.name),
+        quoted(row.name),
         or_empty(row.slip),
         or_empty(row.slip_sigma),
         row.motion.map_or("", grouser_slip::Motion::name),
-        field(&row.health.to_string()),
+        quoted(&row.health.to_string()),
         or_empty(row.side_slip_angle.map(f64::to_degrees)),
     )
-}
-
-/// A field that a comma, a quote or a line end cannot break.
-fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
 }

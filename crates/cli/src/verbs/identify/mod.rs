@@ -11,7 +11,6 @@ use grouser_files::{Document, soil};
 use grouser_identify::{Identification, Job, identify};
 
 use crate::error::{Error, Result, shown};
-use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
 use crate::law_error::Names;
 use crate::output::OutputFile;
@@ -44,11 +43,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let document = Document::read(&arguments.tests)?;
     session.used_document(&document);
     let job = Job::read(&document)?;
-    let figures: Vec<Target> = arguments
-        .figure
-        .iter()
-        .map(|path| Target::of(path))
-        .collect::<Result<_>>()?;
+    let figures = Target::begin(&arguments.figure)?;
     let output = arguments.output.as_deref().map(soil_output).transpose()?;
     for file in job.files() {
         session.used_file(file)?;
@@ -75,16 +70,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             )
         });
     Ok(Report {
-        outcome: if failure.is_none() {
-            Outcome::Done
-        } else {
-            Outcome::NoResult
-        },
-        object: object::fields().object(&found),
-        text,
-        is_aside: false,
-        failure,
         warnings: text::warnings(&found),
+        ..Report::done(object::fields().object(&found), text).failing(failure)
     })
 }
 

@@ -58,14 +58,9 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     if copied.messages == 0 && copied.is_partial() {
         // Dropped, the empty file leaves nothing behind.
-        return Ok(Report {
-            outcome: Outcome::NoResult,
-            object: object(None),
-            text: damages_text(&copied.damages),
-            is_aside: false,
-            failure: Some(format!("no message can be read of {}", shown(file))),
-            warnings: Vec::new(),
-        });
+        let failure = format!("no message can be read of {}", shown(file));
+        let report = Report::done(object(None), damages_text(&copied.damages));
+        return Ok(report.failing(Some(failure)));
     }
     verify(output.unfinished()?, &copied).map_err(|error| copy_error(error, path))?;
     output.finish()?;

@@ -218,11 +218,9 @@ fn report(
         } else {
             Outcome::Done
         },
-        object: object::fields().object(result),
-        text: format!("{}{written}", result.text()),
-        is_aside: false,
         failure: is_empty.then(|| "the height of no cell and its surroundings is known".to_owned()),
         warnings,
+        ..Report::done(object::fields().object(result), result.text() + written)
     }
 }
 

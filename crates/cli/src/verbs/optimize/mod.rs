@@ -94,12 +94,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(certified) = &certified {
         text.push_str(&certified.text());
     }
-    for output in outputs {
-        text.push_str(&match output {
-            Output::Table(file) => file.write_whole(csv::csv(&design, &answer).as_bytes())?,
-            Output::Figure(target) => target.write(&figure::draw(&design, &answer))?,
-        });
-    }
+    text.push_str(&Output::write_all(
+        outputs,
+        || csv::csv(&design, &answer),
+        || Ok(figure::draw(&design, &answer)),
+    )?);
     if let (Some(file), Some(shown)) = (report, grouser_page::answer::object(&design, &answer)) {
         let shown = Object::from_iter([
             ("answer".to_owned(), shown),

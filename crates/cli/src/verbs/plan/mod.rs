@@ -3,7 +3,6 @@
 mod figure;
 mod object;
 mod scenario;
-mod table;
 
 use std::path::PathBuf;
 
@@ -11,7 +10,6 @@ use grouser_report::number::{parse_finite, shown};
 use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
 
 use crate::error::{Error, Result, shown as shown_path};
-use crate::exit::Outcome;
 use crate::figure_file::ending;
 use crate::output::OutputFile;
 use crate::session::Session;
@@ -146,7 +144,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut text = planned.text(route, alternatives);
     for (file, is_table) in outputs {
         let content = if is_table {
-            table::csv(&map, route)
+            object::csv(&map, route)
         } else {
             figure::draw(&map, route, alternatives)?
         };
@@ -197,14 +195,7 @@ fn no_way(object: grouser_report::Object, least: Option<f64>, arguments: &Argume
             shown(arguments.min_tip_over_deg)
         ),
     };
-    Report {
-        outcome: Outcome::NoResult,
-        object,
-        failure: Some(text.trim_end().to_owned()),
-        text: String::new(),
-        is_aside: false,
-        warnings: Vec::new(),
-    }
+    Report::done(object, String::new()).failing(Some(text.trim_end().to_owned()))
 }
 
 /// The JSON schema.

@@ -20,6 +20,21 @@ pub(super) struct Way<'a> {
     route: &'a Route,
 }
 
+impl<'a> Way<'a> {
+    fn places(self) -> impl Iterator<Item = Place<'a>> {
+        let place = move |point: &Waypoint| Place {
+            map: self.map,
+            point: *point,
+        };
+        self.route.waypoints.iter().map(place)
+    }
+}
+
+/// A way as a table: one row a cell.
+pub(super) fn csv(map: &PlanMap, route: &Route) -> String {
+    place().csv(Way { map, route }.places())
+}
+
 /// A place on its map.
 #[derive(Clone, Copy)]
 struct Place<'a> {
@@ -147,9 +162,7 @@ fn costs<'a>() -> Fields<'a, Way<'a>> {
 fn way<'a>() -> Fields<'a, Way<'a>> {
     fields! { |way: Way<'a>|
         join(costs()) = way;
-        "waypoints" "its cells" rows(place()) = way.route.waypoints.iter().map(
-            |point| Place { map: way.map, point: *point }
-        ).collect::<Vec<_>>();
+        "waypoints" "its cells" rows(place()) = way.places().collect::<Vec<_>>();
     }
 }
 

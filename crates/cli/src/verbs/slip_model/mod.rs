@@ -12,7 +12,6 @@ use grouser_terra::Mobilised;
 use self::grid::{Axes, Values};
 use self::point::{Point, evaluate};
 use crate::error::{Error, Result};
-use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::output_choice::Output;
 use crate::session::Session;
@@ -83,29 +82,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         points if outputs.is_empty() => output::table(points),
         points => format!("{} points\n", points.len()),
     };
-    for output in outputs {
-        text.push_str(&match output {
-            Output::Table(file) => {
-                let table = output::csv(&points, arguments.mobilised);
-                file.write_whole(table.as_bytes())?
-            }
-            Output::Figure(target) => {
-                target.write(&figure::draw(&axes, &points, arguments.mobilised)?)?
-            }
-        });
-    }
-    Ok(Report {
-        outcome: if reached {
-            Outcome::Done
-        } else {
-            Outcome::NoResult
-        },
-        object: output::fields().object((&points, mobilised)),
-        text,
-        is_aside: false,
-        failure,
-        warnings: Vec::new(),
-    })
+    text.push_str(&Output::write_all(
+        outputs,
+        || output::csv(&points, arguments.mobilised),
+        || figure::draw(&axes, &points, arguments.mobilised),
+    )?);
+    let object = output::fields().object((&points, mobilised));
+    Ok(Report::done(object, text).failing(failure))
 }
 
 /// The share with the K that it needs: of a flag, else of the soil.

@@ -43,21 +43,16 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let figures: Vec<Target> = arguments
-        .figure
-        .iter()
-        .map(|path| Target::of(path))
-        .collect::<Result<_>>()?;
+    let figures = Target::begin(&arguments.figure)?;
     let tables = Output::begin(&arguments.output)?;
     note_inputs(arguments, session)?;
     let validation = validate(&arguments.data)?;
     let mut text = validation.text();
-    for output in tables {
-        text.push_str(&match output {
-            Output::Table(file) => file.write_whole(validation.csv().as_bytes())?,
-            Output::Figure(target) => target.write(&validation.draw())?,
-        });
-    }
+    text.push_str(&Output::write_all(
+        tables,
+        || validation.csv(),
+        || Ok(validation.draw()),
+    )?);
     for target in figures {
         text.push_str(&target.write(&validation.draw())?);
     }

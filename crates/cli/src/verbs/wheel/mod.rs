@@ -120,11 +120,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let failure = answer.status.complaint(prescribed);
     Ok(Report {
         outcome,
-        object: fields().object(solved),
-        text,
-        is_aside: false,
-        failure,
-        warnings: Vec::new(),
+        ..Report::done(fields().object(solved), text).failing(failure)
     })
 }
 
@@ -145,14 +141,8 @@ fn immobilised(
         slope,
         lugs: None,
     };
-    Report {
-        outcome: Outcome::NoResult,
-        object: fields().object(solved),
-        text: text(solved),
-        is_aside: false,
-        failure: Some("no slip holds the slope".to_owned()),
-        warnings: Vec::new(),
-    }
+    let failure = Some("no slip holds the slope".to_owned());
+    Report::done(fields().object(solved), text(solved)).failing(failure)
 }
 
 fn on_slope(pair: &WheelOnSoil, degrees: f64, weight: f64) -> grouser_terra::Result<OnSlope> {
