@@ -8,6 +8,7 @@ mod bound;
 mod cleared;
 mod process;
 mod proof;
+mod propagate;
 mod rows;
 mod search;
 mod tangent;

@@ -3,6 +3,7 @@
 use grouser_real::Interval;
 
 use super::bound::{Bounder, Multipliers, Weights};
+use super::propagate::Propagator;
 use super::rows::Rows;
 use crate::sqp::{LinearKind, LinearModel};
 use crate::tape::Enclosures;
@@ -77,6 +78,7 @@ pub(super) struct Aim<'a> {
 #[derive(Default)]
 pub(super) struct Examiner {
     pub(super) bounder: Bounder,
+    propagator: Propagator,
     over: Enclosures,
     pub(super) at: Enclosures,
 }
@@ -163,6 +165,11 @@ impl Examiner {
             if self.naturally(rows, &mut examined, target) {
                 return examined;
             }
+            if self.propagate(rows, &mut examined, target) >= MIN_VOLUME_LOSS
+                && pass + 1 < MAX_PASSES
+            {
+                continue;
+            }
             let expansion = self.expand(rows, &examined.rest);
             examined.middle = examined.rest.iter().map(|x| x.middle()).collect();
             examined.middle_level = self.middle_level(rows, aim.tolerance);
@@ -217,6 +224,80 @@ impl Examiner {
             return true;
         }
         false
+    }
+
+    /// Cuts off what the limits of the rows, propagated to the variables, do not allow, as far as the enclosure of a row
+    /// over the piece proves it; returns the share of the volume that went. Follows [`Self::naturally`].
+    fn propagate(&mut self, rows: &Rows, examined: &mut Examined, target: f64) -> f64 {
+        let before = examined.rest.clone();
+        let left = self
+            .propagator
+            .shrink(rows, &self.over.values, &before, target);
+        if left.iter().any(|side| side.is_empty()) {
+            return 0.0;
+        }
+        for (variable, left) in left.iter().enumerate() {
+            for above in [false, true] {
+                let side = examined.rest[variable];
+                let (end, at) = if above {
+                    (side.high(), left.high())
+                } else {
+                    (side.low(), left.low())
+                };
+                let at = (at + TRIM_MARGIN * (end - at)).clamp(side.low(), side.high());
+                if (end - at).abs() >= MIN_TRIM * side.width() {
+                    self.cut_off(rows, examined, (variable, at, above), target);
+                }
+            }
+        }
+        if examined.rest != before {
+            self.over.forward(&rows.tape, &examined.rest, &rows.needed);
+        }
+        lost_share(&examined.rest, &before)
+    }
+
+    /// Cuts a piece off where a row excludes it by its enclosure alone.
+    fn cut_off(
+        &mut self,
+        rows: &Rows,
+        examined: &mut Examined,
+        (variable, at, above): (usize, f64, bool),
+        target: f64,
+    ) {
+        let side = examined.rest[variable];
+        if !(side.low() < at && at < side.high()) {
+            return;
+        }
+        let (below_at, above_at) = (
+            Interval::new(side.low(), at),
+            Interval::new(at, side.high()),
+        );
+        let (piece_side, rest_side) = if above {
+            (above_at, below_at)
+        } else {
+            (below_at, above_at)
+        };
+        let mut piece = Examined {
+            rest: examined.rest.clone(),
+            trims: Vec::new(),
+            bound: f64::NEG_INFINITY,
+            weights: Weights::default(),
+            middle: Vec::new(),
+            end: End::Stuck,
+            middle_level: f64::INFINITY,
+            bent: false,
+        };
+        piece.rest[variable] = piece_side;
+        if self.naturally(rows, &mut piece, target) {
+            examined.rest[variable] = rest_side;
+            examined.trims.push(Trim {
+                variable,
+                at,
+                above,
+                bound: piece.bound,
+                weights: piece.weights,
+            });
+        }
     }
 
     /// The rows that matter, with gradients over the box and values at its middle.
@@ -429,20 +510,20 @@ impl Examiner {
                 }
             }
         }
-        let share = |(x, old): (&Interval, &Interval)| {
-            if old.width() > 0.0 {
-                x.width() / old.width()
-            } else {
-                1.0
-            }
-        };
-        1.0 - examined
-            .rest
-            .iter()
-            .zip(&before)
-            .map(share)
-            .product::<f64>()
+        lost_share(&examined.rest, &before)
     }
+}
+
+/// The share of a box's volume that is not in its part.
+fn lost_share(part: &[Interval], whole: &[Interval]) -> f64 {
+    let share = |(part, whole): (&Interval, &Interval)| {
+        if whole.width() > 0.0 {
+            part.width() / whole.width()
+        } else {
+            1.0
+        }
+    };
+    1.0 - part.iter().zip(whole).map(share).product::<f64>()
 }
 
 /// A multiplier with the sign that its row allows.
