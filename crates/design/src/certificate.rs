@@ -137,10 +137,10 @@ impl Design {
     }
 
     /// A slip below 0, where the laws of a loaded wheel have no bounds.
-    fn brakes(&self) -> bool {
+    fn has_negative_slip(&self) -> bool {
         self.worlds.iter().any(|world| {
-            let least = self.program.scope.least_slip(&world.fixed, &self.variables);
-            least.is_some_and(|slip| !(slip >= 0.0))
+            let min_slip = self.program.scope.least_slip(&world.fixed, &self.variables);
+            min_slip.is_some_and(|slip| !(slip >= 0.0))
         })
     }
 
@@ -211,7 +211,7 @@ impl Design {
             ));
         }
         let lifted = self.lifted()?;
-        if lifted.is_some() && self.brakes() {
+        if lifted.is_some() && self.has_negative_slip() {
             return Err(refuse(
                 "forces have bounds for slips of 0 and above only".to_owned(),
             ));

@@ -205,6 +205,28 @@ fn functions_that_are_no_formulas_are_refused() {
     assert_eq!(refused, Err(CertifyError::NoFormula));
 }
 
+struct Infinite;
+impl Functions for Infinite {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = x[0].min(R::from_f64(f64::INFINITY));
+    }
+}
+
+#[test]
+fn infinite_numbers_in_a_formula_are_refused() {
+    let params = ProblemParams::new(&[0.0], 1, Exact(Infinite))
+        .variables([Variable::bounded("x", 0.0, -1.0, 1.0)]);
+    let refused = certify(
+        &Problem::new(params).unwrap(),
+        &Method::Minimax,
+        &CertifySettings::default(),
+    );
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "the formula of `f1` holds inf, which is no finite number"
+    );
+}
+
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let boxes = boxes();

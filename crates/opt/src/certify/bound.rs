@@ -18,8 +18,8 @@
 
 use grouser_real::Interval;
 
-use super::process::Form;
 use super::rows::Rows;
+use super::trim::Form;
 use crate::sqp::LinearKind;
 use crate::tape::{Curvatures, Enclosures};
 
@@ -98,7 +98,7 @@ fn curvature_of(side: Interval, curvature: f64) -> f64 {
 ///
 /// The middle of the enclosure, less what Gershgorin's circles in units of the sides allow for its width, is factored
 /// in interval arithmetic.
-pub(super) fn is_curved(hessian: &[Interval], x: &[Interval], curvature: f64) -> bool {
+pub(super) fn exceeds_curvature(hessian: &[Interval], x: &[Interval], curvature: f64) -> bool {
     let free: Vec<usize> = (0..x.len()).filter(|d| x[*d].width() > 0.0).collect();
     let n = free.len();
     let entry = |i: usize, j: usize| {
@@ -108,8 +108,8 @@ pub(super) fn is_curved(hessian: &[Interval], x: &[Interval], curvature: f64) ->
     let half = |i: usize| 0.5 * (x[free[i]].high() - x[free[i]].low());
     let mut rest = vec![Interval::ZERO; n * n];
     for i in 0..n {
-        let bend = curvature_of(x[free[i]], curvature);
-        if !bend.is_finite() {
+        let shift = curvature_of(x[free[i]], curvature);
+        if !shift.is_finite() {
             return false;
         }
         let mut spread = Interval::ZERO;
@@ -120,7 +120,7 @@ pub(super) fn is_curved(hessian: &[Interval], x: &[Interval], curvature: f64) ->
             let share = Interval::point(half(j)) / Interval::point(half(i));
             spread += Interval::point((h - middle).magnitude()) * share;
         }
-        rest[i * n + i] -= Interval::point(bend) + spread;
+        rest[i * n + i] -= Interval::point(shift) + spread;
     }
     for k in 0..n {
         let pivot = rest[k * n + k];
@@ -245,7 +245,7 @@ impl Bounder {
         hessian: &[Interval],
         tangent: &Tangent,
     ) -> f64 {
-        if !is_curved(hessian, x, tangent.curvature) {
+        if !exceeds_curvature(hessian, x, tangent.curvature) {
             return f64::NEG_INFINITY;
         }
         // the tangent of a greater box may lie outside
@@ -261,8 +261,8 @@ impl Bounder {
         for ((x, p), g) in x.iter().zip(&p).zip(&gradient) {
             if x.width() > 0.0 {
                 let step = *x - *p;
-                let bend = Interval::point(0.5 * curvature_of(*x, tangent.curvature));
-                form += *g * step + bend * step.square();
+                let half_curvature = Interval::point(0.5 * curvature_of(*x, tangent.curvature));
+                form += *g * step + half_curvature * step.square();
             }
         }
         let low = form.low();
@@ -303,4 +303,4 @@ impl Bounder {
 
 #[cfg(test)]
 #[path = "bound_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -4,7 +4,7 @@ use grouser_real::Interval;
 
 use super::{Bounder, Tangent};
 use crate::certify::rows::{Row, Rows};
-use crate::certify::tangent::greatest_curvature;
+use crate::certify::tangent::max_curvature;
 use crate::random::Random;
 use crate::sqp::LinearKind;
 use crate::tape::tests::UNARY;
@@ -19,9 +19,9 @@ const BINARY: [Binary; 7] = [
     Binary::Min,
     Binary::Max,
 ];
-const VARIABLES: usize = 3;
+pub(crate) const VARIABLES: usize = 3;
 
-fn expression(tape: &mut Tape, random: &mut Random, depth: usize) -> Node {
+pub(crate) fn expression(tape: &mut Tape, random: &mut Random, depth: usize) -> Node {
     let kind = random.uniform();
     if depth == 0 || kind < 0.1 {
         return if random.uniform() < 0.8 {
@@ -41,7 +41,7 @@ fn expression(tape: &mut Tape, random: &mut Random, depth: usize) -> Node {
     }
 }
 
-fn rows(tape: Tape, nodes: &[Node]) -> Rows {
+pub(crate) fn rows(tape: Tape, nodes: &[Node]) -> Rows {
     let row = |node: &Node| Row {
         name: String::new(),
         kind: LinearKind::Objective,
@@ -72,7 +72,7 @@ fn a_concave_square_is_bounded_by_its_corner() {
     let x = [Interval::new(-1.0, 3.0)];
     let mut bounder = Bounder::default();
     let hessian = bounder.hessian(&rows, &[(0, 1.0)], &x).unwrap();
-    let curvature = greatest_curvature(&hessian, &x, 1e-12);
+    let curvature = max_curvature(&hessian, &x, 1e-12);
     let at = vec![1.0];
     let tangent = Tangent { at, curvature };
     let bound = bounder.second_order(&rows, &[(0, 1.0)], &x, &hessian, &tangent);
@@ -110,7 +110,7 @@ fn no_random_value_lies_below_a_bound_of_second_order() {
             };
             let tangent = Tangent {
                 at: inside(&x),
-                curvature: greatest_curvature(&hessian, &x, 1e-12),
+                curvature: max_curvature(&hessian, &x, 1e-12),
             };
             let bound = bounder.second_order(&rows, &weights, &x, &hessian, &tangent);
             if bound == f64::NEG_INFINITY {

@@ -6,12 +6,14 @@
 
 mod bound;
 mod cleared;
+mod expansion;
 mod process;
 mod proof;
 mod propagate;
 mod rows;
 mod search;
 mod tangent;
+mod trim;
 
 use std::ops::ControlFlow;
 
@@ -153,6 +155,14 @@ pub enum CertifyError {
          needs functions that do not branch on the values of the variables"
     )]
     NoFormula,
+    /// A formula holds a number that is infinite or none, such as 1/0 or 0/0.
+    #[error("the formula of `{function}` holds {value}, which is no finite number")]
+    NotFinite {
+        /// The function.
+        function: String,
+        /// The number.
+        value: f64,
+    },
 }
 
 /// Proves how good the best point of a problem is.
@@ -181,7 +191,8 @@ pub enum CertifyError {
 /// ```
 ///
 /// # Errors
-/// [`CertifyError`]: an unbounded variable, a setting out of its range, functions that are no formulas.
+/// [`CertifyError`]: an unbounded variable, a setting out of its range, functions that are no formulas, numbers in
+/// them that are not finite.
 pub fn certify(
     problem: &Problem<'_>,
     method: &Method,

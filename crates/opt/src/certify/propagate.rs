@@ -9,6 +9,9 @@ use super::rows::Rows;
 use crate::sqp::LinearKind;
 use crate::tape::{Binary, Node, Op, Unary};
 
+/// Roots are off by less than this share.
+const ROUNDING: f64 = 1e-14;
+
 /// Memory for the propagation, one per thread.
 #[derive(Default)]
 pub(super) struct Propagator {
@@ -101,17 +104,21 @@ fn root(value: Interval, x: Interval, n: i32) -> Option<Interval> {
     }
     let share = 1.0 / f64::from(n);
     let of = |v: f64| Real::powf(v.abs(), share).copysign(v);
+    let rounded = |low: f64, high: f64| {
+        let slack = Interval::new(1.0 - ROUNDING, 1.0 + ROUNDING);
+        Interval::new(low, high) * slack
+    };
     if n % 2 == 1 {
-        return Some(Interval::new(of(value.low()), of(value.high())));
+        return Some(rounded(of(value.low()), of(value.high())));
     }
     let high = of(value.high().max(0.0));
     let low = of(value.low().max(0.0));
     Some(if x.low() >= 0.0 {
-        Interval::new(low, high)
+        rounded(low, high)
     } else if x.high() <= 0.0 {
-        Interval::new(-high, -low)
+        rounded(-high, -low)
     } else {
-        Interval::new(-high, high)
+        rounded(-high, high)
     })
 }
 
@@ -135,7 +142,7 @@ fn inverses(
             let at_least = Interval::new(value.low(), f64::INFINITY);
             (at_least, at_least)
         }
-        Binary::Power if y.width() == 0.0 && y.low() != 0.0 => {
+        Binary::Power if x.low() >= 0.0 && y.width() == 0.0 && y.low() != 0.0 => {
             let positive = value.intersection(Interval::new(0.0, f64::INFINITY));
             (positive.powf(Interval::ONE / y), Interval::ENTIRE)
         }
@@ -153,16 +160,92 @@ fn ratio(a: Interval, b: Interval, known: Interval) -> Interval {
             a / b
         };
     }
-    let least = a.low().abs().min(a.high().abs()) / b.magnitude();
+    let min_size = a.low().abs().min(a.high().abs()) / b.magnitude();
     // the signs of a quotient that `known` and the operands allow
     let positive = (a.low() > 0.0 && b.high() > 0.0) || (a.high() < 0.0 && b.low() < 0.0);
     let negative = (a.low() > 0.0 && b.low() < 0.0) || (a.high() < 0.0 && b.high() > 0.0);
-    let above = positive && known.high() >= least;
-    let below = negative && known.low() <= -least;
+    let above = positive && known.high() >= min_size;
+    let below = negative && known.low() <= -min_size;
     match (below, above) {
         (true, true) => Interval::ENTIRE,
-        (true, false) => Interval::new(f64::NEG_INFINITY, -least),
-        (false, true) => Interval::new(least, f64::INFINITY),
+        (true, false) => Interval::new(f64::NEG_INFINITY, -min_size),
+        (false, true) => Interval::new(min_size, f64::INFINITY),
         (false, false) => Interval::EMPTY,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::bound::tests::{VARIABLES, expression, rows};
+    use crate::random::Random;
+    use crate::tape::{Enclosures, Tape};
+
+    fn left(rows: &Rows, x: &[Interval], target: f64) -> Vec<Interval> {
+        let mut over = Enclosures::default();
+        over.forward(&rows.tape, x, &rows.needed);
+        Propagator::default().shrink(rows, &over.values, x, target)
+    }
+
+    /// exp(x² + 4 y²) ≤ e⁴ leaves |x| ≤ 2 and |y| ≤ 1.
+    #[test]
+    fn the_limit_of_a_row_reaches_the_variables() {
+        let mut tape = Tape::new();
+        let (x, y) = (tape.variable(0), tape.variable(1));
+        let (x, y) = (tape.whole_power(x, 2), tape.whole_power(y, 2));
+        let four = tape.constant(4.0);
+        let y = tape.binary(Binary::Mul, four, y);
+        let sum = tape.binary(Binary::Add, x, y);
+        let node = tape.unary(Unary::Exp, sum);
+        let rows = rows(tape, &[node]);
+        let sides = left(&rows, &[Interval::new(-9.0, 9.0); 2], 4.0_f64.exp());
+        for (side, radius) in sides.iter().zip([2.0, 1.0]) {
+            assert!((side.high() - radius).abs() < 1e-9 && (side.low() + radius).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn no_point_that_meets_the_rows_is_lost() {
+        let mut random = Random::new(2012);
+        let (mut points, mut shrunk) = (0, 0);
+        while points < 20_000 {
+            let mut tape = Tape::new();
+            let nodes = [3, 2].map(|depth| expression(&mut tape, &mut random, depth));
+            let rows = rows(tape, &nodes);
+            let target = 6.0 * random.uniform() - 3.0;
+            let x: Vec<Interval> = (0..VARIABLES)
+                .map(|_| {
+                    let low = 4.0 * random.uniform() - 3.0;
+                    Interval::new(low, low + 4.0 * random.uniform())
+                })
+                .collect();
+            let sides = left(&rows, &x, target);
+            shrunk += usize::from(
+                sides
+                    .iter()
+                    .zip(&x)
+                    .any(|(s, x)| s.width() < 0.9 * x.width()),
+            );
+            for _ in 0..20 {
+                let at: Vec<f64> = x
+                    .iter()
+                    .map(|x| (x.low() + x.width() * random.uniform()).min(x.high()))
+                    .collect();
+                let point: Vec<Interval> = at.iter().map(|x| Interval::point(*x)).collect();
+                let meets = |node: &Node| rows.tape.enclose(&point, *node).high() <= target;
+                if nodes.iter().all(meets) {
+                    points += 1;
+                    let slack = |side: &Interval| 1e-9 * (1.0 + side.magnitude());
+                    let is_left = |(x, side): (&f64, &Interval)| {
+                        side.low() - slack(side) <= *x && *x <= side.high() + slack(side)
+                    };
+                    assert!(
+                        at.iter().zip(&sides).all(is_left),
+                        "{at:?} is not in {sides:?}"
+                    );
+                }
+            }
+        }
+        assert!(shrunk > 500, "{shrunk}");
     }
 }

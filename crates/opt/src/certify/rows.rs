@@ -46,6 +46,16 @@ impl Rows {
             .taped(n, problem.function_count())
             .ok_or(CertifyError::NoFormula)?
             .with_limits();
+        for (index, &function) in functions.iter().enumerate() {
+            for node in tape.needed(function) {
+                if let Op::Constant(value) = tape.ops[node as usize]
+                    && !value.is_finite()
+                {
+                    let function = problem.function_name(index).to_owned();
+                    return Err(CertifyError::NotFinite { function, value });
+                }
+            }
+        }
         let mut list: Vec<(String, LinearKind, Node)> = Vec::new();
         if let Method::Weighted { weights } = method {
             let node = weighted_sum(&mut tape, &functions, weights, problem.absolute());

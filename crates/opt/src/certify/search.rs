@@ -27,7 +27,7 @@ const GAP_SHARE: f64 = 0.9;
 /// proves a little less than was found here.
 const CLAIMED_SHARE: f64 = 0.97;
 
-/// The most divisions between two attempts at a bound of second order.
+/// The greatest number of divisions between two attempts at a bound of second order.
 const MAX_WAIT: u8 = 6;
 
 /// Bounds of second order are tried in every batch while at least one of this many closes its box, else in one batch
@@ -42,18 +42,18 @@ struct Open {
     bound: f64,
     weights: Weights,
     x: Vec<Interval>,
-    patience: Patience,
+    backoff: Backoff,
 }
 
-/// Bounds of second order are dear: the more of them failed on the way to a box, the rarer they are tried.
+/// Bounds of second order are expensive: the more of them failed on the way to a box, the fewer are tried.
 #[derive(Clone, Copy, Default)]
-struct Patience {
+struct Backoff {
     failed: u8,
     /// Divisions until the next attempt.
     wait: u8,
 }
 
-impl Patience {
+impl Backoff {
     /// After the division of a box, for which such a bound was tried or not.
     fn after(self, tried: bool) -> Self {
         if !tried {
@@ -72,15 +72,15 @@ impl Patience {
 
 /// What bounds of second order brought over the whole search, the last batches first.
 #[derive(Default)]
-struct Yield {
+struct SecondOrderYield {
     tried: u64,
     closed: u64,
     batches: u64,
 }
 
-impl Yield {
+impl SecondOrderYield {
     /// Are they tried in the next batch?
-    fn is_worth(&mut self) -> bool {
+    fn is_worthwhile(&mut self) -> bool {
         self.batches += 1;
         if self.batches.is_multiple_of(TRIAL_BATCHES) {
             (self.tried, self.closed) = (self.tried / 2, self.closed / 2);
@@ -90,7 +90,7 @@ impl Yield {
     }
 
     fn add(&mut self, examined: &[Examined]) {
-        for result in examined.iter().filter(|result| result.bent) {
+        for result in examined.iter().filter(|result| result.tried_second_order) {
             self.tried += 1;
             self.closed += u64::from(matches!(result.end, End::Closed));
         }
@@ -237,7 +237,7 @@ impl Search<'_, '_> {
             x: sides
                 .map(|(low, high)| Interval::new(*low, *high))
                 .collect(),
-            patience: Patience::default(),
+            backoff: Backoff::default(),
         }
     }
 
@@ -254,7 +254,7 @@ impl Search<'_, '_> {
         let mut closed = f64::INFINITY;
         let mut boxes = 0_u64;
         let mut polish_at = 1_u64;
-        let mut second_order = Yield::default();
+        let mut yields = SecondOrderYield::default();
         let status = loop {
             let lower = self.lowest(&heap, &stuck).min(closed);
             let upper = best.as_ref().map_or(f64::INFINITY, |b: &Best| b.level);
@@ -299,7 +299,7 @@ impl Search<'_, '_> {
                 tolerance: self.settings.solve.constraint_tolerance,
                 best: at.as_deref(),
             };
-            let bend = second_order.is_worth();
+            let second_order = yields.is_worthwhile();
             let examined: Vec<Examined> = batch
                 .par_iter()
                 .map_init(Examiner::default, |examiner, open| {
@@ -308,11 +308,11 @@ impl Search<'_, '_> {
                         cleared,
                         &open.x,
                         &aim,
-                        bend && open.patience.wait == 0,
+                        second_order && open.backoff.wait == 0,
                     )
                 })
                 .collect();
-            second_order.add(&examined);
+            yields.add(&examined);
             boxes += batch.len() as u64;
             for result in &examined {
                 if result.middle_level < best.as_ref().map_or(f64::INFINITY, |b| b.level) {
@@ -431,7 +431,7 @@ impl Search<'_, '_> {
                 bound,
                 weights,
                 x: result.rest,
-                patience: open.patience,
+                backoff: open.backoff,
             }),
             End::Divided { variable, at } => {
                 let (below, above) = pair();
@@ -448,7 +448,7 @@ impl Search<'_, '_> {
                         bound,
                         weights: weights.clone(),
                         x,
-                        patience: open.patience.after(result.bent),
+                        backoff: open.backoff.after(result.tried_second_order),
                     });
                 }
             }

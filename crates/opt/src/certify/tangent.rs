@@ -2,8 +2,9 @@
 
 use grouser_real::Interval;
 
-use super::bound::{Multipliers, Tangent, Weights, is_curved};
-use super::process::{Aim, Examined, Examiner, Expansion, allowed};
+use super::bound::{Multipliers, Tangent, Weights, exceeds_curvature};
+use super::expansion::Expansion;
+use super::process::{Aim, Examined, Examiner, allowed};
 use super::rows::Rows;
 use crate::sqp::{LinearKind, LinearModel};
 
@@ -20,7 +21,7 @@ const SHIFT_FACTOR: f64 = 20.0;
 
 impl Examiner {
     /// Bounds of second order, with multipliers from quadratic models at points that approach the best of the box.
-    pub(super) fn bend(
+    pub(super) fn bound_by_tangents(
         &mut self,
         rows: &Rows,
         expansion: &Expansion,
@@ -61,7 +62,7 @@ impl Examiner {
             hessian = over;
             if promised >= target {
                 let curvature =
-                    greatest_curvature(&hessian, &x, CURVATURE_SLACK * target.abs().max(1.0));
+                    max_curvature(&hessian, &x, CURVATURE_SLACK * target.abs().max(1.0));
                 for p in [&at, &examined.middle] {
                     let tangent = Tangent {
                         at: p.clone(),
@@ -201,14 +202,14 @@ fn scaled_middle(hessian: &[Interval], radii: &[f64]) -> Vec<f64> {
 }
 
 /// A curvature μ ≤ 0 that is proved for the box and nearly the greatest. Below `slack` it costs nothing that counts.
-pub(super) fn greatest_curvature(hessian: &[Interval], x: &[Interval], slack: f64) -> f64 {
+pub(super) fn max_curvature(hessian: &[Interval], x: &[Interval], slack: f64) -> f64 {
     let full = scaled_middle(
         hessian,
         &x.iter().map(|x| 0.5 * x.width()).collect::<Vec<_>>(),
     );
     let size = full.iter().fold(0.0_f64, |m, h| m.max(h.abs()));
     let mut low = -slack;
-    while !is_curved(hessian, x, low) {
+    while !exceeds_curvature(hessian, x, low) {
         if !(-low < 1e3 * size * x.len() as f64) {
             return low;
         }
@@ -220,7 +221,7 @@ pub(super) fn greatest_curvature(hessian: &[Interval], x: &[Interval], slack: f6
     let mut high = low / 8.0;
     for _ in 0..CURVATURE_STEPS {
         let middle = -(low * high).sqrt();
-        if is_curved(hessian, x, middle) {
+        if exceeds_curvature(hessian, x, middle) {
             low = middle;
         } else {
             high = middle;

@@ -294,11 +294,11 @@ fn power_by_exponent(x: Interval, y: Interval, power: Interval) -> Interval {
     if !(y.low() > 0.0) {
         return Interval::ENTIRE;
     }
-    let least = -(Interval::ONE / (Interval::ONE.exp() * Interval::point(y.low())));
-    let most = if x.high() > 1.0 {
+    let min = -(Interval::ONE / (Interval::ONE.exp() * Interval::point(y.low())));
+    let max = if x.high() > 1.0 {
         power * x.ln()
     } else {
         Interval::ZERO
     };
-    Interval::new(least.low(), most.high())
+    Interval::new(min.low(), max.high())
 }

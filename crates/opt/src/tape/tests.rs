@@ -147,9 +147,9 @@ fn derivatives_of_each_operation_hold_divided_differences() {
     let mut random = Random::new(2012);
     let mut check = |name: &str, has_bend: bool, make: &dyn Fn(&mut Tape, Node, Node) -> Node| {
         let (first, second) = Single::new(make).compare(&mut random, name);
-        let least = if has_bend { MIN_PAIRS / 2 } else { 0 };
+        let min_second = if has_bend { MIN_PAIRS / 2 } else { 0 };
         assert!(
-            first >= MIN_PAIRS / 2 && second >= least,
+            first >= MIN_PAIRS / 2 && second >= min_second,
             "{name}: {first} first and {second} second differences"
         );
     };

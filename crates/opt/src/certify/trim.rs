@@ -1,0 +1,260 @@
+//! Pieces without better points, cut off the sides of a box.
+
+use grouser_real::Interval;
+
+use super::bound::{Multipliers, Weights};
+use super::expansion::Expansion;
+use super::process::{End, Examined, Examiner};
+use super::rows::Rows;
+use crate::sqp::LinearKind;
+
+/// A side of a box is trimmed where at least this share of it goes.
+const MIN_TRIM: f64 = 0.1;
+/// The trimmed piece ends this share of its length before the place that the linear form gives, so that its own
+/// bound, computed anew, confirms it.
+const TRIM_MARGIN: f64 = 0.02;
+
+/// A piece without a better point, cut off the box at `at`.
+#[derive(Clone, Debug)]
+pub(super) struct Trim {
+    pub(super) variable: usize,
+    pub(super) at: f64,
+    /// Is the piece above `at`?
+    pub(super) above: bool,
+    pub(super) bound: f64,
+    pub(super) weights: Weights,
+}
+
+/// A linear form Σ λ row at the middle and its slopes, against what it must not exceed.
+pub(super) struct Form {
+    pub(super) weights: Weights,
+    pub(super) offset: f64,
+    pub(super) slopes: Vec<Interval>,
+    pub(super) limit: f64,
+}
+
+impl Examiner {
+    /// Cuts off what the limits of the rows, propagated to the variables, do not allow, as far as the enclosure of a row
+    /// over the piece proves it; returns the share of the volume that went. Follows [`Self::bound_each_row`].
+    pub(super) fn propagate(&mut self, rows: &Rows, examined: &mut Examined, target: f64) -> f64 {
+        let before = examined.rest.clone();
+        let left = self
+            .propagator
+            .shrink(rows, &self.over.values, &before, target);
+        if left.iter().any(|side| side.is_empty()) {
+            return 0.0;
+        }
+        for (variable, left) in left.iter().enumerate() {
+            for above in [false, true] {
+                let side = examined.rest[variable];
+                let (end, at) = if above {
+                    (side.high(), left.high())
+                } else {
+                    (side.low(), left.low())
+                };
+                let at = (at + TRIM_MARGIN * (end - at)).clamp(side.low(), side.high());
+                if (end - at).abs() >= MIN_TRIM * side.width() {
+                    self.cut_off(rows, examined, (variable, at, above), target);
+                }
+            }
+        }
+        if examined.rest != before {
+            self.over.forward(&rows.tape, &examined.rest, &rows.needed);
+        }
+        lost_share(&examined.rest, &before)
+    }
+
+    /// Cuts a piece off where a row excludes it by its enclosure alone.
+    fn cut_off(
+        &mut self,
+        rows: &Rows,
+        examined: &mut Examined,
+        (variable, at, above): (usize, f64, bool),
+        target: f64,
+    ) {
+        let side = examined.rest[variable];
+        if !(side.low() < at && at < side.high()) {
+            return;
+        }
+        let (below_at, above_at) = (
+            Interval::new(side.low(), at),
+            Interval::new(at, side.high()),
+        );
+        let (piece_side, rest_side) = if above {
+            (above_at, below_at)
+        } else {
+            (below_at, above_at)
+        };
+        let mut piece = Examined {
+            rest: examined.rest.clone(),
+            trims: Vec::new(),
+            bound: f64::NEG_INFINITY,
+            weights: Weights::default(),
+            middle: Vec::new(),
+            end: End::Stuck,
+            middle_level: f64::INFINITY,
+            tried_second_order: false,
+        };
+        piece.rest[variable] = piece_side;
+        if self.bound_each_row(rows, &mut piece, target) {
+            examined.rest[variable] = rest_side;
+            examined.trims.push(Trim {
+                variable,
+                at,
+                above,
+                bound: piece.bound,
+                weights: piece.weights,
+            });
+        }
+    }
+
+    /// Cuts pieces off the box that hold no better point; returns the share of the volume that went.
+    pub(super) fn trim(
+        &mut self,
+        rows: &Rows,
+        expansion: &Expansion,
+        examined: &mut Examined,
+        target: f64,
+    ) -> f64 {
+        let before = examined.rest.clone();
+        let mut forms = forms(expansion, target);
+        if target < f64::INFINITY
+            && examined.weights.rows.len() > 1
+            && examined.weights.tangent.is_none()
+        {
+            forms.extend(self.bounder.form(rows, &examined.weights, &before, target));
+        }
+        for variable in 0..before.len() {
+            for above in [false, true] {
+                let side = examined.rest[variable];
+                // the deepest cut that a form promises
+                let mut deepest: Option<(f64, &Form)> = None;
+                for form in &forms {
+                    let Some(at) = cut(form, &before, variable, above) else {
+                        continue;
+                    };
+                    let deeper =
+                        deepest.is_none_or(|(old, _)| if above { at < old } else { at > old });
+                    if deeper {
+                        deepest = Some((at, form));
+                    }
+                }
+                let Some((at, form)) = deepest else {
+                    continue;
+                };
+                let end = if above { side.high() } else { side.low() };
+                let at = (at + TRIM_MARGIN * (end - at)).clamp(side.low(), side.high());
+                if !((end - at).abs() >= MIN_TRIM * side.width())
+                    || at <= side.low()
+                    || at >= side.high()
+                {
+                    continue;
+                }
+                let mut piece = examined.rest.clone();
+                piece[variable] = if above {
+                    Interval::new(at, side.high())
+                } else {
+                    Interval::new(side.low(), at)
+                };
+                let bound = self.bounder.bound(rows, &form.weights, &piece);
+                if bound >= target {
+                    examined.rest[variable] = if above {
+                        Interval::new(side.low(), at)
+                    } else {
+                        Interval::new(at, side.high())
+                    };
+                    examined.trims.push(Trim {
+                        variable,
+                        at,
+                        above,
+                        bound,
+                        weights: form.weights.clone(),
+                    });
+                }
+            }
+        }
+        lost_share(&examined.rest, &before)
+    }
+}
+
+/// The share of a box's volume that is not in its part.
+fn lost_share(part: &[Interval], whole: &[Interval]) -> f64 {
+    let share = |(part, whole): (&Interval, &Interval)| {
+        if whole.width() > 0.0 {
+            part.width() / whole.width()
+        } else {
+            1.0
+        }
+    };
+    1.0 - part.iter().zip(whole).map(share).product::<f64>()
+}
+
+/// The linear forms of each row alone that may trim a box.
+fn forms(expansion: &Expansion, target: f64) -> Vec<Form> {
+    let n = expansion.gradients.len() / expansion.rows.len().max(1);
+    let slopes = |at: usize| &expansion.gradients[at * n..(at + 1) * n];
+    let mut list = Vec::new();
+    for (at, row) in expansion.rows.iter().enumerate() {
+        let own = slopes(at);
+        let mut push = |sign: f64, limit: f64| {
+            let (offset, slopes) = if sign < 0.0 {
+                (
+                    -expansion.offsets[at].high(),
+                    own.iter().map(|g| -*g).collect(),
+                )
+            } else {
+                (expansion.offsets[at].low(), own.to_vec())
+            };
+            list.push(Form {
+                weights: row
+                    .iter()
+                    .map(|(row, weight)| (*row, sign * weight))
+                    .collect::<Multipliers>()
+                    .into(),
+                offset,
+                slopes,
+                limit,
+            });
+        };
+        match expansion.kinds[at] {
+            LinearKind::Objective if target < f64::INFINITY => push(1.0, target),
+            LinearKind::Objective => {}
+            LinearKind::AtMost => push(1.0, 0.0),
+            LinearKind::Equal => {
+                push(1.0, 0.0);
+                push(-1.0, 0.0);
+            }
+        }
+    }
+    list
+}
+
+/// Where the form exceeds its limit beyond: the place, if the form's slope along `variable` has one sign.
+fn cut(form: &Form, x: &[Interval], variable: usize, above: bool) -> Option<f64> {
+    let slope = form.slopes[variable];
+    // above a place the form must grow, below it must fall
+    let steepness = if above { slope.low() } else { -slope.high() };
+    if !(steepness > 0.0) {
+        return None;
+    }
+    let min_share = |d: usize| {
+        let radius = 0.5 * x[d].width();
+        let (low, high) = (form.slopes[d].low(), form.slopes[d].high());
+        -(low.abs().max(high.abs()) * radius)
+    };
+    let others: f64 = (0..x.len()).filter(|d| *d != variable).map(min_share).sum();
+    let room = form.limit - form.offset - others;
+    let middle = x[variable].middle();
+    let reach = room
+        / if room > 0.0 {
+            steepness
+        } else {
+            slope.magnitude()
+        };
+    let at = if above {
+        middle + reach
+    } else {
+        middle - reach
+    };
+    at.is_finite().then_some(at)
+}
