@@ -260,12 +260,7 @@ impl WheelOnSoil {
             Accuracy::Standard
         };
         let shear_laws = ShearLaw::ALL;
-        let ploughing = [
-            Bulldozing::Scaled,
-            Bulldozing::Full,
-            Bulldozing::Chord,
-            Bulldozing::Off,
-        ];
+        let ploughing = Bulldozing::ALL;
         let settings = Settings {
             accuracy,
             shear: choice("shear", shear, &shear_laws.map(|law| (law.key(), law)))?,

@@ -16,7 +16,7 @@ use crate::settings_text::document;
 /// The keywords are the keys of a soil file, with the same units: `name`, `n`, `k_c_kn_per_m_n1`,
 /// `k_phi_kn_per_m_n2`, `cohesion_kpa`, `phi_deg`, `k_shear_m`, `c_1`, `c_2`; optional are `source`, `note`,
 /// `key`, `n_1`, `n_2`, `unit_weight_n_per_m3`, `rebound`, `k_shear_1_m_per_rad`, `k_shear_side_m`,
-/// `k_shear_side_1_m_per_rad`, `rear_driving`, `rear_drift`, `transport_layer_m` and the laws
+/// `k_shear_side_1_m_per_rad`, `rear_driving`, `rear_drift`, `transport_layer_m`, `sideways_support` and the laws
 /// `slip_sinkage`, `stress_position`, `shear`, `bulldozing`.
 ///
 /// Raises

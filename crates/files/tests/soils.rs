@@ -80,6 +80,7 @@ fn what_is_written_reads_back_to_the_same_bits() {
         rear_driving: 2.0,
         rear_drift: 1.0,
         transport_layer: 1e-3 / 3.0,
+        sideways_support: 0.7 / 3.0,
         fitted: Some(grouser_terra::FittedRange {
             slip: (-0.7, 0.75),
             slip_angle: (0.0, grouser_terra::Angle::from_deg(100.0 / 3.3).rad()),
@@ -91,7 +92,7 @@ fn what_is_written_reads_back_to_the_same_bits() {
             slip_sinkage: SlipSinkage::Whole,
             stress_position: StressPosition::Whole,
             shear: Some(ShearLaw::SlipVelocity),
-            bulldozing: Some(Bulldozing::Chord),
+            bulldozing: Some(Bulldozing::Disc),
         },
         ..*sand.params()
     };

@@ -31,7 +31,7 @@ pub enum Parameter {
 type Row = (Parameter, f64, f64, f64);
 
 /// Bounds as wide as published soils go.
-const ROWS: [Row; 17] = [
+const ROWS: [Row; 18] = [
     (Parameter::Soil(SoilNumber::Exponent), 0.3, 1.1, 2.5),
     (Parameter::Soil(SoilNumber::ExponentDriving), 0.0, 0.2, 1.5),
     (Parameter::Soil(SoilNumber::ExponentBraking), 0.0, 0.3, 1.5),
@@ -51,6 +51,7 @@ const ROWS: [Row; 17] = [
         0.003,
         0.05,
     ),
+    (Parameter::Soil(SoilNumber::SidewaysSupport), 0.01, 0.3, 1.0),
     (Parameter::SinkageDatum, -0.05, 0.0, 0.05),
     (Parameter::SideDatum, -20.0, 0.0, 20.0),
     (Parameter::PullDatum, -20.0, 0.0, 20.0),
@@ -159,6 +160,7 @@ impl Parameter {
             SoilNumber::RearDriving => laws.rear_driving = value,
             SoilNumber::RearDrift => laws.rear_drift = value,
             SoilNumber::TransportLayer => laws.transport_layer = value,
+            SoilNumber::SidewaysSupport => laws.sideways_support = value,
             // no parameter: plates find it
             _ => {}
         }

@@ -34,13 +34,15 @@ pub enum Caution {
     LugSpacing,
     /// Slip, slip angle, width or load lie outside the tests that the soil's numbers were fitted on.
     OutsideFit,
+    /// The hub lies below the ground: axle and motor, which are not in the model, touch the soil.
+    HubInSoil,
     /// The load is smaller than the search for the sinkage resolves: the vertical force misses it by more than a
     /// millionth. Stresses that nearly cancel leave no more digits.
     LoadBelowResolution,
 }
 
 impl Caution {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -51,6 +53,7 @@ impl Caution {
         Self::WorkGained,
         Self::LugSpacing,
         Self::OutsideFit,
+        Self::HubInSoil,
         Self::LoadBelowResolution,
     ];
 
@@ -68,6 +71,7 @@ impl Caution {
             Self::WorkGained => "work-gained",
             Self::LugSpacing => "lug-spacing",
             Self::OutsideFit => "outside-fit",
+            Self::HubInSoil => "hub-in-soil",
             Self::LoadBelowResolution => "load-below-resolution",
         }
     }
@@ -97,6 +101,9 @@ impl fmt::Display for Caution {
             }
             Self::LoadBelowResolution => {
                 "the load is smaller than the search for the sinkage resolves: the vertical force differs from it"
+            }
+            Self::HubInSoil => {
+                "the hub lies below the ground: axle and motor, which are not in the model, touch the soil"
             }
             Self::OutsideFit => {
                 "slip, slip angle, width or load lie outside the tests that the soil was fitted on"

@@ -43,7 +43,8 @@ pub struct DualInputs<const N: usize> {
     pub motion: Motion<Dual<N>>,
     law: ShearLaw,
     bulldozing: Bulldozing,
-    kappa: f64,
+    /// Is the unit weight known, without which nothing is ploughed?
+    ploughs: bool,
     /// The sign of the side force.
     side: f64,
 }
@@ -58,7 +59,7 @@ pub struct DualSolution<const N: usize> {
     pub theta_1: Dual<N>,
     /// Forces and torque.
     pub forces: Forces<Dual<N>>,
-    /// Side force with the bulldozing, N, positive to the left. (κ carries no derivative in the slip angle.)
+    /// Side force with the bulldozing, N, positive to the left.
     pub side_force: Dual<N>,
 }
 
@@ -68,14 +69,11 @@ impl<const N: usize> DualInputs<N> {
     pub fn new(wheel_on_soil: &WheelOnSoil, kinematics: &Kinematics) -> Self {
         Self {
             size: wheel_on_soil.wheel().size(),
-            soil: wheel_on_soil.soil().laws(),
+            soil: wheel_on_soil.laws_in(),
             motion: kinematics.motion(),
             law: wheel_on_soil.settings().shear,
             bulldozing: wheel_on_soil.settings().bulldozing,
-            kappa: match wheel_on_soil.soil().params().unit_weight {
-                Some(_) => wheel_on_soil.settings().bulldozing.kappa(kinematics),
-                None => 0.0,
-            },
+            ploughs: wheel_on_soil.soil().params().unit_weight.is_some(),
             side: if kinematics.slip_angle().rad() == 0.0 {
                 0.0
             } else {
@@ -127,12 +125,18 @@ impl<const N: usize> DualInputs<N> {
             self.size.radius,
             &contact.angles(),
         );
+        let mut beside = Dual::constant(0.0);
+        if self.ploughs {
+            beside = self.bulldozing.kappa(&self.motion) * ploughed;
+        }
+        if let Some(disc) = contact.disc {
+            beside = beside + disc.side;
+        }
         DualSolution {
             sinkage: sinkage_from_entry_angle(theta_1, self.size.radius),
             theta_1,
             forces,
-            side_force: Dual::constant(self.side)
-                * (forces.side_shear + Dual::constant(self.kappa) * ploughed),
+            side_force: Dual::constant(self.side) * (forces.side_shear + beside),
         }
     }
 }

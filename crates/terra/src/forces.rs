@@ -4,6 +4,7 @@ use grouser_real::{Real, Scalar};
 
 use crate::contact::{Contact, ExponentTables, Integrals, OneByOne, Order};
 use crate::lanes::EightNodes;
+use crate::side_disc::SideDisc;
 
 /// What the soil does to the wheel: the stresses integrated over the contact.
 ///
@@ -84,7 +85,7 @@ impl<R: Real> Contact<R> {
         let side_shear = area * i.tau_side;
         let lost_work = r * area * i.lost;
         let balance = torque * self.p - drawbar_pull * self.pq * r + side_shear * self.drift() * r;
-        Forces {
+        let rim = Forces {
             vertical_force: area * (i.sigma_cos + i.tau_sin),
             drawbar_pull,
             torque,
@@ -93,6 +94,25 @@ impl<R: Real> Contact<R> {
             side_shear,
             lost_work,
             energy_residual: balance - lost_work,
+        };
+        match self.disc {
+            None => rim,
+            Some(disc) => self.with_disc(rim, disc),
+        }
+    }
+
+    /// The forces of the rim and of the soil beside the wheel together.
+    fn with_disc(&self, rim: Forces<R>, disc: SideDisc<R>) -> Forces<R> {
+        let r = self.size.radius;
+        let balance = disc.torque * self.p - disc.pull * self.pq * r + disc.side * self.drift() * r;
+        Forces {
+            vertical_force: rim.vertical_force + disc.lift,
+            drawbar_pull: rim.drawbar_pull + disc.pull,
+            torque: rim.torque + disc.torque,
+            thrust: rim.thrust + disc.pull,
+            lost_work: rim.lost_work + disc.lost,
+            energy_residual: rim.energy_residual + (balance - disc.lost),
+            ..rim
         }
     }
 }

@@ -188,7 +188,7 @@ impl WheelOnSoil {
         self.check_exponent(kinematics)?;
         let mut search = Search {
             low: 0.0,
-            high: self.entry_limit(),
+            high: self.entry_limit(kinematics),
             proven: false,
             evaluations: 0,
         };
@@ -237,9 +237,15 @@ impl WheelOnSoil {
             || !kinematics.slip().is_driving()
     }
 
-    /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r.
-    fn entry_limit(&self) -> f64 {
-        let reach = self.soil().params().rebound.max(1.0);
+    /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r, with the law for a buried hub
+    /// z max(2/3, λ) = r.
+    fn entry_limit(&self, kinematics: &Kinematics) -> f64 {
+        self.angle_limit(1.0 / self.depth_limit(kinematics))
+    }
+
+    /// The entry angle just below which z max(`least`, λ) = r.
+    fn angle_limit(&self, least: f64) -> f64 {
+        let reach = self.soil().params().rebound.max(least);
         2.0 * Real::asin(Real::sqrt(0.5 / reach)) * (1.0 - 1e-12)
     }
 
@@ -354,7 +360,7 @@ impl WheelOnSoil {
         let shape = (3.0 - n).max(0.5);
         let base = 3.0 * load / (shape * width * modulus * Real::sqrt(2.0 * radius));
         let sinkage = Real::powf(base, 2.0 / (2.0 * n + 1.0));
-        let limit = self.entry_limit();
+        let limit = self.angle_limit(1.0);
         let relative = (0.5 * sinkage / radius).min(0.5);
         (2.0 * Real::asin(Real::sqrt(relative))).clamp(1e-9, 0.9 * limit)
     }

@@ -13,6 +13,7 @@ use crate::pressure::{
     Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, share_left, transport_depth_reece,
 };
 use crate::shear::{MohrCoulomb, ShearLaw};
+use crate::side_disc::sideways_weight;
 use crate::slip_velocity::{SlipNorm, SlipVelocity};
 
 /// The sinkage exponents that the laws are used with.
@@ -71,6 +72,9 @@ pub struct SoilParams {
     pub rear_drift: f64,
     /// Thickness δ of the layer that a driving rim carries backwards, m; 0 for none.
     pub transport_layer: f64,
+    /// Share of the rim's pressure that is left where the wheel moves sideways (slip angle 90°); 1 for all of it. The
+    /// pressure is multiplied by 1 − (1 − this) sin¹⁶β: a rim that does not roll onto the soil does not compact it.
+    pub sideways_support: f64,
     /// The laws that these numbers were identified with.
     pub laws: LawChoice,
     /// The tests that these numbers were fitted on; `None` where that is not known.
@@ -136,6 +140,7 @@ impl SoilParams {
             rear_driving: 0.0,
             rear_drift: 0.0,
             transport_layer: 0.0,
+            sideways_support: 1.0,
             laws: LawChoice::default(),
             fitted: None,
         }
@@ -213,6 +218,10 @@ impl Soil {
         Error::check_range("rear_driving", p.rear_driving, 0.0, 100.0, "1")?;
         Error::check_range("rear_drift", p.rear_drift, 0.0, 100.0, "1")?;
         Error::check_range("transport_layer", p.transport_layer, 0.0, 1.0, "m")?;
+        Error::check_range("sideways_support", p.sideways_support, 0.0, 1.0, "1")?;
+        if let Some(bulldozing) = p.laws.bulldozing {
+            bulldozing.check(p)?;
+        }
         if let Some(fitted) = &p.fitted {
             fitted.check()?;
         }
@@ -284,6 +293,7 @@ impl Soil {
             rear_driving: r(p.rear_driving),
             rear_drift: r(p.rear_drift),
             transport_layer: r(p.transport_layer),
+            sideways_support: r(p.sideways_support),
             choice: p.laws,
         }
     }
@@ -320,6 +330,8 @@ pub struct SoilLaws<R = f64> {
     pub rear_drift: R,
     /// Thickness of the layer that a driving rim carries backwards, m.
     pub transport_layer: R,
+    /// Share of the rim's pressure that is left where the wheel moves sideways.
+    pub sideways_support: R,
     /// The laws that go with these numbers.
     pub choice: LawChoice,
 }
@@ -359,6 +371,14 @@ impl<R: Scalar> SoilLaws<R> {
             self.rear_drift,
         );
         self.rebound * share * share
+    }
+
+    /// What moving sideways leaves of the pressure: 1 − (1 − `sideways_support`) sin¹⁶β.
+    pub(crate) fn support_at(&self, motion: &Motion<R>) -> R {
+        if motion.slip_angle.value() == 0.0 {
+            return R::ONE;
+        }
+        R::ONE - (R::ONE - self.sideways_support) * sideways_weight(motion)
     }
 
     /// What soil carried away leaves of the pressure at the entry angle `theta_1`.

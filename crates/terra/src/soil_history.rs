@@ -68,7 +68,7 @@ impl WheelOnSoil {
         kinematics: &Kinematics,
         history: &SoilHistory,
     ) -> Result<Forces> {
-        let theta_1 = self.entry_angle(sinkage)?;
+        let theta_1 = self.entry_angle(sinkage, kinematics)?;
         self.check_history(history)?;
         let contact = self.contact_after(theta_1, kinematics, history);
         Ok(self.forces_of(&contact, kinematics))
@@ -101,7 +101,7 @@ impl WheelOnSoil {
         kinematics: &Kinematics,
         history: &SoilHistory,
     ) -> Result<(Forces, f64)> {
-        let theta_1 = self.entry_angle(sinkage)?;
+        let theta_1 = self.entry_angle(sinkage, kinematics)?;
         self.check_history(history)?;
         let contact = self.contact_after(theta_1, kinematics, history);
         let forces = self.forces_of(&contact, kinematics);

@@ -1,5 +1,6 @@
 //! A wheel on a soil.
 
+use crate::bulldozing::Bulldozing;
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
     Contact, ContactAngles, ExponentTables, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
@@ -14,6 +15,13 @@ use crate::soil::{EXPONENT, Soil, SoilLaws};
 use crate::soil_history::SoilHistory;
 use crate::wheel::RigidWheel;
 use grouser_real::Scalar;
+
+/// Least slip angle, rad, at which [`Bulldozing::Disc`] carries a wheel whose hub is buried: 60°, the least that it was
+/// tried at. Below, its weight is less than a tenth.
+const BURIED_FROM_RAD: f64 = core::f64::consts::FRAC_PI_3 - 1e-9;
+
+/// Greatest sinkage over the radius there: measured wheels stand at 1.05 to 1.3.
+const BURIED_PER_RADIUS: f64 = 1.5;
 
 /// One wheel on one soil: the primary type of the crate.
 ///
@@ -44,7 +52,7 @@ impl WheelOnSoil {
     /// # Errors
     /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive.
     pub fn new(wheel: RigidWheel, soil: Soil, settings: Settings) -> Result<Self> {
-        let laws = soil.laws();
+        let mut laws = soil.laws();
         let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
         Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")?;
         let choice = soil.params().laws;
@@ -53,6 +61,8 @@ impl WheelOnSoil {
             bulldozing: choice.bulldozing.unwrap_or(settings.bulldozing),
             ..settings
         };
+        settings.bulldozing.check(soil.params())?;
+        laws.choice.bulldozing = Some(settings.bulldozing);
         Ok(Self {
             wheel,
             soil,
@@ -92,9 +102,10 @@ impl WheelOnSoil {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a negative sinkage and for an exponent n(s) outside [0.1, 3];
-    /// [`Error::HubBuried`] from z = r on; [`Error::ReboundAboveHub`] from λ z = r on.
+    /// [`Error::HubBuried`] from z = r on (1.5 r with [`Bulldozing::Disc`](crate::Bulldozing) beyond a slip angle of
+    /// 60°); [`Error::ReboundAboveHub`] from λ z = r on.
     pub fn forces_at(&self, sinkage: f64, kinematics: &Kinematics) -> Result<Forces> {
-        let theta_1 = self.entry_angle(sinkage)?;
+        let theta_1 = self.entry_angle(sinkage, kinematics)?;
         self.check_exponent(kinematics)?;
         let contact = self.contact(theta_1, kinematics);
         Ok(self.forces_of(&contact, kinematics))
@@ -110,7 +121,7 @@ impl WheelOnSoil {
     /// # Errors
     /// As [`WheelOnSoil::forces_at`].
     pub fn at_sinkage(&self, sinkage: f64, kinematics: &Kinematics) -> Result<OperatingPoint> {
-        let theta_1 = self.entry_angle(sinkage)?;
+        let theta_1 = self.entry_angle(sinkage, kinematics)?;
         self.check_exponent(kinematics)?;
         let mut point = self.point(theta_1, kinematics);
         point.sinkage = sinkage;
@@ -118,10 +129,10 @@ impl WheelOnSoil {
     }
 
     /// The entry angle of a sinkage inside the model.
-    pub(crate) fn entry_angle(&self, sinkage: f64) -> Result<f64> {
+    pub(crate) fn entry_angle(&self, sinkage: f64, kinematics: &Kinematics) -> Result<f64> {
         let radius = self.size.radius;
         Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
-        if sinkage >= radius {
+        if sinkage >= radius * self.depth_limit(kinematics) {
             return Err(Error::HubBuried { sinkage, radius });
         }
         let rebound = self.soil.params().rebound;
@@ -133,6 +144,16 @@ impl WheelOnSoil {
             });
         }
         Ok(entry_angle(sinkage, radius))
+    }
+
+    /// The greatest sinkage over the radius: 1, or with the law for the soil beside the hub [`BURIED_PER_RADIUS`].
+    pub(crate) fn depth_limit(&self, kinematics: &Kinematics) -> f64 {
+        let sideways = kinematics.slip_angle().rad().abs() >= BURIED_FROM_RAD;
+        if sideways && self.settings.bulldozing == Bulldozing::Disc {
+            BURIED_PER_RADIUS
+        } else {
+            1.0
+        }
     }
 
     pub(crate) fn check_exponent(&self, kinematics: &Kinematics) -> Result<()> {
@@ -160,11 +181,18 @@ impl WheelOnSoil {
         &self.laws
     }
 
+    /// The laws, those of the settings among them, in numbers of any kind.
+    pub(crate) fn laws_in<R: Scalar>(&self) -> SoilLaws<R> {
+        let mut laws = self.soil.laws();
+        laws.choice = self.laws.choice;
+        laws
+    }
+
     /// The contact at an entry angle, in numbers of any kind: only the angle may carry a derivative.
     pub(crate) fn contact<R: Scalar>(&self, theta_1: R, kinematics: &Kinematics) -> Contact<R> {
         Contact::new(
             &self.wheel.size(),
-            &self.soil.laws(),
+            &self.laws_in(),
             self.settings.shear,
             &kinematics.motion(),
             theta_1,
@@ -257,7 +285,7 @@ impl WheelOnSoil {
         if beta == 0.0 {
             return 0.0;
         }
-        let kappa = self.settings.bulldozing.kappa(kinematics);
+        let kappa: f64 = self.settings.bulldozing.kappa(&kinematics.motion());
         let gamma = self.soil.params().unit_weight;
         cautions.insert_if(kappa > 0.0 && gamma.is_none(), Caution::NoBulldozing);
         let ploughed = gamma.map_or(0.0, |gamma| {
@@ -268,7 +296,8 @@ impl WheelOnSoil {
                 &contact.angles(),
             )
         });
-        -beta.signum() * (forces.side_shear + kappa * ploughed)
+        let beside = kappa * ploughed + contact.disc.map_or(0.0, |disc| disc.side);
+        -beta.signum() * (forces.side_shear + beside)
     }
 
     fn add_cautions(
@@ -284,6 +313,7 @@ impl WheelOnSoil {
         cautions.insert_if(position >= 1.0, Caution::NoNormalStress);
         cautions.insert_if(position < 0.0, Caution::MaximumStressHeld);
         cautions.insert_if(sinkage > self.size.radius / 3.0, Caution::DeepSinkage);
+        cautions.insert_if(sinkage > self.size.radius, Caution::HubInSoil);
         let arc = angles.theta_1 - angles.theta_2;
         cautions.insert_if(contact.shear.reverses(arc), Caution::ShearReversal);
         let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;

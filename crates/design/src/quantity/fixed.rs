@@ -16,6 +16,8 @@ pub(crate) struct Beside {
     pub(super) rear_driving: f64,
     pub(super) rear_drift: f64,
     pub(super) transport_layer: f64,
+    /// `None` for all of it.
+    pub(super) sideways_support: Option<f64>,
     pub(super) laws: LawChoice,
     /// The share of the stress at the grousers' tips; `None`: all of it.
     pub(super) tip_share: Option<f64>,
@@ -132,6 +134,7 @@ impl Fixed {
             rear_driving: p.rear_driving,
             rear_drift: p.rear_drift,
             transport_layer: p.transport_layer,
+            sideways_support: (p.sideways_support != 1.0).then_some(p.sideways_support),
             laws: p.laws,
             ..self.beside
         };

@@ -133,6 +133,7 @@ impl<R: Scalar> Inputs<R> {
             rear_driving: c(beside.rear_driving),
             rear_drift: c(beside.rear_drift),
             transport_layer: c(beside.transport_layer),
+            sideways_support: c(beside.sideways_support.unwrap_or(1.0)),
             choice: beside.laws,
         }
     }
@@ -198,6 +199,7 @@ impl Inputs<f64> {
             rear_driving: beside.rear_driving,
             rear_drift: beside.rear_drift,
             transport_layer: beside.transport_layer,
+            sideways_support: beside.sideways_support.unwrap_or(1.0),
             laws: beside.laws,
             fitted: None,
         })

@@ -14,12 +14,12 @@
 //! c_2 = 0.32
 //! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
 //! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad,
-//! # rear_driving, rear_drift, transport_layer_m, and the laws that these numbers were identified with:
+//! # rear_driving, rear_drift, transport_layer_m, sideways_support, and the laws that these numbers were identified with:
 //! # slip_sinkage = "in-plane", "whole" or "saturating", slip_norm = "greater" or "root",
 //! # stress_position = "in-plane", "magnitude", "whole" or "sliding",
 //! # shear = "coupled", "slip-velocity", "independent",
 //! # "slip-velocity-regular", "towed-restart" or "towed-wong-reece",
-//! # bulldozing = "scaled", "full", "chord" or "off"
+//! # bulldozing = "scaled", "full", "chord", "disc" or "off"
 //! # [fitted]                   # the tests behind the numbers: outside them a result carries a caution
 //! # slip_min = -0.7            # slip_max, slip_angle_min_deg, slip_angle_max_deg, width_min_m, width_max_m,
 //! #                            # load_min_n, load_max_n
@@ -155,6 +155,7 @@ fn read_numbers(
         rear_driving: zero("rear_driving")?,
         rear_drift: zero("rear_drift")?,
         transport_layer: zero("transport_layer_m")?,
+        sideways_support: optional("sideways_support")?.unwrap_or(1.0),
         laws: read_laws(root)?,
         fitted: root.section("fitted", read_fitted)?,
         ..SoilParams::bekker(
@@ -213,16 +214,8 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
             )?
             .unwrap_or(own.stress_position),
         shear: root.optional_choice("shear", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
-        bulldozing: root.optional_choice(
-            "bulldozing",
-            &[
-                Bulldozing::Scaled,
-                Bulldozing::Full,
-                Bulldozing::Chord,
-                Bulldozing::Off,
-            ]
-            .map(|law| (law.key(), law)),
-        )?,
+        bulldozing: root
+            .optional_choice("bulldozing", &Bulldozing::ALL.map(|law| (law.key(), law)))?,
     })
 }
 

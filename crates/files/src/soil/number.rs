@@ -46,10 +46,12 @@ pub enum SoilNumber {
     RearDrift,
     /// Layer that a driving rim carries backwards.
     TransportLayer,
+    /// Share of the pressure that is left where the wheel moves sideways.
+    SidewaysSupport,
 }
 
 /// Number, key, SI units of one of the key's unit.
-const ROWS: [(SoilNumber, &str, f64); 15] = [
+const ROWS: [(SoilNumber, &str, f64); 16] = [
     (SoilNumber::Exponent, "n", 1.0),
     (SoilNumber::ExponentDriving, "n_1", 1.0),
     (SoilNumber::ExponentBraking, "n_2", 1.0),
@@ -65,6 +67,7 @@ const ROWS: [(SoilNumber, &str, f64); 15] = [
     (SoilNumber::RearDriving, "rear_driving", 1.0),
     (SoilNumber::RearDrift, "rear_drift", 1.0),
     (SoilNumber::TransportLayer, "transport_layer_m", 1.0),
+    (SoilNumber::SidewaysSupport, "sideways_support", 1.0),
 ];
 
 impl SoilNumber {
@@ -113,6 +116,7 @@ impl SoilNumber {
             Self::RearDriving => soil.rear_driving,
             Self::RearDrift => soil.rear_drift,
             Self::TransportLayer => soil.transport_layer,
+            Self::SidewaysSupport => soil.sideways_support,
         })
     }
 
@@ -142,6 +146,7 @@ impl SoilNumber {
             Self::RearDriving => soil.rear_driving = value,
             Self::RearDrift => soil.rear_drift = value,
             Self::TransportLayer => soil.transport_layer = value,
+            Self::SidewaysSupport => soil.sideways_support = value,
         }
     }
 }

@@ -61,6 +61,8 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
     ] {
         out.nonzero(key, value);
     }
+    let support = params.sideways_support;
+    out.optional_number("sideways_support", (support != 1.0).then_some(support));
     out.optional_number("k_shear_side_m", params.k_shear_side);
     out.optional_number("unit_weight_n_per_m3", params.unit_weight);
     laws(&mut out, params.laws);

@@ -189,7 +189,7 @@ impl Model for WheelModel<'_> {
         if x.len() <= 9 {
             self.derive::<9>(x, values, jacobian);
         } else {
-            self.derive::<17>(x, values, jacobian);
+            self.derive::<18>(x, values, jacobian);
         }
     }
 }

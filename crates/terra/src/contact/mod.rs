@@ -22,9 +22,11 @@ pub(crate) use panels::Panel;
 pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
+use crate::bulldozing::Bulldozing;
 use crate::kinematics::Kinematics;
 use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
+use crate::side_disc::SideDisc;
 use crate::soil::SoilLaws;
 use crate::wheel::{GrouserRule, Grousers, RigidWheel};
 
@@ -141,6 +143,8 @@ pub struct Contact<R = f64> {
     pub(crate) p: R,
     /// q/max(1, q).
     pub(crate) pq: R,
+    /// What the soil beside a drifting wheel does, with [`Bulldozing::Disc`].
+    pub(crate) disc: Option<SideDisc<R>>,
 }
 
 impl<R: Scalar> Contact<R> {
@@ -213,7 +217,8 @@ impl<R: Scalar> Contact<R> {
             angles,
             amplitude: soil.modulus(size.width, n)
                 * tips
-                * soil.share_left(dug_by, theta_1, size, n),
+                * soil.share_left(dug_by, theta_1, size, n)
+                * soil.support_at(motion),
             n,
             cohesion: soil.strength.cohesion,
             tan_phi: soil.strength.phi.tan(),
@@ -231,6 +236,10 @@ impl<R: Scalar> Contact<R> {
             size: *size,
             p,
             pq,
+            disc: match soil.choice.bulldozing {
+                Some(Bulldozing::Disc) => SideDisc::of(size, soil, motion, theta_1),
+                _ => None,
+            },
         }
     }
 
@@ -328,6 +337,8 @@ impl Contact<f64> {
             },
             p: c(self.p),
             pq: c(self.pq),
+            // counts once, not at each node
+            disc: None,
         }
     }
 }
