@@ -162,9 +162,16 @@ fn measured_wheels_are_predicted() {
         assert!(!seen || row.slips == SlipGroup::Steady);
         assert!(!seen || straight_on || (row.fit == bracket && row.slip_angle_deg == 60.0));
     }
-    // at 90° the trials are deeper than the wheel's radius; the laws carry it earlier, and RESULTS.md says so
-    let deep = ours(smooth(90.0, Quantity::Sinkage), straight);
-    assert!((20.0..30.0).contains(&deep), "{deep}");
+    // at 90° every trial is deeper than the hub; without the soil beside it the errors are 13 N, 22 N and 25 mm
+    for (quantity, from_0, from_both) in [
+        (Quantity::Pull, 9.5, 9.0),
+        (Quantity::Side, 6.5, 8.5),
+        (Quantity::Sinkage, 14.0, 9.0),
+    ] {
+        let sideways = smooth(90.0, quantity);
+        assert!(ours(sideways, straight) < from_0, "{quantity:?}");
+        assert!(ours(sideways, bracket) < from_both, "{quantity:?}");
+    }
 }
 
 /// Slip-sinkage as an exponent that grows with slip, and as a layer that is carried backwards: with one number

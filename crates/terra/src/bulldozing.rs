@@ -29,7 +29,7 @@ pub enum Bulldozing {
     /// strip by strip (from memory of later texts: unverified).
     Chord,
     /// As `Chord` up to slip angles of about 50°; beyond, passive pressure with friction on the leading side in its
-    /// place, by the weight sin¹⁶β (0.1 at 60°, 1 at 90°), also where the hub is buried, to a sinkage of 1.5 r beyond 60°.
+    /// place, by the weight sin²⁴β (0.03 at 60°, 0.43 at 75°), also where the hub is buried, to a sinkage of 1.5 r beyond 60°.
     ///
     /// Soil that rises past the side lifts the wheel, and a rim that turns drags the soil along: friction then acts
     /// forwards, lifts less, and Coulomb's coefficient of the pressure falls with its share that lifts

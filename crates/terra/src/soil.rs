@@ -73,7 +73,7 @@ pub struct SoilParams {
     /// Thickness δ of the layer that a driving rim carries backwards, m; 0 for none.
     pub transport_layer: f64,
     /// Share of the rim's pressure that is left where the wheel moves sideways (slip angle 90°); 1 for all of it. The
-    /// pressure is multiplied by 1 − (1 − this) sin¹⁶β: a rim that does not roll onto the soil does not compact it.
+    /// pressure is multiplied by 1 − (1 − this) sin²⁴β: a rim that does not roll onto the soil does not compact it.
     pub sideways_support: f64,
     /// The laws that these numbers were identified with.
     pub laws: LawChoice,
@@ -373,7 +373,7 @@ impl<R: Scalar> SoilLaws<R> {
         self.rebound * share * share
     }
 
-    /// What moving sideways leaves of the pressure: 1 − (1 − `sideways_support`) sin¹⁶β.
+    /// What moving sideways leaves of the pressure: 1 − (1 − `sideways_support`) sin²⁴β.
     pub(crate) fn support_at(&self, motion: &Motion<R>) -> R {
         if motion.slip_angle.value() == 0.0 {
             return R::ONE;

@@ -17,7 +17,7 @@ use crate::wheel::RigidWheel;
 use grouser_real::Scalar;
 
 /// Least slip angle, rad, at which [`Bulldozing::Disc`] carries a wheel whose hub is buried: 60°, the least that it was
-/// tried at. Below, its weight is less than a tenth.
+/// tried at. Below, its weight is less than 0.03.
 const BURIED_FROM_RAD: f64 = core::f64::consts::FRAC_PI_3 - 1e-9;
 
 /// Greatest sinkage over the radius there: measured wheels stand at 1.05 to 1.3.

@@ -15,6 +15,7 @@ mod lug_cases;
 mod number_kinds;
 mod properties;
 mod reference_cases;
+mod side_disc;
 mod simulation_accuracy;
 mod slip_laws;
 mod small_loads;

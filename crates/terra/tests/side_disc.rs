@@ -1,5 +1,4 @@
 //! The soil beside a wheel that moves sideways: against differences and a finer rule, its energy and its limits.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use grouser_real::{Dual, Real};
 use grouser_terra::{
