@@ -130,7 +130,7 @@ impl<const N: usize> DualInputs<N> {
             beside = self.bulldozing.kappa(&self.motion) * ploughed;
         }
         if let Some(disc) = contact.disc {
-            beside = beside + disc.side;
+            beside += disc.side;
         }
         DualSolution {
             sinkage: sinkage_from_entry_angle(theta_1, self.size.radius),

@@ -130,12 +130,12 @@ impl<R: Scalar> SideDisc<R> {
                         let force =
                             (by_cohesion + by_weight) * area * R::from_f64(weight) * (right - left);
                         let (pull, lift) = (-(force * drag * forward), -(force * drag * upward));
-                        sum.lift = sum.lift + lift;
-                        sum.pull = sum.pull + pull;
-                        sum.torque = sum.torque + radius * (pull * cos_a + lift * x);
-                        sum.side = sum.side + force;
-                        sum.lost = sum.lost
-                            + radius * (force * speeds.sideways - pull * forward - lift * turning);
+                        sum.lift += lift;
+                        sum.pull += pull;
+                        sum.torque += radius * (pull * cos_a + lift * x);
+                        sum.side += force;
+                        sum.lost +=
+                            radius * (force * speeds.sideways - pull * forward - lift * turning);
                     }
                 }
             }

@@ -52,7 +52,7 @@ fn derivatives_agree_with_differences() {
     let changes: [Set; 4] = [
         (260.0, 1e-3, |soil, x| soil.cohesion = x),
         (29_f64.to_radians(), 1e-6, |soil, x| {
-            soil.phi = Angle::from_rad(x)
+            soil.phi = Angle::from_rad(x);
         }),
         (13e3, 1e-2, |soil, x| soil.unit_weight = Some(x)),
         (0.2, 1e-6, |soil, x| soil.sideways_support = x),
