@@ -6,7 +6,7 @@ use grouser_real::Real;
 use super::MAX_FILTER_WHEELS;
 use super::accelerometer::SpecificForce;
 use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
-use super::multiple_model::reference_noise::ReferenceNoise;
+use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
 use super::multiple_model::{ModelMotion, MultipleModel, TurnError, WheelStep};
 use super::output::RimPath;
 use super::settings::FilterSettings;
@@ -35,10 +35,8 @@ const MAX_REFUSED: u32 = 6;
 /// displacements.
 const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
 const SUMMED_HEADING_SIGMA_RAD: f64 = 1e-3;
-/// A heading that each displacement turns by its error: this standard deviation of the error until it is learnt, rad; and
-/// what is learnt of second differences as of independent readings is smaller by this factor, √3.
+/// Standard deviation of the error of a displacement's turn until it is learnt, rad.
 const DISPLACEMENT_TURN_SIGMA_RAD: f64 = 2e-3;
-const SUM_OVER_INDEPENDENT: f64 = 1.732_050_807_568_877_2;
 /// A measured heading that was wrong this often is not used beside a gyro: many poses have none.
 const MAX_HEADING_RESTARTS: u32 = 2;
 /// A measured heading that has changed by this much is one, rad; poses without a heading repeat a number.
@@ -380,13 +378,18 @@ impl GroundTrack {
         } else {
             self.period_s = passed;
         }
+        let errors = if matches!(measurement, Measurement::Displacement { .. }) {
+            Errors::Summed
+        } else {
+            Errors::Independent
+        };
         let heading_sigma = yaw.map_or(heading_sigma, |yaw| {
             let turned = now[2] - since[2];
-            self.heading_sigma((yaw - turned, heading_sigma), measurement, settings)
+            self.heading_sigma((yaw - turned, heading_sigma), errors)
         });
-        let agreement = self
-            .models
-            .update_position(place, since, settings.position_sigma);
+        let agreement =
+            self.models
+                .update_position(place, since, (errors, settings.position_sigma));
         if let Some(yaw) = yaw.filter(|_| !has_gyro || self.restarts < MAX_HEADING_RESTARTS) {
             self.models.update_heading(yaw, since[2], heading_sigma);
         }
@@ -400,6 +403,11 @@ impl GroundTrack {
             return Outcome::Accepted;
         }
         self.refused += 1;
+        if errors == Errors::Summed {
+            // the sum holds the outlier from now on: the next displacement starts where the models are
+            let [x, y] = self.models.place(since);
+            self.summed = [x, y, self.summed[2]];
+        }
         if self.refused >= MAX_REFUSED {
             self.restart_along_course(now_ns, place, yaw, settings);
         }
@@ -407,23 +415,16 @@ impl GroundTrack {
     }
 
     /// Learns the noise of headings from one less the turn by gyro or wheels, and returns the standard deviation of this one.
-    fn heading_sigma(
-        &mut self,
-        (beside_turn, sigma): (f64, f64),
-        measurement: &Measurement,
-        settings: &FilterSettings,
-    ) -> f64 {
+    fn heading_sigma(&mut self, (beside_turn, sigma): (f64, f64), errors: Errors) -> f64 {
         self.heading_noise.push([beside_turn]);
-        let learnt = self.heading_noise.learnt();
-        if !matches!(measurement, Measurement::Displacement { .. }) {
-            return learnt.map_or(sigma, |learnt| learnt.max(sigma));
+        if errors == Errors::Independent {
+            return self.heading_noise.sigma(sigma).max(sigma);
         }
-        // each displacement adds its own errors to their sum
-        let turn = learnt.map_or(DISPLACEMENT_TURN_SIGMA_RAD, |learnt| {
-            SUM_OVER_INDEPENDENT * learnt
-        });
-        self.models.wander(settings.position_sigma, turn);
-        sigma
+        let noise = self
+            .heading_noise
+            .noise(errors, DISPLACEMENT_TURN_SIGMA_RAD);
+        self.models.inflate_heading(noise.wander);
+        noise.reading.max(sigma)
     }
 
     fn update_speed(&mut self, now_ns: i64, forward: f64, settings: &FilterSettings) -> Outcome {

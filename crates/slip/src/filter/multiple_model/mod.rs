@@ -15,8 +15,8 @@ use grouser_real::Real;
 
 use group::Group;
 pub(super) use model::TurnError;
-use model::{DRIFT, HEADING, Rim, SLIP, STATES, Step, TURN_ERROR, X, Y};
-use reference_noise::ReferenceNoise;
+use model::{DRIFT, HEADING, Model, Rim, SLIP, STATES, Step, TURN_ERROR, X, Y};
+use reference_noise::{Errors, ReferenceNoise};
 
 use crate::speed::Measured;
 
@@ -259,18 +259,23 @@ impl MultipleModel {
         self.has_started
     }
 
-    /// A position, m; `since` are [`totals`](Self::totals) now less those when it was taken. `prior_sigma` (m) holds until the noise is learnt.
+    /// A position, m, whose errors depend on those before as stated; `since` are [`totals`](Self::totals) now less those when it was
+    /// taken. `prior_sigma` (m) holds until the noise is learnt.
     pub(crate) fn update_position(
         &mut self,
         place: [f64; 2],
         since: [f64; 4],
-        prior_sigma: f64,
+        (errors, prior_sigma): (Errors, f64),
     ) -> Agreement {
         let share = self.mean_share();
         self.noise.push(core::array::from_fn(|i| {
             place[i] - (self.path[i] - since[i] * share)
         }));
-        let sigma = self.noise.sigma(prior_sigma).max(MIN_POSITION_SIGMA_M);
+        let noise = self.noise.noise(errors, prior_sigma);
+        if noise.wander > 0.0 {
+            self.inflate(|model| model.inflate_position(noise.wander * noise.wander));
+        }
+        let sigma = noise.reading.max(MIN_POSITION_SIGMA_M);
         let variance = sigma * sigma;
         let agreement = self.agreement(place, since, variance);
         self.fade_evidence();
@@ -306,19 +311,27 @@ impl MultipleModel {
     /// The robot may have moved by `distance` (m) without a measurement.
     pub(crate) fn inflate_position(&mut self, distance: f64) {
         self.noise.interrupt();
+        self.inflate(|model| model.inflate_position(distance * distance));
+    }
+
+    /// The reference's frame may have turned by `angle` (rad).
+    pub(crate) fn inflate_heading(&mut self, angle: f64) {
+        self.inflate(|model| model.inflate_heading(angle * angle));
+    }
+
+    fn inflate(&mut self, change: impl Fn(&mut Model)) {
         for group in &mut self.groups {
-            group.each(|model| model.inflate_position(distance * distance));
+            group.each(&change);
         }
     }
 
-    /// The reference's frame may have wandered by `distance` (m) and turned by `angle` (rad).
-    pub(crate) fn wander(&mut self, distance: f64, angle: f64) {
-        for group in &mut self.groups {
-            group.each(|model| {
-                model.inflate_position(distance * distance);
-                model.inflate_heading(angle * angle);
-            });
-        }
+    /// The place in the reference's frame (m) before the rims went the way of `since`.
+    pub(crate) fn place(&self, since: [f64; 4]) -> [f64; 2] {
+        let share = self.mean_share();
+        [
+            self.mean[X] - since[0] * share,
+            self.mean[Y] - since[1] * share,
+        ]
     }
 
     /// Standard deviation of a position, m, once it is learnt.
@@ -414,10 +427,10 @@ impl MultipleModel {
 
     /// The agreement of a position with the prediction over all groups.
     fn agreement(&self, place: [f64; 2], since: [f64; 4], variance: f64) -> Agreement {
-        let share = self.mean_share();
+        let predicted = self.place(since);
         let mut nis = 0.0;
         for (axis, i) in [X, Y].into_iter().enumerate() {
-            let residual = place[axis] - (self.mean[i] - since[axis] * share);
+            let residual = place[axis] - predicted[axis];
             nis += residual * residual / (self.variance(i) + variance);
         }
         Agreement {

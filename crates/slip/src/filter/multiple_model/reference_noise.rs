@@ -13,8 +13,29 @@ const LASTING_STEP: f64 = 0.005;
 const MAX_FACTOR: f64 = 2.0;
 /// The median of |N(0, 1)|.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
-/// Variance of the second difference of white noise over that of the noise.
+/// Variance of the second difference over that of the noise where each reading has its own, and where each adds its own to a sum.
 const SECOND_DIFFERENCE: f64 = 6.0;
+const SECOND_DIFFERENCE_OF_SUM: f64 = 2.0;
+/// A sum of displacements is read with this share of the error that one adds to it: an outlier is some ten times that error.
+const SUM_SHARE: f64 = 0.3;
+
+/// How the errors of a reference's readings depend on one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Errors {
+    /// Each reading has its own: positions, headings, speeds.
+    Independent,
+    /// Each reading adds its own to those before: sums of displacements.
+    Summed,
+}
+
+/// Standard deviations of a reference, in the unit of its readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Noise {
+    /// Of one reading.
+    pub(crate) reading: f64,
+    /// Of what its frame wanders from one reading to the next.
+    pub(crate) wander: f64,
+}
 
 /// Standard deviation of readings (positions, headings) about the way or the turn of the wheels and the gyro, by the median of second differences: a constant slip
 /// drops out, and outliers and changes of slip are few. The median is followed in small steps: that of few differences would
@@ -85,8 +106,27 @@ impl<const AXES: usize> ReferenceNoise<AXES> {
             .map(|median| median / (MEDIAN_OF_NORMAL * Real::sqrt(SECOND_DIFFERENCE)))
     }
 
-    /// Standard deviation of one reading on one axis.
+    /// Standard deviation of one reading on one axis; `prior` until it is learnt.
     pub(crate) fn sigma(&self, prior: f64) -> f64 {
         self.learnt().unwrap_or(prior)
+    }
+
+    /// The noise of one reading on one axis, by how errors depend on one another; `prior` until it is learnt.
+    pub(crate) fn noise(&self, errors: Errors, prior: f64) -> Noise {
+        match errors {
+            Errors::Independent => Noise {
+                reading: self.sigma(prior),
+                wander: 0.0,
+            },
+            Errors::Summed => {
+                let own = SECOND_DIFFERENCE_OF_SUM + SECOND_DIFFERENCE * SUM_SHARE * SUM_SHARE;
+                let factor = Real::sqrt(SECOND_DIFFERENCE / own);
+                let wander = self.learnt().map_or(prior, |learnt| factor * learnt);
+                Noise {
+                    reading: SUM_SHARE * wander,
+                    wander,
+                }
+            }
+        }
     }
 }
