@@ -48,6 +48,8 @@ const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
 /// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
 const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
 const AWAITED_PERIODS: f64 = 1.5;
+/// The rims' change within their lag is at most this multiple of their speed's difference from that of about the lag before.
+const RISE_FACTOR: f64 = 3.0;
 /// Entries of the history: 1 s at the step's period with room.
 const HISTORY_ENTRIES: usize = 512;
 /// The longest delay of a reading that is still used, s.
@@ -90,6 +92,13 @@ pub(super) struct GroundTrack {
     /// Sum and number of the accelerometer's readings since the last step.
     accel_sum: [f64; 2],
     accel_count: f64,
+    /// By how much the middle of the rims' windows lies behind, s, and their speed about as much before, m/s.
+    rim_lag: f64,
+    slow_rim_speed: f64,
+    /// About the mean force along the rims' direction within that time, m/s².
+    lagging_force: f64,
+    /// A speed that waits until the rims' windows around it have ended: its time, and itself, m/s.
+    awaited_speed: Option<(i64, f64)>,
     /// Sum of displacements: place and heading.
     summed: [f64; 3],
     position: [f64; 2],
@@ -128,6 +137,10 @@ impl GroundTrack {
             accel_period_s: 0.0,
             accel_sum: [0.0; 2],
             accel_count: 0.0,
+            rim_lag: 0.0,
+            slow_rim_speed: 0.0,
+            lagging_force: 0.0,
+            awaited_speed: None,
             summed: [0.0; 3],
             position: [0.0; 2],
             accepted_position: [0.0; 2],
@@ -159,6 +172,7 @@ impl GroundTrack {
         self.started_ns = None;
         self.readmitted_ns = None;
         self.refused = 0;
+        self.awaited_speed = None;
     }
 
     /// The motion by the models with its direction, while a reference was accepted not too long ago.
@@ -276,30 +290,42 @@ impl GroundTrack {
         };
         self.direction = rims.direction;
         self.rim_speed = rims.speed;
+        self.rim_lag = rims.lag;
+        self.slow_rim_speed += dt / (dt + rims.lag) * (rims.speed - self.slow_rim_speed);
         self.has_rims = true;
         let density = self.accel_density(settings);
         let (sin, cos) = Real::sin_cos(rims.direction);
+        let acceleration = inertial.force.map(|last| {
+            let force = if self.accel_count > 0.0 {
+                self.accel_sum.map(|sum| sum / self.accel_count)
+            } else {
+                last.force
+            };
+            (cos * force[0] + sin * force[1], density)
+        });
+        if let Some((force, _)) = acceleration {
+            let share = dt / (dt + 0.5 * rims.lag);
+            self.lagging_force += share * (force - self.lagging_force);
+        }
+        // windows overlap from step to step: their errors are the same
+        let repeats = (settings.wheel_window / dt).max(1.0);
         self.models.advance(&WheelStep {
             dt,
             rim_way: rims.way,
             direction: rims.direction,
             turn: inertial.yaw_rate * dt,
             turn_error: inertial.turn_error,
-            acceleration: inertial.force.map(|last| {
-                let force = if self.accel_count > 0.0 {
-                    self.accel_sum.map(|sum| sum / self.accel_count)
-                } else {
-                    last.force
-                };
-                (cos * force[0] + sin * force[1], density)
-            }),
+            acceleration,
             rim_speed: rims.speed,
-            // windows overlap from step to step: their errors are the same
-            rim_variance: rims.variance * (settings.wheel_window / dt).max(1.0),
+            rim_variance: rims.variance * repeats,
+            rim_lag: rims.lag,
+            rim_rise: RISE_FACTOR * (rims.speed - self.slow_rim_speed),
+            lagging_force: self.lagging_force,
         });
         self.accel_sum = [0.0; 2];
         self.accel_count = 0.0;
         self.history.push(now_ns, self.models.totals());
+        self.use_awaited_speed(false, settings);
     }
 
     /// Uses a measurement that was taken at `taken_ns` and arrives now.
@@ -338,7 +364,7 @@ impl GroundTrack {
                 ([x, y], Some(heading), SUMMED_HEADING_SIGMA_RAD)
             }
             Measurement::Speed { forward, .. } => {
-                return self.update_speed(now_ns, forward, settings);
+                return self.update_speed((taken_ns, forward), now_ns, settings);
             }
             _ => return Outcome::Unused,
         };
@@ -427,20 +453,57 @@ impl GroundTrack {
         noise.reading.max(sigma)
     }
 
-    fn update_speed(&mut self, now_ns: i64, forward: f64, settings: &FilterSettings) -> Outcome {
+    fn update_speed(
+        &mut self,
+        taken: (i64, f64),
+        now_ns: i64,
+        settings: &FilterSettings,
+    ) -> Outcome {
         if !self.models.has_started() {
             self.start(now_ns, [0.0; 2], (0.0, SUMMED_HEADING_SIGMA_RAD), settings);
         }
-        let speed = forward * Real::cos(self.direction);
-        let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
-        self.speed_noise.push([speed - self.rim_speed * share]);
-        let sigma = self
-            .speed_noise
-            .sigma(settings.speed_sigma)
-            .max(settings.speed_sigma);
+        self.use_awaited_speed(true, settings);
+        let speed = taken.1 * Real::cos(self.direction);
+        let sigma = self.speed_sigma(settings);
         self.models.update_speed(speed, sigma);
+        self.awaited_speed = Some(taken);
+        self.use_awaited_speed(false, settings);
         self.accepted_ns = Some(now_ns);
         Outcome::Accepted
+    }
+
+    /// Updates the models by the speed that waits, once the rims are known around its time, or `at_once`: a rim speed that lags
+    /// behind turned each braking into slip.
+    fn use_awaited_speed(&mut self, at_once: bool, settings: &FilterSettings) {
+        let (Some((taken_ns, forward)), Some(stepped_ns)) = (self.awaited_speed, self.stepped_ns)
+        else {
+            return;
+        };
+        let half = nanoseconds(self.rim_lag);
+        let to_ns = taken_ns.saturating_add(half);
+        if to_ns > stepped_ns && !at_once {
+            return;
+        }
+        self.awaited_speed = None;
+        let (from_ns, to_ns) = (taken_ns.saturating_sub(half), to_ns.min(stepped_ns));
+        let rim = self
+            .history
+            .between(from_ns, to_ns)
+            .filter(|_| to_ns > from_ns)
+            .map_or(self.rim_speed, |ways| {
+                ways[3] / seconds_between(from_ns, to_ns)
+            });
+        let speed = forward * Real::cos(self.direction);
+        let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
+        self.speed_noise.push([speed - rim * share]);
+        let sigma = self.speed_sigma(settings);
+        self.models.update_share(speed, rim, sigma);
+    }
+
+    /// Standard deviation of a speed, m/s: as learnt, and at least as stated.
+    fn speed_sigma(&self, settings: &FilterSettings) -> f64 {
+        let stated = settings.speed_sigma;
+        self.speed_noise.sigma(stated).max(stated)
     }
 
     fn start(

@@ -49,6 +49,8 @@ pub(super) struct Rims {
     /// m/s, and its variance, m²/s².
     pub(super) speed: f64,
     pub(super) variance: f64,
+    /// By how much the middle of the windows lies before the step's end, s.
+    pub(super) lag: f64,
 }
 
 /// The motion of the rims over a step, over the powered wheels that agree with the median.
@@ -97,7 +99,7 @@ pub(super) fn mean_rims(
     let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
     let mut by_way = Observations::default();
     let mut by_speed = Observations::default();
-    let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
+    let (mut way, mut speed, mut variance, mut lag, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (index, wheel) in wheels.iter().enumerate().filter(|(_, wheel)| heard(wheel)) {
         let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
             continue;
@@ -106,6 +108,7 @@ pub(super) fn mean_rims(
         way += along;
         speed += rim.value;
         variance += rim.variance;
+        lag += wheel.rim_lag(now_ns);
         used += 1.0;
         if !parallel {
             let row = [wheel.row[0], wheel.row[1], 0.0];
@@ -120,6 +123,7 @@ pub(super) fn mean_rims(
     if used < 1.0 {
         return None;
     }
+    let lag = lag / used;
     let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     if parallel {
         return Some(Rims {
@@ -127,6 +131,7 @@ pub(super) fn mean_rims(
             direction: Real::atan2(first[1], first[0]),
             speed: speed / used,
             variance,
+            lag,
         });
     }
     let turn = Measured {
@@ -158,6 +163,7 @@ pub(super) fn mean_rims(
         direction,
         speed: cos * x + sin * y,
         variance,
+        lag,
     })
 }
 

@@ -41,6 +41,8 @@ pub(super) struct WheelChannel {
     pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
+    /// Length of that window, s.
+    pub(super) rim_window: f64,
     /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
     smoothed_rim: f64,
     last_rim: f64,
@@ -86,6 +88,7 @@ impl WheelChannel {
                 from_ns: None,
                 remainder: None,
                 rim: None,
+                rim_window: 0.0,
                 smoothed_rim: 0.0,
                 last_rim: 0.0,
                 still_since_ns: None,
@@ -157,6 +160,7 @@ impl WheelChannel {
             ..rim
         };
         self.rim = Some((rim, now_ns));
+        self.rim_window = age;
         if stands {
             self.still_since_ns.get_or_insert(from);
         } else {
@@ -164,6 +168,13 @@ impl WheelChannel {
             self.rolling.runs(rim.value);
         }
         Some((rim, from))
+    }
+
+    /// By how much the middle of the last whole window lies before `now_ns`, s.
+    pub(super) fn rim_lag(&self, now_ns: i64) -> f64 {
+        self.rim.map_or(0.0, |(_, to_ns)| {
+            seconds_between(to_ns, now_ns).max(0.0) + 0.5 * self.rim_window
+        })
     }
 
     /// Marks the beginning of a window.

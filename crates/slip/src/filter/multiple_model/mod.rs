@@ -64,6 +64,11 @@ pub(crate) struct WheelStep {
     /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
     pub(crate) rim_speed: f64,
     pub(crate) rim_variance: f64,
+    /// By how much that window's middle lies before the step's end, s; what the rims show of their change since, m/s; and the
+    /// specific force since, m/s².
+    pub(crate) rim_lag: f64,
+    pub(crate) rim_rise: f64,
+    pub(crate) lagging_force: f64,
 }
 
 /// The estimate, along the direction of the rims.
@@ -106,7 +111,8 @@ pub(crate) struct MultipleModel {
     turn_error: TurnError,
     has_started: bool,
     was_inertial: bool,
-    rim_speed: f64,
+    /// As of the last step.
+    rim: Rim,
     /// Way by the estimate and by the rims since the start, in the reference's frame, m; corrections left out.
     path: [f64; 2],
     rim_path: [f64; 2],
@@ -140,7 +146,7 @@ impl MultipleModel {
             turn_error: TurnError::default(),
             has_started: false,
             was_inertial: false,
-            rim_speed: 0.0,
+            rim: Rim::default(),
             path: [0.0; 2],
             rim_path: [0.0; 2],
             turned: 0.0,
@@ -176,7 +182,14 @@ impl MultipleModel {
 
     /// Predicts over one step.
     pub(crate) fn advance(&mut self, wheels: &WheelStep) {
-        self.rim_speed = wheels.rim_speed;
+        let rim = Rim {
+            speed: wheels.rim_speed,
+            variance: wheels.rim_variance,
+            lag: wheels.rim_lag,
+            rise: wheels.rim_rise,
+            force: wheels.lagging_force,
+        };
+        self.rim = rim;
         let before = core::mem::replace(&mut self.turn_error, wheels.turn_error);
         let same_sensor = wheels.turn_error.by_gyro == before.by_gyro;
         let removed = if same_sensor {
@@ -187,10 +200,6 @@ impl MultipleModel {
         if !self.has_started {
             return;
         }
-        let rim = Rim {
-            speed: wheels.rim_speed,
-            variance: wheels.rim_variance,
-        };
         let is_inertial = wheels.acceleration.is_some();
         let begins = is_inertial && !self.was_inertial;
         self.was_inertial = is_inertial;
@@ -240,7 +249,7 @@ impl MultipleModel {
         position_sigma: f64,
         heading_sigma: f64,
     ) {
-        let (rim, slip) = (self.rim_speed, self.slip_prior);
+        let (rim, slip) = (self.rim.speed, self.slip_prior);
         let sigma = [position_sigma, heading_sigma, self.turn_error.sigma];
         for group in &mut self.groups {
             group.each(|model| model.start(place, heading, sigma, rim, slip));
@@ -297,13 +306,24 @@ impl MultipleModel {
         self.reweigh();
     }
 
-    /// A speed along the direction of the rims, m/s.
+    /// A speed along the direction of the rims (m/s) for the groups that have a speed of their own; the others wait for
+    /// [`update_share`](Self::update_share).
     pub(crate) fn update_speed(&mut self, speed: f64, sigma: f64) {
-        let rim = self.rim_speed;
         self.fade_evidence();
+        for group in self.groups.iter_mut().filter(|group| group.is_inertial) {
+            if self.was_inertial {
+                group.weigh_and_score(|model| model.update_speed(speed, sigma * sigma));
+            }
+        }
+        self.average();
+    }
+
+    /// The same speed beside that of the rims at its time, m/s, for the groups that know the speed by rims and slip.
+    pub(crate) fn update_share(&mut self, speed: f64, rim_speed: f64, sigma: f64) {
         for group in &mut self.groups {
-            let inertial = self.was_inertial && group.is_inertial;
-            group.weigh_and_score(|model| model.update_speed(speed, rim, inertial, sigma * sigma));
+            if !(self.was_inertial && group.is_inertial) {
+                group.weigh_and_score(|model| model.update_share(speed, rim_speed, sigma * sigma));
+            }
         }
         self.reweigh();
     }
@@ -343,7 +363,7 @@ impl MultipleModel {
     pub(crate) fn motion(&self) -> Option<ModelMotion> {
         let [slip, drift] = [SLIP, DRIFT].map(|i| (self.mean[i], Real::sqrt(self.variance(i))));
         self.has_started.then_some(ModelMotion {
-            speed: self.rim_speed * self.mean_share(),
+            speed: self.rim.speed * self.mean_share(),
             rim_share: self.mean_share(),
             slip: slip.0.clamp(-1.0, 1.0),
             slip_sigma: slip.1,

@@ -34,6 +34,10 @@ const DRIFT_NOISE: f64 = 0.03;
 const DRIFT_MEMORY_S: f64 = 5.0;
 /// Process noise density of the heading beside the error of the turn rate, rad/√s.
 const HEADING_NOISE: f64 = 1e-3;
+/// Least share of the robot's speed in that of its rims by which a change of it is one of theirs.
+const MIN_SHARE: f64 = 0.1;
+/// A process noise of slip above this lets it change within a window of the rims, 1/√s.
+const CHANGING_SLIP_NOISE: f64 = 0.025;
 /// Slip lies within ±1.
 const MAX_SLIP: f64 = 1.0;
 
@@ -68,12 +72,17 @@ pub(crate) struct TurnError {
 }
 
 /// The rims' mean speed over a window, which ties speed and slip.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rim {
     /// m/s.
     pub(super) speed: f64,
     /// Variance of it, m²/s².
     pub(super) variance: f64,
+    /// By how much the window's middle lies before now, s; what the rims themselves show of their change since, m/s; and the specific
+    /// force since, m/s².
+    pub(super) lag: f64,
+    pub(super) rise: f64,
+    pub(super) force: f64,
 }
 
 /// One hypothesis.
@@ -244,23 +253,47 @@ impl Model {
         self.covariance[SPEED][SPEED] = slope * slips[SLIP] + rim.variance;
     }
 
-    /// Ties speed and slip by the rims' speed: u = v + s m, m the faster of u and v. Returns the likelihood.
+    /// Ties speed and slip by the rims' speed: u = v + s m, m the faster of u and v. Returns the likelihood. The rims' speed is that
+    /// of the middle of their window: where slip hardly changes, the robot's speed is taken back to then by the accelerometer;
+    /// where it may change at once, the rims' speed is taken on to now.
     pub(super) fn tie(&mut self, rim: Rim) -> f64 {
-        let (slip, speed) = (self.mean[SLIP], self.mean[SPEED]);
+        let slip = self.mean[SLIP];
+        let since = rim.force - self.mean[BIAS];
+        let (rim_speed, speed, by_bias) = if self.slip_noise < CHANGING_SLIP_NOISE {
+            (rim.speed, self.mean[SPEED] - rim.lag * since, rim.lag)
+        } else {
+            (rim.speed + self.rise(rim, since), self.mean[SPEED], 0.0)
+        };
         let (faster, by_speed) = if slip >= 0.0 {
-            (rim.speed, 1.0)
+            (rim_speed, 1.0)
         } else {
             (speed, 1.0 + slip)
         };
-        let residual = rim.speed - speed - faster * slip;
+        let residual = rim_speed - speed - faster * slip;
         let likelihood = self.update(
-            &[(SPEED, by_speed), (SLIP, faster)],
+            &[
+                (SPEED, by_speed),
+                (BIAS, by_speed * by_bias),
+                (SLIP, faster),
+            ],
             residual,
             rim.variance,
             false,
         );
         self.clamp_slip();
         likelihood
+    }
+
+    /// How much faster the rims are than in the middle of their window, m/s, at this acceleration, m/s²: the smaller of what that
+    /// says at a constant slip and of what the rims show. A change of slip alone is in one of the two.
+    fn rise(&self, rim: Rim, acceleration: f64) -> f64 {
+        let (share, _) = rim_share(self.mean[SLIP]);
+        let by_force = rim.lag * acceleration / share.max(MIN_SHARE);
+        if by_force * rim.rise > 0.0 {
+            by_force.abs().min(rim.rise.abs()).copysign(rim.rise)
+        } else {
+            0.0
+        }
     }
 
     fn clamp_slip(&mut self) {
@@ -329,19 +362,18 @@ impl Model {
     }
 
     /// Updates by a speed along the direction of the rims.
-    pub(super) fn update_speed(
-        &mut self,
-        speed: f64,
-        rim: f64,
-        inertial: bool,
-        variance: f64,
-    ) -> f64 {
+    pub(super) fn update_speed(&mut self, speed: f64, variance: f64) -> f64 {
+        let residual = speed - self.mean[SPEED];
+        let likelihood = self.update(&[(SPEED, 1.0)], residual, variance, true);
+        self.clamp_slip();
+        likelihood
+    }
+
+    /// Updates by a speed beside that of the rims, m/s.
+    pub(super) fn update_share(&mut self, speed: f64, rim_speed: f64, variance: f64) -> f64 {
         let (share, slope) = rim_share(self.mean[SLIP]);
-        let likelihood = if inertial {
-            self.update(&[(SPEED, 1.0)], speed - self.mean[SPEED], variance, true)
-        } else {
-            self.update(&[(SLIP, rim * slope)], speed - rim * share, variance, true)
-        };
+        let slips = [(SLIP, rim_speed * slope)];
+        let likelihood = self.update(&slips, speed - rim_speed * share, variance, true);
         self.clamp_slip();
         likelihood
     }

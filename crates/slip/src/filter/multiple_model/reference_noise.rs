@@ -8,9 +8,10 @@ const KEPT: usize = 32;
 const ENOUGH: usize = 8;
 /// Step of the logarithm of the lasting median per second difference: its own deviation is then 5 %, its memory some 200.
 const LASTING_STEP: f64 = 0.005;
-/// The lasting median follows that of the kept differences where they differ by more than this factor: the noise itself has
-/// changed. The kept ones' median deviates by some 25 % of itself.
+/// The lasting median follows that of the kept differences where they differ by more than this factor, to within the smaller
+/// one: the noise itself has changed. The kept ones' median deviates by some 25 % of itself, and by chance by more.
 const MAX_FACTOR: f64 = 2.0;
+const FOLLOWED_FACTOR: f64 = core::f64::consts::SQRT_2;
 /// The median of |N(0, 1)|.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_75;
 /// Variance of the second difference over that of the noise where each reading has its own, and where each adds its own to a sum.
@@ -86,12 +87,12 @@ impl<const AXES: usize> ReferenceNoise<AXES> {
             let sorted = &mut sorted[..self.count];
             sorted.sort_unstable_by(f64::total_cmp);
             let median = sorted[self.count / 2];
-            let follows = self.lasting.is_none_or(|lasting| {
-                self.count < KEPT || median > MAX_FACTOR * lasting || lasting > MAX_FACTOR * median
+            self.lasting = Some(match self.lasting.filter(|_| self.count == KEPT) {
+                Some(lasting) if median > MAX_FACTOR * lasting => median / FOLLOWED_FACTOR,
+                Some(lasting) if lasting > MAX_FACTOR * median => median * FOLLOWED_FACTOR,
+                Some(lasting) => lasting,
+                None => median,
             });
-            if follows {
-                self.lasting = Some(median);
-            }
         }
     }
 
