@@ -36,8 +36,10 @@ const DRIFT_MEMORY_S: f64 = 5.0;
 const HEADING_NOISE: f64 = 1e-3;
 /// Least share of the robot's speed in that of its rims by which a change of it is one of theirs.
 const MIN_SHARE: f64 = 0.1;
-/// A process noise of slip above this lets it change within a window of the rims, 1/√s.
-const CHANGING_SLIP_NOISE: f64 = 0.025;
+/// Below the first process noise slip hardly changes within a window of the rims, above the second it may change at once, 1/√s. Set
+/// by logs of starts and stops, of jumps of slip (`known_truth`), and by a skid-steered robot's starts on a slope of sand.
+const STEADY_SLIP_NOISE: f64 = 0.025;
+const SUDDEN_SLIP_NOISE: f64 = 0.05;
 /// Slip lies within ±1.
 const MAX_SLIP: f64 = 1.0;
 
@@ -259,10 +261,12 @@ impl Model {
     pub(super) fn tie(&mut self, rim: Rim) -> f64 {
         let slip = self.mean[SLIP];
         let since = rim.force - self.mean[BIAS];
-        let (rim_speed, speed, by_bias) = if self.slip_noise < CHANGING_SLIP_NOISE {
+        let (rim_speed, speed, by_bias) = if self.slip_noise < STEADY_SLIP_NOISE {
             (rim.speed, self.mean[SPEED] - rim.lag * since, rim.lag)
-        } else {
+        } else if self.slip_noise > SUDDEN_SLIP_NOISE {
             (rim.speed + self.rise(rim, since), self.mean[SPEED], 0.0)
+        } else {
+            (rim.speed, self.mean[SPEED], 0.0)
         };
         let (faster, by_speed) = if slip >= 0.0 {
             (rim_speed, 1.0)
