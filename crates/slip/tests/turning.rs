@@ -64,6 +64,15 @@ impl World {
         (0.5 * row, side * self.half_track)
     }
 
+    fn sought_speed(&self, step: i32) -> f64 {
+        match step / 500 % 4 {
+            _ if !self.stops => self.speed,
+            0 => self.speed,
+            2 => -self.speed,
+            _ => 0.0,
+        }
+    }
+
     fn run(&self) -> Score {
         let mut noise = Noise::new(self.seed);
         let mut filter = SlipFilter::new(&self.robot(), FilterSettings::any_ground()).unwrap();
@@ -75,13 +84,7 @@ impl World {
         for step in 0..8000_i32 {
             let time = f64::from(step) * STEP_S;
             let time_ns = i64::from(step) * 10_000_000;
-            let sought = match step / 500 % 4 {
-                _ if !self.stops => 1.0,
-                0 => 1.0,
-                2 => -1.0,
-                _ => 0.0,
-            };
-            let acceleration = (sought * self.speed - v) / 0.4;
+            let acceleration = (self.sought_speed(step) - v) / 0.4;
             v += acceleration * STEP_S;
             // straight, left, straight, right …
             let side = match step / 1000 % 4 {

@@ -404,11 +404,7 @@ impl GroundTrack {
         } else {
             self.period_s = passed;
         }
-        let errors = if matches!(measurement, Measurement::Displacement { .. }) {
-            Errors::Summed
-        } else {
-            Errors::Independent
-        };
+        let errors = Errors::of(measurement);
         let heading_sigma = yaw.map_or(heading_sigma, |yaw| {
             let turned = now[2] - since[2];
             self.heading_sigma((yaw - turned, heading_sigma), errors)

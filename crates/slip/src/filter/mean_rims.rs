@@ -134,6 +134,23 @@ pub(super) fn mean_rims(
             lag,
         });
     }
+    let (way, speed, direction) = along_one_way(by_way, by_speed, wheels, step.direction)?;
+    Some(Rims {
+        way,
+        direction,
+        speed,
+        variance,
+        lag,
+    })
+}
+
+/// Way (m), speed (m/s) and direction (rad) of rims that are not parallel; `direction` holds while they do not turn.
+fn along_one_way(
+    mut by_way: Observations,
+    mut by_speed: Observations,
+    wheels: &WheelBank,
+    direction: f64,
+) -> Option<(f64, f64, f64)> {
     let turn = Measured {
         value: 0.0,
         variance: 1.0,
@@ -150,21 +167,14 @@ pub(super) fn mean_rims(
         by_speed.add(row, still);
     }
     let [x, y, _] = by_speed.solve()?.velocity;
-    let speed = Real::hypot(x, y);
-    let direction = if speed > TURNING_SPEED_M_PER_S {
+    let direction = if Real::hypot(x, y) > TURNING_SPEED_M_PER_S {
         Real::atan2(y, x)
     } else {
-        step.direction
+        direction
     };
     let (sin, cos) = Real::sin_cos(direction);
     let [way_x, way_y, _] = by_way.solve()?.velocity;
-    Some(Rims {
-        way: cos * way_x + sin * way_y,
-        direction,
-        speed: cos * x + sin * y,
-        variance,
-        lag,
-    })
+    Some((cos * way_x + sin * way_y, cos * x + sin * y, direction))
 }
 
 /// The heading of the wheels that are not steered (rad), if all wheels have it at no steering angle.

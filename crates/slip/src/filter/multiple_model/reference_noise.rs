@@ -2,6 +2,8 @@
 
 use grouser_real::Real;
 
+use crate::sample::Measurement;
+
 /// Number of second differences kept.
 const KEPT: usize = 32;
 /// The noise is learnt from at least this many.
@@ -27,6 +29,16 @@ pub(crate) enum Errors {
     Independent,
     /// Each reading adds its own to those before: sums of displacements.
     Summed,
+}
+
+impl Errors {
+    /// Of a kind of measurement.
+    pub(crate) const fn of(measurement: &Measurement) -> Self {
+        match measurement {
+            Measurement::Displacement { .. } => Self::Summed,
+            _ => Self::Independent,
+        }
+    }
 }
 
 /// Standard deviations of a reference, in the unit of its readings.
