@@ -3,7 +3,7 @@
 use grouser_campaign::paper::{PRINTED_SLIP, READINGS, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 
-/// The curve |S_0| = 0.1146 at the angles that MODEL.md, section 6, lists.
+/// The curve |S_0| = 0.1146 at angles found by another program.
 #[test]
 fn the_curve_of_the_printed_slip() {
     for (theta_deg, ratio) in [

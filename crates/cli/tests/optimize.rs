@@ -226,7 +226,7 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
         let path = Path::new(&target).join(file.as_str().unwrap());
         assert!(fs::metadata(&path).unwrap().len() > 0, "{}", path.display());
     }
-    // Figure 9 against MODEL.md, section 5: r = 70 mm, z = 10 and 30 mm at 32 degrees, one outside the contact.
+    // Figure 9 against another program: r = 70 mm, z = 10 and 30 mm at 32 degrees, one outside the contact.
     let table = fs::read_to_string(Path::new(&target).join("figure-9.csv")).unwrap();
     let near = |line: &str, z: f64| -> (f64, bool) {
         table

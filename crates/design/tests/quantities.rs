@@ -130,7 +130,7 @@ s = "s_0"
 "#;
     let design = design(text);
     let s = design.quantity(Quantity::S0, &[32.0]).unwrap();
-    // MODEL.md, section 5.
+    // by another program
     assert!((s + 0.2859).abs() < 5e-5, "{s}");
     let Answer::Optimum(optimum) = design.solve().unwrap() else {
         panic!("one point")

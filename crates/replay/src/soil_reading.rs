@@ -33,7 +33,7 @@ pub struct SoilReading {
     /// How far the measured slip lies above the slip of best efficiency.
     pub above_best: Option<f64>,
     /// The slip if the free wheel that was the reference skids as the model says on this soil
-    /// (MODEL.md 7), where its size and load are known; the truth lies between this and `slip` if the
+    /// (`Reference::FreeWheel`), where its size and load are known; the truth lies between this and `slip` if the
     /// soil is right.
     pub slip_with_skid: Option<f64>,
     /// What to keep in mind, in words.

@@ -124,7 +124,7 @@ fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
 
 #[test]
 fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
-    // MODEL.md 7: ignoring the skid s_f biases a slip by −s_f (1 − S).
+    // ignoring the skid s_f biases a slip by −s_f (1 − S).
     let run = FiveWheel::default();
     let truth = run.generate().truth;
     let (mut found, mut true_slip, mut count) = (0.0, 0.0, 0.0);

@@ -12,7 +12,7 @@
 #[non_exhaustive]
 pub enum Reference {
     /// The robot's free wheels, taken to roll without slip [Ani2012, P23]. They do skid a little on
-    /// soft ground (MODEL.md 7): the slips then come out too high by −s_f (1 − S).
+    /// soft ground: the slips then come out too high by −s_f (1 − S).
     FreeWheel,
     /// Measured displacements, in the robot's frame (a camera, visual odometry).
     Displacement,

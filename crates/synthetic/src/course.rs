@@ -61,7 +61,7 @@ const PULL: (f64, f64) = (0.6, 0.1);
 /// Load times radius of a powered wheel, N m.
 const LOAD_TORQUE_N_M: f64 = 6.0;
 
-/// Slip by MODEL.md 1; `None` where both speeds are below 1 mm/s or of opposite sign.
+/// Slip: 1 − v/u driving, u/v − 1 braking; `None` where both speeds are below 1 mm/s or of opposite sign.
 #[must_use]
 pub fn slip(forward: f64, rim: f64) -> Option<f64> {
     if forward.abs().max(rim.abs()) < 1e-3 || forward * rim < 0.0 {

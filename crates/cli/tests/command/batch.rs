@@ -8,7 +8,7 @@ use std::process::Stdio;
 
 use super::program::{Folder, grouser, line, start, wait};
 
-/// The cases that the laws are tested with: 30-digit quadrature of MODEL.md's formulas.
+/// The cases that the laws are tested with: quadrature to 30 digits.
 const REFERENCE: &str = include_str!("../../../terra/tests/oracle/wheel_cases.csv");
 
 type Table = Vec<BTreeMap<String, String>>;

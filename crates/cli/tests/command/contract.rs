@@ -162,7 +162,7 @@ fn negative_values_are_values() {
 
 #[test]
 fn the_slip_model_gives_the_numbers_of_the_model_page() {
-    // MODEL.md, section 5: θ = 32°.
+    // by another program: θ = 32°.
     // Radius, sinkage, S_0, and whether 32° is less than acos(1 − z/r).
     for (radius, sinkage, slip, inside) in [
         (0.07, 0.01, -0.1729, false),

@@ -21,7 +21,7 @@ const LAWS: [ShearLaw; 3] = [
 ///
 /// A free wheel that is taken to roll reads slips too high by −s_f (1 − s): .08 to .19 on dry sand.
 ///
-/// Source: MODEL.md 7; laws of \[WR67\]. Valid range: loads between those given. Assumes: straight ahead, steady.
+/// Source: the wheel without torque by the laws of \[WR67\]. Valid range: loads between those given. Assumes: straight ahead, steady.
 ///
 /// ```
 /// use grouser_slip::prior::{FreeWheelSkid, SoilDoubt};
@@ -84,7 +84,7 @@ impl FreeWheelSkid {
     }
 
     /// The table over the published laws of shear as well as over the soil: the skid depends on the law more than on the soil
-    /// (MODEL.md 7: −.03 to −.13 for one wheel), and no measurement has decided between them.
+    /// (−.03 to −.13 for one wheel), and no measurement has decided between them.
     ///
     /// The mean is that of the laws, each taken for as likely as the others; its variance is the mean of theirs and the spread
     /// between them. Laws under which the soil does not turn the wheel are left out.

@@ -14,7 +14,7 @@ const MAX_SLOPE_RAD: f64 = 89.9 * core::f64::consts::PI / 180.0;
 
 /// The slip that a powered wheel needs on a slope: what the filter may believe before it has measured.
 ///
-/// Source: MODEL.md 5 (slip demand). Valid range: slopes between those given, up to the one that no slip holds. Assumes:
+/// Source: the balance of pull and slope (`grouser climb`). Valid range: slopes between those given, up to the one that no slip holds. Assumes:
 /// all powered wheels share the pull by their load.
 ///
 /// ```
