@@ -32,6 +32,8 @@ struct World {
     gyro_bias: Option<f64>,
     /// Does it drive forwards, stand, drive backwards and stand, five seconds each, with an accelerometer?
     stops: bool,
+    /// Are the first two poses half a metre off on both axes, and does the robot stand for two seconds?
+    starts_off: bool,
     reference: Reference,
     seed: u64,
 }
@@ -64,8 +66,17 @@ impl World {
         (0.5 * row, side * self.half_track)
     }
 
+    fn first_pose_off(&self, step: i32) -> f64 {
+        if self.starts_off && step <= 10 {
+            0.5
+        } else {
+            0.0
+        }
+    }
+
     fn sought_speed(&self, step: i32) -> f64 {
         match step / 500 % 4 {
+            _ if self.starts_off && step < 200 => 0.0,
             _ if !self.stops => self.speed,
             0 => self.speed,
             2 => -self.speed,
@@ -127,8 +138,8 @@ impl World {
             }
             match self.reference {
                 Reference::Pose([place, heading]) if step % 10 == 0 => give(Measurement::Pose {
-                    x: x + place * noise.normal(),
-                    y: y + place * noise.normal(),
+                    x: x + place * noise.normal() + self.first_pose_off(step),
+                    y: y + place * noise.normal() - self.first_pose_off(step),
                     yaw: yaw + heading * noise.normal(),
                 }),
                 Reference::Displacement([way, heading]) if step % 5 == 0 => {
@@ -189,6 +200,7 @@ const WORLD: World = World {
     slip: |_| 0.1,
     gyro_bias: Some(0.015),
     stops: false,
+    starts_off: false,
     reference: Reference::Pose([0.005, 0.02]),
     seed: 1,
 };
@@ -291,5 +303,21 @@ fn starts_and_stops_are_no_slip() {
             }
             .assert_within(0.08);
         }
+    }
+}
+
+/// The way from a wrong first position to the next is no course, as the rims have not gone it.
+#[test]
+fn a_first_position_that_is_wrong_turns_no_heading() {
+    for seed in 1..4 {
+        World {
+            speed: 0.15,
+            turn: 0.0,
+            starts_off: true,
+            reference: Reference::Pose([0.05, 0.02]),
+            seed,
+            ..WORLD
+        }
+        .assert_within(0.05);
     }
 }

@@ -43,6 +43,8 @@ const MAX_HEADING_RESTARTS: u32 = 2;
 const HEADING_CHANGE_RAD: f64 = 0.05;
 /// A shorter course may be a step back or a rocking: it overrules no measured heading, m.
 const MIN_COURSE_M: f64 = 0.3;
+/// Nor does one longer than this multiple of the rims' way: braking wheels run slower than the robot.
+const MAX_COURSE_PER_WAY: f64 = 1.5;
 /// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
 const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
 /// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
@@ -102,8 +104,9 @@ pub(super) struct GroundTrack {
     /// Sum of displacements: place and heading.
     summed: [f64; 3],
     position: [f64; 2],
-    /// The position before the first refused one.
+    /// The position before the first refused one, and the rims' way until then, m.
     accepted_position: [f64; 2],
+    accepted_way: f64,
     heading_offset: f64,
     /// The first heading that was measured, and whether it has changed since.
     first_heading: Option<f64>,
@@ -144,6 +147,7 @@ impl GroundTrack {
             summed: [0.0; 3],
             position: [0.0; 2],
             accepted_position: [0.0; 2],
+            accepted_way: 0.0,
             heading_offset: 0.0,
             first_heading: None,
             has_heading: false,
@@ -420,7 +424,7 @@ impl GroundTrack {
                 self.readmitted_ns = Some(now_ns);
             }
             self.refused = 0;
-            self.accepted_position = place;
+            self.accept_position(place);
             self.accepted_ns = Some(now_ns);
             return Outcome::Accepted;
         }
@@ -502,6 +506,11 @@ impl GroundTrack {
         self.speed_noise.sigma(stated).max(stated)
     }
 
+    fn accept_position(&mut self, place: [f64; 2]) {
+        self.accepted_position = place;
+        self.accepted_way = self.models.totals()[3];
+    }
+
     fn start(
         &mut self,
         now_ns: i64,
@@ -513,7 +522,7 @@ impl GroundTrack {
             .set_slip_prior([settings.slip.mean, settings.slip.sigma]);
         self.models
             .start(place, heading, settings.position_sigma, heading_sigma);
-        self.accepted_position = place;
+        self.accept_position(place);
         self.accepted_ns = Some(now_ns);
         self.started_ns = Some(now_ns);
     }
@@ -539,10 +548,13 @@ impl GroundTrack {
         self.refused = 0;
         self.restarts += 1;
         self.readmitted_ns = Some(now_ns);
-        self.accepted_position = place;
+        let rim_way = (self.models.totals()[3] - self.accepted_way).abs();
+        self.accept_position(place);
         self.models.restart();
         let uncertain = core::f64::consts::SQRT_2 * sigma / course.max(sigma);
-        let overrules = !self.has_heading || course > MIN_COURSE_M;
+        // a position that jumps is no course
+        let is_driven = course < MAX_COURSE_PER_WAY * rim_way;
+        let overrules = is_driven && (!self.has_heading || course > MIN_COURSE_M);
         let (heading, heading_sigma) = if overrules && uncertain < 0.2 {
             let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
             let heading = Real::atan2(back * dy, back * dx) - self.direction;
