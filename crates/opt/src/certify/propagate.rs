@@ -9,8 +9,9 @@ use super::rows::Rows;
 use crate::sqp::LinearKind;
 use crate::tape::{Binary, Node, Op, Unary};
 
-/// Roots are off by less than this share.
-const ROUNDING: f64 = 1e-14;
+/// Roots are off by less than this share of themselves: the power of a platform is within a few units of 1.1e-16, and so is
+/// its exponent 1/n. What is suggested here is proved by a bound in any case.
+const ROOT_ERROR_SHARE: f64 = 1e-14;
 
 /// Memory for the propagation, one per thread.
 #[derive(Default)]
@@ -105,7 +106,7 @@ fn root(value: Interval, x: Interval, n: i32) -> Option<Interval> {
     let share = 1.0 / f64::from(n);
     let of = |v: f64| Real::powf(v.abs(), share).copysign(v);
     let rounded = |low: f64, high: f64| {
-        let slack = Interval::new(1.0 - ROUNDING, 1.0 + ROUNDING);
+        let slack = Interval::new(1.0 - ROOT_ERROR_SHARE, 1.0 + ROOT_ERROR_SHARE);
         Interval::new(low, high) * slack
     };
     if n % 2 == 1 {

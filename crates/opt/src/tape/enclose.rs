@@ -173,14 +173,14 @@ fn multiple(share: Interval, factor: f64) -> Interval {
 /// What rounding left out of `product` = a b (Dekker 1971, Numerische Mathematik 18); NaN where numbers so great or so
 /// small have no exact answer.
 fn product_error(a: f64, b: f64, product: f64) -> f64 {
-    /// 2²⁷ + 1 splits a number into two halves of 26 bits.
-    const SPLITTER: f64 = 134_217_729.0;
+    /// 2²⁷ + 1, without a unit: times this, a number's upper 26 bits can be taken off without rounding (Veltkamp; Dekker 1971).
+    const UPPER_HALF_FACTOR: f64 = 134_217_729.0;
     const EXACT: std::ops::Range<f64> = 1e-140..1e140;
     if !EXACT.contains(&a.abs()) || !EXACT.contains(&b.abs()) {
         return f64::NAN;
     }
     let split = |x: f64| {
-        let great = SPLITTER * x;
+        let great = UPPER_HALF_FACTOR * x;
         let high = great - (great - x);
         (high, x - high)
     };

@@ -3,6 +3,7 @@
 use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
+use super::multiple_model::MIN_RIM_SHARE;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
 use super::wheel_channel::WheelChannel;
@@ -14,8 +15,6 @@ const INLIER_SHARE: f64 = 0.2;
 const INLIER_SIGMA: f64 = 3.0;
 /// Rims slower than this do not turn, m/s.
 pub(super) const TURNING_SPEED_M_PER_S: f64 = 0.01;
-/// Least share of the robot's speed in that of its rims by which a turn is scaled.
-const MIN_RIM_SHARE: f64 = 0.1;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
 /// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
@@ -62,11 +61,11 @@ pub(super) fn mean_rims(
     let RimStep {
         now_ns, dt, ways, ..
     } = *step;
-    let heard = |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
-    let first = wheels.iter().find(|wheel| heard(wheel))?.row;
+    let is_used = |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
+    let first = wheels.iter().find(|wheel| is_used(wheel))?.row;
     let parallel = wheels
         .iter()
-        .filter(|wheel| heard(wheel))
+        .filter(|wheel| is_used(wheel))
         .all(|wheel| (first[0] * wheel.row[1] - first[1] * wheel.row[0]).abs() < PARALLEL_SINE);
     // rims that slip run faster than the robot in its turn, too
     let turn = step.yaw_rate / step.rim_share.max(MIN_RIM_SHARE);
@@ -79,7 +78,11 @@ pub(super) fn mean_rims(
     };
     let mut sorted = [0.0; MAX_FILTER_WHEELS];
     let mut count = 0;
-    for rim in wheels.iter().filter(|wheel| heard(wheel)).filter_map(level) {
+    for rim in wheels
+        .iter()
+        .filter(|wheel| is_used(wheel))
+        .filter_map(level)
+    {
         sorted[count] = rim.value;
         count += 1;
     }
@@ -92,7 +95,7 @@ pub(super) fn mean_rims(
     };
     let any_near = wheels
         .iter()
-        .filter(|wheel| heard(wheel))
+        .filter(|wheel| is_used(wheel))
         .filter_map(level)
         .any(is_near);
     // two sides that run apart have no wheel near their middle
@@ -100,7 +103,11 @@ pub(super) fn mean_rims(
     let mut by_way = Observations::default();
     let mut by_speed = Observations::default();
     let (mut way, mut speed, mut variance, mut lag, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (index, wheel) in wheels.iter().enumerate().filter(|(_, wheel)| heard(wheel)) {
+    for (index, wheel) in wheels
+        .iter()
+        .enumerate()
+        .filter(|(_, wheel)| is_used(wheel))
+    {
         let Some(rim) = level(wheel).filter(|&rim| agrees(rim)) else {
             continue;
         };

@@ -14,8 +14,8 @@ pub(super) mod reference_noise;
 use grouser_real::Real;
 
 use group::Group;
-pub(super) use model::TurnError;
-use model::{DRIFT, HEADING, Model, Rim, SLIP, STATES, Step, TURN_ERROR, X, Y};
+use model::{DRIFT, HEADING, Model, SLIP, STATES, Step, TURN_ERROR, X, Y};
+pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
 use reference_noise::{Errors, ReferenceNoise};
 
 use crate::speed::Measured;
@@ -61,14 +61,7 @@ pub(crate) struct WheelStep {
     pub(crate) turn_error: TurnError,
     /// Specific force along that direction, m/s², and its noise density, m/s/√s.
     pub(crate) acceleration: Option<(f64, f64)>,
-    /// The rims' mean speed over the last window, m/s, and its variance, m²/s².
-    pub(crate) rim_speed: f64,
-    pub(crate) rim_variance: f64,
-    /// By how much that window's middle lies before the step's end, s; what the rims show of their change since, m/s; and the
-    /// specific force since, m/s².
-    pub(crate) rim_lag: f64,
-    pub(crate) rim_rise: f64,
-    pub(crate) lagging_force: f64,
+    pub(crate) rim: Rim,
 }
 
 /// The estimate, along the direction of the rims.
@@ -182,13 +175,7 @@ impl MultipleModel {
 
     /// Predicts over one step.
     pub(crate) fn advance(&mut self, wheels: &WheelStep) {
-        let rim = Rim {
-            speed: wheels.rim_speed,
-            variance: wheels.rim_variance,
-            lag: wheels.rim_lag,
-            rise: wheels.rim_rise,
-            force: wheels.lagging_force,
-        };
+        let rim = wheels.rim;
         self.rim = rim;
         let before = core::mem::replace(&mut self.turn_error, wheels.turn_error);
         let same_sensor = wheels.turn_error.by_gyro == before.by_gyro;
@@ -310,20 +297,18 @@ impl MultipleModel {
     /// [`update_share`](Self::update_share).
     pub(crate) fn update_speed(&mut self, speed: f64, sigma: f64) {
         self.fade_evidence();
-        for group in self.groups.iter_mut().filter(|group| group.is_inertial) {
-            if self.was_inertial {
-                group.weigh_and_score(|model| model.update_speed(speed, sigma * sigma));
-            }
+        let has_speed = |group: &&mut Group| self.was_inertial && group.is_inertial;
+        for group in self.groups.iter_mut().filter(has_speed) {
+            group.weigh_and_score(|model| model.update_speed(speed, sigma * sigma));
         }
         self.average();
     }
 
     /// The same speed beside that of the rims at its time, m/s, for the groups that know the speed by rims and slip.
     pub(crate) fn update_share(&mut self, speed: f64, rim_speed: f64, sigma: f64) {
-        for group in &mut self.groups {
-            if !(self.was_inertial && group.is_inertial) {
-                group.weigh_and_score(|model| model.update_share(speed, rim_speed, sigma * sigma));
-            }
+        let has_none = |group: &&mut Group| !(self.was_inertial && group.is_inertial);
+        for group in self.groups.iter_mut().filter(has_none) {
+            group.weigh_and_score(|model| model.update_share(speed, rim_speed, sigma * sigma));
         }
         self.reweigh();
     }

@@ -34,8 +34,8 @@ const DRIFT_NOISE: f64 = 0.03;
 const DRIFT_MEMORY_S: f64 = 5.0;
 /// Process noise density of the heading beside the error of the turn rate, rad/√s.
 const HEADING_NOISE: f64 = 1e-3;
-/// Least share of the robot's speed in that of its rims by which a change of it is one of theirs.
-const MIN_SHARE: f64 = 0.1;
+/// Least share of the robot's speed in that of its rims by which a change of it, or its turn, is one of theirs.
+pub(crate) const MIN_RIM_SHARE: f64 = 0.1;
 /// Below the first process noise slip hardly changes within a window of the rims, above the second it may change at once, 1/√s. Set
 /// by logs of starts and stops, of jumps of slip (`known_truth`), and by a skid-steered robot's starts on a slope of sand.
 const STEADY_SLIP_NOISE: f64 = 0.025;
@@ -73,18 +73,19 @@ pub(crate) struct TurnError {
     pub(crate) memory: f64,
 }
 
-/// The rims' mean speed over a window, which ties speed and slip.
+/// The rims' mean speed over their last window, which ties speed and slip.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rim {
+pub(crate) struct Rim {
     /// m/s.
-    pub(super) speed: f64,
+    pub(crate) speed: f64,
     /// Variance of it, m²/s².
-    pub(super) variance: f64,
-    /// By how much the window's middle lies before now, s; what the rims themselves show of their change since, m/s; and the specific
-    /// force since, m/s².
-    pub(super) lag: f64,
-    pub(super) rise: f64,
-    pub(super) force: f64,
+    pub(crate) variance: f64,
+    /// By how much the window's middle lies before now, s.
+    pub(crate) lag: f64,
+    /// What the rims themselves show of their change since, m/s.
+    pub(crate) rise: f64,
+    /// The specific force along their direction since, m/s².
+    pub(crate) force: f64,
 }
 
 /// One hypothesis.
@@ -292,7 +293,7 @@ impl Model {
     /// says at a constant slip and of what the rims show. A change of slip alone is in one of the two.
     fn rise(&self, rim: Rim, acceleration: f64) -> f64 {
         let (share, _) = rim_share(self.mean[SLIP]);
-        let by_force = rim.lag * acceleration / share.max(MIN_SHARE);
+        let by_force = rim.lag * acceleration / share.max(MIN_RIM_SHARE);
         if by_force * rim.rise > 0.0 {
             by_force.abs().min(rim.rise.abs()).copysign(rim.rise)
         } else {
