@@ -1,16 +1,6 @@
-//! The C interface of [`OnBoard`](grouser_slip::onboard::OnBoard): a firmware or a C++ node pushes its samples and reads
-//! slips with sigma and health, odometry and wheel commands.
+#![doc = include_str!("../README.md")]
 //!
-//! `include/grouser.h` is the interface; the documentation of the functions is there. This crate is what stands behind it:
-//! every pointer, size, enumerated value and number is checked before it is used, and nothing is allocated after
-//! [`grouser_new`].
-//!
-//! ```
-//! use grouser_c::{GROUSER_ABI, grouser_abi};
-//!
-//! // A program compares the header that it was compiled with to the library that it is linked to.
-//! assert_eq!(grouser_abi(), GROUSER_ABI);
-//! ```
+//! ## In this crate
 //!
 //! The primary type is [`GrouserOnBoard`], which C sees as an opaque pointer. With feature `std` a panic is caught and becomes
 //! [`GROUSER_ERROR_INTERNAL`]; on bare metal it calls the firmware's `abort`. The crate has no estimator of its own.

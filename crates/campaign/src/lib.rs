@@ -1,7 +1,4 @@
-//! The two campaigns of the project: what of Ani et al. (2012) can be reproduced ([`paper`]), and every
-//! measured data set against the model ([`validate`]); and the figure of the stress under a wheel ([`stress`]).
-//!
-//! The verbs `paper`, `validate` and `wheel` of the command call this crate; it has no other consumer.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod error;

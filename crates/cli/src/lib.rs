@@ -22,8 +22,6 @@ mod command;
 #[cfg(feature = "command")]
 mod companion;
 #[cfg(feature = "command")]
-mod csv_line;
-#[cfg(feature = "command")]
 mod error;
 #[cfg(feature = "command")]
 mod exit;
@@ -39,8 +37,6 @@ mod interrupt;
 mod law_error;
 #[cfg(feature = "command")]
 mod library_error;
-#[cfg(feature = "command")]
-mod lines;
 #[cfg(feature = "command")]
 mod operation;
 #[cfg(feature = "command")]

@@ -178,6 +178,46 @@ fn each_crate_imports_only_what_stands_below_it() {
     }
 }
 
+/// What a stranger finds in a published crate: a front page, the licences, a program to run, and its description.
+#[test]
+fn each_published_crate_has_a_front_page_licences_and_an_example() {
+    let text = cargo(&["metadata", "--no-deps", "--format-version", "1"]);
+    let metadata: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let published = metadata["packages"].as_array().unwrap().iter();
+    let published = published.filter(|package| package["publish"].is_null());
+    let mut count = 0;
+    for package in published {
+        count += 1;
+        let name = package["name"].as_str().unwrap();
+        let folder = std::path::Path::new(package["manifest_path"].as_str().unwrap());
+        let folder = folder.parent().unwrap();
+        let front = std::fs::read_to_string(folder.join("src/lib.rs")).unwrap();
+        assert!(
+            front.starts_with("#![doc = include_str!(\"../README.md\")]"),
+            "the front page of {name} is not its README"
+        );
+        for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let own = std::fs::read_to_string(folder.join(licence));
+            let whole = std::fs::read_to_string(root().join(licence)).unwrap();
+            assert_eq!(own.ok(), Some(whole), "{name} has no {licence}");
+        }
+        let examples = folder.join("examples");
+        let endings = ["rs", "c"].into_iter();
+        let found = endings
+            .map(|ending| files(&examples, ending).len())
+            .sum::<usize>();
+        assert!(found > 0, "{name} has no example");
+        for key in ["description", "license", "repository", "rust_version"] {
+            assert!(package[key].is_string(), "{name} has no {key}");
+        }
+        assert!(
+            package["metadata"]["docs"]["rs"].is_object(),
+            "{name} has no settings for docs.rs"
+        );
+    }
+    assert!(count > 15, "only {count} published crates are found");
+}
+
 #[test]
 fn threads_live_only_where_they_may() {
     for (package, used) in dependencies() {

@@ -1,29 +1,6 @@
-//! Problem files for wheel design: variables, objectives and constraints as formulas over each other and over
-//! what a wheel on soil does, solved by `grouser-opt`.
+#![doc = include_str!("../README.md")]
 //!
-//! ```
-//! use grouser_design::{Answer, parse};
-//! use grouser_files::Document;
-//!
-//! let text = r#"
-//! format = 1
-//! method = "minimax"
-//! [variables]
-//! x1 = { start = 2.0 }
-//! x2 = { start = 2.0 }
-//! [objectives]
-//! f1 = "x1^2 + x2^4"
-//! f2 = "(2 - x1)^2 + (2 - x2)^2"
-//! f3 = "2*exp(x2 - x1)"
-//! "#;
-//! let design = parse(&Document::from_text("cb2.toml", text.into())?)?;
-//! let Answer::Optimum(optimum) = design.solve()? else {
-//!     unreachable!("minimax gives one point");
-//! };
-//! // CB2 of Charalambous & Conn 1978
-//! assert!((optimum.maximum - 1.952_224_5).abs() < 1e-6);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! ## In this crate
 //!
 //! The primary type is [`Design`]. Derivatives are exact: formulas and wheel alike run on dual numbers, and
 //! the sinkage that carries a load is differentiated through its equation. The crate writes no files.

@@ -1,23 +1,6 @@
-//! Figures of publication quality from plain data, as SVG and PNG.
+#![doc = include_str!("../README.md")]
 //!
-//! ```
-//! use grouser_figure::{Axis, Chart, Curve, Figure, Style};
-//!
-//! let pull = |load: f64| (0..=50).map(move |i| {
-//!     let s = f64::from(i) / 50.0;
-//!     [s, 0.3 * load * (1.0 - (-8.0 * s).exp()) - 0.05 * load]
-//! });
-//! let chart = Chart::new(Axis::new("Slip ratio *s*"), Axis::new("Drawbar pull *F*_{DP} (N)"))
-//!     .curve(Curve::new(pull(40.0)).style(Style::numbered(0)).label("*W* = 40 N"))
-//!     .curve(Curve::new(pull(90.0)).style(Style::numbered(1)).label("*W* = 90 N"));
-//! let figure = Figure::new("Drawbar pull against slip").panel(chart);
-//! assert!(figure.svg().starts_with("<svg"));
-//! # #[cfg(feature = "png")]
-//! # let png = figure.png(96.0)?;
-//! # #[cfg(feature = "png")]
-//! # assert!(png.starts_with(b"\x89PNG"));
-//! # Ok::<(), grouser_figure::Error>(())
-//! ```
+//! ## In this crate
 //!
 //! The primary type is [`Figure`]: [`Panel`]s of one size, each a [`Chart`] (axes and data) or a [`Scene`]
 //! (a drawing to scale). Text is marked up: `*italic*`, `_{subscript}`, `^{superscript}`; [`plain`] takes

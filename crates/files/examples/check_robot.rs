@@ -1,6 +1,6 @@
 //! Checks a robot file and prints it in its shortest form: `cargo run --example check_robot -- ROBOT.toml`.
-#![allow(clippy::print_stdout, reason = "an example prints")]
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use grouser_files::robot;
@@ -12,6 +12,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let path = std::env::args_os().nth(1).unwrap_or_else(|| shipped.into());
     let file = robot::read(&PathBuf::from(path))?;
-    print!("{}", robot::to_toml(&file));
+    std::io::stdout().write_all(robot::to_toml(&file).as_bytes())?;
     Ok(())
 }

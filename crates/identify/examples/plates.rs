@@ -1,9 +1,10 @@
 //! Moduli of a soil from two plates. `cargo run -p grouser-identify --example plates`
-#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
+use std::io::Write as _;
 
 use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
 
-fn main() -> Result<(), grouser_identify::Error> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     // p = (k_c/b + k_phi) zⁿ with n = 1.1, k_c = 1 kN/m^2.1 and k_phi = 1500 kN/m^3.1, read at 40 depths
     let mut tests = Vec::new();
     for diameter in [0.06, 0.10] {
@@ -22,11 +23,13 @@ fn main() -> Result<(), grouser_identify::Error> {
         });
     }
     let found = fit_plates(&tests, &PlateSettings::default())?;
-    println!("n = {:.3}", found.n);
-    println!(
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "n = {:.3}", found.n)?;
+    writeln!(
+        out,
         "k_c = {:.2} kN/m^(n+1), k_phi = {:.1} kN/m^(n+2)",
         found.k_c / 1e3,
         found.k_phi / 1e3
-    );
+    )?;
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Prints the samples of a log: `cargo run --example samples -- LOG [COLUMNS.toml]`; without arguments, the first
 //! samples of the five-wheeled robot's log.
-#![allow(clippy::print_stdout, reason = "an example prints")]
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use grouser_files::{columns, topics::Topics};
@@ -19,10 +19,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let map = map.map(|map| columns::read(&map)).transpose()?;
     let log = Log::find_any(&[path], map, &Topics::default())?;
-    println!("wheels: {}", log.wheels().join(", "));
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "wheels: {}", log.wheels().join(", "))?;
     for sample in log.samples(&[])?.take(12) {
         let sample = sample?;
-        println!("{} ns: {:?}", sample.time_ns, sample.measurement);
+        writeln!(out, "{} ns: {:?}", sample.time_ns, sample.measurement)?;
     }
     Ok(())
 }

@@ -1,28 +1,6 @@
-//! Robot logs as samples of the slip estimator in the order of time, whatever they were written as: MCAP files, ROS 1 bags,
-//! and tables of text (CSV and its relatives, plain or gzip) read through a column map.
+#![doc = include_str!("../README.md")]
 //!
-//! Reading streams: memory does not grow with the file; rows may stand up to 1024 places from where their
-//! time belongs, messages up to 4096. A table is read whole or not at all: whatever is wrong ends it with an
-//! error that names line and column. A bag is read as far as it can be, and what was left out is counted
-//! ([`LeftOut`]).
-//!
-//! ```
-//! use grouser_files::columns;
-//! use grouser_log::Log;
-//! use grouser_slip::Measurement;
-//!
-//! let example = std::path::Path::new("../../examples/five-wheel");
-//! let map = columns::read(&example.join("columns.toml"))?;
-//! let log = Log::find(&[example.join("log.csv")], map)?;
-//! let mut turn = 0.0;
-//! for sample in log.samples(&[])? {
-//!     if let Measurement::YawRate { rate } = sample?.measurement {
-//!         turn += rate * 0.02; // 50 Hz
-//!     }
-//! }
-//! assert!((turn - 0.94).abs() < 0.01); // 0.15 rad/s for 6 s, and the gyro's bias of 0.001 for 40 s
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! ## In this crate
 //!
 //! | for | there is |
 //! |---|---|

@@ -1,6 +1,7 @@
 //! The best worst case of two objectives, and what each constraint costs.
 //! `cargo run -p grouser-opt --example compromise`
-#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
+use std::io::Write as _;
 
 use grouser_opt::{Exact, Functions, Method, Problem, ProblemParams, Settings, Variable, solve};
 use grouser_real::Scalar;
@@ -17,7 +18,7 @@ impl Functions for Detour {
     }
 }
 
-fn main() -> Result<(), grouser_opt::Error> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::new(
         ProblemParams::new(&[0.5, 0.5], 2, Exact(Detour))
             .variables(vec![
@@ -27,11 +28,13 @@ fn main() -> Result<(), grouser_opt::Error> {
             .inequalities(vec!["outside the disc".to_owned()]),
     )?;
     let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
-    println!("{}: x = {:.4?}", solution.status.name(), solution.x);
-    println!("objectives {:.4?}", solution.objectives);
-    println!(
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}: x = {:.4?}", solution.status.name(), solution.x)?;
+    writeln!(out, "objectives {:.4?}", solution.objectives)?;
+    writeln!(
+        out,
         "price of the disc {:.4?}",
         solution.multipliers.inequalities
-    );
+    )?;
     Ok(())
 }

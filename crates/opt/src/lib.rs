@@ -1,28 +1,6 @@
-//! Several objectives at once: minimax, goal attainment, weighted and Chebyshev utility, under
-//! bounds, linear and nonlinear constraints, with exact derivatives and the multipliers that say
-//! what each constraint costs.
+#![doc = include_str!("../README.md")]
 //!
-//! ```
-//! use grouser_opt::{Exact, Functions, Method, Problem, ProblemParams, Settings, solve};
-//! use grouser_real::Scalar;
-//!
-//! /// CB2 (Charalambous & Conn 1978): the optimum is 1.9522245.
-//! struct Cb2;
-//! impl Functions for Cb2 {
-//!     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
-//!         let two = R::from_f64(2.0);
-//!         f[0] = x[0].square() + x[1].powi(4);
-//!         f[1] = (two - x[0]).square() + (two - x[1]).square();
-//!         f[2] = two * (x[1] - x[0]).exp();
-//!     }
-//! }
-//!
-//! let problem = Problem::new(ProblemParams::new(&[2.0, 2.0], 3, Exact(Cb2)))?;
-//! let solution = solve(&problem, &Method::Minimax, &Settings::default())?;
-//! assert!(solution.status.is_solved());
-//! assert!((solution.maximum - 1.952_224_5).abs() < 1e-6);
-//! # Ok::<(), grouser_opt::Error>(())
-//! ```
+//! ## In this crate
 //!
 //! The primary types are [`Problem`], [`Method`], [`Settings`] and [`Solution`], in the order in which
 //! [`solve`] meets them. Solvers are local: [`multi_start`] looks from many starts, and [`certify()`] proves

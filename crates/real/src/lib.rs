@@ -1,22 +1,10 @@
-//! One number trait, so that a law is written once and runs on `f64`, on `f32` (microcontrollers),
-//! on SIMD lanes (batches) and on [`Dual`] numbers (exact derivatives).
+#![doc = include_str!("../README.md")]
 //!
-//! ```
-//! use grouser_real::{Dual, Real};
+//! ## In this crate
 //!
-//! /// Any formula written over [`Real`] …
-//! fn circle_area<R: Real>(radius: R) -> R {
-//!     R::PI * radius * radius
-//! }
-//!
-//! // … gives a value with f64 and its exact derivative, 2 π r, with a dual number.
-//! assert_eq!(circle_area(2.0), 4.0 * std::f64::consts::PI);
-//! let area = circle_area(Dual::<1>::variable(2.0, 0));
-//! assert_eq!(area.gradient, [4.0 * std::f64::consts::PI]);
-//! ```
-//!
-//! The primary type is the trait [`Real`]; [`Scalar`] adds what only a single number can do: give its
-//! value to an `if`. [`Interval`] encloses all values of a formula over a box. [`OutOfRange`] is the error of a number outside its limits in every crate above. The crate knows nothing of wheels or of optimisation.
+//! The primary type is the trait [`Real`]; [`Scalar`] adds what only a single number can do: give its value
+//! to an `if`. [`Interval`] encloses all values of a formula over a box. [`OutOfRange`] is the error of a
+//! number outside its limits in every crate above. The crate knows nothing of wheels or of optimisation.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,7 @@
 //! The estimator on a stream of messages: the five-wheeled robot's MCAP file, pushed message by message as a live
 //! source would push them. Prints each wheel's slip once a second.
-#![allow(clippy::print_stdout, reason = "an example prints")]
 
+use std::io::Write as _;
 use std::path::Path;
 
 use grouser_files::robot::{self, WheelSensor};
@@ -29,7 +29,12 @@ impl Sink for EverySecond {
         }
         if self.printed >> row.wheel & 1 == 0 {
             self.printed |= 1 << row.wheel;
-            println!("{:5.1} s  {:12} slip {:?}", row.time_s, row.name, row.slip);
+            let out = &mut std::io::stdout();
+            writeln!(
+                out,
+                "{:5.1} s  {:12} slip {:?}",
+                row.time_s, row.name, row.slip
+            )?;
         }
         Ok(())
     }
@@ -71,6 +76,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         engine.push(sample, &mut sink)?;
     }
     let summary = engine.finish(&mut sink)?;
-    println!("slip of the whole way: {:?}", summary.along.overall);
+    let out = &mut std::io::stdout();
+    writeln!(out, "slip of the whole way: {:?}", summary.along.overall)?;
     Ok(())
 }

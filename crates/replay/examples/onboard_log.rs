@@ -3,8 +3,8 @@
 //! ```text
 //! cargo run --release -p grouser-replay --example onboard_log
 //! ```
-#![allow(clippy::print_stdout, reason = "an example prints what it shows")]
 
+use std::io::Write as _;
 use std::path::Path;
 
 use grouser_files::{columns, robot};
@@ -32,6 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         heading: 0.0,
         yaw_rate: None,
     };
+    let mut out = std::io::stdout().lock();
     let mut next_tick = None;
     for sample in log.samples(&[])? {
         let sample = sample?;
@@ -40,24 +41,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             on_board.tick(due, request);
             next_tick = Some(due + PERIOD_NS);
             if due % 2_000_000_000 == 0 {
-                show(&file.robot, &on_board, due);
+                let line = state(&file.robot, &on_board);
+                writeln!(out, "{:>5.1} s  {line}", due as f64 * 1e-9)?;
             }
         }
         on_board.update(sample);
     }
     let slip = on_board.observations()[0].slip;
-    println!("slip of the first wheel at the end: {slip:?}");
+    writeln!(out, "slip of the first wheel at the end: {slip:?}")?;
     Ok(())
 }
 
-fn show(robot: &grouser_slip::Robot, on_board: &OnBoard, time_ns: i64) {
+/// The first wheel, and what the computer does.
+fn state(robot: &grouser_slip::Robot, on_board: &OnBoard) -> String {
     let wheel = on_board.observations()[0];
     let slip = wheel.slip.map_or("—".into(), |slip| format!("{slip:.3}"));
-    println!(
-        "{:>5.1} s  {}: slip {slip}, {}, {}",
-        time_ns as f64 * 1e-9,
-        robot.wheels()[0].name,
-        wheel.health,
-        on_board.mode().name(),
-    );
+    let (name, mode) = (&robot.wheels()[0].name, on_board.mode().name());
+    format!("{name}: slip {slip}, {}, {mode}", wheel.health)
 }

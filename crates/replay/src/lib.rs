@@ -1,30 +1,6 @@
-//! A recorded log, or a live stream of samples, through the slip estimator: inputs are selected, clocks are aligned,
-//! every wheel gets its rows, and the run a summary with its checks.
+#![doc = include_str!("../README.md")]
 //!
-//! ```text
-//! Log → samples → Engine::push → rows of each wheel → Engine::finish → Summary
-//! ```
-//!
-//! ```
-//! use grouser_files::{columns, robot};
-//! use grouser_log::Log;
-//! use grouser_replay::{Options, run};
-//!
-//! let example = std::path::Path::new("../../examples/five-wheel");
-//! let robot = robot::read(&example.join("robot.toml"))?;
-//! let map = columns::read(&example.join("columns.toml"))?;
-//! let log = Log::find(&[example.join("log.csv")], map)?;
-//! let mut rows = 0;
-//! let summary = run(&log, &robot, &Options::default(), |_row| {
-//!     rows += 1;
-//!     Ok(())
-//! })?;
-//! assert_eq!(rows, 5 * 2001); // five wheels, 40 s at 50 Hz
-//! // It drives with a slip of 0.05 on firm ground and 0.35 in the soft patch, as it was made to.
-//! let slip = summary.wheels[0].slip;
-//! assert!((slip.median.unwrap() - 0.06).abs() < 0.01 && slip.p95.unwrap() > 0.33);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! ## In this crate
 //!
 //! | for | there is |
 //! |---|---|
@@ -36,8 +12,8 @@
 //! | a soil's reading of the slips | [`soil_readings`] |
 //! | slip from currents on known grounds, changes of ground | [`learn_grounds`], [`slips_by_known_grounds`], [`GroundChange`] |
 //!
-//! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error: [`FusedSummary::doubts`]
-//! names them. The crate draws nothing and writes no files.
+//! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error:
+//! [`FusedSummary::doubts`] names them. The crate draws nothing and writes no files.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

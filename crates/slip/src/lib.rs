@@ -1,43 +1,16 @@
-//! The slip of every wheel of a robot, on the robot: encoder counts, gyro, accelerometer and measured motion go in one
-//! sample at a time; each wheel's slip comes out with its sigma and its health. It needs no operating system: time is an
-//! argument, and nothing is allocated after construction.
+#![doc = include_str!("../README.md")]
 //!
-//! ```text
-//! v_i = e_i · (v_body + Ω × p_i)        s_i = 1 − v_i/(r ω_i) driving        s_i = r ω_i/v_i − 1 braking
-//! ```
+//! ## In this crate
 //!
-//! ```
-//! use grouser_slip::filter::{FilterSettings, SlipFilter};
-//! use grouser_slip::{Measurement, Robot, Sample, Wheel};
+//! The primary type is [`filter::SlipFilter`], which weighs all sensors together.
+//! [`window::WindowEstimator`] compares means over windows of time and keeps no model of the motion. On the
+//! slips of either stand [`detect::Detector`], which reports the events that an operator must know, and
+//! [`control::Controller`], which drives the wheels. [`prior`] holds what a soil model predicts of slip,
+//! [`start::StartCheck`] compares the sensors with the robot's description before the first drive.
 //!
-//! let wheels = vec![
-//!     Wheel::powered("drive").at(0.3, 0.0).radius(0.1).ticks_per_turn(1000),
-//!     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
-//! ];
-//! let robot = Robot::new("bicycle".into(), wheels)?;
-//! let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
-//! for step in 0..300_u64 {
-//!     let time_ns = step as i64 * 10_000_000;
-//!     // The powered wheel turns 10 ticks a step, the free one 8: the robot travels at 80 % of the rim speed.
-//!     for (wheel, raw) in [(0, 10 * step), (1, 8 * step)] {
-//!         filter.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
-//!     }
-//!     filter.update(Sample { time_ns, measurement: Measurement::YawRate { rate: 0.0 } })?;
-//! }
-//! let drive = filter.latest().wheels[0];
-//! assert!((drive.slip.unwrap().value() - 0.2).abs() < 2.0 * drive.sigma.unwrap());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! The primary type is [`filter::SlipFilter`], which weighs all sensors together. [`window::WindowEstimator`] compares
-//! means over windows of time and keeps no model of the motion. On the slips of either stand [`detect::Detector`], which
-//! reports the events that an operator must know, and [`control::Controller`], which drives the wheels.
-//! [`prior`] holds what a soil model predicts of slip, [`start::StartCheck`] compares the sensors with the robot's
-//! description before the first drive.
-//!
-//! Three outcomes are never mixed: a robot or settings that cannot be used are an [`Error`] with field, value, limit and
-//! unit; a sample that cannot be used is a [`Fault`], which is counted and changes nothing; an estimate that cannot be
-//! trusted has a [`Health`] that names the reason.
+//! Three outcomes are never mixed: a robot or settings that cannot be used are an [`Error`] with field,
+//! value, limit and unit; a sample that cannot be used is a [`Fault`], which is counted and changes
+//! nothing; an estimate that cannot be trusted has a [`Health`] that names the reason.
 //!
 //! The crate reads no files and knows neither terrain nor the robot's linkage.
 #![cfg_attr(not(feature = "std"), no_std)]

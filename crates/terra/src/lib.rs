@@ -1,27 +1,9 @@
-//! The wheel in the soil: stresses under a rigid wheel on soft ground, the forces they add up to, the sinkage
-//! that carries a load, and the slip that holds a slope. Pure functions of numbers: no I/O, clock, random
-//! numbers or threads, and no standard library without the feature `std`.
+#![doc = include_str!("../README.md")]
 //!
-//! ```text
-//! σ(θ) = k (r (cos θ_F − cos θ_1))ⁿ         τ(θ) = sign(j) (c + σ tan φ)(1 − e^(−|j|/K))
-//! W = r b ∫(σ cos θ + τ sin θ) dθ    DP = r b ∫(τ cos θ − σ sin θ) dθ    T = r² b ∫ τ dθ
-//! ```
+//! ## In this crate
 //!
-//! ```
-//! use grouser_terra::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
-//!
-//! let soil = catalogue::find("lunar").expect("in the catalogue").soil()?;
-//! let wheel = RigidWheel::new(0.125, 0.15)?; // radius and width in m
-//! let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
-//! let solution = contact.under_load(65.0, &Kinematics::straight(Slip::new(0.25)?))?;
-//! let point = solution.point().expect("65 N are carried");
-//! // independent 1e-10 quadrature: 17.007 mm and 3.295 N
-//! assert!((point.sinkage - 0.017_007).abs() < 1e-6);
-//! assert!((point.forces.drawbar_pull - 3.2949).abs() < 1e-4);
-//! # Ok::<(), grouser_terra::Error>(())
-//! ```
-//!
-//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] computes many points at once, and [`Contact`] has the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
+//! The primary type is [`WheelOnSoil`]; [`BatchKernel`] computes many points at once, and [`Contact`] has
+//! the same laws over any kind of number ([`grouser_real::Real`]), dual numbers included.
 //!
 //! Three outcomes are never mixed: bad input is an [`Error`] that names field, value, limit and unit; a load
 //! that nothing carries is a [`LoadOutcome`]; what lies outside a law's comfortable range is computed and

@@ -1,9 +1,10 @@
-//! Slip maps of real terrain and routes over them: what a robot's wheels need on every cell of an elevation model, and the
-//! way of least energy within a bound on the risk to be immobilised.
+#![doc = include_str!("../README.md")]
 //!
-//! The primary types are [`SlipTable`] (what a robot needs on a soil, over pitch and roll), [`MapMaker`] (the same over
-//! an elevation model) and [`plan::PlanMap`] (a map on which [`plan::plan`] finds ways). The crate does not drive, estimate or learn: the soil is given, with intervals where they are
-//! known.
+//! ## In this crate
+//!
+//! The primary types are [`SlipTable`] (what a robot needs on a soil, over pitch and roll), [`MapMaker`]
+//! (the same over an elevation model) and [`plan::PlanMap`] (a map on which [`plan::plan`] finds ways). The
+//! crate does not drive, estimate or learn: the soil is given, with intervals where they are known.
 #![forbid(unsafe_code)]
 
 mod demand;

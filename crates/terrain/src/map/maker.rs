@@ -51,6 +51,25 @@ impl MapSoil {
 }
 
 /// Computes the cells of a map.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_terra::catalogue;
+/// use grouser_terrain::raster::Window;
+/// use grouser_terrain::{Band, DemandSolver, Envelope, Headings, MapMaker, MapSettings, SlipTable};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+/// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+/// let solver = DemandSolver::new(RobotModel::read(file.as_ref())?, soil)?;
+/// let envelope = Envelope::within(solver.model(), 0.3, 0.2)?;
+/// let table = SlipTable::new(&solver, envelope)?;
+/// let headings = Headings::new(4)?;
+/// let maker = MapMaker::new(MapSettings::new(headings, envelope), (solver, table), Vec::new(), 1.0);
+/// // five by five cells of 1 m, all level: one value a band for each cell
+/// let level = Window::new(5, &[0.0; 25]);
+/// assert_eq!(maker.rows(&level, 2..3)?.len(), 5 * Band::count(headings));
+/// # Ok::<(), grouser_terrain::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct MapMaker {
     headings: Headings,
@@ -292,8 +311,7 @@ impl DrawScratch {
             if driving.is_none() && failing > index {
                 failing = index;
             }
-            let (slip, energy) =
-                driving.unwrap_or_else(|| (f64::INFINITY, table.greatest_energy()));
+            let (slip, energy) = driving.unwrap_or_else(|| (f64::INFINITY, table.max_energy()));
             #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
             self.slips.push(slip as f32);
             self.energies.push(energy);

@@ -16,6 +16,15 @@ const MAX_POSES: u64 = 1 << 26;
 const METADATA_TAG: u16 = 42112;
 
 /// The quantities that a planner needs, by cell and heading.
+///
+/// ```
+/// use grouser_terrain::plan::PlanMap;
+/// use grouser_terrain::{Headings, MapLayout};
+///
+/// let map = PlanMap::unknown(MapLayout::plain(5, 3, 2.0, Headings::new(8)?));
+/// assert!(map.cells() == 15 && map.energy.iter().all(|energy| energy.is_nan()));
+/// # Ok::<(), grouser_terrain::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanMap {
