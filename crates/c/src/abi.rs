@@ -2,7 +2,11 @@
 
 use core::ffi::c_char;
 
-use crate::border::CStruct;
+/// A struct of the interface.
+///
+/// # Safety
+/// It is `repr(C)`, its first field is `size: u32`, and every bit pattern is a value of it.
+pub(crate) unsafe trait CStruct: Copy {}
 
 /// The version of this interface. It grows with every change of a struct, a constant or a function.
 pub const GROUSER_ABI: u32 = 1;

@@ -1,16 +1,11 @@
 //! The border between C and Rust: pointers and sizes are checked here, and panics end here.
 
-use crate::abi::{GROUSER_ERROR_INTERNAL, GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_OK};
-use crate::create::GrouserOnBoard;
+use crate::abi::{
+    CStruct, GROUSER_ERROR_INTERNAL, GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_OK,
+};
 
 /// A code of an outcome that is not [`GROUSER_OK`].
 pub(crate) type Code = i32;
-
-/// A struct of the interface.
-///
-/// # Safety
-/// It is `repr(C)`, its first field is `size: u32`, and every bit pattern is a value of it.
-pub(crate) unsafe trait CStruct: Copy {}
 
 /// The size that the caller must have written into a struct.
 fn size_of<T>() -> u32 {
@@ -76,37 +71,10 @@ pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Code>) -> Code {
     outcome.err().unwrap_or(GROUSER_OK)
 }
 
-/// Runs `work` with the object behind a pointer. An object in which a panic was caught is not used again.
-///
-/// # Safety
-/// `on_board` is NULL or was returned by `grouser_new`, has not been freed, and no other thread uses it.
-pub(crate) unsafe fn with(
-    on_board: *mut GrouserOnBoard,
-    work: impl FnOnce(&mut GrouserOnBoard) -> Result<(), Code>,
-) -> Code {
-    if let Err(code) = check_pointer(on_board) {
-        return code;
-    }
-    // SAFETY: not NULL and aligned; alive and not shared by this function's own condition
-    let on_board = unsafe { &mut *on_board };
-    if on_board.is_broken {
-        return GROUSER_ERROR_INTERNAL;
-    }
-    // it stays set when `work` panics
-    on_board.is_broken = true;
-    let code = guarded(|| {
-        let outcome = work(on_board);
-        on_board.is_broken = false;
-        outcome
-    });
-    debug_assert!(!on_board.is_broken || code == GROUSER_ERROR_INTERNAL);
-    code
-}
-
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::create::tests::two_wheels;
+    use crate::create::{tests::two_wheels, with};
     use crate::{grouser_free, grouser_wheel_count};
 
     #[test]

@@ -17,8 +17,8 @@ use crate::abi::{
     GROUSER_REASON_RELATIVE, GROUSER_REASON_SUSPECT, GROUSER_REASON_YAW_ASSUMED,
     GrouserBodyEstimate, GrouserCommand, GrouserWheelEstimate,
 };
-use crate::border::{with, write};
-use crate::create::GrouserOnBoard;
+use crate::border::write;
+use crate::create::{GrouserOnBoard, with};
 
 /// Copies out what is known of a wheel.
 ///

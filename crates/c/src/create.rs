@@ -12,11 +12,11 @@ use grouser_terra::Angle;
 
 use crate::abi::{
     GROUSER_ABI, GROUSER_ENCODER_ON_MOTOR, GROUSER_ENCODER_REVERSED, GROUSER_ERROR_DESCRIPTION,
-    GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_ERROR_VALUE, GROUSER_FREE, GROUSER_POWERED,
-    GROUSER_START_OFF, GROUSER_START_REFUSE, GROUSER_START_REPORT, GrouserFilterSetting,
-    GrouserSettings, GrouserWheel,
+    GROUSER_ERROR_INTERNAL, GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_ERROR_VALUE,
+    GROUSER_FREE, GROUSER_POWERED, GROUSER_START_OFF, GROUSER_START_REFUSE, GROUSER_START_REPORT,
+    GrouserFilterSetting, GrouserSettings, GrouserWheel,
 };
-use crate::border::{Code, check_pointer, guarded, read, with, write};
+use crate::border::{Code, check_pointer, guarded, read, write};
 use crate::message::Message;
 
 /// More settings than the filter has are refused before they are read.
@@ -30,6 +30,33 @@ pub struct GrouserOnBoard {
     pub(crate) commands: Box<[WheelCommand]>,
     /// A panic was caught in it.
     pub(crate) is_broken: bool,
+}
+
+/// Runs `work` with the object behind a pointer. An object in which a panic was caught is not used again.
+///
+/// # Safety
+/// `on_board` is NULL or was returned by `grouser_new`, has not been freed, and no other thread uses it.
+pub(crate) unsafe fn with(
+    on_board: *mut GrouserOnBoard,
+    work: impl FnOnce(&mut GrouserOnBoard) -> Result<(), Code>,
+) -> Code {
+    if let Err(code) = check_pointer(on_board) {
+        return code;
+    }
+    // SAFETY: not NULL and aligned; alive and not shared by this function's own condition
+    let on_board = unsafe { &mut *on_board };
+    if on_board.is_broken {
+        return GROUSER_ERROR_INTERNAL;
+    }
+    // it stays set when `work` panics
+    on_board.is_broken = true;
+    let code = guarded(|| {
+        let outcome = work(on_board);
+        on_board.is_broken = false;
+        outcome
+    });
+    debug_assert!(!on_board.is_broken || code == GROUSER_ERROR_INTERNAL);
+    code
 }
 
 /// The version of the interface that the library was built with; compare it with the header's `GROUSER_ABI`.

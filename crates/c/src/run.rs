@@ -6,8 +6,8 @@ use crate::abi::{
     GROUSER_ERROR_VALUE, GROUSER_ERROR_WHEEL, GROUSER_INERTIAL, GROUSER_JOINT_ANGLE,
     GROUSER_MOTOR_CURRENT, GROUSER_SAMPLE_REFUSED, GrouserSample,
 };
-use crate::border::{read, with};
-use crate::create::GrouserOnBoard;
+use crate::border::read;
+use crate::create::{GrouserOnBoard, with};
 use crate::sample::parse;
 
 /// Takes one sample that arrives at `now_ns` by the computer's clock.
