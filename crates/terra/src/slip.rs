@@ -27,10 +27,6 @@ pub struct Slip(f64);
 impl Slip {
     /// The wheel rolls without slip.
     pub const ZERO: Self = Self(0.0);
-    /// The wheel spins on the spot.
-    pub const SPINNING: Self = Self(1.0);
-    /// The wheel is locked and dragged.
-    pub const LOCKED: Self = Self(-1.0);
 
     /// A slip of `value`.
     ///
@@ -117,26 +113,6 @@ impl Slip {
     pub fn is_driving(self) -> bool {
         self.0 >= 0.0
     }
-
-    /// What section 4.1 of \[Ani2012\] words: 1 − v_powered/v_fifth = −S/(1 − S) with S = 1 − q,
-    /// that is 1 − 1/q. Unbounded below: a wheel that spins at more than twice ground speed reads
-    /// under −1 without any noise. −∞ for the spinning wheel.
-    #[must_use]
-    pub fn to_paper_4_1(self) -> f64 {
-        1.0 - 1.0 / self.speed_ratio()
-    }
-
-    /// Gustafsson's slip (r ω − v)/v = 1/q − 1: unbounded above, +∞ for the spinning wheel.
-    ///
-    /// ```
-    /// # use grouser_terra::Slip;
-    /// assert_eq!(Slip::new(0.5)?.to_gustafsson(), 1.0);
-    /// # Ok::<(), grouser_terra::Error>(())
-    /// ```
-    #[must_use]
-    pub fn to_gustafsson(self) -> f64 {
-        1.0 / self.speed_ratio() - 1.0
-    }
 }
 
 /// What a wheel's two speeds say of its motion.
@@ -207,14 +183,7 @@ mod tests {
             let back = Slip::from_speed_ratio(slip.speed_ratio()).unwrap();
             assert!((back.value() - s).abs() < 4e-16);
         }
-        assert_eq!(Slip::LOCKED.speed_ratio(), f64::INFINITY);
-    }
-
-    #[test]
-    fn the_papers_wording_passes_minus_one_at_twice_ground_speed() {
-        let slip = Slip::from_speeds(0.05, 0.11).unwrap();
-        assert!(slip.to_paper_4_1() < -1.0);
-        assert!((slip.to_paper_4_1() + slip.value() / (1.0 - slip.value())).abs() < 1e-15);
+        assert_eq!(Slip(-1.0).speed_ratio(), f64::INFINITY);
     }
 
     #[test]
@@ -239,14 +208,14 @@ mod tests {
         assert_eq!(
             WheelMotion::from_speeds(-0.001, 0.1, 0.002),
             Ok(WheelMotion::Rolling {
-                slip: Slip::SPINNING,
+                slip: Slip(1.0),
                 reversed: false
             })
         );
         assert_eq!(
             WheelMotion::from_speeds(-0.1, 0.0, 0.002),
             Ok(WheelMotion::Rolling {
-                slip: Slip::LOCKED,
+                slip: Slip(-1.0),
                 reversed: true
             })
         );

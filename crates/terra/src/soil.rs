@@ -160,7 +160,7 @@ impl SoilParams {
 ///     c_2: 0.2,
 ///     ..SoilParams::bekker(990.0, 1.528e6, 1.1)
 /// };
-/// assert!(!Soil::new(sand)?.has_slip_sinkage());
+/// assert!((Soil::new(sand)?.params().phi.deg() - 28.0).abs() < 1e-12);
 /// // An angle of friction in degrees is refused.
 /// let error = Soil::new(SoilParams { phi: Angle::from_rad(28.0), ..sand }).unwrap_err();
 /// assert_eq!(error.field(), Some("phi"));
@@ -256,12 +256,6 @@ impl Soil {
     /// What the exponent prepares; `None` where it depends on slip.
     pub(crate) const fn tables(&self) -> Option<&ExponentTables> {
         self.tables.as_ref()
-    }
-
-    /// Does the sinkage exponent depend on slip?
-    #[must_use]
-    pub fn has_slip_sinkage(&self) -> bool {
-        self.tables.is_none()
     }
 
     /// The laws' parameters as numbers of any kind, for example dual numbers whose derivative is
