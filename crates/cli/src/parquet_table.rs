@@ -19,12 +19,12 @@ use parquet::record::reader::RowIter;
 use parquet::record::{Field, Row};
 use parquet::schema::types::Type;
 
-use crate::csv_line::{content, field, split};
+use grouser_log::csv::{quoted, split};
 
 /// A longer footer is none of a table of numbers.
 const LONGEST_FOOTER: u64 = 16 << 20;
 /// More columns are no table of operating points.
-const MOST_COLUMNS: usize = 1000;
+const MAX_COLUMNS: usize = 1000;
 /// Rows written together.
 const GROUP: usize = 1 << 16;
 
@@ -67,9 +67,9 @@ impl ParquetText {
             let reader = SerializedFileReader::new(file).map_err(invalid)?;
             let schema = reader.metadata().file_metadata().schema();
             let columns = schema.get_fields();
-            if columns.len() > MOST_COLUMNS {
+            if columns.len() > MAX_COLUMNS {
                 return Err(invalid(format!(
-                    "{} columns, but the limit is {MOST_COLUMNS}",
+                    "{} columns, but the limit is {MAX_COLUMNS}",
                     columns.len()
                 )));
             }
@@ -86,7 +86,7 @@ impl ParquetText {
                 if index > 0 {
                     header.push(',');
                 }
-                header.push_str(&field(column.name()));
+                header.push_str(&quoted(column.name()));
             }
             header.push('\n');
             Ok(Self {
@@ -146,10 +146,10 @@ fn line_of(row: &Row, text: &mut Vec<u8>) {
         let value = match value {
             Field::Null => String::new(),
             // a row is a line here
-            Field::Str(text) => field(&text.replace(['\n', '\r'], " ")).into_owned(),
+            Field::Str(text) => quoted(text).into_owned(),
             Field::Double(x) => format!("{x:?}"),
             Field::Float(x) => format!("{x:?}"),
-            other => field(&other.to_string()).into_owned(),
+            other => quoted(&other.to_string()).into_owned(),
         };
         text.extend_from_slice(value.as_bytes());
     }
@@ -204,10 +204,11 @@ impl<W: Write + Send> ParquetSink<W> {
     /// One line of the table, the header first.
     pub(crate) fn line(&mut self, line: &str) -> io::Result<()> {
         let line = line.trim_end_matches('\n');
-        let fields: Vec<String> = split(line)
-            .map_err(|_| invalid("a line that is no CSV"))?
-            .into_iter()
-            .map(|field| content(field).into_owned())
+        let mut fields = Vec::new();
+        split(line, b',', &mut fields).map_err(|_| invalid("a line that is no CSV"))?;
+        let fields: Vec<String> = fields
+            .iter()
+            .map(|field| field.value(line).into_owned())
             .collect();
         if let Some(target) = self.target.take() {
             return self.begin(target, &fields);
@@ -259,7 +260,7 @@ impl<W: Write + Send> ParquetSink<W> {
                 .iter()
                 .map(|row| row.get(index).map_or("", String::as_str));
             if self.numeric.get(index) == Some(&true) {
-                // a cell that is no number was told in the row's status
+                // the row's status has the reason of a cell that is no number
                 let values: Vec<Option<f64>> = cells.map(|cell| cell.parse().ok()).collect();
                 let levels: Vec<i16> = values.iter().map(|x| i16::from(x.is_some())).collect();
                 let values: Vec<f64> = values.into_iter().flatten().collect();

@@ -76,7 +76,7 @@ const CYAN: &str = "\x1b[1;36m";
 fn say(label: &str, colour: &str, message: &str) {
     let mut err = io::stderr().lock();
     let message = printable(message);
-    // Nobody is left to be told when standard error fails.
+    // Where standard error fails, nothing can be reported any more.
     let _ = if in_colour() {
         writeln!(err, "{colour}{label}\x1b[0m: {message}")
     } else {

@@ -249,7 +249,7 @@ fn standard_input_is_streamed_and_an_endless_line_is_refused() {
     said.assert_refused("a line of 3 MiB");
     assert!(
         said.err
-            .contains("line 2 is longer than the limit of 1 MiB"),
+            .contains("line 2: is longer than 1048576 bytes, the limit for a line"),
         "{said:?}"
     );
     assert!(folder.names().is_empty());

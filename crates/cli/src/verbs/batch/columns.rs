@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::csv_line::{content, field, split};
+use super::stream::Line;
 use crate::error::{Error, Result};
-use crate::lines::Line;
 use crate::operation::Prescribed;
+use grouser_log::csv::{Field, quoted, split};
 use grouser_report::number::{parse_finite, push_exact};
 
 /// The columns that are added, in order; the side force only beside a column of slip angles.
@@ -100,8 +100,10 @@ fn refusal(name: &str) -> Option<&'static str> {
 /// Where the columns of the input stand.
 #[derive(Debug)]
 pub(super) struct Columns {
-    /// The header's fields as they stand.
-    header: Vec<String>,
+    /// The header's line.
+    header: String,
+    /// Its fields.
+    names: Vec<String>,
     soil: usize,
     radius: usize,
     width: usize,
@@ -130,10 +132,11 @@ pub(super) struct Point<'a> {
     pub(super) prescribed: Prescribed,
 }
 
-/// A row: its fields as they stand, as many as the header has, and its operating point or what is wrong.
+/// A row: its line with its fields, and its operating point or what is wrong.
 #[derive(Debug)]
 pub(super) struct Row<'a> {
-    fields: Vec<&'a str>,
+    line: &'a str,
+    fields: Vec<Field>,
     /// The whole line as the first field, where it has no fields.
     whole: Option<Cow<'a, str>>,
     pub(super) point: Result<Point<'a>, String>,
@@ -151,11 +154,16 @@ impl Columns {
         if !line.is_text {
             return Err(refuse("line 1: the header is not UTF-8".to_owned(), None));
         }
-        let fields = split(&line.text)
-            .map_err(|broken| refuse(format!("line 1: {}", broken.words()), None))?;
+        let mut fields = Vec::new();
+        split(&line.text, b',', &mut fields).map_err(|bad| {
+            refuse(
+                format!("line 1: column {} {}", bad.field + 1, bad.what),
+                None,
+            )
+        })?;
         let names: Vec<String> = fields
             .iter()
-            .map(|field| content(field).into_owned())
+            .map(|field| field.value(&line.text).into_owned())
             .collect();
         let find = |name: &str| -> Result<Option<usize>> {
             let mut places = (0..names.len()).filter(|index| names[*index] == name);
@@ -197,7 +205,8 @@ impl Columns {
             grouser_height: find("grouser_height_m")?,
             grouser_count: find("grouser_count")?,
             grouser_thickness: find("grouser_thickness_m")?,
-            header: fields.iter().map(|field| (*field).to_owned()).collect(),
+            header: line.text.clone(),
+            names: names.clone(),
         };
         if columns.sinkage.is_none() && columns.load.is_none() {
             let message = "line 1: there is neither a column `sinkage_m` nor a column `load_n`";
@@ -212,7 +221,7 @@ impl Columns {
 
     /// The header of the completed table.
     pub(super) fn header(&self) -> String {
-        let mut line = self.header.join(",");
+        let mut line = self.header.clone();
         if self.sinkage.is_none() {
             line.push_str(",sinkage_m");
         }
@@ -234,7 +243,7 @@ impl Columns {
 
     /// What the user should know of the header.
     pub(super) fn warnings(&self) -> Vec<String> {
-        let there = |name: &&str| self.header.iter().any(|field| content(field) == **name);
+        let there = |name: &&str| self.names.iter().any(|own| own == name);
         let warning = |name: &str| {
             format!("column `{name}` was there already; the one that was added is the last")
         };
@@ -246,39 +255,35 @@ impl Columns {
 
     /// Reads a row.
     pub(super) fn row<'a>(&self, line: &'a Line) -> Row<'a> {
-        // The line as one field, so that the output stays a table.
-        let whole = |message: &str| Row {
-            fields: vec![""; self.header.len()],
-            whole: Some(field(&line.text)),
-            point: Err(message.to_owned()),
-        };
-        if !line.is_text {
-            return whole("the row is not UTF-8");
-        }
-        let mut fields = match split(&line.text) {
-            Ok(fields) => fields,
-            Err(broken) => return whole(broken.words()),
-        };
-        let point = if fields.len() == self.header.len() {
-            self.point(&fields)
+        let mut fields = Vec::with_capacity(self.names.len());
+        let read = if line.is_text {
+            split(&line.text, b',', &mut fields)
+                .map_err(|bad| format!("field {} {}", bad.field + 1, bad.what))
         } else {
-            Err(format!(
-                "{} fields, but the header has {}",
-                fields.len(),
-                self.header.len()
-            ))
+            Err("the row is not UTF-8".to_owned())
         };
-        fields.resize(self.header.len(), "");
+        let wanted = self.names.len();
+        // without fields the line is one field, so that the output stays a table
+        let whole = read.is_err().then(|| quoted(&line.text));
+        let point = match read {
+            Ok(()) if fields.len() == wanted => self.point(&line.text, &fields),
+            Ok(()) => Err(format!(
+                "{} fields, but the header has {wanted}",
+                fields.len()
+            )),
+            Err(broken) => Err(broken),
+        };
         Row {
+            line: &line.text,
             fields,
-            whole: None,
+            whole,
             point,
         }
     }
 
-    fn point<'a>(&self, fields: &[&'a str]) -> Result<Point<'a>, String> {
+    fn point<'a>(&self, line: &'a str, fields: &[Field]) -> Result<Point<'a>, String> {
         let number = |index: usize, name: &str| {
-            let text = content(fields[index]);
+            let text = fields[index].value(line);
             parse_finite(&text).map_err(|reason| {
                 if text.is_empty() {
                     format!("`{name}` is empty")
@@ -287,7 +292,7 @@ impl Columns {
                 }
             })
         };
-        let filled = |index: &usize| !content(fields[*index]).is_empty();
+        let filled = |index: &usize| !fields[*index].value(line).is_empty();
         let sinkage = self.sinkage.filter(filled);
         let load = self.load.filter(filled);
         let prescribed = match (sinkage, load) {
@@ -329,7 +334,7 @@ impl Columns {
         };
         Ok(Point {
             grousers,
-            soil: content(fields[self.soil]),
+            soil: fields[self.soil].value(line),
             radius_m: number(self.radius, "radius_m")?,
             width_m: number(self.width, "width_m")?,
             rebound: rebound.transpose()?,
@@ -353,18 +358,19 @@ impl Columns {
                 push_exact(text, number);
             }
         };
-        for (index, field) in row.fields.iter().enumerate() {
+        for index in 0..self.names.len() {
             if index > 0 {
                 text.push(',');
             }
-            if index == 0
-                && let Some(whole) = &row.whole
-            {
-                text.push_str(whole);
-            } else if Some(index) == self.sinkage && content(field).is_empty() {
-                push(text, sinkage);
-            } else {
-                text.push_str(field);
+            match (&row.whole, row.fields.get(index)) {
+                (Some(whole), _) if index == 0 => text.push_str(whole),
+                (None, Some(field))
+                    if Some(index) != self.sinkage || !field.value(row.line).is_empty() =>
+                {
+                    text.push_str(field.raw(row.line));
+                }
+                _ if Some(index) == self.sinkage => push(text, sinkage),
+                _ => {}
             }
         }
         if self.sinkage.is_none() {
@@ -377,7 +383,7 @@ impl Columns {
             push(text, *result);
         }
         text.push(',');
-        text.push_str(&field(status));
+        text.push_str(&quoted(status));
         text.push('\n');
     }
 }

@@ -16,11 +16,11 @@ use grouser_terra::{
 
 use self::columns::{Columns, Row};
 use self::sink::TableSink;
+use self::stream::{Line, lines_of, next_line};
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
 use crate::input::{Input, STANDARD};
 use crate::law_error::Names;
-use crate::lines::{Line, Lines};
 use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
 use crate::session::Session;
@@ -105,8 +105,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let input = Input::open_table(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
-    let mut lines = Lines::of(input);
-    let columns = Columns::read(lines.next()?, &arguments.input)?;
+    let mut lines = lines_of(input);
+    let columns = Columns::read(next_line(&mut lines)?, &arguments.input)?;
     let mut output = TableSink::create(&arguments.output)?;
     let path = output.path().to_owned();
 
@@ -158,7 +158,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             None,
         ));
     }
-    session.used_input(lines.into_input());
+    session.used_input(lines.into_input().into_inner());
     output.finish()?;
     drop(progress);
 

@@ -2,13 +2,17 @@
 //! chunks in order. Few chunks are under way, so that memory stays flat however long the table is.
 
 use std::collections::BTreeMap;
+use std::io::BufReader;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::error::Result;
-use crate::lines::{Line, Lines};
+use grouser_log::csv;
+
+use crate::error::{Error, Result};
+use crate::input::Input;
 
 /// Rows of a chunk at most.
 const CHUNK_ROWS: usize = 1024;
@@ -16,6 +20,38 @@ const CHUNK_ROWS: usize = 1024;
 const CHUNK_BYTES: u64 = 1 << 20;
 /// Chunks under way for each solving thread: one that is solved, one that waits on either side.
 const UNDER_WAY: usize = 3;
+
+/// The lines of the table.
+pub(super) type Lines = csv::Lines<BufReader<Input>>;
+
+/// One line, for the thread that solves it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Line {
+    /// Its text; bytes that are not UTF-8 became U+FFFD.
+    pub(super) text: String,
+    /// Was it UTF-8?
+    pub(super) is_text: bool,
+}
+
+/// The lines of `input`.
+pub(super) fn lines_of(input: Input) -> Lines {
+    let name = input.path().display().to_string();
+    Lines::over(BufReader::new(input), &name)
+}
+
+/// The next line; `None` at the end.
+pub(super) fn next_line(lines: &mut Lines) -> Result<Option<Line>> {
+    let found = lines.advance().map_err(|error| match error {
+        grouser_log::Error::Unreadable { at, source } => {
+            Error::file("read", Path::new(&at.file), &source)
+        }
+        error => error.into(),
+    });
+    Ok(found?.then(|| Line {
+        text: String::from_utf8_lossy(lines.raw()).into_owned(),
+        is_text: str::from_utf8(lines.raw()).is_ok(),
+    }))
+}
 
 /// Lines read together.
 struct Chunk {
@@ -163,7 +199,7 @@ fn next_chunk(lines: &mut Lines) -> Result<Vec<Line>> {
     let mut chunk = Vec::with_capacity(CHUNK_ROWS);
     let from = lines.bytes();
     while chunk.len() < CHUNK_ROWS && lines.bytes() - from < CHUNK_BYTES {
-        match lines.next()? {
+        match next_line(lines)? {
             Some(line) if line.text.trim().is_empty() && line.is_text => {}
             Some(line) => chunk.push(line),
             None => break,

@@ -21,7 +21,7 @@ use crate::wheel_choice::{GravityArgument, WheelArguments};
 use grouser_report::number::{in_message, parse_finite, shown};
 
 /// More points than this are no curve any more.
-const MOST_POINTS: i64 = 100_000;
+const MAX_POINTS: i64 = 100_000;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", default_value = "0.9", value_parser = parse_finite, allow_hyphen_values = true)]
     slip_to: f64,
     /// Number of points, evenly spaced
-    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MOST_POINTS))]
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MAX_POINTS))]
     points: u32,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
     #[arg(short, long, value_name = "FILE")]

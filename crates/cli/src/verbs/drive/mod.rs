@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
 }
 
 /// Most seeds of a sweep.
-const MOST_SEEDS: u64 = 10_000;
+const MAX_SEEDS: u64 = 10_000;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let pilots: Vec<Pilot> = arguments
@@ -73,9 +73,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .iter()
         .map(|name| pilot(name))
         .collect::<Result<_>>()?;
-    if !(1..=MOST_SEEDS).contains(&arguments.sweep) {
+    if !(1..=MAX_SEEDS).contains(&arguments.sweep) {
         return Err(Error::usage_without_hint(format!(
-            "`--sweep` is {}, but must lie in [1, {MOST_SEEDS}]",
+            "`--sweep` is {}, but must lie in [1, {MAX_SEEDS}]",
             arguments.sweep
         )));
     }
@@ -171,7 +171,7 @@ fn drive_all(
             // one run alone holds the lock, for as long as it drives
             let mut log = (index == logged).then(|| log.lock().ok()).flatten();
             let mut failed = None;
-            let mut told = 0.0;
+            let mut reported = 0.0;
             let mut see = |frame: &Frame<'_>| {
                 if let Some(seen) = &mut seen {
                     seen.add(frame);
@@ -182,13 +182,13 @@ fn drive_all(
                     failed = Some(log.refused(&error));
                     return false;
                 }
-                if frame.time - told >= 1.0 {
+                if frame.time - reported >= 1.0 {
                     progress.drove(
-                        frame.time - told,
+                        frame.time - reported,
                         frame.speed,
                         frame.wheels.iter().find_map(|w| w.observation.slip),
                     );
-                    told = frame.time;
+                    reported = frame.time;
                 }
                 true
             };
@@ -200,7 +200,7 @@ fn drive_all(
                     Simulation::with_tables(scenario, pilot, jobs.optimum, seed, &tables)?;
                 (drive.run(&mut see), None)
             };
-            progress.drove(scenario.duration - told, 0.0, None);
+            progress.drove(scenario.duration - reported, 0.0, None);
             match failed {
                 Some(error) => Err(error),
                 None => Ok(Run {

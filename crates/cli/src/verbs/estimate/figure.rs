@@ -6,7 +6,7 @@ use grouser_slip::{Degraded, Health, Invalid};
 
 use grouser_figure::{Area, Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style, plain};
 
-/// At most so many stretches of time are kept of a wheel: more than a figure has columns.
+/// At most this many stretches of time are kept of a wheel: more than a figure has columns.
 const STRETCHES: usize = 4096;
 
 /// Slip against time in fixed memory: of each stretch of time the least and the greatest slip. When

@@ -115,7 +115,7 @@ impl Recording {
                 }
             }
         }
-        let due = |told: i64| time_ns.saturating_sub(told) >= DIAGNOSTICS_NS;
+        let due = |last: i64| time_ns.saturating_sub(last) >= DIAGNOSTICS_NS;
         if self.told_ns.is_none_or(due) {
             self.told_ns = Some(time_ns);
             let message = diagnostics(header(""), &self.names, wheels);

@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
     /// The robot file
     #[arg(long, value_name = "R.toml")]
     robot: PathBuf,
-    /// The column map of a CSV log; the robot file's, or `columns.toml` beside it, unless told
+    /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
     /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
@@ -71,19 +71,19 @@ pub(crate) struct Arguments {
     /// Learn the soil from slips, accelerations, torques and sinkages; the one of `--soil` is what is known of it
     #[arg(long, requires = "soil")]
     learn_soil: bool,
-    /// What tells how fast the robot travels; the robot file's unless told
+    /// What measures how fast the robot travels [default: the robot file's]
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
-    /// What finds the slips: `filter`, or means over windows; the filter, up to 8 wheels, unless told
+    /// What estimates the slips: `filter`, or means over windows [default: the filter, up to 8 wheels]
     #[arg(long, value_name = "filter|window", value_parser = method)]
     method: Option<Method>,
     /// Run the filter forward and backward: every slip is then what the whole log says of it
     #[arg(long)]
     smooth: bool,
-    /// By what the wheels are measured; the robot file's unless told
+    /// What measures the wheels [default: the robot file's]
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Take means over this time in s; the robot file's unless told
+    /// Length of the means' windows in s [default: the robot file's]
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
     window_s: Option<f64>,
     /// Leave out what comes before this time in s
@@ -351,7 +351,7 @@ fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
     })
 }
 
-/// The column map: as told, else the robot file's own, else the one beside it; bags need none.
+/// The column map: the flag's, else the robot file's own, else the one beside it; bags need none.
 fn column_map(
     arguments: &Arguments,
     robot: &RobotFile,

@@ -5,12 +5,12 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use grouser_files::robot::RobotFile;
+use grouser_log::csv::quoted;
 use grouser_replay::{Row, Sink, Step, Summary};
 use grouser_slip::Wheel;
 
 use super::figure::{Trace, draw};
 use super::mcap::Recording;
-use crate::csv_line::quoted;
 use crate::error::{Error, Result, shown};
 use crate::figure_file::{self, Target};
 use crate::output::OutputFile;

@@ -9,7 +9,7 @@ use grouser_slip::{Motion, Reference};
 use super::object::{self, cause, event_name};
 use grouser_report::{Fields, Table};
 
-/// So many events are told; a file has them all.
+/// At most this many events are printed; a file has all of them.
 const EVENTS: usize = 10;
 
 pub(super) fn text(

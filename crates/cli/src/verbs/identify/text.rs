@@ -81,9 +81,9 @@ pub(super) fn warnings(found: &Identification) -> Vec<String> {
         .iter()
         .filter_map(|line| {
             let what = match line.verdict {
-                Verdict::NotIdentifiable => "cannot be told from these tests",
+                Verdict::NotIdentifiable => "cannot be determined from these tests",
                 Verdict::OnBound => "lies on its bound",
-                Verdict::Loose => "is hardly told: its interval is as wide as its bounds",
+                Verdict::Loose => "is hardly determined: its interval is as wide as its bounds",
                 _ => return None,
             };
             Some(format!("{} {what}", line.name))

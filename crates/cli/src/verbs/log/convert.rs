@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// The topic that becomes a table; needed where there are several
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
-    /// What the columns of a table mean; `columns.toml` beside the log unless told
+    /// What the columns of a table mean [default: `columns.toml` beside the log]
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
 }

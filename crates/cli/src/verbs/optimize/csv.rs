@@ -1,12 +1,12 @@
 //! The table of `optimize` as CSV: the front, or every start.
 
 use grouser_design::{Answer, Design};
-
-use crate::csv_line::quoted;
+use grouser_log::csv::quoted;
 use grouser_report::number::exact;
 
 /// Columns: the variables, then the objectives (a front) or `max` and `status` (starts).
 pub(super) fn csv(design: &Design, answer: &Answer) -> String {
+    let quoted = |name: &str| quoted(name).into_owned();
     let mut header: Vec<String> = design.variables.iter().map(|v| quoted(&v.name)).collect();
     let mut text = String::new();
     let mut line = |cells: &[String]| {

@@ -7,9 +7,9 @@ use grouser_figure::{
 };
 
 /// More panels than this are no picture any more.
-const MOST_PANELS: usize = 6;
+const MAX_PANELS: usize = 6;
 /// More names than this are no reading any more.
-const MOST_NAMES: usize = 16;
+const MAX_NAMES: usize = 16;
 
 pub(super) fn draw(design: &Design, answer: &Answer) -> Figure {
     match answer {
@@ -42,7 +42,7 @@ fn lines(title: &str, names: &[String], values: &[f64], colour: Colour) -> Chart
         let y = i as f64 + 1.0;
         let mark = Mark::new([*value, y]).look(Marker::Disc, colour);
         chart = chart.curve(Curve::new([[0.0, y], [*value, y]]).style(style));
-        chart = chart.mark(if values.len() <= MOST_NAMES {
+        chart = chart.mark(if values.len() <= MAX_NAMES {
             mark.label(plain(&names[i]))
         } else {
             mark
@@ -112,7 +112,7 @@ fn front(design: &Design, trade: &Trade) -> Figure {
         trade.points.len()
     ));
     let pairs = (0..m).flat_map(|a| (a + 1..m).map(move |b| (a, b)));
-    for (a, b) in pairs.take(MOST_PANELS) {
+    for (a, b) in pairs.take(MAX_PANELS) {
         let title = |i: usize| plain(&design.objectives[i].name);
         let places: Vec<[f64; 2]> = trade
             .points

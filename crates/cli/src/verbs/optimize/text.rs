@@ -10,7 +10,7 @@ use grouser_report::number::{rounded, shown};
 /// A share below this does not count in words.
 const MIN_WORDED_SHARE: f64 = 1e-6;
 /// So many optima are listed.
-const MOST_OPTIMA: usize = 20;
+const MAX_OPTIMA: usize = 20;
 /// So many points of a front are listed, the knee aside.
 const POINTS_SHOWN: usize = 11;
 
@@ -183,15 +183,15 @@ fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
     for variable in &design.variables {
         table = table.number(&variable.name);
     }
-    for (start, count) in optimum.optima.iter().take(MOST_OPTIMA) {
+    for (start, count) in optimum.optima.iter().take(MAX_OPTIMA) {
         let found = &optimum.starts[*start];
         let mut cells = vec![worst(design, found.maximum).1, count.to_string()];
         cells.extend(found.x.iter().map(|x| shown(*x)));
         table.row(cells);
     }
     text.push_str(&table.render());
-    if optimum.optima.len() > MOST_OPTIMA {
-        let _ = writeln!(text, "and {} more", optimum.optima.len() - MOST_OPTIMA);
+    if optimum.optima.len() > MAX_OPTIMA {
+        let _ = writeln!(text, "and {} more", optimum.optima.len() - MAX_OPTIMA);
     }
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     /// The robot's description (.urdf); with --stance its robot file (.toml)
     #[arg(value_name = "ROBOT")]
     description: PathBuf,
-    /// Write the robot file here; it is printed unless told
+    /// Write the robot file here; without it, it is printed
     #[arg(short, long, value_name = "R.toml")]
     output: Option<PathBuf>,
     #[command(flatten)]

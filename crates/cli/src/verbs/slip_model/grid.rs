@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use grouser_report::number::parse_finite;
 
 /// More points than this are a mistake.
-const MOST_POINTS: usize = 1_000_000;
+const MAX_POINTS: usize = 1_000_000;
 
 /// What a flag gives: `0.1`, `0.1,0.2` or `0.1:0.2`.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,9 +90,9 @@ impl Axes {
             .iter()
             .map(Vec::len)
             .fold(1_usize, usize::saturating_mul);
-        if count > MOST_POINTS {
+        if count > MAX_POINTS {
             return Err(Error::usage_without_hint(format!(
-                "the lists and `--points` make {count} points, but at most {MOST_POINTS} are possible"
+                "the lists and `--points` make {count} points, but at most {MAX_POINTS} are possible"
             )));
         }
         Ok(axes)
