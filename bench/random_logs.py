@@ -158,8 +158,8 @@ class Log:
             columns.append('{ column = "gyro", meaning = "yaw_rate", unit = "rad/s" }')
         if self.has_accelerometer:
             for name, true in (("forward", np.gradient(world.speed, STEP_S)), ("left", world.speed * world.turn)):
-                felt = true[rows] + 0.05 * random.normal() + 0.1 * random.normal(size=len(rows))
-                data[name] = [f"{value:.4f}" for value in felt]
+                measured = true[rows] + 0.05 * random.normal() + 0.1 * random.normal(size=len(rows))
+                data[name] = [f"{value:.4f}" for value in measured]
                 columns.append(f'{{ column = "{name}", meaning = "acceleration_{name}", unit = "m/s2" }}')
         if world.kind == "car":
             data["steering"] = [f"{value:.5f}" for value in world.steering()[rows]]

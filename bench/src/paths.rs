@@ -10,7 +10,7 @@ use grouser_terra::{
     SoilParams, WheelOnSoil, WheelSize, catalogue, entry_angle,
 };
 
-/// Median time of `job`, ns, over rounds that last long enough to be told.
+/// Median time of `job`, ns, over rounds that last long enough to be measured.
 fn median_ns(mut job: impl FnMut() -> f64) -> f64 {
     let mut times: Vec<f64> = (0..31)
         .map(|_| {

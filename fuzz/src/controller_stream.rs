@@ -44,12 +44,12 @@ pub fn run(bytes: &[u8]) {
     while !bytes.is_empty() {
         time_ns = stream::time(&mut bytes, time_ns);
         seen.clear();
-        let told = if bytes.u8() % 16 == 0 {
+        let reported = if bytes.u8() % 16 == 0 {
             bytes.u8() % 8
         } else {
             wheels
         };
-        for _ in 0..told {
+        for _ in 0..reported {
             let kind = bytes.u8();
             seen.push(WheelObservation {
                 slip: number(&mut bytes, -1.0, 1.0),

@@ -118,11 +118,11 @@ fn check(computer: &mut OnBoard, time_ns: i64, request: Request, control: &Contr
         );
     }
     if let Some(soil) = computer.soil() {
-        let told = soil.estimate();
-        for interval in [told.strength, told.stiffness, told.friction_angle] {
+        let reported = soil.estimate();
+        for interval in [reported.strength, reported.stiffness, reported.friction_angle] {
             assert!(
                 interval.low <= interval.mean && interval.mean <= interval.high,
-                "{told:?}"
+                "{reported:?}"
             );
         }
     }

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     fn with(name: &'static str, value: &'static str) -> Result<Environment> {
-        Environment::of(|asked| (asked == name).then(|| value.to_owned()))
+        Environment::of(|key| (key == name).then(|| value.to_owned()))
     }
 
     #[test]

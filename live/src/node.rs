@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut node = Node {
         senders: looked.channels.iter().map(Senders::new).collect(),
         record_ids: vec![None; looked.channels.len()],
-        last_heard: vec![None; looked.channels.len()],
+        last_received: vec![None; looked.channels.len()],
         channels: looked.channels,
         intake,
         samples,
@@ -255,7 +255,7 @@ struct Node {
     channels: Vec<Channel>,
     senders: Vec<Senders>,
     record_ids: Vec<Option<u16>>,
-    last_heard: Vec<Option<Instant>>,
+    last_received: Vec<Option<Instant>>,
     intake: Intake,
     samples: RobotSamples,
     engine: Engine,
@@ -297,7 +297,7 @@ impl Node {
             return Ok(());
         };
         let index = arrival.subscription;
-        self.last_heard[index] = Some(arrival.received);
+        self.last_received[index] = Some(arrival.received);
         if !self.senders[index].accepts(arrival, &channel.type_name) {
             return Ok(());
         }
@@ -390,8 +390,8 @@ impl Node {
             .filter_map(|senders| senders.problem(now))
             .collect();
         let mut is_silent = false;
-        for (channel, heard) in self.channels.iter().zip(&self.last_heard) {
-            if heard.is_some_and(|heard| now.saturating_duration_since(heard) >= SILENCE) {
+        for (channel, received) in self.channels.iter().zip(&self.last_received) {
+            if received.is_some_and(|at| now.saturating_duration_since(at) >= SILENCE) {
                 is_silent = true;
                 problems.push(format!("`{}` is silent", channel.topic));
             }
@@ -496,7 +496,7 @@ impl Node {
 
     /// Renews the transport where all topics have fallen silent.
     fn renew_transport(&mut self, now: Instant) {
-        let Some(newest) = self.last_heard.iter().flatten().max() else {
+        let Some(newest) = self.last_received.iter().flatten().max() else {
             return;
         };
         let silent = now.saturating_duration_since(*newest);

@@ -9,12 +9,12 @@ mod ours;
 mod scene;
 mod theirs;
 
-use scene::{Scene, Seen};
+use scene::{Scene, Positions};
 
 const STEPS: [f64; 4] = [2e-3, 1e-3, 5e-4, 2.5e-4];
 
 /// Greatest distance of the chassis' place (mm), attitude (mrad) and joints (mrad).
-fn apart(a: &Seen, b: &Seen) -> [f64; 3] {
+fn apart(a: &Positions, b: &Positions) -> [f64; 3] {
     let place = (0..3)
         .map(|i| (a.place[i] - b.place[i]).powi(2))
         .sum::<f64>()
@@ -26,12 +26,12 @@ fn apart(a: &Seen, b: &Seen) -> [f64; 3] {
 }
 
 /// The limit of small steps of a method of the first order, by Richardson: 2 x(h) − x(2 h).
-fn limit(fine: &Seen, coarse: &Seen) -> Seen {
+fn limit(fine: &Positions, coarse: &Positions) -> Positions {
     let mix = |a: f64, b: f64| 2.0 * a - b;
     let mut attitude = [0, 1, 2, 3].map(|i| mix(fine.attitude[i], coarse.attitude[i]));
     let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
     attitude.iter_mut().for_each(|x| *x /= size);
-    Seen {
+    Positions {
         centre: [0, 1, 2].map(|i| mix(fine.centre[i], coarse.centre[i])),
         place: [0, 1, 2].map(|i| mix(fine.place[i], coarse.place[i])),
         attitude,
@@ -72,7 +72,7 @@ fn main() {
         println!("         of a way of {fell:.2} m, joints turned by up to {moved:.3} rad");
         if scene.springs.is_none() {
             let parabola = scene.parabola();
-            let off = |seen: &Seen| {
+            let off = |seen: &Positions| {
                 let off = (0..3).map(|i| (seen.centre[i] - parabola[i]).powi(2));
                 1e3 * off.sum::<f64>().sqrt()
             };

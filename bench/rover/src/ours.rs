@@ -2,9 +2,9 @@
 
 use grouser_rover::vector::Vector;
 
-use crate::scene::{Scene, Seen, start};
+use crate::scene::{Scene, Positions, start};
 
-pub fn run(scene: &Scene, step: f64) -> Seen {
+pub fn run(scene: &Scene, step: f64) -> Positions {
     let linkage = &scene.model.linkage;
     let mut state = start();
     let mut pose = linkage.pose(&state);
@@ -45,7 +45,7 @@ pub fn run(scene: &Scene, step: f64) -> Seen {
     let turned = [x, y, z].map(|axis| state.attitude.to_world(axis));
     let place = state.position;
     let centre = place + state.attitude.to_world(linkage.centre(&pose));
-    Seen {
+    Positions {
         centre: [centre.x, centre.y, centre.z],
         place: [place.x, place.y, place.z],
         attitude: quaternion(turned),

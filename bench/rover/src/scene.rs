@@ -21,7 +21,7 @@ pub struct Scene {
 
 /// Where everything is at the end.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct Positions {
     pub place: [f64; 3],
     /// x, y, z, w.
     pub attitude: [f64; 4],

@@ -2,7 +2,7 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::scene::{Scene, Seen};
+use crate::scene::{Scene, Positions};
 
 type Ours = grouser_rover::vector::Vector;
 
@@ -10,7 +10,7 @@ fn glam(v: Ours) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-pub fn run(scene: &Scene, step: f64) -> Seen {
+pub fn run(scene: &Scene, step: f64) -> Positions {
     let linkage = &scene.model.linkage;
     let (mut bodies, mut joints) = (RigidBodySet::new(), MultibodyJointSet::new());
     // Every body's frame stands in its own centre of mass, with the robot's axes. With frames in the robot's origin
@@ -98,7 +98,7 @@ pub fn run(scene: &Scene, step: f64) -> Seen {
     let place = chassis.position().transform_point(local(None, Ours::ZERO));
     let turned = *chassis.rotation();
     let sign = if turned.w < 0.0 { -1.0 } else { 1.0 };
-    Seen {
+    Positions {
         centre: [centre.x, centre.y, centre.z],
         place: [place.x, place.y, place.z],
         attitude: [turned.x, turned.y, turned.z, turned.w].map(|part| sign * part),

@@ -1,6 +1,6 @@
 //! The paper's problem: what is known of it, and what it depends on.
 
-use grouser_campaign::paper::{PRINTED_SLIP, READINGS, sinkage_ratio_of_slip};
+use grouser_campaign::paper::{INTERPRETATIONS, PRINTED_SLIP, sinkage_ratio_of_slip};
 use grouser_design::{Answer, Quantity};
 
 /// The curve |S_0| = 0.1146 at angles found by another program.
@@ -30,7 +30,7 @@ fn the_curve_of_the_printed_slip() {
 #[test]
 fn the_answer_depends_on_start_and_scaling() {
     let slips = |index: usize| -> Vec<f64> {
-        let design = READINGS[index].design(12, 1).unwrap();
+        let design = INTERPRETATIONS[index].design(12, 1).unwrap();
         let Answer::Optimum(found) = design.solve().unwrap() else {
             panic!("minimax gives one point")
         };

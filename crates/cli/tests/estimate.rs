@@ -28,12 +28,12 @@ fn json(output: &Output) -> Value {
 fn refused(arguments: &[&str], message: &str) {
     let arguments = [arguments, &["--json"]].concat();
     let output = grouser(&arguments);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
     assert!(is_error_alone(&output), "{arguments:?}");
     assert!(
-        told.starts_with("error: ") && told.contains(message),
-        "{arguments:?}: {told}"
+        printed.starts_with("error: ") && printed.contains(message),
+        "{arguments:?}: {printed}"
     );
 }
 

@@ -21,8 +21,8 @@ fn grouser(arguments: &[&str]) -> Output {
         .args(arguments)
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!told.contains("panicked"), "{arguments:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!printed.contains("panicked"), "{arguments:?}: {printed}");
     assert!(
         begin.elapsed() < Duration::from_secs(20),
         "{arguments:?}: {:?}",
@@ -40,9 +40,9 @@ fn grouser(arguments: &[&str]) -> Output {
         }
         Some(2) => {
             assert!(is_error_alone(&output), "{arguments:?}");
-            assert!(told.starts_with("error: "), "{arguments:?}: {told}");
+            assert!(printed.starts_with("error: "), "{arguments:?}: {printed}");
         }
-        _ => panic!("{arguments:?} ends with {code:?}: {told}"),
+        _ => panic!("{arguments:?} ends with {code:?}: {printed}"),
     }
     output
 }

@@ -15,18 +15,18 @@ const JACKAL: &str = "examples/jackal/robot.toml";
 /// The JSON object of a run that ends with `code`.
 fn json(arguments: &[&str], code: i32) -> Value {
     let output = grouser(&[arguments, &["--json"]].concat());
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {printed}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn refused(arguments: &[&str], message: &str) {
     let output = grouser(arguments);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
     assert!(
-        output.stdout.is_empty() && told.contains(message),
-        "{arguments:?}: {told}"
+        output.stdout.is_empty() && printed.contains(message),
+        "{arguments:?}: {printed}"
     );
 }
 
@@ -147,10 +147,10 @@ fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
     // The same as text, with the place.
     let again = grouser(&["log", "recover", &cut, &saved]);
     assert_eq!(again.status.code(), Some(3));
-    let told = String::from_utf8(again.stdout).unwrap();
+    let printed = String::from_utf8(again.stdout).unwrap();
     assert!(
-        told.contains(&format!("damaged at byte {offset}, ")),
-        "{told}"
+        printed.contains(&format!("damaged at byte {offset}, ")),
+        "{printed}"
     );
     // Recovered once more it is whole.
     let twice = folder.path("twice.mcap");
@@ -170,11 +170,11 @@ fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
     assert_eq!(object["left_out"]["damages"], 1);
     assert!(object["duration_s"].as_f64().unwrap() > 19.0, "{object}");
     assert_eq!(object["topics"][0]["topic"], "/wheel_ticks");
-    let told = grouser(&["estimate", &cut, "--robot", ROBOT]).stderr;
-    let told = String::from_utf8(told).unwrap();
+    let printed = grouser(&["estimate", &cut, "--robot", ROBOT]).stderr;
+    let printed = String::from_utf8(printed).unwrap();
     assert!(
-        told.contains("warning: 1 places of the log are damaged"),
-        "{told}"
+        printed.contains("warning: 1 places of the log are damaged"),
+        "{printed}"
     );
 }
 
@@ -254,8 +254,8 @@ fn a_folder_is_one_run() {
         let messages = |topic: &Value| topic["messages"].as_u64().unwrap();
         assert_eq!(2 * messages(one), messages(&both), "{both}");
     }
-    let told = String::from_utf8(grouser(&["log", "info", path]).stdout).unwrap();
-    assert!(told.contains("not read: metadata.yaml"), "{told}");
+    let printed = String::from_utf8(grouser(&["log", "info", path]).stdout).unwrap();
+    assert!(printed.contains("not read: metadata.yaml"), "{printed}");
     let output = grouser(&["log", "info", path, "--suggest-robot"]);
     assert!(
         String::from_utf8(output.stdout)
@@ -285,7 +285,7 @@ fn a_folder_is_one_run() {
 }
 
 #[test]
-fn a_tables_columns_are_told_with_what_they_probably_mean() {
+fn a_tables_columns_are_reported_with_what_they_probably_mean() {
     let object = json(&["log", "info", TABLE], 0);
     assert_eq!(
         (&object["rows"], &object["duration_s"]),
@@ -305,8 +305,8 @@ fn a_tables_columns_are_told_with_what_they_probably_mean() {
 #[test]
 fn types_stand_whole_in_their_lines_when_piped() {
     let output = grouser(&["log", "info", MCAP]);
-    let told = String::from_utf8(output.stdout).unwrap();
-    let line = told
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let line = printed
         .lines()
         .find(|line| line.starts_with("/wheel_ticks"))
         .unwrap();

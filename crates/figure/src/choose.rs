@@ -39,14 +39,14 @@ pub(super) fn choose(candidates: &[Vec<Candidate>], gap: f64) -> Option<Vec<Plac
     // The label with the fewest candidates first.
     let mut order: Vec<usize> = (0..candidates.len()).collect();
     order.sort_by_key(|index| candidates[*index].len());
-    let mut least_rest = vec![0.0; order.len() + 1];
+    let mut min_rest = vec![0.0; order.len() + 1];
     for (depth, index) in order.iter().enumerate().rev() {
-        least_rest[depth] = least_rest[depth + 1] + candidates[*index].first()?.cost;
+        min_rest[depth] = min_rest[depth + 1] + candidates[*index].first()?.cost;
     }
     let mut choice = Choice {
         candidates,
         order,
-        least_rest,
+        min_rest,
         best: None,
         effort: MAX_NODES,
         gap,
@@ -67,7 +67,7 @@ struct Choice<'a> {
     candidates: &'a [Vec<Candidate>],
     order: Vec<usize>,
     /// The least that the labels from a depth on must cost.
-    least_rest: Vec<f64>,
+    min_rest: Vec<f64>,
     best: Option<(f64, Vec<usize>)>,
     effort: usize,
     gap: f64,
@@ -83,7 +83,7 @@ impl Choice<'_> {
         for pick in 0..self.candidates[self.order[depth]].len() {
             let candidate = self.candidates[self.order[depth]][pick];
             let bound = self.best.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
-            if cost + candidate.cost + self.least_rest[depth + 1] >= bound || self.effort == 0 {
+            if cost + candidate.cost + self.min_rest[depth + 1] >= bound || self.effort == 0 {
                 return; // the candidates after this one cost more
             }
             self.effort -= 1;

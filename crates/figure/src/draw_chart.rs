@@ -30,8 +30,8 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Ticks for a frame of about `width` points, at most `most_y` intervals up.
-    pub(super) fn of(chart: &Chart, width: f64, most_y: u8) -> Self {
+    /// Ticks for a frame of about `width` points, at most `max_y` intervals up.
+    pub(super) fn of(chart: &Chart, width: f64, max_y: u8) -> Self {
         let all = data(chart);
         let x_range = chart
             .x
@@ -60,7 +60,7 @@ impl Axes {
             .map(|most| ticks(x_range, free(chart.x.range, Widen::ToTicks), most))
             .find(fits)
             .unwrap_or_else(|| ticks(x_range, free(chart.x.range, Widen::ToTicks), 1));
-        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), most_y);
+        let y = ticks(y_range, free(chart.y.range, Widen::ToTicksWithRoom), max_y);
         Self { x, y }
     }
 

@@ -1,4 +1,4 @@
-//! Colours, dashes and markers. Every curve is told apart by its dash as well as by its colour.
+//! Colours, dashes and markers. Every curve is distinguished by its dash as well as by its colour.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! The section `[topics]` of robot files: what it says, and what is told of mistakes.
+//! The section `[topics]` of robot files: what it says, and what is reported of mistakes.
 
 use grouser_files::columns::Meaning;
 use grouser_files::robot::{self, RobotFile};
@@ -59,7 +59,7 @@ fn an_odometry_of_the_wheels_says_their_rates() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_place_and_what_was_meant() {
+fn mistakes_are_reported_with_their_place_and_what_was_meant() {
     let (message, hint) = mistake("[topics]\nyaw_rat = \"/imu\"\n");
     assert_eq!(
         message,

@@ -289,7 +289,7 @@ fn what_is_no_robot_is_refused_with_its_reason() {
 }
 
 #[test]
-fn wheels_that_cannot_be_told_are_refused_with_a_hint() {
+fn wheels_that_cannot_be_determined_are_refused_with_a_hint() {
     let error = refused(&cart().replace("continuous", "fixed"));
     assert!(
         matches!(&error, UrdfError::NoWheels { turning } if turning.is_empty()),
@@ -448,8 +448,8 @@ fn boxes_around_a_rim_are_its_lugs() {
                 .grousers()
                 .is_none()
         );
-        let told = converted.notes.iter().any(|said| said.contains(note));
-        assert!(told, "{:?}", converted.notes);
+        let reported = converted.notes.iter().any(|said| said.contains(note));
+        assert!(reported, "{:?}", converted.notes);
     }
 }
 

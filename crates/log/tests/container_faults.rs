@@ -151,16 +151,16 @@ fn bombs_in_bags_are_refused_or_read_within_the_memory() {
             written::bag::record(&mut file, &fields, &content);
             let (rows, damages) = guarded(&file);
             assert_eq!(rows.len(), 1, "{damages:?}");
-            let told = damages.iter().any(|damage| {
+            let reported = damages.iter().any(|damage| {
                 damage.what.contains("limit") || damage.what.contains("more than the")
             });
-            assert!(told, "{packing:?} {declared}: {damages:?}");
+            assert!(reported, "{packing:?} {declared}: {damages:?}");
         }
     }
 }
 
 #[test]
-fn the_first_of_two_declarations_is_kept_and_the_other_told() {
+fn the_first_of_two_declarations_is_kept_and_the_other_reported() {
     let mut file = written::mcap::MAGIC.to_vec();
     written::mcap::schema(&mut file, 1, b"a/A", b"bool a\n");
     written::mcap::schema(&mut file, 1, b"a/Other", b"bool b\n");
@@ -179,24 +179,24 @@ fn the_first_of_two_declarations_is_kept_and_the_other_told() {
         .map(|row| (row.0.as_str(), row.1.as_str()))
         .collect();
     assert_eq!(topics, [("/first", "a/A"), ("/strange", "")]);
-    let told = |what: &str| {
+    let reported = |what: &str| {
         damages
             .iter()
             .filter(|damage| damage.what.contains(what))
             .count()
     };
     assert_eq!(
-        told("schema 1 is declared again as another: the first is kept"),
+        reported("schema 1 is declared again as another: the first is kept"),
         1,
         "{damages:?}"
     );
     assert_eq!(
-        told("channel 1 is declared again as another: the first is kept"),
+        reported("channel 1 is declared again as another: the first is kept"),
         1
     );
-    assert_eq!(told("has schema 9, which is not there"), 1);
-    assert_eq!(told("is not UTF-8"), 2);
-    assert_eq!(told("1 messages belong to channel"), 2);
+    assert_eq!(reported("has schema 9, which is not there"), 1);
+    assert_eq!(reported("is not UTF-8"), 2);
+    assert_eq!(reported("1 messages belong to channel"), 2);
 
     let mut file = written::bag::MAGIC.to_vec();
     file.extend(written::bag::bag_header(0, 0));
@@ -207,8 +207,12 @@ fn the_first_of_two_declarations_is_kept_and_the_other_told() {
     written::bag::message(&mut file, 1, 5, b"1");
     let (rows, damages) = guarded(&file);
     assert_eq!((rows.len(), rows[0].0.as_str()), (1, "/first"));
-    let told = |what: &str| damages.iter().any(|damage| damage.what.contains(what));
-    assert!(told("the first is kept") && told("is not UTF-8") && told("belong to channel 1"));
+    let reported = |what: &str| damages.iter().any(|damage| damage.what.contains(what));
+    assert!(
+        reported("the first is kept")
+            && reported("is not UTF-8")
+            && reported("belong to channel 1")
+    );
 }
 
 #[test]
@@ -286,7 +290,7 @@ fn an_end_that_is_missing_or_wrong_costs_no_message() {
 }
 
 #[test]
-fn a_wrong_crc_of_the_data_costs_no_message_and_is_told() {
+fn a_wrong_crc_of_the_data_costs_no_message_and_is_reported() {
     const DATA_END: [u8; 9] = [0x0f, 4, 0, 0, 0, 0, 0, 0, 0];
     for packing in [Packing::None, Packing::Lz4, Packing::Zstd] {
         let file = written::mcap::write(plan(packing));
@@ -296,8 +300,8 @@ fn a_wrong_crc_of_the_data_costs_no_message_and_is_told() {
         bytes[at..at + 4].copy_from_slice(&0xdead_beef_u32.to_le_bytes());
         let (rows, damages) = guarded(&bytes);
         assert!(rows == file.rows, "{packing:?}");
-        let told = |damage: &Damage| damage.what.contains("the CRC of the data");
-        assert!(damages.iter().any(told), "{packing:?}: {damages:?}");
+        let reported = |damage: &Damage| damage.what.contains("the CRC of the data");
+        assert!(damages.iter().any(reported), "{packing:?}: {damages:?}");
     }
 }
 
@@ -354,11 +358,11 @@ fn a_file_that_shrinks_while_it_is_read_ends() {
             .set_len(20)
             .unwrap();
         let begin = Instant::now();
-        let mut told = false;
+        let mut reported = false;
         while let Some(event) = container.next() {
-            told |= matches!(event, Event::Damage(_));
+            reported |= matches!(event, Event::Damage(_));
         }
-        assert!(told && begin.elapsed() < Duration::from_secs(1));
+        assert!(reported && begin.elapsed() < Duration::from_secs(1));
     }
 }
 
@@ -404,7 +408,7 @@ impl Seek for Failing {
 }
 
 #[test]
-fn a_disk_that_fails_at_the_nth_read_is_told() {
+fn a_disk_that_fails_at_the_nth_read_is_reported() {
     for (file, _) in all() {
         let mut failures = 0;
         for left in 0.. {
@@ -414,21 +418,21 @@ fn a_disk_that_fails_at_the_nth_read_is_told() {
                 failures += 1;
                 continue;
             };
-            let (mut rows, mut told) = (0, false);
+            let (mut rows, mut reported) = (0, false);
             while let Some(event) = container.next() {
                 match event {
                     Event::Message(message) => {
                         assert!(file.rows[rows].3 == message.data);
                         rows += 1;
                     }
-                    Event::Damage(damage) => told |= damage.what.contains("os error 5"),
+                    Event::Damage(damage) => reported |= damage.what.contains("os error 5"),
                 }
             }
-            if rows == file.rows.len() && !told {
+            if rows == file.rows.len() && !reported {
                 break;
             }
             failures += 1;
-            assert!(told, "{left}");
+            assert!(reported, "{left}");
         }
         assert!(failures > 0);
     }

@@ -64,9 +64,9 @@ fn flip_everywhere(file: &Written, step: usize, magic: usize, checked: bool) {
             let own = hit.is_some_and(|chunk| chunk.rows.contains(row));
             // Without a checksum a topic may be another; the copy at the end contradicts.
             let renamed = |damage: &Damage| damage.what.contains("declared again");
-            let told = !checked && damages.iter().any(renamed);
+            let reported = !checked && damages.iter().any(renamed);
             assert!(
-                own || told,
+                own || reported,
                 "bit {bit} (byte {byte}) loses message {row}: {damages:?}"
             );
         }

@@ -27,8 +27,8 @@ fn exchange(job: &str, arguments: &[&Path]) -> bool {
         .args(arguments)
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert!(done.status.success(), "{job}: {told}");
+    let reported = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{job}: {reported}");
     true
 }
 
@@ -75,7 +75,7 @@ fn tell(who: &str, topic: &str, time: u64, value: &Value, path: &str, lines: &mu
 }
 
 /// All that a file holds, as it is read here.
-fn told(path: &Path, who: &str) -> String {
+fn reported(path: &Path, who: &str) -> String {
     let mut container = Container::open(path).unwrap();
     let mut decoders = BTreeMap::new();
     let mut lines = String::new();
@@ -126,7 +126,7 @@ fn what_others_write_is_read_to_the_bit() {
     assert_eq!(files.len(), 8, "{files:?}");
     for file in files {
         same(
-            &told(&folder.0.join(file), file),
+            &reported(&folder.0.join(file), file),
             &of(&expected, file),
             file,
         );
@@ -383,7 +383,7 @@ fn what_is_written_here_others_read_to_the_bit() {
         }
     }
     writer.finish().unwrap();
-    same(&told(&path, "ours"), &written, "read here");
+    same(&reported(&path, "ours"), &written, "read here");
     if !exchange("read", &[&path, &lines]) {
         return;
     }
@@ -410,6 +410,6 @@ fn the_shipped_example_is_read_by_others() {
     let sorted = |all: &str| all.lines().map(str::to_owned).collect::<BTreeSet<_>>();
     for who in ["mcap-ros2-support", "rosbags"] {
         // Messages of equal time may come in any order.
-        assert_eq!(sorted(&told(&example, who)), sorted(&of(&theirs, who)));
+        assert_eq!(sorted(&reported(&example, who)), sorted(&of(&theirs, who)));
     }
 }

@@ -48,12 +48,12 @@ fn logger() {
         metadata: std::collections::BTreeMap::new(),
     };
     let channel = writer.channel(&channel).unwrap();
-    let mut told = std::io::stdout().lock();
+    let mut reported = std::io::stdout().lock();
     for number in 0_u64.. {
         let times = Times::at(BEGIN_NS + number * PERIOD_NS);
         writer.message(channel, times, &payload(number)).unwrap();
         if number % 10 == 9 {
-            writeln!(told, "taken {number}").unwrap();
+            writeln!(reported, "taken {number}").unwrap();
         }
     }
 }
@@ -66,9 +66,9 @@ fn kill(path: &Path, after: Duration) -> (u64, Vec<u64>) {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let told = BufReader::new(running.stdout.take().unwrap());
+    let reported = BufReader::new(running.stdout.take().unwrap());
     let counting = thread::spawn(move || {
-        let lines = told.lines().map_while(Result::ok);
+        let lines = reported.lines().map_while(Result::ok);
         let taken = lines.filter_map(|line| line.strip_prefix("taken ")?.parse::<u64>().ok());
         taken.last().map_or(0, |last| last + 1)
     });

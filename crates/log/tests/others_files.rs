@@ -122,7 +122,7 @@ fn a_cut_at_every_17th_byte_loses_only_what_is_behind_it() {
 const LARGEST_CHUNK: usize = 9;
 
 #[test]
-fn every_5th_bit_flipped_gives_the_same_data_or_is_told() {
+fn every_5th_bit_flipped_gives_the_same_data_or_is_reported() {
     for name in &FILES[..3] {
         let bytes = std::fs::read(shipped(name)).unwrap();
         let (whole, _) = read(&shipped(name)).unwrap();
@@ -138,7 +138,7 @@ fn every_5th_bit_flipped_gives_the_same_data_or_is_told() {
             };
             assert!(
                 rows == whole || !damages.is_empty(),
-                "{name}: bit {bit} changes data and nothing is told"
+                "{name}: bit {bit} changes data and nothing is reported"
             );
             // The first chunk declares the channel: without it no message has a meaning. A flip in a chunk's
             // declared length may take the chunk behind it along.

@@ -390,7 +390,7 @@ fn any_number_of_any_message_can_be_a_wheels_count() {
             count(2, 1, 1)
         ]
     );
-    // What no message has is told by name.
+    // What no message has is reported by name.
     let topics = field(0, "left").replace("ticks[0]", "tick[0]");
     let error = log(&folder, &topics, &messages).unwrap_err();
     assert!(

@@ -63,7 +63,7 @@ fn a_whole_file_stays_whole() {
 }
 
 #[test]
-fn what_was_not_written_as_read_is_told() {
+fn what_was_not_written_as_read_is_reported() {
     let folder = Folder::new("e7-differs");
     let out = folder.0.join("out");
     let source = shipped("joints_none.bag");

@@ -59,16 +59,16 @@ fn cut_everywhere(file: &Written, step: usize) {
                 "cut at {cut}: {damage:?}"
             );
         }
-        // What was cut is told from the place on where the record began that the cut is in.
+        // What was cut is reported from the place on where the record began that the cut is in.
         if let Some(open) = file.chunks.iter().find(|chunk| chunk.record.contains(&cut))
             && cut > open.record.start
         {
             let at = (open.record.start as u64, (cut - open.record.start) as u64);
-            let told = damages
+            let reported = damages
                 .iter()
                 .any(|damage| (damage.offset, damage.bytes) == at);
             assert!(
-                told,
+                reported,
                 "cut at {cut}, in the chunk at {}: {damages:?}",
                 open.record.start
             );

@@ -106,7 +106,7 @@ fn one_definition_under_many_channels_is_held_once() {
 }
 
 #[test]
-fn more_channels_than_the_limit_are_told() {
+fn more_channels_than_the_limit_are_reported() {
     let mut records = Vec::new();
     for id in 1..=u16::MAX {
         channel(&mut records, id, 0, &format!("/{id}"), "json");
@@ -116,7 +116,7 @@ fn more_channels_than_the_limit_are_told() {
 }
 
 #[test]
-fn many_great_definitions_and_names_are_told() {
+fn many_great_definitions_and_names_are_reported() {
     let mut records = Vec::new();
     let text = vec![b'#'; MIB];
     for id in 1..40 {
@@ -218,11 +218,11 @@ fn a_window_that_zstd_declares_is_not_believed() {
         file.extend(&one[MAGIC.len()..]);
     }
     let found = survey("many-zeros", &file);
-    let told = found
+    let reported = found
         .damages
         .iter()
         .any(|damage| damage.what.contains("limit"));
-    assert!(told, "{found:?}");
+    assert!(reported, "{found:?}");
     // A frame of one segment that declares a content of 2^40 bytes.
     let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0xe0];
     frame.extend((1_u64 << 40).to_le_bytes());

@@ -160,7 +160,7 @@ pub enum Measurement {
         /// The torque.
         torque: f64,
     },
-    /// The speed that the robot was told to take; it sets the direction along which the robot's slip
+    /// The commanded speed; it sets the direction along which the robot's slip
     /// is counted.
     Command {
         /// Forwards, m/s.

@@ -101,11 +101,11 @@ fn a_reversed_encoder_never_gets_full_torque_for_long() {
             .iter()
             .all(|(_, commands, _)| commands[0].traction == full)
     );
-    let told = log.iter().find_map(|(time, _, d)| {
+    let reported = log.iter().find_map(|(time, _, d)| {
         d.filter(|d| d.reason == Reason::EncoderReversed)
             .map(|d| (*time, d))
     });
-    let (time, decision) = told.unwrap();
+    let (time, decision) = reported.unwrap();
     assert!(time < 4.0 && decision.action == Action::ShedTorque && decision.wheel == Some(1));
 }
 

@@ -354,7 +354,7 @@ fn silent_sensors_are_named() {
 
 #[test]
 fn displacement_pose_and_speed_agree() {
-    // One drive along a circle, told by three references.
+    // One drive along a circle, reported by three references.
     let robot = robot(32);
     let (speed, yaw_rate, slip) = (0.4, 0.5, 0.3);
     let drivers = Drivers {

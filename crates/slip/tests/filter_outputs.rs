@@ -219,7 +219,7 @@ fn slips_of_skid_steered_and_omni_robots_are_found_in_a_bend() {
     }
 }
 
-/// Over runs with the gyro's bias and the free wheel's skid drawn from what the filter is told of them.
+/// Over runs with the gyro's bias and the free wheel's skid drawn from what the filter is configured with.
 #[test]
 fn the_place_is_within_its_covariance_and_that_grows() {
     for run in [skid_steered(), omni()] {

@@ -275,7 +275,7 @@ fn a_broken_sensor_of_sinkage_changes_nothing() {
 }
 
 #[test]
-fn what_soft_ground_is_told_from_follows_a_robot_s_length_later() {
+fn the_ground_that_soft_ground_is_compared_with_follows_a_robot_s_length_later() {
     let mut robot = on_board();
     let mut course = start();
     let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
@@ -292,7 +292,7 @@ fn what_soft_ground_is_told_from_follows_a_robot_s_length_later() {
     };
     let on_weak = mean(&robot, true);
     assert!((mean(&robot, false) - on_weak).abs() < 0.02);
-    // another soil moves the newest belief, and not yet what soft ground is told from
+    // another soil moves the newest belief, and not yet what soft ground is reported from
     let before = robot.soil().unwrap().estimate();
     while robot.soil().unwrap().estimate().changes == before.changes {
         assert!(course.row < 12_000, "the belief never changed");

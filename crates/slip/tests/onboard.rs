@@ -168,9 +168,11 @@ fn what_it_has_learnt_outlasts_a_restart() {
     assert_eq!(restored.learnt.gyro_bias, Some(bias));
     assert_eq!(restored.learnt.common_slip, state.learnt.common_slip);
     assert_eq!(restored.heading, state.heading);
-    let (skid, told) = (restored.learnt.wheels[2], state.learnt.wheels[2]);
-    let (skid, told) = (skid.free_slip.unwrap(), told.free_slip.unwrap());
-    assert!((skid.mean - told.mean).abs() < 1e-12 && (skid.sigma - told.sigma).abs() < 1e-12);
+    let (skid, reported) = (restored.learnt.wheels[2], state.learnt.wheels[2]);
+    let (skid, reported) = (skid.free_slip.unwrap(), reported.free_slip.unwrap());
+    assert!(
+        (skid.mean - reported.mean).abs() < 1e-12 && (skid.sigma - reported.sigma).abs() < 1e-12
+    );
     let mut broken = state;
     broken.learnt.gyro_bias = Some(Measured {
         value: f64::NAN,

@@ -123,8 +123,8 @@ fn missed(trial: &Trial, from: f64) -> (Option<f64>, bool) {
         for (wheel, check) in known.checks.iter().enumerate() {
             if check.misses_pulses && wheel == 1 {
                 first.get_or_insert(time - from);
-                let told = known.wheels[1];
-                let fine = told.health == Health::Ok && told.slip.is_some();
+                let reported = known.wheels[1];
+                let fine = reported.health == Health::Ok && reported.slip.is_some();
                 assert!(!fine, "{time:.2} s: missed, and Ok");
             }
             others |= check.misses_pulses && wheel != 1;
@@ -210,7 +210,7 @@ fn swapped_tracks_are_found() {
 
 #[test]
 fn a_counter_that_goes_round_is_the_same_to_the_bit() {
-    let told = |bits: u32, ticks: f64, start: i64, back: bool| {
+    let reported = |bits: u32, ticks: f64, start: i64, back: bool| {
         let mut trial = Trial::new(6);
         trial.sensors.bits = bits;
         for wheel in &mut trial.robot.wheels {
@@ -229,7 +229,7 @@ fn a_counter_that_goes_round_is_the_same_to_the_bit() {
         format!("{:?} {:?}", last.wheels, last.known_speed)
     };
     for back in [false, true] {
-        let whole = told(64, 960.0, 0, back);
+        let whole = reported(64, 960.0, 0, back);
         for (bits, start) in [
             (8, 255),
             (8, 0),
@@ -240,15 +240,15 @@ fn a_counter_that_goes_round_is_the_same_to_the_bit() {
             (32, 4_294_967_295),
         ] {
             assert_eq!(
-                told(bits, 960.0, start, back),
+                reported(bits, 960.0, start, back),
                 whole,
                 "{bits} bits from {start}"
             );
         }
         // twice round in one row: 0.3 m/s are 573 ticks a row
         assert_eq!(
-            told(8, 120_000.0, 255, back),
-            told(64, 120_000.0, 255, back)
+            reported(8, 120_000.0, 255, back),
+            reported(64, 120_000.0, 255, back)
         );
     }
 }
@@ -440,7 +440,7 @@ fn a_stalled_robot_is_called_so() {
 }
 
 #[test]
-fn a_wrong_radius_is_told_apart_from_slip() {
+fn a_wrong_radius_is_distinguished_from_slip() {
     // all wheels, and one: a worn or a wrong tyre
     for (what, error) in [
         ("right", [0.0; FREE + 1]),

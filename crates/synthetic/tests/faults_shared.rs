@@ -35,10 +35,11 @@ fn the_health_of_all_follows_the_only_free_wheel_that_misses_pulses() {
     let out = Trial::new(0)
         .fault(Fault::PulsesLost(FREE, 0.2), 4.0, 6.0)
         .run();
-    let told = out.between(5.5, 6.0);
+    let reported = out.between(5.5, 6.0);
     let suspect = Health::Degraded(Degraded::Suspect);
     assert!(
-        told.flat_map(|m| &m.wheels[..FREE])
+        reported
+            .flat_map(|m| &m.wheels[..FREE])
             .all(|w| w.health == suspect)
     );
     let after = out.between(18.0, 20.0);

@@ -4,14 +4,14 @@ use grouser_synthetic::{Camera, Noise};
 
 use crate::trial::{FREE, Trial};
 
-/// How far one wheel's slip goes from the others' in these runs, as the filter has it (it halves what it is told on calm ground).
+/// How far one wheel's slip goes from the others' in these runs, as the filter has it (it halves its setting on calm ground).
 const TOLD: f64 = 0.046;
 
-/// With the free wheel's skid and every radius off by what the filter is told they may be (1 %), over runs of their own
+/// With the free wheel's skid and every radius off by what the filter is configured with they may be (1 %), over runs of their own
 /// seed. The drive has a patch of loose ground, a bend and braking.
 #[test]
 fn slips_are_found_within_their_sigmas() {
-    for (what, camera, rim_noise, window, told, most) in [
+    for (what, camera, rim_noise, window, reported, most) in [
         ("free wheel of 500 ticks", None, 0.0, 0.05, TOLD, 0.03),
         (
             "the default's wheel_slip_sigma",
@@ -60,7 +60,7 @@ fn slips_are_found_within_their_sigmas() {
             trial.settings.accelerometer_noise = 0.01;
             trial.settings.yaw_rate_sigma = trial.robot.gyro_sigma;
             // and how far one wheel's slip goes from the others' here; the default is for ground that changes
-            trial.settings.wheel_slip_sigma = told;
+            trial.settings.wheel_slip_sigma = reported;
             let out = trial.run();
             rms += share * out.rms(5.0, 23.0);
             steady += share * out.rms(6.0, 10.5);
@@ -76,7 +76,7 @@ fn slips_are_found_within_their_sigmas() {
         );
         assert!(rms < most, "{what}");
         assert!(silence <= 0.3, "{what}");
-        if told < 1.5 * TOLD {
+        if reported < 1.5 * TOLD {
             assert!((mean - 1.0).abs() <= band, "{what}");
         } else {
             // rougher than its settings say, or with ticks that last from window to window: it must notice

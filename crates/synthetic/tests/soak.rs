@@ -1,5 +1,5 @@
 //! Random faults over many runs: never Ok and more than four sigma off for over a second. `GROUSER_SOAK_RUNS` says how many
-//! (100 unless told; `just soak` takes 10 000).
+//! (100 by default; `just soak` takes 10 000).
 
 use grouser_synthetic::{Camera, Event, Fault, Leg, Noise};
 

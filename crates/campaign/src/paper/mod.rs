@@ -20,7 +20,7 @@ use grouser_report::{Fields, Table, fields};
 use crate::error::Result;
 pub use file::{Content, PaperFile};
 use page::{Block, Page};
-pub use problem::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
+pub use problem::{INTERPRETATIONS, Interpretation, PRINTED_SLIP, sinkage_ratio_of_slip};
 use sand_run::SandRun;
 pub use solved::SEED;
 use solved::Solved;

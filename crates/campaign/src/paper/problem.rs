@@ -2,7 +2,7 @@
 //! optimum lies.
 //!
 //! The paper prints nine variables, three objectives and the method; not the bounds, the start, the scaling,
-//! the constraints, the sense of the objectives or the utility. A [`Reading`] fills these in, each time
+//! the constraints, the sense of the objectives or the utility. A [`Interpretation`] fills these in, each time
 //! differently, so that it can be shown what the answer depends on. The printed slip of 0.1146 is not
 //! claimed by any of them.
 
@@ -19,12 +19,12 @@ pub const PRINTED_SLIP: f64 = 0.1146;
 /// What is assumed where the paper is silent.
 ///
 /// ```
-/// use grouser_campaign::paper::READINGS;
+/// use grouser_campaign::paper::INTERPRETATIONS;
 ///
-/// assert!(READINGS[0].text(4, 1).starts_with("format = 1\n"));
+/// assert!(INTERPRETATIONS[0].text(4, 1).starts_with("format = 1\n"));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct Interpretation {
     /// Its name in tables.
     pub name: &'static str,
     /// The sense and the scale of the objectives, in words.
@@ -34,28 +34,28 @@ pub struct Reading {
 }
 
 /// The readings that are compared.
-pub const READINGS: [Reading; 5] = [
-    Reading {
+pub const INTERPRETATIONS: [Interpretation; 5] = [
+    Interpretation {
         name: "as printed, in Pa",
         assumes: "τ_max, T(θ) and |S_0| all minimised, without scaling",
         objectives: "f1 = \"tau_max_pa\"\nf2 = \"strength_at_theta_pa\"\nf3 = { expr = \"s_0\", absolute = true }\n",
     },
-    Reading {
+    Interpretation {
         name: "stresses in 10 kPa",
         assumes: "all minimised, 10 kPa counts like a slip of 1",
         objectives: "f1 = { expr = \"tau_max_pa\", scale = 1e-4 }\nf2 = { expr = \"strength_at_theta_pa\", scale = 1e-4 }\nf3 = { expr = \"s_0\", absolute = true }\n",
     },
-    Reading {
+    Interpretation {
         name: "stresses in 100 kPa",
         assumes: "all minimised, 100 kPa counts like a slip of 1",
         objectives: "f1 = { expr = \"tau_max_pa\", scale = 1e-5 }\nf2 = { expr = \"strength_at_theta_pa\", scale = 1e-5 }\nf3 = { expr = \"s_0\", absolute = true }\n",
     },
-    Reading {
+    Interpretation {
         name: "strength wanted, 10 kPa",
         assumes: "10 kPa/τ_max, 10 kPa/T(θ) and |S_0| minimised",
         objectives: "f1 = \"1e4/tau_max_pa\"\nf2 = \"1e4/strength_at_theta_pa\"\nf3 = { expr = \"s_0\", absolute = true }\n",
     },
-    Reading {
+    Interpretation {
         name: "strength wanted, 2.5 kPa",
         assumes: "2.5 kPa/τ_max, 2.5 kPa/T(θ) and |S_0| minimised",
         objectives: "f1 = \"2.5e3/tau_max_pa\"\nf2 = \"2.5e3/strength_at_theta_pa\"\nf3 = { expr = \"s_0\", absolute = true }\n",
@@ -75,7 +75,7 @@ const VARIABLES: [(&str, f64, f64, f64); 9] = [
     ("n", 1.0, 0.5, 1.6),
 ];
 
-impl Reading {
+impl Interpretation {
     /// The reading as a problem file.
     #[must_use]
     pub fn text(&self, starts: usize, seed: u64) -> String {
@@ -101,9 +101,9 @@ impl Reading {
     /// None for the readings that ship; what [`grouser_design::parse`] refuses.
     ///
     /// ```
-    /// use grouser_campaign::paper::READINGS;
+    /// use grouser_campaign::paper::INTERPRETATIONS;
     ///
-    /// let design = READINGS[1].design(1, 1)?;
+    /// let design = INTERPRETATIONS[1].design(1, 1)?;
     /// assert_eq!((design.variables.len(), design.objectives.len()), (9, 3));
     /// # Ok::<(), grouser_campaign::Error>(())
     /// ```

@@ -3,7 +3,7 @@
 use grouser_design::{Answer, Quantity};
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use super::problem::{PRINTED_SLIP, READINGS, Reading, sinkage_ratio_of_slip};
+use super::problem::{INTERPRETATIONS, Interpretation, PRINTED_SLIP, sinkage_ratio_of_slip};
 use crate::error::Result;
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Marker, Points, Rule, Style};
 use grouser_report::number::exact;
@@ -25,7 +25,7 @@ pub(super) struct End {
 
 /// One reading with all its ends.
 pub(super) struct Solved {
-    pub(super) reading: &'static Reading,
+    pub(super) reading: &'static Interpretation,
     pub(super) ends: Vec<End>,
     /// How many different points are optima.
     pub(super) optima: usize,
@@ -33,7 +33,7 @@ pub(super) struct Solved {
 
 /// Solves every reading from all starts.
 pub(super) fn solve() -> Result<Vec<Solved>> {
-    READINGS
+    INTERPRETATIONS
         .iter()
         .map(|reading| {
             let design = reading.design(STARTS, SEED)?;

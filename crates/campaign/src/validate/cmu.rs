@@ -69,7 +69,7 @@ pub fn grouser_wheel() -> Result<RigidWheel> {
         })
 }
 
-/// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `greatest_slip`.
+/// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `max_slip`.
 ///
 /// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. Pull is
 /// −drag_force_n, load −vertical_force_n; the side force is positive to the left, so that of a wheel that drifts
@@ -77,7 +77,7 @@ pub fn grouser_wheel() -> Result<RigidWheel> {
 ///
 /// # Errors
 /// As [`Table::read`]; [`Error::Content`] where a column is missing.
-pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>> {
+pub fn trials(path: &Path, wheel: &str, max_slip: f64) -> Result<Vec<Trial>> {
     const ONE_NEWTON: f64 = 1.0;
     const SI_PER_MILLI: f64 = 1e-3;
     let table = Table::read(path)?;
@@ -98,7 +98,7 @@ pub fn trials(path: &Path, wheel: &str, greatest_slip: f64) -> Result<Vec<Trial>
     })?;
     let mut out = Vec::new();
     for i in 0..table.len() {
-        if wheels[i] != wheel || slip[i].abs() > greatest_slip {
+        if wheels[i] != wheel || slip[i].abs() > max_slip {
             continue;
         }
         // a locked wheel dragged sideways: neither rim nor wheel plane has a speed, so that there is no slip

@@ -345,7 +345,7 @@ fn names_never_send_controls_to_the_terminal() {
 /// A disk that is full: what is written there fails, and a finished file is never half of one.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_told() {
+fn a_full_disk_is_reported() {
     let folder = Folder::new();
     let words = verbs(&folder);
     let batch = replaced(&words[4], 3, OsStr::new("/dev/full"));

@@ -197,7 +197,7 @@ pub struct TimeColumn {
 /// The unit of a column of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {
-    /// A number; so many nanoseconds are one of it.
+    /// A number, in units of this many nanoseconds.
     Nanoseconds(i64),
     /// A date with a time of day, such as `2026-03-02T09:15:30.25Z` (ISO 8601); UTC without a zone.
     Date,

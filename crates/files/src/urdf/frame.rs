@@ -15,7 +15,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) const SAME: Self = Self {
+    pub(super) const IDENTITY: Self = Self {
         turn: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         place: [0.0; 3],
     };

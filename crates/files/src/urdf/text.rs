@@ -12,8 +12,8 @@ use crate::toml_text::quoted;
 /// Lengths and masses are written to seven digits behind the point: a tenth of a micrometre.
 const DIGITS: i32 = 7;
 /// Least mass (kg) and moment of inertia (kg m²) of a robot file.
-const LEAST_MASS: f64 = 1e-3;
-const LEAST_INERTIA: f64 = 1e-9;
+const MIN_MASS: f64 = 1e-3;
+const MIN_INERTIA: f64 = 1e-9;
 
 pub(super) fn text(tree: &Tree, parts: &Parts) -> String {
     let mut out = String::from("# Made of a URDF.\n");
@@ -42,7 +42,7 @@ pub(super) fn text(tree: &Tree, parts: &Parts) -> String {
                 rocker.mass
             } else {
                 Mass {
-                    kilograms: LEAST_MASS,
+                    kilograms: MIN_MASS,
                     centre: rocker.pivot,
                     ..Mass::default()
                 }
@@ -92,9 +92,9 @@ pub(super) fn text(tree: &Tree, parts: &Parts) -> String {
                 let _ = writeln!(out, "on = {}", quoted(&parts.rockers[on].name));
             }
             if wheel.mass.kilograms > 0.0 {
-                number(&mut out, "mass_kg", wheel.mass.kilograms.max(LEAST_MASS));
+                number(&mut out, "mass_kg", wheel.mass.kilograms.max(MIN_MASS));
             }
-            if wheel.spin_inertia > LEAST_INERTIA {
+            if wheel.spin_inertia > MIN_INERTIA {
                 number(&mut out, "spin_inertia_kg_m2", wheel.spin_inertia);
             }
             if let Some([range, rate]) = wheel.steering.filter(|[range, _]| *range > 0.0) {
@@ -126,7 +126,7 @@ fn opposite<'a>(parts: &'a Parts, name: &str) -> Option<&'a str> {
 }
 
 fn mass(out: &mut String, mass: &Mass, ground: f64) {
-    number(out, "mass_kg", mass.kilograms.max(LEAST_MASS));
+    number(out, "mass_kg", mass.kilograms.max(MIN_MASS));
     let [x, y, z] = mass.centre;
     for (key, value) in [("cg_x_m", x), ("cg_y_m", y), ("cg_z_m", z - ground)] {
         number(out, key, value);
@@ -137,7 +137,7 @@ fn mass(out: &mut String, mass: &Mass, ground: f64) {
         ("inertia_yy_kg_m2", i[1][1]),
         ("inertia_zz_kg_m2", i[2][2]),
     ] {
-        number(out, key, value.max(LEAST_INERTIA));
+        number(out, key, value.max(MIN_INERTIA));
     }
 }
 

@@ -13,7 +13,7 @@ use crate::suggestion::nearest;
 type Result<T> = std::result::Result<T, UrdfError>;
 
 /// Elements and attributes at most: a robot has some hundreds.
-const MOST_NODES: u32 = 50_000;
+const MAX_NODES: u32 = 50_000;
 const ANY: (f64, f64) = (-1e6, 1e6);
 const NOT_NEGATIVE: (f64, f64) = (0.0, 1e6);
 const LENGTH: (f64, f64) = (1e-6, 1e3);
@@ -93,7 +93,7 @@ impl Tree {
 
     pub(super) fn parse(text: &str) -> Result<Self> {
         let options = ParsingOptions {
-            nodes_limit: MOST_NODES,
+            nodes_limit: MAX_NODES,
             ..ParsingOptions::default()
         };
         let document = Document::parse_with_options(text, options).map_err(|error| {
@@ -218,7 +218,7 @@ fn number(
 
 fn origin(node: Node<'_, '_>) -> Result<Frame> {
     let Some(origin) = child(node, "origin") else {
-        return Ok(Frame::SAME);
+        return Ok(Frame::IDENTITY);
     };
     let place = numbers(origin, "xyz", ANY, "m")?.unwrap_or_default();
     let turns = numbers(origin, "rpy", ANY, "rad")?.unwrap_or_default();
@@ -257,7 +257,7 @@ fn read_links(robot: Node<'_, '_>) -> Result<Vec<Link>> {
             boxes,
             mass: child(node, "inertial").map(read_mass).transpose()?,
             shapes: if use_seen { seen } else { touched },
-            frame: Frame::SAME,
+            frame: Frame::IDENTITY,
             joint: None,
         });
     }

@@ -32,7 +32,7 @@ const MAX_FIXES: u64 = 20_000;
 
 /// A topic by its first messages.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
+pub(super) struct TopicPreview {
     pub(super) channel: Channel,
     pub(super) messages: u64,
     /// The first message that has a view.
@@ -57,7 +57,7 @@ pub struct Preview {
     wanted: Topics,
     files: Vec<String>,
     /// Topics in the order in which they are met.
-    pub(super) topics: Vec<Seen>,
+    pub(super) topics: Vec<TopicPreview>,
     pub(super) transforms: Tree,
     channels: Vec<Known>,
     decoders: Decoders,
@@ -218,7 +218,7 @@ impl Preview {
     /// Were all topics met that the robot file names, and one that measures wheels?
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        let wheels = |seen: &Seen| !seen.joints.is_empty();
+        let wheels = |seen: &TopicPreview| !seen.joints.is_empty();
         let is_seen = |name| self.topic(name).is_some_and(|seen| seen.messages > 0);
         (!self.wanted.fields.is_empty()
             || self.wanted.wheel_odometry.is_some()
@@ -254,16 +254,16 @@ impl Preview {
         }
     }
 
-    pub(super) fn topic(&self, name: &str) -> Option<&Seen> {
+    pub(super) fn topic(&self, name: &str) -> Option<&TopicPreview> {
         self.topics.iter().find(|seen| seen.channel.topic == name)
     }
 
     fn enter(&mut self, channel: &Channel) -> usize {
-        let alike = |seen: &Seen| {
+        let alike = |seen: &TopicPreview| {
             seen.channel.topic == channel.topic && seen.channel.type_name == channel.type_name
         };
         self.topics.iter().position(alike).unwrap_or_else(|| {
-            self.topics.push(Seen {
+            self.topics.push(TopicPreview {
                 channel: channel.clone(),
                 messages: 0,
                 view: None,
@@ -279,7 +279,7 @@ impl Preview {
     }
 }
 
-impl Seen {
+impl TopicPreview {
     fn take(&mut self, view: &View, transforms: &mut Tree) {
         match view {
             View::JointState(joints) => {

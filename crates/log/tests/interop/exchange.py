@@ -256,12 +256,12 @@ def as_rosbag2(file, folder):
 
 
 def read(file, out):
-    with open(out, "w", encoding="utf-8", newline="\n") as told, tempfile.TemporaryDirectory() as made:
+    with open(out, "w", encoding="utf-8", newline="\n") as reported, tempfile.TemporaryDirectory() as made:
         if file.suffix == ".mcap":
             with open(file, "rb") as opened:
                 reader = make_reader(opened, validate_crcs=True, decoder_factories=[DecoderFactory()])
                 for _, channel, message, value in reader.iter_decoded_messages():
-                    tell(told, "mcap-ros2-support", channel.topic, message.log_time, value)
+                    tell(reported, "mcap-ros2-support", channel.topic, message.log_time, value)
             as_rosbag2(file, Path(made))
             paths = [Path(made)]
         else:
@@ -269,7 +269,7 @@ def read(file, out):
         with AnyReader(paths) as reader:
             for connection, time, raw in reader.messages():
                 value = reader.deserialize(raw, connection.msgtype)
-                tell(told, "rosbags", connection.topic, time, value)
+                tell(reported, "rosbags", connection.topic, time, value)
 
 
 if sys.argv[1] == "write":

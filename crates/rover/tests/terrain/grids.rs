@@ -217,7 +217,7 @@ fn grids_that_lie() {
 }
 
 #[test]
-fn a_grid_in_degrees_is_told_from_one_in_metres() {
+fn a_grid_in_degrees_differs_from_one_in_metres() {
     let with = |corner: [&str; 2], cell: &str| {
         let text = SMALL_GRID
             .replace("xllcorner 0", &format!("xllcorner {}", corner[0]))

@@ -15,7 +15,7 @@ pub(crate) fn named(ending: &str) -> HeightFile {
 }
 
 pub(crate) fn read(ending: &str, bytes: &[u8]) -> Result<HeightMap, TerrainFault> {
-    told(parse_heights(bytes, &named(ending)))
+    reported(parse_heights(bytes, &named(ending)))
 }
 
 pub(crate) fn read_with_cell(ending: &str, bytes: &[u8]) -> Result<HeightMap, TerrainFault> {
@@ -23,10 +23,10 @@ pub(crate) fn read_with_cell(ending: &str, bytes: &[u8]) -> Result<HeightMap, Te
         cell: Some(0.5),
         ..named(ending)
     };
-    told(parse_heights(bytes, &file))
+    reported(parse_heights(bytes, &file))
 }
 
-fn told(read: Result<HeightMap, Error>) -> Result<HeightMap, TerrainFault> {
+fn reported(read: Result<HeightMap, Error>) -> Result<HeightMap, TerrainFault> {
     read.map_err(|error| match error {
         Error::Terrain { file, fault } => {
             assert!(file.to_string_lossy().starts_with("ground."));
@@ -212,7 +212,7 @@ pub(crate) fn png(
     out
 }
 
-/// A PNG of 16 bits, 5 × 4, of which row and column can be told.
+/// A PNG of 16 bits, 5 × 4, whose row and column can be read off.
 pub(crate) fn small_png() -> Vec<u8> {
     let grey = (0..20_u16).flat_map(|i| (1000 * i).to_be_bytes());
     let grey: Vec<u8> = grey.collect();

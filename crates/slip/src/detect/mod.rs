@@ -205,7 +205,7 @@ impl Detector {
         }
     }
 
-    /// How a wheel moves, where torque has told more than the speeds do.
+    /// How a wheel moves, where torque has shown more than the speeds.
     #[must_use]
     pub fn motion(&self, wheel: usize, by_speeds: Option<Motion>) -> Option<Motion> {
         if self.is_on(Event::LiftOff { wheel }) {

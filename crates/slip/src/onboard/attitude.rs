@@ -12,7 +12,7 @@ const GRAVITY_TIME_CONSTANT_S: f64 = 10.0;
 const GRAVITY_BAND_M_PER_S2: f64 = 2.0;
 /// Angular rates are not integrated over longer gaps, s.
 const MAX_GAP_S: f64 = 0.5;
-/// Pitches are limited to this in the rates' equation, rad (80°): at 90° roll and yaw cannot be told apart.
+/// Pitches are limited to this in the rates' equation, rad (80°): at 90° roll and yaw are not separable.
 const MAX_PITCH_RAD: f64 = 1.4;
 /// Limits of readings, m/s² and rad/s: beyond the ranges of the inertial units that robots carry (16 g, 2000°/s).
 const MAX_FORCE_M_PER_S2: f64 = 1000.0;

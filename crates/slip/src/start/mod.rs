@@ -32,7 +32,7 @@ const REST_SPEED_M_PER_S: f64 = 1e-3;
 /// At rest no planar accelerometer shows more: no robot stands on 45°, m/s².
 const MAX_REST_FORCE_M_PER_S2: f64 = 6.9;
 /// At rest no gyro shows more, rad/s.
-const MOST_BIAS: f64 = 0.5;
+const MAX_BIAS_RAD_PER_S: f64 = 0.5;
 /// Slower turns (rad/s), speeds (m/s) and accelerations (m/s²) say nothing.
 const MIN_TURN_RAD_PER_S: f64 = 0.03;
 const MIN_SPEED_M_PER_S: f64 = 0.03;
@@ -41,9 +41,9 @@ const MIN_ACCELERATION_M_PER_S2: f64 = 0.05;
 /// How far the look has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// Something that is heard has not yet been seen at work: the robot has not rested, driven, turned or sped up enough.
+    /// A sensor that sends has not yet been checked: the robot has not rested, driven, turned or sped up enough.
     Looking,
-    /// All that is heard is plausible.
+    /// All sensors that send are plausible.
     Plausible,
 }
 
@@ -70,7 +70,7 @@ pub struct StartCheck {
     forward_force: Pair,
     left_force: Pair,
     wheels: Box<[Pair]>,
-    heard: [bool; 3],
+    received: [bool; 3],
     found: Option<Fault>,
 }
 
@@ -97,7 +97,7 @@ impl StartCheck {
             sideways: Pair::default(),
             forward_force: Pair::default(),
             left_force: Pair::default(),
-            heard: [false; 3],
+            received: [false; 3],
             found: None,
         })
     }
@@ -127,7 +127,7 @@ impl StartCheck {
     }
 
     fn progress(&self) -> Progress {
-        let [gyro, force, reference] = self.heard;
+        let [gyro, force, reference] = self.received;
         let open = gyro && !self.gyro.is_settled()
             || force && !self.forward_force.is_settled()
             || reference && !self.reference.is_settled() && self.rows.iter().any(|row| row.1);
@@ -151,21 +151,21 @@ impl StartCheck {
         };
         match sample.measurement {
             Measurement::YawRate { rate } => {
-                self.heard[0] = true;
+                self.received[0] = true;
                 add(&mut self.means.gyro, rate);
             }
             Measurement::Acceleration { forward, left } => {
-                self.heard[1] = true;
+                self.received[1] = true;
                 add(&mut self.means.force[0], forward);
                 add(&mut self.means.force[1], left);
             }
             Measurement::Speed { forward, left } => {
-                self.heard[2] = true;
+                self.received[2] = true;
                 add(&mut self.means.reference[0], forward);
                 add(&mut self.means.reference[1], left.unwrap_or(0.0));
             }
             Measurement::Displacement { forward, left, .. } => {
-                self.heard[2] = true;
+                self.received[2] = true;
                 let last = self.last_reference_ns.replace(sample.time_ns);
                 let passed = last.map_or(0.0, |last| seconds_between(last, sample.time_ns));
                 if passed > 0.0 && passed <= 1.0 {
@@ -270,10 +270,10 @@ impl StartCheck {
                 );
             }
         }
-        if let Some(rate) = gyro.filter(|rate| rate.abs() > MOST_BIAS) {
+        if let Some(rate) = gyro.filter(|rate| rate.abs() > MAX_BIAS_RAD_PER_S) {
             self.find(
                 "yaw rate",
-                rate / MOST_BIAS,
+                rate / MAX_BIAS_RAD_PER_S,
                 "it turns while all wheels stand",
             );
         }

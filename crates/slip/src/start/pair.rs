@@ -52,7 +52,7 @@ pub(super) enum Verdict {
     Open,
     /// They go together, one for one or nearly.
     Fits,
-    /// They go together, but one is so many times the other.
+    /// They go together, but one is this many times the other.
     Scale(f64, &'static str),
     /// They go against each other.
     Sign(f64),

@@ -112,7 +112,7 @@ impl ReferenceTrack {
             } if reference == Reference::Displacement => {
                 let passed = [forward, left, turn.unwrap_or(0.0)];
                 let taken = self.take_displacement(time_ns, passed, turn.is_some());
-                // The same way told twice is no hole.
+                // A displacement that arrives twice leaves no gap.
                 self.has_hole |= taken.is_err() && !matches!(taken, Err(Fault::NotLater { .. }));
                 taken
             }

@@ -28,7 +28,7 @@ pub(crate) struct Trial {
     pub(crate) events: Vec<(Event, (f64, f64))>,
     pub(crate) faults: Vec<(Fault, (f64, f64))>,
     pub(crate) settings: FilterSettings,
-    /// How much larger each radius is told than it is, as a share.
+    /// How much larger each configured radius is than the true one, as a share.
     pub(crate) radius_error: [f64; WHEELS],
 }
 
@@ -72,11 +72,15 @@ impl Trial {
     }
 
     pub(crate) fn filter(&self) -> SlipFilter {
-        let mut told = self.robot.clone();
-        for (wheel, error) in told.wheels.iter_mut().zip(self.radius_error) {
+        let mut reported = self.robot.clone();
+        for (wheel, error) in reported.wheels.iter_mut().zip(self.radius_error) {
             wheel.radius *= 1.0 + error;
         }
-        SlipFilter::new(&told.described(self.sensors.bits).unwrap(), self.settings).unwrap()
+        SlipFilter::new(
+            &reported.described(self.sensors.bits).unwrap(),
+            self.settings,
+        )
+        .unwrap()
     }
 
     /// Runs it where a fault has changed the clocks of samples, but neither their number nor their order.

@@ -137,7 +137,7 @@ fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Re
         return Err(does_not_move(solver));
     };
     let energies = climbing.work.iter().zip(&climbing.slip);
-    let greatest_energy = energies
+    let max_energy = energies
         .map(|(work, slip)| work / (1.0 - slip))
         .fold(0.0, f64::max);
     Ok(SlipTable {
@@ -148,7 +148,7 @@ fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Re
         climbing,
         braking,
         error: TableError::default(),
-        greatest_energy,
+        max_energy,
         is_closed: false,
     })
 }

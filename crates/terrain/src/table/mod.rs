@@ -136,7 +136,7 @@ pub struct SlipTable {
     braking: Side,
     error: TableError,
     /// J/m; 0 where it drives nowhere.
-    greatest_energy: f64,
+    max_energy: f64,
     /// It drives nowhere, and no list above has anything in it.
     is_closed: bool,
 }
@@ -162,7 +162,7 @@ impl SlipTable {
             climbing: nothing.clone(),
             braking: nothing,
             error: TableError::default(),
-            greatest_energy: 0.0,
+            max_energy: 0.0,
             is_closed: true,
         }
     }
@@ -292,8 +292,8 @@ impl SlipTable {
     }
 
     /// The greatest energy of its nodes, J/m; 0 where it drives nowhere.
-    pub(crate) const fn greatest_energy(&self) -> f64 {
-        self.greatest_energy
+    pub(crate) const fn max_energy(&self) -> f64 {
+        self.max_energy
     }
 
     /// The costs at a place.

@@ -10,7 +10,7 @@ use grouser_files::nearest;
 use grouser_files::topics::Topics;
 
 pub(super) use super::job::Job;
-use super::preview::{Preview, Seen};
+use super::preview::{Preview, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
@@ -78,7 +78,7 @@ struct Choosing<'a> {
 
 impl<'a> Choosing<'a> {
     /// A topic that the robot file names under `key`.
-    fn named(&self, key: &'static str, name: &str) -> Result<&'a Seen> {
+    fn named(&self, key: &'static str, name: &str) -> Result<&'a TopicPreview> {
         let found = self.preview.topic(name).filter(|seen| seen.messages > 0);
         found.ok_or_else(|| {
             let all = self.preview.topics.iter().map(|s| s.channel.topic.as_str());
@@ -91,7 +91,7 @@ impl<'a> Choosing<'a> {
         })
     }
 
-    fn unfit(&self, key: &'static str, seen: &Seen, wanted: &'static str) -> Error {
+    fn unfit(&self, key: &'static str, seen: &TopicPreview, wanted: &'static str) -> Error {
         Error::UnfitTopic {
             file: self.file.to_owned(),
             key,
@@ -102,7 +102,7 @@ impl<'a> Choosing<'a> {
     }
 
     /// The topics that may be chosen by type and name.
-    fn free(&self) -> impl Iterator<Item = &'a Seen> {
+    fn free(&self) -> impl Iterator<Item = &'a TopicPreview> {
         let topics = self.topics;
         self.preview.topics.iter().filter(move |seen| {
             let name = &seen.channel.topic;
@@ -116,7 +116,7 @@ impl<'a> Choosing<'a> {
 
     fn take(
         &mut self,
-        seen: &Seen,
+        seen: &TopicPreview,
         job: Job,
         word: impl Into<String>,
         measures: impl IntoIterator<Item = (Meaning, Option<usize>)>,

@@ -3,7 +3,7 @@
 use grouser_files::columns::Meaning;
 
 use super::names::{is_command, is_over_ground, words};
-use super::{Choosing, Job, Seen};
+use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
 use crate::message::View;
 
@@ -51,7 +51,7 @@ impl Choosing<'_> {
             }
             self.fixes(Some(seen));
         }
-        let free: Vec<&Seen> = self.free().collect();
+        let free: Vec<&TopicPreview> = self.free().collect();
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
             all.find(|seen| {
@@ -107,7 +107,7 @@ impl Choosing<'_> {
     }
 
     /// Fixes of a satellite receiver that are accurate enough to measure slip.
-    fn fixes(&mut self, seen: Option<&Seen>) {
+    fn fixes(&mut self, seen: Option<&TopicPreview>) {
         let Some(seen) = seen else {
             return;
         };

@@ -4,7 +4,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::topics::{Topics, WheelOdometry};
 
 use super::names::joint_by_name;
-use super::{Choosing, Job, Seen};
+use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::View;
 use crate::slots::Slots;
@@ -50,7 +50,7 @@ impl Choosing<'_> {
 
     pub(super) fn wheels(&mut self) -> Result<()> {
         let topics = self.topics;
-        let joints_of = |seen: &Seen| joints_in(topics, &seen.joints.keys());
+        let joints_of = |seen: &TopicPreview| joints_in(topics, &seen.joints.keys());
         let mut found = Vec::new();
         if let Some(name) = &self.topics.wheels {
             let seen = self.named("wheels", name)?;
@@ -108,7 +108,7 @@ impl Choosing<'_> {
             Some(seen)
         } else {
             let has_wheels =
-                |seen: &&Seen| !joints_in(self.topics, &seen.contacts.keys()).is_empty();
+                |seen: &&TopicPreview| !joints_in(self.topics, &seen.contacts.keys()).is_empty();
             self.free().find(has_wheels)
         };
         let Some(seen) = found else { return Ok(()) };
@@ -160,7 +160,7 @@ impl Choosing<'_> {
     }
 }
 
-fn is_ticks(seen: &Seen) -> bool {
+fn is_ticks(seen: &TopicPreview) -> bool {
     matches!(seen.view, Some(View::WheelTicks { .. }))
 }
 

@@ -3,7 +3,7 @@
 use grouser_files::columns::Meaning;
 
 use super::names::words;
-use super::{Choosing, Job, Seen};
+use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
 use crate::message::{Imu, Trust, View};
 use crate::recording::mounting::{agree, axes_by_file, axes_by_transforms, has_frame};
@@ -53,7 +53,7 @@ impl Choosing<'_> {
 
     /// The acceleration, where the robot file or transforms give the forward axis and neither gravity nor covariances
     /// contradict it.
-    fn acceleration(&mut self, seen: &Seen, imu: &Imu, up: [f64; 3]) {
+    fn acceleration(&mut self, seen: &TopicPreview, imu: &Imu, up: [f64; 3]) {
         let axes = match self.topics.imu_forward {
             Some(forward) => axes_by_file(forward, up),
             None => axes_by_transforms(&self.preview.transforms, &imu.frame)
@@ -104,7 +104,7 @@ impl Choosing<'_> {
     }
 
     /// The direction that points up in an IMU's frame, and its source in words.
-    fn up(&mut self, seen: &Seen, imu: &Imu) -> ([f64; 3], &'static str) {
+    fn up(&mut self, seen: &TopicPreview, imu: &Imu) -> ([f64; 3], &'static str) {
         let topic = &seen.channel.topic;
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
