@@ -1,5 +1,6 @@
 //! Any text at all as a robot or a column map: what it says or an error, never a panic.
 
+use grouser_files::robot::Revision;
 use grouser_files::{Document, columns, robot};
 use proptest::prelude::*;
 
@@ -17,7 +18,11 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     if let Ok(map) = columns::parse(&document) {
         prop_assert!(map.tables.iter().all(|table| !table.columns.is_empty()));
     }
-    let _ = robot::with_radii_scaled(&document, 0.9);
+    let revision = Revision {
+        radius: Some(0.9),
+        ..Revision::default()
+    };
+    let _ = robot::revised(&document, &revision);
     Ok(())
 }
 

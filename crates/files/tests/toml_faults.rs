@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use grouser_files::robot::Revision;
 use grouser_files::{Document, Error, columns, robot};
 
 const WHEEL: &str =
@@ -275,12 +276,20 @@ fn calibrated_radii_are_written_and_nothing_else() {
         "format = 1 # one\nname = \"r\"\n[estimator]\nwheel_sensor = \"rate\"\n{WHEEL}# two\n{free}"
     );
     let document = Document::from_text("r.toml", text.clone()).unwrap();
-    let scaled = robot::with_radii_scaled(&document, 0.8822).unwrap();
+    let scaled_by = |factor| {
+        let radius = Some(factor);
+        let revision = Revision {
+            radius,
+            ..Revision::default()
+        };
+        robot::revised(&document, &revision)
+    };
+    let scaled = scaled_by(0.8822).unwrap();
     assert_eq!(
         scaled,
         text.replacen("radius_m = 0.1", "radius_m = 0.088220", 1)
     );
     for bad in [f64::NAN, 0.0, -1.0, 1e9] {
-        assert!(robot::with_radii_scaled(&document, bad).is_err(), "{bad}");
+        assert!(scaled_by(bad).is_err(), "{bad}");
     }
 }

@@ -1,7 +1,7 @@
 //! The section `[topics]` of robot files: what it says, and what is reported of mistakes.
 
 use grouser_files::columns::Meaning;
-use grouser_files::robot::{self, RobotFile};
+use grouser_files::robot::{self, Revision, RobotFile};
 use grouser_files::{Document, Error};
 
 const WHEELS: &str = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
@@ -105,7 +105,11 @@ fn a_column_map_may_stand_in_the_robot_file() {
     let text = format!("format = 1\nname = \"cart\"\n{table}\n[topics]\nwheels = \"/j\"\n{WHEELS}");
     let document = Document::from_text("robot.toml", text).unwrap();
     // Other radii, and the rest as it was.
-    let scaled = robot::with_radii_scaled(&document, 0.5).unwrap();
+    let half = Revision {
+        radius: Some(0.5),
+        ..Revision::default()
+    };
+    let scaled = robot::revised(&document, &half).unwrap();
     assert!(
         scaled.contains("radius_m = 0.050000") && scaled.contains("wheels = \"/j\""),
         "{scaled}"

@@ -3,6 +3,7 @@
 
 use grouser_files::robot::WheelSensor;
 use grouser_replay::{Options, calibrate_radius};
+use grouser_slip::Robot;
 
 use crate::shipped::{data, example};
 
@@ -116,11 +117,12 @@ fn calibrated_on_the_table_the_table_has_no_slip() {
     // The page: the table's slips (.113 to .119) are mostly scale, so the factor is 1 less these.
     assert!((calibration.factor - 0.8837).abs() < 0.002);
     assert!(calibration.half_spread().unwrap() < 0.005);
-    robotino.robot.robot = robotino
-        .robot
-        .robot
-        .with_radii_scaled(calibration.factor)
-        .unwrap();
+    let wheels = robotino.robot.robot.wheels().iter().cloned();
+    let scaled = wheels.map(|wheel| {
+        let radius = wheel.radius * calibration.factor;
+        wheel.radius(radius)
+    });
+    robotino.robot.robot = Robot::new("robotino".into(), scaled.collect()).unwrap();
     for (name, figure) in FIGURES {
         let summary = robotino.summary(folder.join(format!("{name}.csv.gz")), &CUT);
         let overall = summary.along.overall.unwrap();

@@ -379,27 +379,4 @@ impl Robot {
     pub fn wheel_index(&self, name: &str) -> Option<usize> {
         self.wheels.iter().position(|wheel| wheel.name == name)
     }
-
-    /// The same robot with the radius of every powered wheel times `factor` (the outcome of a
-    /// calibration).
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] when a radius leaves its limits.
-    ///
-    /// ```
-    /// use grouser_slip::{Robot, Wheel};
-    ///
-    /// let wheels = vec![Wheel::powered("left").radius(0.1), Wheel::free("fifth").radius(0.1)];
-    /// let robot = Robot::new("cart".into(), wheels)?.with_radii_scaled(1.02)?;
-    /// assert!((robot.wheels()[0].radius - 0.102).abs() < 1e-15);
-    /// assert_eq!(robot.wheels()[1].radius, 0.1); // a free wheel keeps its own
-    /// # Ok::<(), grouser_slip::Error>(())
-    /// ```
-    pub fn with_radii_scaled(mut self, factor: f64) -> Result<Self> {
-        let powered = |wheel: &&mut Wheel| wheel.role == WheelRole::Powered;
-        for wheel in self.wheels.iter_mut().filter(powered) {
-            wheel.radius *= factor;
-        }
-        Self::new(self.name, self.wheels)
-    }
 }

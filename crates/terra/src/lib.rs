@@ -12,7 +12,7 @@
 //! Sources by their keys: \[Ani2012\] Ani, Xu, Xue, Liu & Zhang, J. Cent. South Univ. 19, 2458-2467, with its
 //! equations (P1)…(P24) · \[WR67\] Wong & Reece, J. Terramechanics 4 (1967) I and II · \[Bekker69\] Introduction
 //! to Terrain-Vehicle Systems · \[JH61\] Janosi & Hanamoto 1961 · \[Wong08\] Theory of Ground Vehicles ·
-//! \[Ishigami07\] J. Field Robotics 24 · \[Ding11\] J. Terramechanics 48 · \[Shibly05\] J. Terramechanics 42.
+//! \[Ishigami07\] J. Field Robotics 24 · \[Ding11\] J. Terramechanics 48.
 //!
 //! The crate contains no robots, time, sensors or terrain; other crates build these on it.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -24,7 +24,6 @@ mod angle;
 mod bulldozing;
 pub mod catalogue;
 mod caution;
-mod closed_form;
 mod contact;
 mod derivative;
 mod error;
@@ -56,7 +55,6 @@ mod wheel_on_soil;
 pub use angle::Angle;
 pub use bulldozing::{Bulldozing, bulldozing_hegedus};
 pub use caution::{Caution, Cautions};
-pub use closed_form::ClosedForm;
 pub use contact::{
     Contact, ContactAngles, Motion, StressPosition, WheelSize, entry_angle,
     sinkage_from_entry_angle,

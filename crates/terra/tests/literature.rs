@@ -3,5 +3,4 @@
 mod ani_2012;
 mod fifth_wheel;
 mod reece_wheel;
-mod shibly_2005;
 mod wong_reece_1967;

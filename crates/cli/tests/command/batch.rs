@@ -152,7 +152,7 @@ fn a_bad_row_stops_nothing() {
         ("lunar,0.1,0.1,0.2,,40,7,8", "bad-input: 8 fields"),
         (
             "\"lunar,0.1,0.1,0.2,,40",
-            "bad-input: a quotation mark is not closed",
+            "bad-input: field 1 has a quotation mark that is not closed",
         ),
         ("lunar,0.1,0.1,0.2,,1e11", "no-solution"),
         ("hit-lss1,0.1,0.1,0.2,,40", "bad-input: missing `--c-1`"),
@@ -198,7 +198,7 @@ fn what_is_no_table_is_refused_with_its_place() {
             "soil,soil,radius_m,width_m,slip,load_n\n",
             "line 1: column 2 is `soil`",
         ),
-        ("\"soil,radius_m\n", "line 1: a quotation mark"),
+        ("\"soil,radius_m\n", "line 1: column 1 has a quotation mark"),
         (
             "soil,radius_m,width_m,load_n\nlunar,1,1,1\n",
             "line 1: there is no column `slip`",

@@ -56,7 +56,7 @@ use crate::steering::{Steering, put_joint, read_section, resolve};
 use crate::topics::{Topics, put_wheels, read_topics};
 use crate::wheel_sizes::read_grousers;
 
-pub use revision::{Revision, revised, with_radii_scaled};
+pub use revision::{Revision, revised};
 pub use write::to_toml;
 
 /// Which of a wheel's sensors is to be used where a log holds several.

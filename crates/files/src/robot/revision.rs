@@ -29,38 +29,24 @@ pub struct Revision {
     pub interval: Option<f64>,
 }
 
-/// The document's text with the radii of all powered wheels times `factor`, rounded to a micrometre.
-///
-/// # Errors
-/// As [`revised`].
-///
-/// ```
-/// use grouser_files::{Document, robot};
-///
-/// let document = Document::read("../../examples/five-wheel/robot.toml".as_ref())?;
-/// let before = robot::parse(&document)?.robot.wheels()[0].radius;
-/// let text = robot::with_radii_scaled(&document, 1.02)?;
-/// let after = robot::parse(&Document::from_text("scaled.toml", text)?)?.robot.wheels()[0].radius;
-/// assert!((after / before - 1.02).abs() < 1e-5);
-/// # Ok::<(), grouser_files::Error>(())
-/// ```
-pub fn with_radii_scaled(document: &Document, factor: f64) -> Result<String> {
-    let radius = Some(factor);
-    revised(
-        document,
-        &Revision {
-            radius,
-            ..Revision::default()
-        },
-    )
-}
-
 /// The document's text with numbers changed; comments and everything else stay as they are. Lengths are rounded to a
 /// micrometre, factors to 1e-5.
 ///
 /// # Errors
 /// As [`read`](super::read), of the document and of the text that results; [`Error::Contradiction`] where a new key of
 /// `[estimator]` has no place because the table is written in one line.
+///
+/// ```
+/// use grouser_files::Document;
+/// use grouser_files::robot::{Revision, parse, revised};
+///
+/// let document = Document::read("../../examples/five-wheel/robot.toml".as_ref())?;
+/// let before = parse(&document)?.robot.wheels()[0].radius;
+/// let text = revised(&document, &Revision { radius: Some(1.02), ..Revision::default() })?;
+/// let after = parse(&Document::from_text("scaled.toml", text)?)?.robot.wheels()[0].radius;
+/// assert!((after / before - 1.02).abs() < 1e-5);
+/// # Ok::<(), grouser_files::Error>(())
+/// ```
 pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     let mut added = String::new();

@@ -70,10 +70,4 @@ impl Fit {
         let (x, bound) = (self.x[index], &self.bounds[index]);
         x <= bound.lower || x >= bound.upper
     }
-
-    /// Σ r², whatever the loss.
-    #[must_use]
-    pub fn sum_of_squares(&self) -> f64 {
-        self.residuals.iter().map(|r| r * r).sum()
-    }
 }
