@@ -119,7 +119,11 @@ fn check(computer: &mut OnBoard, time_ns: i64, request: Request, control: &Contr
     }
     if let Some(soil) = computer.soil() {
         let reported = soil.estimate();
-        for interval in [reported.strength, reported.stiffness, reported.friction_angle] {
+        for interval in [
+            reported.strength,
+            reported.stiffness,
+            reported.friction_angle,
+        ] {
             assert!(
                 interval.low <= interval.mean && interval.mean <= interval.high,
                 "{reported:?}"

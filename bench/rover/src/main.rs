@@ -9,7 +9,7 @@ mod ours;
 mod scene;
 mod theirs;
 
-use scene::{Scene, Positions};
+use scene::{Positions, Scene};
 
 const STEPS: [f64; 4] = [2e-3, 1e-3, 5e-4, 2.5e-4];
 

@@ -2,7 +2,7 @@
 
 use grouser_rover::vector::Vector;
 
-use crate::scene::{Scene, Positions, start};
+use crate::scene::{Positions, Scene, start};
 
 pub fn run(scene: &Scene, step: f64) -> Positions {
     let linkage = &scene.model.linkage;

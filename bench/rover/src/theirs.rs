@@ -2,7 +2,7 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::scene::{Scene, Positions};
+use crate::scene::{Positions, Scene};
 
 type Ours = grouser_rover::vector::Vector;
 
