@@ -10,12 +10,14 @@ macro_rules! file {
 
 /// The name and the text of each file.
 pub const ALL: &[(&str, &str)] = &[
+    file!("brushes.js"),
     file!("chart.js"),
     file!("controls.js"),
     file!("copy_as.js"),
     file!("dom.js"),
     file!("explore.js"),
     file!("facts.js"),
+    file!("figure_file.js"),
     file!("format.js"),
     file!("front_space.js"),
     file!("ground.js"),
