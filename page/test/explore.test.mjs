@@ -118,6 +118,17 @@ test('a typed value, a slider and a handle change the numbers and the address', 
     await page.mouse.up();
     await page.waitForFunction((was) => window.grouser.views.get('explore').point.sinkage_m > 1.1 * was, sunk);
 
+    for (const [handle, key, dx] of [['radius', 'radius_m', -20], ['load', 'load_n', 0]]) {
+      const was = await page.evaluate((name) => window.grouser.views.get('explore').state[name], key);
+      const place = await boxOf(page.locator(`[data-handle="${handle}"]`));
+      await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2);
+      await page.mouse.down();
+      // outwards: to the upper left for the radius, downwards for the load
+      await page.mouse.move(place.x + place.width / 2 + dx, place.y + place.height / 2 + (dx || 15), { steps: 4 });
+      await page.mouse.up();
+      await page.waitForFunction(([name, before]) => window.grouser.views.get('explore').state[name] > 1.02 * before, [key, was]);
+    }
+
     await page.locator('.plot').first().scrollIntoViewIfNeeded();
     const chart = await boxOf(page.locator('.plot').first());
     await page.mouse.click(chart.x + chart.width * 0.7, chart.y + chart.height * 0.4);

@@ -73,6 +73,27 @@ pub fn text(name: &str) -> Result<&'static str> {
 mod tests {
     use super::*;
 
+    /// A name of a soil, a wheel, a topic or a file is never read as markup or as script.
+    #[test]
+    fn no_script_makes_elements_or_code_out_of_text() {
+        for (name, text) in ALL.iter().filter(|(name, _)| name.ends_with(".js")) {
+            for way in [
+                "innerHTML",
+                "outerHTML",
+                "insertAdjacentHTML",
+                "document.write",
+                "createContextualFragment",
+                "DOMParser",
+                "srcdoc",
+                "eval(",
+                "new Function",
+                "javascript:",
+            ] {
+                assert!(!text.contains(way), "{name} uses {way}");
+            }
+        }
+    }
+
     #[test]
     fn every_file_of_the_folder_is_part_of_the_page() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/web");
