@@ -1,11 +1,12 @@
 // The explorer in a real browser, from a file.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, writeFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { assertSame, boxOf, commandJson, random, seriousFindings, withPage } from './browser.mjs';
+import { ROOT, assertSame, boxOf, commandJson, random, seriousFindings, withPage } from './browser.mjs';
 
 /** The quantities of a point that the page and the command both have. */
 const POINT = [
@@ -117,6 +118,17 @@ test('a typed value, a slider and a handle change the numbers and the address', 
     await page.mouse.up();
     await page.waitForFunction((was) => window.grouser.views.get('explore').point.sinkage_m > 1.1 * was, sunk);
 
+    for (const [handle, key, dx] of [['radius', 'radius_m', -20], ['load', 'load_n', 0]]) {
+      const was = await page.evaluate((name) => window.grouser.views.get('explore').state[name], key);
+      const place = await boxOf(page.locator(`[data-handle="${handle}"]`));
+      await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2);
+      await page.mouse.down();
+      // outwards: to the upper left for the radius, downwards for the load
+      await page.mouse.move(place.x + place.width / 2 + dx, place.y + place.height / 2 + (dx || 15), { steps: 4 });
+      await page.mouse.up();
+      await page.waitForFunction(([name, before]) => window.grouser.views.get('explore').state[name] > 1.02 * before, [key, was]);
+    }
+
     await page.locator('.plot').first().scrollIntoViewIfNeeded();
     const chart = await boxOf(page.locator('.plot').first());
     await page.mouse.click(chart.x + chart.width * 0.7, chart.y + chart.height * 0.4);
@@ -180,6 +192,51 @@ test('copies for Rust, Python and TOML carry the numbers of the sliders', async 
     assert.match(toml, /source = "changed from: Lunar Sourcebook/);
     assert.match(await copied(page, 'Rust'), /Angle::from_deg\(33\.5\)[\s\S]*RigidWheel::new\(0\.2, 0\.1\)/);
     assert.match(await copied(page, 'Python'), /phi_deg = 33\.5[\s\S]*radius_m=0\.2, width_m=0\.1/);
+  });
+  const lugs = 'grouser_count=12&grouser_height_m=0.01&grouser_thickness_m=0.002';
+  await withPage({ hash: `#explore?soil=sandy-loam&radius_m=0.2&width_m=0.1&load_n=55&slip=0.3&slope_deg=5&${lugs}` }, async (page) => {
+    const { drawbar_pull_n: pull, sinkage_m: sinkage } = await pointOf(page);
+    const prints = (printed) => {
+      const [, ...numbers] = printed.match(/pull (\S+) N, sinkage (\S+) m/).map(Number);
+      assertSame(numbers[0], pull, 'pull');
+      assertSame(numbers[1], sinkage, 'sinkage');
+    };
+    const python = await copied(page, 'Python');
+    assert.match(python, /grouser_height_m=0\.01, grouser_count=12, grouser_thickness_m=0\.002/);
+    // where a Python with the package is at hand, the program's numbers
+    if (process.env.GROUSER_PYTHON) prints(execFileSync(process.env.GROUSER_PYTHON, ['-'], { input: python, encoding: 'utf8' }));
+    // the Rust program, built with the crates of this folder
+    const folder = mkdtempSync(join(tmpdir(), 'grouser-copied-'));
+    mkdirSync(join(folder, 'src'));
+    writeFileSync(join(folder, 'src/main.rs'), await copied(page, 'Rust'));
+    writeFileSync(join(folder, 'Cargo.toml'), `[package]\nname = "copied"\nedition = "2024"\n[dependencies]\ngrouser-terra = { path = "${ROOT}crates/terra", features = ["std"] }\n[workspace]\n`);
+    prints(execFileSync('cargo', ['run', '--quiet', '--manifest-path', join(folder, 'Cargo.toml')], { encoding: 'utf8' }));
+  });
+});
+
+test('curves are saved as a figure with outlines for letters, at the places of the numbers', async () => {
+  await withPage({ hash: '#explore?soil=dry-sand&compare=lunar' }, async (page) => {
+    await page.waitForFunction(() => window.grouser.views.get('explore').best.known);
+    const saved = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Save as figure' }).click();
+    const svg = readFileSync(await (await saved).path(), 'utf8');
+    assert.ok(svg.startsWith('<svg'));
+    assert.ok(!svg.includes('<text'), 'letters are outlines');
+    for (const words of ['Drawbar pull (N)', 'Torque (N m)', 'Sinkage (mm)', 'Tractive efficiency (%)', 'Dry sand', 'Lunar']) assert.ok(svg.includes(words), words);
+    // each curve is a path whose heights are the curve's numbers on a scale of its panel
+    const drawn = await page.evaluate((text) => {
+      const document = new DOMParser().parseFromString(text, 'image/svg+xml');
+      return [...document.querySelectorAll('path[fill="none"]')].map((path) => path.getAttribute('d').match(/-?[\d.]+/g).map(Number)).filter((numbers) => numbers.length >= 80);
+    }, svg);
+    const { curves } = await page.evaluate(() => ({ curves: window.grouser.views.get('explore').curves.map(({ curve }) => curve.drawbar_pull_n) }));
+    const pull = curves[0];
+    const fits = drawn.some((numbers) => {
+      const heights = numbers.filter((_, i) => i % 2);
+      if (heights.length !== pull.length) return false;
+      const scale = (heights.at(-1) - heights[0]) / (pull.at(-1) - pull[0]);
+      return heights.every((height, i) => Math.abs(height - heights[0] - scale * (pull[i] - pull[0])) < 0.05);
+    });
+    assert.ok(fits, `${drawn.length} curves drawn`);
   });
 });
 

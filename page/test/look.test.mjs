@@ -61,11 +61,70 @@ test('every view fits a phone and has labels that can be read, light and dark', 
   }
 });
 
+test('a wide screen is filled: the wheel beside its curves, pictures beside the answer', async () => {
+  for (const hash of VIEWS) {
+    await withPage({ hash: `#${hash}`, width: 1920, height: 1080 }, async (page) => {
+      if (hash === 'run') await driven(page, 'soft-patch controller');
+      if (hash === 'optimise') {
+        await page.getByRole('button', { name: 'Solve' }).click();
+        await page.waitForSelector('.front-dot');
+      }
+      await page.waitForTimeout(300);
+      const cards = await page.evaluate(() => [...document.querySelectorAll('main .card')].filter((one) => one.checkVisibility())
+        .map((one) => one.getBoundingClientRect()).map(({ left, right, bottom }) => ({ left, right, bottom })));
+      assert.ok(Math.min(...cards.map(({ left }) => left)) < 40 && Math.max(...cards.map(({ right }) => right)) > 1860, `${hash}: margins`);
+      // curves and front are on one screen with the wheel and the answer
+      if (hash !== 'run') for (const { bottom } of cards.slice(-2)) assert.ok(bottom <= 1080, `${hash}: ${bottom}`);
+      assert.deepEqual(await covered(page), [], hash);
+    });
+  }
+});
+
+test('curves and classes of slip differ for readers who see colours otherwise, and text in their colours can be read', async () => {
+  // Machado, Oliveira and Fernandes (2009): no protan, deutan or tritan cones
+  const SIGHTS = [
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+    [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+  ];
+  const linear = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  const seen = (sight, rgb) => sight.map((row) => Math.min(1, Math.max(0, row.reduce((sum, share, i) => sum + share * rgb[i], 0))));
+  // Oklab (Ottosson 2020)
+  const lab = ([r, g, b]) => {
+    const [l, m, s] = [[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6806995451, 0.1073969566], [0.0883024619, 0.2817188376, 0.6299787005]].map(([x, y, z]) => Math.cbrt(x * r + y * g + z * b));
+    return [[0.2104542553, 0.793617785, -0.0040720468], [1.9779984951, -2.428592205, 0.4505937099], [0.0259040371, 0.7827717662, -0.808675766]].map(([x, y, z]) => x * l + y * m + z * s);
+  };
+  const luminance = (hex) => linear(hex).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  for (const dark of [false, true]) {
+    await withPage({ dark }, async (page) => {
+      const colours = (kind, numbers) => page.evaluate(([name, all]) => all.map((i) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}${i}`).trim()), [kind, numbers]);
+      const curves = await colours('curve-', [1, 2, 3, 4, 5, 6]);
+      const classes = await colours('slip-', [0, 1, 2, 3, 4, 5]);
+      const [card] = await colours('card', ['']);
+      for (const sight of SIGHTS) {
+        const labs = curves.map((hex) => lab(seen(sight, linear(hex))));
+        for (let i = 0; i < 6; i += 1) for (let k = 0; k < i; k += 1) {
+          const far = Math.hypot(...labs[i].map((value, axis) => value - labs[k][axis]));
+          assert.ok(far > 0.09, `curves ${k + 1} and ${i + 1}, dark ${dark}, sight ${SIGHTS.indexOf(sight)}: ${far.toFixed(3)}`);
+        }
+        // more slip, further from the ground's lightness
+        const lightness = classes.map((hex) => lab(seen(sight, linear(hex)))[0]);
+        for (let i = 1; i < 6; i += 1) assert.ok((dark ? 1 : -1) * (lightness[i] - lightness[i - 1]) > 0.035, `class ${i} of ${lightness}`);
+      }
+      for (const hex of curves) {
+        const [low, high] = [luminance(hex), luminance(card)].sort((a, b) => a - b);
+        assert.ok((high + 0.05) / (low + 0.05) >= 4.5, `${hex} on ${card}`);
+      }
+    });
+  }
+});
+
 test('a run on paper has its pictures and keys in colour, and nothing to operate', async () => {
   await withPage({ hash: '#run' }, async (page) => {
     await driven(page);
     await page.emulateMedia({ media: 'print' });
-    for (const name of ['.top', '.player', '.run-tools']) assert.ok(!(await page.locator(name).isVisible()), name);
+    for (const name of ['.top', '.player', '.run-tools', '.figure-file']) for (const one of await page.locator(name).all()) assert.ok(!(await one.isVisible()), name);
     for (const name of ['.map', '.slip-key', '.decisions']) assert.ok(await page.locator(name).first().isVisible(), name);
     assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('.slip-key'), '::before').printColorAdjust), 'exact');
     // A4 at 96 dpi without margins

@@ -83,6 +83,40 @@ test('a front of three objectives turns in space and is linked with the other pi
   });
 });
 
+test('limits on the axes pale the compromises outside in all pictures, by pointer and by keyboard', async () => {
+  await withPage({ hash: '#optimise' }, async (page) => {
+    await solve(page, 'pull-against-torque');
+    const { front } = await answerOf(page);
+    const axis = page.getByRole('slider', { name: 'Limits of radius_m' });
+    const radii = front.map(({ x }) => x.radius_m);
+    const [low, high] = [Math.min(...radii), Math.max(...radii)];
+    await axis.scrollIntoViewIfNeeded();
+    const { x, y, width, height } = await boxOf(axis);
+    // the lower half of the axis
+    await page.mouse.move(x + width / 2, y + height / 2);
+    await page.mouse.down();
+    await page.mouse.move(x + width / 2, y + height - 1, { steps: 4 });
+    await page.mouse.up();
+    const half = radii.filter((radius) => radius <= (low + high) / 2).length;
+    const left = async () => Number((await page.locator('.brushed output').textContent()).match(/^\d+/)[0]);
+    assert.ok(half > 0 && half < front.length);
+    assert.ok(Math.abs(await left() - half) <= 2, `${await left()} of ${half}`);
+    for (const kind of ['.front-dot', '.compromise']) assert.equal(await page.locator(`${kind}:not(.is-out)`).count(), await left(), kind);
+    // what is chosen stays limited
+    await page.locator('.front-dot').nth(2).click();
+    assert.equal(await page.locator('.compromise:not(.is-out)').count(), await left());
+    assert.deepEqual(await seriousFindings(page), []);
+    await axis.focus();
+    await page.keyboard.press('Escape');
+    assert.equal(await page.locator('.is-out').count(), 0);
+    for (let i = 0; i < 10; i += 1) await page.keyboard.press('ArrowDown');
+    assert.equal(await left(), half);
+    assert.match(await axis.getAttribute('aria-valuetext'), / to /);
+    await page.getByRole('button', { name: 'Drop the limits' }).click();
+    assert.equal(await page.locator('.is-out').count(), 0);
+  });
+});
+
 test('a search says how far it is, and a design drives in a scenario', async () => {
   await withPage({ hash: '#optimise' }, async (page) => {
     await page.evaluate(() => {

@@ -256,6 +256,7 @@ test('files that are no runs are refused in words', async () => {
     [[file('c.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n')], /no rows/],
     [[file('d.mcap', 'no recording')], /robot file/],
     [[file('log.csv', 'a,b\n1,2\n'), file('robot.toml', 'format = 1\n[[wheel]]\nradius_m = "x"\n')], /robot\.toml:1:1: the file has no key `name`/],
+    [[...['scenarios/plan-and-learn', 'robots/five-wheel'].map((name) => file(`${name.split('/')[1]}.toml`, readFileSync(`${ROOT}examples/${name}.toml`, 'utf8')))], /plans its way, which the page does not/],
     [[file('<img src=x onerror=alert(1)>.csv', 'time_s,wheel,slip,\n')], /no column slip_sigma/],
   ];
   for (const [files, expected] of cases) {
@@ -320,6 +321,14 @@ test('a report of the command opens from a file: drives on one map, a log, a fro
   await withPage({ address: log }, async (page) => {
     await shown(page);
     assert.equal((await runOf(page)).wheels.length, 5);
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+  const learnt = report('learnt.html', 'drive examples/scenarios/unknown-soil.toml');
+  await withPage({ address: learnt }, async (page) => {
+    await shown(page);
+    const { soil } = await runOf(page);
+    const row = await page.locator('.learnt tbody tr').last().textContent();
+    assert.match(row, new RegExp(`friction angle${soil.phi_deg.toPrecision(3)}°${soil.phi_low_deg.toPrecision(3)}° to`));
     assert.deepEqual(await seriousFindings(page), []);
   });
   const front = report('front.html', 'optimize examples/problems/pull-against-torque.toml');

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::{env, fs};
 
 /// The modules that `page/build` makes.
-const MODULES: [&str; 4] = ["explore", "drive", "log", "optimize"];
+const MODULES: [&str; 5] = ["explore", "drive", "figure", "log", "optimize"];
 
 fn main() {
     let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));

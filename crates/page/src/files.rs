@@ -10,12 +10,14 @@ macro_rules! file {
 
 /// The name and the text of each file.
 pub const ALL: &[(&str, &str)] = &[
+    file!("brushes.js"),
     file!("chart.js"),
     file!("controls.js"),
     file!("copy_as.js"),
     file!("dom.js"),
     file!("explore.js"),
     file!("facts.js"),
+    file!("figure_file.js"),
     file!("format.js"),
     file!("front_space.js"),
     file!("ground.js"),
@@ -70,6 +72,27 @@ pub fn text(name: &str) -> Result<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A name of a soil, a wheel, a topic or a file is never read as markup or as script.
+    #[test]
+    fn no_script_makes_elements_or_code_out_of_text() {
+        for (name, text) in ALL.iter().filter(|(name, _)| name.ends_with(".js")) {
+            for way in [
+                "innerHTML",
+                "outerHTML",
+                "insertAdjacentHTML",
+                "document.write",
+                "createContextualFragment",
+                "DOMParser",
+                "srcdoc",
+                "eval(",
+                "new Function",
+                "javascript:",
+            ] {
+                assert!(!text.contains(way), "{name} uses {way}");
+            }
+        }
+    }
 
     #[test]
     fn every_file_of_the_folder_is_part_of_the_page() {

@@ -5,17 +5,21 @@ import { rangeOf, tickLabels, ticks } from './ticks.js';
 
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 40 };
 
+/** Width of what moves with a cursor, px. */
+const STRIP_PX = 16;
+
 /** Width of a digit of a label, px. */
 const DIGIT_PX = 6.6;
 
 /**
- * A chart of its own element. `options`: title, y (name and unit), x (name and unit), height,
+ * A chart of its own element. `options`: title, y (name and unit), x (name and unit), height (px or a function),
  * `pick(x)` when a place on the axis is clicked or dragged to, `hover(x or null)`.
  */
 export class Chart {
   #options;
   #plot;
-  #layer;
+  #atCursor;
+  #atPointer;
   #data = { series: [], range: [0, 1], marks: [], levels: [], cursor: null };
   #hover = null;
   #width = 0;
@@ -27,13 +31,13 @@ export class Chart {
     this.#options = { height: 230, ...options };
     this.values = h('div', { class: 'chart-values' });
     this.#plot = svg('svg', { class: 'plot', role: 'img' });
-    // the cursor moves in a layer of its own: thousands of points are not painted anew
-    this.#layer = svg('svg', { class: 'plot-layer', 'aria-hidden': 'true' });
+    // a cursor moves in a strip of its own: thousands of points are not painted anew
+    [this.#atCursor, this.#atPointer] = [0, 1].map(() => svg('svg', { class: 'plot-strip', width: STRIP_PX, 'aria-hidden': 'true' }));
     this.element = h(
       'section',
       { class: 'card chart', 'aria-label': options.title },
       h('header', {}, h('h3', {}, options.title), this.values),
-      h('div', { class: 'plot-box' }, this.#plot, this.#layer),
+      h('div', { class: 'plot-box' }, this.#plot, this.#atCursor, this.#atPointer),
     );
     new ResizeObserver(([entry]) => {
       const width = Math.round(entry.contentRect.width);
@@ -45,7 +49,7 @@ export class Chart {
     this.#listen();
   }
 
-  /** Shows data: series [{x, y, colour, dash, width, name, ghost, band}], range of x, marks, levels, cursor. */
+  /** Shows data: series [{x, y, colour, dash, width, name, ghost, band}], range of x, marks, levels, cursor; lines beyond `scale`, a range of y, are cut off. */
   show(data) {
     this.#data = { ...this.#data, ...data };
     this.#render();
@@ -61,6 +65,24 @@ export class Chart {
   point(x) {
     this.#hover = x;
     this.#renderCursor();
+  }
+
+  /** What is drawn, for a figure of publication quality: see `figure_file.js`. */
+  get panel() {
+    const { x, y } = this.#options;
+    const { series, range, levels, marks, spans = [], scale } = this.#data;
+    const { low, high } = this.#frame ?? {};
+    const lines = series.filter((one) => !one.points);
+    const inside = (of) => of >= range[0] && of <= range[1];
+    return {
+      x: { title: named(x), range }, y: { title: named(y), range: scale ?? [low, high] },
+      curves: lines.filter((one) => !one.silent).map((one) => ({ x: rounded(one.x), y: rounded(one.y), label: one.name ?? null, style: one.ghost ? null : styleOf(one) })),
+      bands: lines.filter((one) => one.band).map((one) => ({ x: rounded(one.x), low: rounded(one.band.low), high: rounded(one.band.high), style: styleOf(one) })),
+      points: series.filter((one) => one.points).map((one) => ({ x: rounded(one.x), y: rounded(one.y) })),
+      marks: marks.filter((mark) => inside(mark.x)).map((mark) => ({ x: mark.x, y: mark.y })),
+      levels: levels.map((level) => ({ y: level.y, label: level.name })),
+      spans: spans.filter(({ kind }) => kind === 'rest').map(({ from, to }) => ({ from, to })),
+    };
   }
 
   #listen() {
@@ -85,17 +107,18 @@ export class Chart {
 
   #render() {
     if (!this.#width) return;
-    const { height, zero } = this.#options;
-    const { series, range, levels } = this.#data;
+    const { zero } = this.#options;
+    const height = typeof this.#options.height === 'function' ? this.#options.height() : this.#options.height;
+    const { series, range, levels, scale } = this.#data;
     const width = this.#width;
     const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
     const values = series.flatMap((one) => (one.band ? [...one.y, ...one.band.low, ...one.band.high] : [...one.y]));
-    const [low, high] = this.#options.y.range ?? rangeOf(values.concat(levels.map((level) => level.y)), zero);
+    const [low, high] = scale ?? rangeOf(values.concat(levels.map((level) => level.y)), zero);
     const px = (value) => MARGIN.left + (inner.width * (value - range[0])) / (range[1] - range[0]);
     const py = (value) => MARGIN.top + inner.height * (1 - (value - low) / (high - low));
-    this.#frame = { px, py, inner, height };
+    this.#frame = { px, py, inner, low, high };
 
-    const key = [width, ...range, low, high, ...(series.map((one) => one.name))].join(' ');
+    const key = [width, height, Boolean(scale), ...range, low, high, ...(series.map((one) => one.name))].join(' ');
     if (key !== this.#axes) {
       this.#axes = key;
       this.#renderAxes({ width, height, inner, px, py, low, high });
@@ -133,10 +156,11 @@ export class Chart {
     this.#plot.setAttribute('viewBox', `0 0 ${width} ${height}`);
     this.#plot.setAttribute('height', height);
     this.#plot.setAttribute('aria-label', `${title} against ${x.name}. ${series.map((one) => one.name).filter(Boolean).join(', ')}`);
-    this.#lines = svg('g', { class: 'lines' });
+    // what is beyond the scale is not drawn over labels
+    const inside = { x: MARGIN.left, y: MARGIN.top - 4, width: inner.width, height: inner.height + 8 };
+    this.#lines = svg('svg', { class: 'lines', ...inside, viewBox: Object.values(inside).join(' '), overflow: this.#data.scale ? 'hidden' : 'visible' });
     this.#plot.replaceChildren(grid, this.#lines, text);
-    this.#layer.setAttribute('viewBox', `0 0 ${width} ${height}`);
-    this.#layer.setAttribute('height', height);
+    for (const strip of [this.#atCursor, this.#atPointer]) strip.setAttribute('height', height);
   }
 
   #renderLines({ width, px, py }) {
@@ -175,27 +199,45 @@ export class Chart {
 
   #renderCursor() {
     if (!this.#frame) return;
-    const { px, py, inner } = this.#frame;
+    const { px, py, inner, low, high } = this.#frame;
     const { series, range, cursor } = this.#data;
-    const parts = [];
-    const line = (x, name) => svg('line', { x1: px(x), x2: px(x), y1: MARGIN.top, y2: MARGIN.top + inner.height, class: name });
-    if (cursor !== null && cursor >= range[0] && cursor <= range[1]) parts.push(line(cursor, 'cursor-line'));
-    if (this.#hover !== null) parts.push(line(this.#hover, 'hover-line'));
     const at = this.#hover ?? cursor;
+    const isShown = (x) => x !== null && x >= range[0] && x <= range[1];
+    const dots = [];
     const { unit } = this.#options.y;
     const shownValues = [];
     for (const one of series) {
       if (one.points) continue;
       const value = at === null ? null : valueAt(one.x, one.y, at);
-      if (value !== null && at >= range[0] && at <= range[1]) {
-        parts.push(svg('circle', { cx: px(at), cy: py(value), r: one.ghost ? 3 : 4, fill: one.colour, class: one.ghost ? 'dot ghost' : 'dot' }));
+      if (value !== null && isShown(at) && value >= low && value <= high) {
+        dots.push(svg('circle', { cx: STRIP_PX / 2, cy: py(value), r: one.ghost ? 3 : 4, fill: one.colour, class: one.ghost ? 'dot ghost' : 'dot' }));
       }
       shownValues.push(this.#options.value?.(one, value, unit) ?? null);
     }
-    this.#layer.replaceChildren(...parts);
+    const draw = (strip, x, name, parts) => {
+      strip.classList.toggle('is-away', !isShown(x));
+      if (!isShown(x)) {
+        strip.replaceChildren();
+        return;
+      }
+      strip.style.setProperty('transform', `translateX(${(px(x) - STRIP_PX / 2).toFixed(1)}px)`);
+      strip.replaceChildren(svg('line', { x1: STRIP_PX / 2, x2: STRIP_PX / 2, y1: MARGIN.top, y2: MARGIN.top + inner.height, class: name }), ...parts);
+    };
+    draw(this.#atCursor, cursor, 'cursor-line', this.#hover === null ? dots : []);
+    draw(this.#atPointer, this.#hover, 'hover-line', dots);
     const written = shownValues.filter(Boolean);
-    this.values.replaceChildren(...written, ...(written.length && unit ? [h('span', { class: 'unit' }, unit)] : []));
+    this.values.replaceChildren(...written, ...(written.length === 1 && unit ? [h('span', { class: 'unit' }, unit)] : []));
   }
+}
+
+/** Numbers with six digits, more than a figure shows; null for what is missing. */
+function rounded(values) {
+  return Array.from(values, (value) => (Number.isFinite(value) ? Number(value.toPrecision(6)) : null));
+}
+
+/** The number of a curve's colour. */
+function styleOf({ colour }) {
+  return Number(/--curve-(\d)/.exec(colour)?.[1] ?? 1) - 1;
 }
 
 function named({ name, unit }) {

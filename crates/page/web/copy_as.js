@@ -88,12 +88,15 @@ function indented(text) {
 export function asPython(state, catalogue) {
   const load = state.slope_deg === 0 ? `${weight(state)}` : `${weight(state)} * math.cos(math.radians(${state.slope_deg}))`;
   const toml = asToml(state, catalogue).replaceAll('\\', '\\\\').replaceAll('"""', '\\"\\"\\"');
-  const lugs = hasLugs(state) ? '# The package has no lugs by number and thickness yet: this is the smooth wheel.\n' : '';
+  const sizes = [`radius_m=${state.radius_m}`, `width_m=${state.width_m}`];
+  if (hasLugs(state)) {
+    sizes.push(`grouser_height_m=${state.grouser_height_m}`, `grouser_count=${state.grouser_count}`, `grouser_thickness_m=${state.grouser_thickness_m}`);
+  }
   return `${state.slope_deg === 0 ? '' : 'import math\n\n'}from grouser import soils, wheel
 
 soil = soils.Soil.from_toml("""\\
 ${toml}""")
-${lugs}contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=${state.radius_m}, width_m=${state.width_m}), soil)
+contact = wheel.WheelOnSoil(wheel.Wheel(${sizes.join(', ')}), soil)
 point = contact.under_load(load_n=${load}, slip=${state.slip}, slip_angle_deg=${state.slip_angle_deg})
 print(f"pull {point.drawbar_pull_n} N, sinkage {point.sinkage_m} m" if point else "no sinkage carries the load")
 `;

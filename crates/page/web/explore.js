@@ -4,6 +4,7 @@ import { Chart } from './chart.js';
 import { Control } from './controls.js';
 import { copyMenu } from './copy_as.js';
 import { h, svg } from './dom.js';
+import { figureButton } from './figure_file.js';
 import { shown, significant } from './format.js';
 import { bands, outside, readIntervals } from './intervals.js';
 import { measuredPoints } from './measured_points.js';
@@ -289,7 +290,8 @@ export class Explore {
     this.measuredNote = h('span', { class: 'muted', role: 'status' });
     return h('section', { class: 'compare', 'aria-label': 'Curves against slip' },
       this.chips, this.addSoil, this.pin,
-      h('label', { class: 'quiet button', for: 'measured-file' }, 'Measured points'), this.measuredFile, this.measuredNote);
+      h('label', { class: 'quiet button', for: 'measured-file' }, 'Measured points'), this.measuredFile, this.measuredNote,
+      figureButton(() => ({ charts: [...this.#charts.values()].map(({ chart }) => chart), description: this.heading.textContent, name: 'wheel-on-soil' })));
   }
 
   #compare(key) {
@@ -306,6 +308,7 @@ export class Explore {
   #chart(quantity) {
     const chart = new Chart({
       title: quantity.title,
+      height: () => (innerWidth < 1700 ? 230 : 320),
       x: { name: 'Slip', unit: '' },
       y: { name: quantity.title, unit: quantity.unit },
       zero: quantity.zero,

@@ -1,6 +1,6 @@
 // The result of a run in words and numbers.
 
-import { h } from './dom.js';
+import { h, svg } from './dom.js';
 import { clock, shown } from './format.js';
 
 function item(name, value, unit = '', note = '') {
@@ -23,6 +23,32 @@ export function factsOf(run, others, seconds) {
     for (const wheel of run.wheels) if (wheel.median_slip !== null && wheel.median_slip !== undefined) items.push(item(wheel.name, shown(wheel.median_slip), '', 'median slip'));
   }
   return items;
+}
+
+/** A number with its interval of 90 % on a scale of its own: [name, mean, low, high, unit]. */
+function interval([name, mean, low, high, unit = '']) {
+  const [from, to] = [Math.min(low, unit ? low : 1), Math.max(high, unit ? high : 1)];
+  const room = 0.1 * (to - from || 1);
+  const at = (value) => `${(100 * (value - from + room)) / (to - from + 2 * room)}%`;
+  const line = (x1, x2, kind) => svg('line', { x1: at(x1), x2: at(x2), y1: 6, y2: 6, class: kind });
+  const known = unit ? null : svg('line', { x1: at(1), x2: at(1), y1: 0, y2: 12, class: 'known' });
+  return h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, `${shown(mean)}${unit}`), h('td', {}, `${shown(low)}${unit} to ${shown(high)}${unit}`),
+    h('td', { class: 'interval' }, svg('svg', { height: 12, width: '100%', 'aria-hidden': 'true' }, known, line(low, high, 'spread'), svg('circle', { cx: at(mean), cy: 6, r: 4, class: 'mean' }))));
+}
+
+/** What was learnt of the soil, with intervals; null where nothing was. */
+export function soilTable({ soil, known_soil: known }) {
+  if (!soil) return null;
+  const of = known ? `“${known}”` : 'the known soil';
+  const rows = [
+    [`strength, multiples of ${of}`, soil.strength, soil.strength_low, soil.strength_high],
+    [`stiffness, multiples of ${of}`, soil.stiffness, soil.stiffness_low, soil.stiffness_high],
+    ['friction angle', soil.phi_deg, soil.phi_low_deg, soil.phi_high_deg, '°'],
+  ];
+  const contacts = soil.contact_readings ? `, ${soil.contact_readings} of them with sinkages or entry angles` : '';
+  return h('section', { class: 'learnt', 'aria-label': 'Soil that was learnt' }, h('h2', {}, 'Soil that was learnt'),
+    h('table', {}, h('thead', {}, h('tr', {}, ['', 'mean', '90 % interval', ''].map((name) => h('th', { scope: 'col' }, name || h('span', { class: 'sr-only' }, 'number or picture'))))), h('tbody', {}, rows.map(interval))),
+    h('p', { class: 'muted' }, `From ${soil.readings} readings${contacts}; ${soil.changes} changes of belief. The intervals hold if the soil is of this kind: on others half of them held. The upright line is the known soil.`));
 }
 
 /** What is doubtful of a run, or left out. */

@@ -20,7 +20,7 @@ export const FIRST_VIEW = { azimuth: 0.7, elevation: 0.45 };
  * The card. `view` has azimuth and elevation and keeps them from one card to the next; `choose(i)` is called when a
  * compromise is clicked.
  */
-export function frontInSpace({ front, names, knee, chosen, view, choose, narrow }) {
+export function frontInSpace({ front, names, knee, chosen, view, choose, narrow, isOut }) {
   const [width, height, half] = narrow ? NARROW : WIDE;
   const ranges = names.map((name) => {
     const values = front.map(({ objectives }) => objectives[name]);
@@ -101,7 +101,7 @@ export function frontInSpace({ front, names, knee, chosen, view, choose, narrow 
       .flatMap(({ i, place, seen: [cx, cy] }) => [
         i === chosen ? line(place, [place[0], place[1], -1], 'drop-line') : null,
         svg('circle', {
-          cx, cy, r: i === chosen ? 7 : 4.5, class: `front-dot${i === chosen ? ' is-chosen' : ''}${i === knee ? ' is-knee' : ''}`, on: { click: () => choose(i) },
+          cx, cy, r: i === chosen ? 7 : 4.5, class: `front-dot${i === chosen ? ' is-chosen' : ''}${i === knee ? ' is-knee' : ''}${isOut(i) ? ' is-out' : ''}`, 'data-compromise': i, on: { click: () => choose(i) },
         }, svg('title', {}, names.map((name) => `${name} ${shown(front[i].objectives[name])}`).join(', '))),
       ]);
     plot.replaceChildren(...box, ...labels, ...dots.filter(Boolean));

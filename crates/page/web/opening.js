@@ -60,7 +60,7 @@ async function sorted(file) {
   if (/\.toml$/i.test(name)) {
     const text = await file.text();
     const isRobot = /^\s*\[\[wheel/m.test(text) && !/^\s*\[\[column/m.test(text) && /radius/m.test(text);
-    return [/^\s*\[\[leg\]\]/m.test(text) ? 'scenario' : isRobot ? 'robot' : 'columns', { name, text }];
+    return [/^\s*\[(?:\[leg\]|plan)\]/m.test(text) ? 'scenario' : isRobot ? 'robot' : 'columns', { name, text }];
   }
   if (/\.json$/i.test(name)) return ['report', { name, text: await file.text() }];
   if (isEstimates(await file.slice(0, 4096).text())) return ['table', { name, text: await file.text() }];

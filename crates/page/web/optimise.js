@@ -3,6 +3,7 @@
 import { h, svg } from './dom.js';
 import { shown } from './format.js';
 import { FIRST_VIEW, frontInSpace } from './front_space.js';
+import { Brushes } from './brushes.js';
 import { Refusal } from './physics.js';
 import { sources } from './report.js';
 import { tickLabels, ticks } from './ticks.js';
@@ -25,6 +26,7 @@ export class Optimise {
   #problems = null;
   #after = [];
   #view = { ...FIRST_VIEW };
+  #brushes = new Brushes(() => this.#applyBrushes());
 
   constructor(physics, report, onwards) {
     this.#physics = physics;
@@ -106,6 +108,7 @@ export class Optimise {
       this.#answer = await this.#physics.ask({ call: 'optimize', problem: this.text.value }, { take });
       this.#say(`solved in ${shown((performance.now() - started) / 1e3, 2)} s`);
       this.#chosen = this.#answer.knee ?? null;
+      this.#brushes.clear();
       this.#show();
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
@@ -123,6 +126,7 @@ export class Optimise {
       parts.push(h('div', { class: 'charts' }, this.#pairs()), this.#parallel());
     }
     this.result.replaceChildren(...parts, ...this.#after.filter(Boolean));
+    this.#applyBrushes();
   }
 
   #units() {
@@ -193,6 +197,21 @@ export class Optimise {
       drives ? button('Drive the sandbox with it', () => this.#onwards.drive(x, soil)) : null);
   }
 
+  /** Is a compromise outside of what is limited on an axis? */
+  #isOut(i) {
+    return !this.#brushes.hold(this.#axes(), this.#answer.front[i]);
+  }
+
+  /** Pales the compromises that are out, in all pictures. */
+  #applyBrushes() {
+    const { front } = this.#answer;
+    if (!front?.length) return;
+    for (const one of this.result.querySelectorAll('[data-compromise]')) one.classList.toggle('is-out', this.#isOut(Number(one.dataset.compromise)));
+    const left = front.filter((_, i) => !this.#isOut(i)).length;
+    this.brushed.textContent = this.#brushes.any ? `${left} of ${front.length} compromises are within the limits` : 'Drag along an axis to limit it; on an axis, the arrow keys move its upper limit, with Shift its lower one.';
+    this.unlimited.hidden = !this.#brushes.any;
+  }
+
   #choose(i) {
     this.#chosen = i;
     this.#show();
@@ -206,7 +225,7 @@ export class Optimise {
     if (names.length < 3) return cards;
     const { front, knee } = this.#answer;
     const space = frontInSpace({
-      front, knee, names: names.slice(0, 3), chosen: this.#chosen, view: this.#view, narrow: isNarrow(), choose: (i) => this.#choose(i),
+      front, knee, names: names.slice(0, 3), chosen: this.#chosen, view: this.#view, narrow: isNarrow(), choose: (i) => this.#choose(i), isOut: (i) => this.#isOut(i),
     });
     return [space, ...cards];
   }
@@ -229,33 +248,48 @@ export class Optimise {
       ...tickLabels(tb).map((label, i) => [svg('line', { x1: left, x2: width - 14, y1: py(tb[i]), y2: py(tb[i]), class: 'gridline' }), svg('text', { x: left - 8, y: py(tb[i]) + 4, 'text-anchor': 'end' }, label)]),
     ];
     const dots = front.map((point, i) => svg('circle', {
-      cx: px(point.objectives[a]), cy: py(point.objectives[b]), r: i === this.#chosen ? 7 : 4.5, class: `front-dot${i === this.#chosen ? ' is-chosen' : ''}${i === knee ? ' is-knee' : ''}`, on: { click: () => this.#choose(i) },
+      cx: px(point.objectives[a]), cy: py(point.objectives[b]), r: i === this.#chosen ? 7 : 4.5, class: `front-dot${i === this.#chosen ? ' is-chosen' : ''}${i === knee ? ' is-knee' : ''}`, 'data-compromise': i, on: { click: () => this.#choose(i) },
     }, svg('title', {}, `${a} ${shown(point.objectives[a])}, ${b} ${shown(point.objectives[b])}`)));
     return h('section', { class: 'card chart', 'aria-label': `${a} against ${b}` }, h('header', {}, h('h3', {}, `${a} against ${b}`)),
       svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${front.length} compromises, ${a} against ${b}` },
         svg('g', { class: 'axis-text' }, marks, svg('text', { x: (left + width) / 2, y: height - 6, 'text-anchor': 'middle', class: 'axis-name' }, a), svg('text', { transform: `translate(14 ${(height - bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle', class: 'axis-name' }, b)), dots));
   }
 
-  /** All variables and objectives side by side: a line is a compromise, linked with the dots. */
-  #parallel() {
+  /** Variables and objectives with their least and greatest values on the front. */
+  #axes() {
     const { front, variables, objectives } = this.#answer;
     const axes = [...variables.map(({ name }) => ({ name, of: (p) => p.x[name] })), ...objectives.map(({ name }) => ({ name, of: (p) => p.objectives[name], is: true }))];
+    return axes.map((axis) => {
+      const values = front.map(axis.of);
+      return { ...axis, low: Math.min(...values), high: Math.max(...values) };
+    });
+  }
+
+  /** All variables and objectives side by side: a line is a compromise, linked with the dots. */
+  #parallel() {
+    const { front } = this.#answer;
+    const axes = this.#axes();
     const [width, height, top, bottom, side] = isNarrow() ? [330, 280, 46, 26, 30] : [960, 300, 46, 26, 60];
     const scaled = axes.map((axis, k) => {
-      const values = front.map(axis.of);
-      const [low, high] = [Math.min(...values), Math.max(...values)];
+      const { low, high } = axis;
       const x = side + ((width - 2 * side) * k) / Math.max(1, axes.length - 1);
-      return { ...axis, low, high, x, y: (value) => (high > low ? top + (height - top - bottom) * (1 - (value - low) / (high - low)) : (top + height - bottom) / 2) };
+      return { ...axis, x, y: (value) => (high > low ? top + (height - top - bottom) * (1 - (value - low) / (high - low)) : (top + height - bottom) / 2) };
     });
     const order = front.map((_, i) => i).sort((i, j) => (i === this.#chosen) - (j === this.#chosen));
-    const lines = order.map((i) => svg('path', { d: scaled.map(({ x, y, of }, k) => `${k ? 'L' : 'M'}${x.toFixed(1)} ${y(of(front[i])).toFixed(1)}`).join(''), class: `compromise${i === this.#chosen ? ' is-chosen' : ''}`, on: { click: () => this.#choose(i) } }));
+    const lines = order.map((i) => svg('path', { d: scaled.map(({ x, y, of }, k) => `${k ? 'L' : 'M'}${x.toFixed(1)} ${y(of(front[i])).toFixed(1)}`).join(''), class: `compromise${i === this.#chosen ? ' is-chosen' : ''}`, 'data-compromise': i, on: { click: () => this.#choose(i) } }));
     const marks = scaled.map(({ name, x, low, high, is }) => svg('g', { class: 'axis-text' },
       svg('line', { x1: x, x2: x, y1: top, y2: height - bottom, class: 'parallel-axis' }),
       svg('text', { x, y: 16, 'text-anchor': 'middle', class: is ? 'axis-name is-objective' : 'axis-name' }, name),
       svg('text', { x, y: top - 8, 'text-anchor': 'middle' }, shown(high)), svg('text', { x, y: height - bottom + 16, 'text-anchor': 'middle' }, shown(low))));
     const next = h('input', { type: 'range', min: 0, max: front.length - 1, step: 1, value: this.#chosen ?? 0, 'aria-label': 'Compromise along the front', on: { change: () => this.#choose(Number(next.value)) } });
     next.style.setProperty('--share', `${(100 * (this.#chosen ?? 0)) / Math.max(1, front.length - 1)}%`);
+    const brushes = scaled.flatMap((axis) => this.#brushes.element(axis, { top, height: height - top - bottom, reach: isNarrow() ? 11 : 18 }));
+    this.brushed = h('output', {});
+    this.unlimited = h('button', { type: 'button', class: 'link', on: { click: () => {
+      this.#brushes.clear();
+      this.#show();
+    } } }, 'Drop the limits');
     return h('section', { class: 'card chart', 'aria-label': 'Variables and objectives' }, h('header', {}, h('h3', {}, 'Variables and objectives of each compromise')),
-      svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'A line for each compromise over all variables and objectives' }, lines, marks), next);
+      svg('svg', { class: 'plot', viewBox: `0 0 ${width} ${height}`, role: 'group', 'aria-label': 'A line for each compromise over all variables and objectives' }, lines, marks, brushes), h('p', { class: 'brushed' }, this.brushed, this.unlimited), next);
   }
 }

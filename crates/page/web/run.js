@@ -1,7 +1,8 @@
 // Run: a drive in the page, or a recorded log, under one cursor of time.
 
 import { h } from './dom.js';
-import { factsOf, notesOf } from './facts.js';
+import { factsOf, notesOf, soilTable } from './facts.js';
+import { figureButton } from './figure_file.js';
 import { clock, shown } from './format.js';
 import { CURVES } from './palette.js';
 import { Player } from './player.js';
@@ -66,9 +67,9 @@ export class Run {
       h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS 1 bag; all files of a split one, or its folder) with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
     this.body = h('div', { class: 'run-body', hidden: true }, this.player.element,
       h('div', { class: 'run-grid' },
-        h('div', { class: 'run-side' }, this.#mapCard(), this.#factsCard()),
-        h('div', { class: 'run-side' }, this.charts.slip.element, this.robotView.element)),
-      h('div', { class: 'run-more' }, this.charts.element, this.decisions, h('div', {}, this.charts.multiplesButton), this.charts.multiples));
+        h('div', { class: 'run-side' }, this.#mapCard(), h('div', { class: 'run-pair' }, this.#factsCard(), this.robotView.element)),
+        h('div', { class: 'run-side' }, this.charts.slip.element, this.decisions)),
+      h('div', { class: 'run-more' }, this.charts.element, h('div', { class: 'run-tools' }, this.charts.multiplesButton, figureButton(() => ({ charts: this.charts.visible, description: this.#run.title, name: 'run' }))), this.charts.multiples));
     this.drives = h('div', { hidden: true });
     this.provenance = h('div', {});
     const view = h('div', { class: 'run' }, this.#source.tools, this.#source.names, this.empty, this.drives, this.body, this.provenance);
@@ -221,7 +222,7 @@ export class Run {
   #showFacts() {
     const run = this.#run;
     this.facts.replaceChildren(...factsOf(run, this.#others, this.#end() - this.#start()));
-    this.books.replaceChildren(...[energyTable(run)].filter(Boolean));
+    this.books.replaceChildren(...[soilTable(run), energyTable(run)].filter(Boolean));
     this.notes.replaceChildren(...notesOf(run));
   }
 

@@ -4,11 +4,16 @@ import { Chart, plotWidth } from './chart.js';
 import { h } from './dom.js';
 import { shown } from './format.js';
 import { CURVES } from './palette.js';
-import { common, spansOf, thinned, valuesAt } from './run_data.js';
+import { common, placeOf, spansOf, thinned, valuesAt } from './run_data.js';
+import { rangeOf } from './ticks.js';
 
 const NO_REFERENCE = /ReferenceLost|Relative/;
 const TIME = { name: 'Time', unit: 's' };
 const SLIP = { name: 'Slip', unit: '' };
+/** Slips of this share at each end may lie beyond the scale, where they are peaks: beyond twice what the others need. */
+const PEAK_SHARE = 0.004;
+/** Moments of a wheel that are looked at for the scale. */
+const SCALE_MOMENTS = 4000;
 
 function valueOf(one, value) {
   return h('span', { class: one.ghost ? 'value ghost' : 'value', style: { color: one.colour } }, `${one.name} ${value === null ? '–' : shown(value)}`);
@@ -21,6 +26,30 @@ function spansOfRun(run, wheels) {
   const counted = powered.length ? powered : wheels;
   const named = (kind, states, is) => common(counted.map((wheel) => spansOf(wheel[states] ?? [], end, is))).map(([from, to]) => ({ from, to, kind }));
   return [...named('rest', 'motion', (name) => name === 'Standstill'), ...named('lost', 'health', (name) => NO_REFERENCE.test(name))];
+}
+
+/** The scale of slips that peaks of a few moments do not decide: {scale, low, high}; null where there are no such peaks. */
+function scaleWithoutPeaks(run, wheels, [from, to]) {
+  const values = [];
+  const [first, last] = [placeOf(run.time_s, from), placeOf(run.time_s, to)];
+  const stride = Math.max(1, Math.floor((last - first) / SCALE_MOMENTS));
+  let [low, high] = [Infinity, -Infinity];
+  for (const { shown: { slip, sigma, true_slip: truth } } of wheels) {
+    for (let i = first; i < last; i += stride) {
+      for (const value of [slip[i] - (sigma[i] || 0), slip[i] + (sigma[i] || 0), truth?.[i]]) {
+        if (!Number.isFinite(value)) continue;
+        values.push(value);
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+  }
+  if (values.length < 100) return null;
+  values.sort((a, b) => a - b);
+  const at = (share) => values[Math.round(share * (values.length - 1))];
+  const usual = [at(PEAK_SHARE), at(1 - PEAK_SHARE)];
+  const scale = rangeOf(usual);
+  return high - low > 2 * (usual[1] - usual[0]) ? { scale, low, high } : null;
 }
 
 export class RunCharts {
@@ -41,8 +70,9 @@ export class RunCharts {
     this.torque = chart('Torque of each motor', { name: 'Torque', unit: 'N m' });
     this.energy = chart('Electrical energy used', { name: 'Energy', unit: 'J' }, { zero: true });
     this.todoKey = h('span', { class: 'key-todo' }, 'not estimated yet');
+    this.peaksKey = h('span', { class: 'plain', hidden: true });
     this.slip.element.append(
-      h('p', { class: 'key' }, h('span', { class: 'key-band' }, 'band: one sigma'), h('span', { class: 'key-rest' }, 'at rest: no slip'), h('span', { class: 'key-lost' }, 'nothing measures the speed'), this.todoKey),
+      h('p', { class: 'key' }, h('span', { class: 'key-band' }, 'band: one sigma'), h('span', { class: 'key-rest' }, 'at rest: no slip'), h('span', { class: 'key-lost' }, 'nothing measures the speed'), this.todoKey, this.peaksKey),
       table);
     this.element = h('div', { class: 'charts' }, this.rims.element, this.speed.element, this.torque.element, this.energy.element);
     this.multiplesButton = h('button', { type: 'button', class: 'quiet multiples-button', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
@@ -51,6 +81,11 @@ export class RunCharts {
 
   #all() {
     return [this.slip, this.rims, this.speed, this.torque, this.energy, ...this.#many];
+  }
+
+  /** The charts that are shown. */
+  get visible() {
+    return this.#all().filter(({ element }) => !element.hidden);
   }
 
   cursor(time) {
@@ -66,7 +101,10 @@ export class RunCharts {
     this.todoKey.hidden = !run.end_s;
     const pixels = plotWidth(this.slip);
     const visible = wheels.filter(({ name }) => !hidden.has(name));
-    this.slip.show({ range, spans, cursor, series: visible.flatMap((wheel) => this.#slipSeries(wheel, pixels)) });
+    const peaks = scaleWithoutPeaks(run, visible, range);
+    this.peaksKey.hidden = !peaks;
+    if (peaks) this.peaksKey.textContent = `peaks from ${shown(peaks.low, 2)} to ${shown(peaks.high, 2)} are cut off`;
+    this.slip.show({ range, spans, cursor, scale: peaks?.scale ?? null, series: visible.flatMap((wheel) => this.#slipSeries(wheel, pixels)) });
     const line = (times, values, look) => {
       const places = thinned(times, values, range, pixels);
       return { x: valuesAt(times, places), y: valuesAt(values, places), width: 1.6, ...look };

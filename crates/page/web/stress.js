@@ -41,7 +41,7 @@ export class StressPicture {
     if (!this.#width || !this.#last) return;
     const { state, point } = this.#last;
     const width = this.#width;
-    const height = width < 520 ? 330 : 430;
+    const height = width < 520 ? 330 : innerWidth < 1700 ? 430 : 540;
     const narrow = width < 520;
     const radius = Math.min(height / 2.84, width / (narrow ? 3.4 : 3.1));
     const cx = width * (narrow ? 0.5 : 0.52);

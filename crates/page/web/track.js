@@ -1,6 +1,6 @@
 // The way of the robot from above, coloured by slip, with the robot at the cursor's time.
 
-import { svg } from './dom.js';
+import { h, svg } from './dom.js';
 import { shown } from './format.js';
 import { contours, groundAt, picture, soilNames } from './ground.js';
 import { hasWheelPlaces, ruts } from './robot_view.js';
@@ -8,6 +8,8 @@ import { slipClass } from './slip_classes.js';
 import { tickLabels, ticks } from './ticks.js';
 
 const MARGIN = 34;
+/** Between the chevrons that show which way the robot drove, and before the first, px. */
+const CHEVRON_PX = 90;
 
 /** The picture. `pick(time)` is called where the track is clicked, `over(place)` with what lies under the pointer. */
 export class Track {
@@ -23,12 +25,14 @@ export class Track {
   #width = 0;
   #place = null;
   #index = 0;
-  #robot = svg('g', { class: 'robot' }, svg('path', { d: 'M13 0 L-8 7.5 L-4.5 0 L-8 -7.5 Z' }));
+  #robot = svg('g', { class: 'robot', visibility: 'hidden' }, svg('path', { d: 'M13 0 L-8 7.5 L-4.5 0 L-8 -7.5 Z' }));
+  // the robot moves in a layer of its own: ground and way are not painted anew
+  #layer = svg('svg', { class: 'track-layer', 'aria-hidden': 'true' }, this.#robot);
 
   constructor(pick, over = () => {}) {
     this.#pick = pick;
     this.#over = over;
-    this.element = this.#root;
+    this.element = h('div', { class: 'track-box' }, this.#root, this.#layer);
     new ResizeObserver(([entry]) => {
       this.#width = Math.round(entry.contentRect.width);
       this.#render();
@@ -86,7 +90,7 @@ export class Track {
   }
 
   /** The ground: shade, tints, contours with their heights. */
-  #ground() {
+  #ground(seen) {
     const { ground } = this.#run;
     if (!ground) return [];
     const [x, y] = this.#place(ground.x_m[0], ground.y_m[1]);
@@ -96,8 +100,8 @@ export class Track {
     for (const { label, lines } of this.#contours) {
       const drawn = lines.map(([x1, y1, x2, y2]) => [...this.#place(x1, y1), ...this.#place(x2, y2)]);
       parts.push(svg('path', { class: 'contour', d: drawn.map(([x1, y1, x2, y2]) => `M${x1.toFixed(1)} ${y1.toFixed(1)}L${x2.toFixed(1)} ${y2.toFixed(1)}`).join('') }));
-      // once a height, inside, away from the other labels
-      const free = drawn.find(([px, py]) => px > x + 40 && px < right - 40 && py > y + 16 && py < bottom - 16 && places.every(([qx, qy]) => Math.hypot(px - qx, py - qy) > 70));
+      // once a height, where it is seen, away from the other labels
+      const free = drawn.find(([px, py]) => px > Math.max(x, MARGIN) + 30 && px < Math.min(right, seen.right) - 30 && py > Math.max(y, 8) + 16 && py < Math.min(bottom, seen.bottom) - 16 && places.every(([qx, qy]) => Math.hypot(px - qx, py - qy) > 70));
       if (!free) continue;
       places.push(free);
       parts.push(svg('text', { x: free[0], y: free[1] + 3, 'text-anchor': 'middle', class: 'contour-label' }, label));
@@ -118,6 +122,31 @@ export class Track {
     return parts;
   }
 
+  /** Which way the robot drove, along its way. */
+  #chevrons() {
+    const { x_m: x, y_m: y } = this.#run;
+    let d = '';
+    let from = null;
+    let gone = 0;
+    for (let i = 0; i < x.length; i += 1) {
+      if (!Number.isFinite(x[i])) continue;
+      const here = this.#place(x[i], y[i]);
+      // a step of some pixels: the noise of a place at rest has no direction
+      if (from === null) from = here;
+      const [dx, dy] = [here[0] - from[0], here[1] - from[1]];
+      const step = Math.hypot(dx, dy);
+      if (step < 4) continue;
+      gone += step;
+      from = here;
+      if (gone < CHEVRON_PX) continue;
+      gone = 0;
+      const [ux, uy] = [dx / step, dy / step];
+      const corner = (side) => `${(here[0] - 2.6 * ux - side * 2.6 * uy).toFixed(1)} ${(here[1] - 2.6 * uy + side * 2.6 * ux).toFixed(1)}`;
+      d += `M${corner(1)}L${here.map((k) => k.toFixed(1)).join(' ')}L${corner(-1)}`;
+    }
+    return svg('path', { d, class: 'chevron' });
+  }
+
   #render() {
     if (!this.#width || !this.#run?.x_m) return;
     const runs = [this.#run, ...this.#others];
@@ -133,6 +162,7 @@ export class Track {
     }
     if (!(right >= left)) {
       this.#root.replaceChildren();
+      this.#robot.setAttribute('visibility', 'hidden');
       return;
     }
     const room = Math.max(0.4, 0.06 * Math.max(right - left, high - low));
@@ -205,7 +235,9 @@ export class Track {
     this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#root.setAttribute('height', height.toFixed(0));
     this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
-    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground()), grid, text, sunk, ways, ...marks, start, this.#robot);
+    this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground({ right: MARGIN + frame.width, bottom: 8 + frame.height })), grid, text, sunk, ways, this.#chevrons(), ...marks, start);
+    this.#layer.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
+    this.#layer.setAttribute('height', height.toFixed(0));
     // the cursor may have been set before there was room to draw
     this.cursor(this.#index);
   }

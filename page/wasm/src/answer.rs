@@ -48,6 +48,8 @@ fn dispatch(
         "problems" => Ok(crate::examples::problems()),
         #[cfg(feature = "optimize")]
         "optimize" => crate::optimize::solve(request, take),
+        #[cfg(feature = "figure")]
+        "figure" => crate::figure::solve(request),
         #[cfg(feature = "drive")]
         "drive" => crate::drive::solve(request),
         #[cfg(feature = "log")]

@@ -18,6 +18,16 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
     let name = request.optional_text("name")?.unwrap_or("scenario");
     let scenario = parse_scenario(&document("scenario.toml", "scenario")?, name, robot)
         .map_err(Problem::of)?;
+    if scenario.plan.is_some() {
+        // its one leg straight to the goal is not the way that the command drives
+        return Err(Problem::new(
+            "scenario",
+            format!(
+                "{name} plans its way, which the page does not: `grouser drive SCENARIO --report F.html` drives it and \
+                 writes this page with it"
+            ),
+        ));
+    }
     let pilot = match request.optional_text("pilot")? {
         None => Pilot::Controller,
         Some(name) => Pilot::ALL

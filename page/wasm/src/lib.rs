@@ -7,7 +7,7 @@
 //! assert!(answer.starts_with(r#"{"soils":[{"key":"dry-sand","#));
 //! ```
 //!
-//! It does not draw and it keeps no state between two requests.
+//! It keeps no state between two requests, and draws nothing but figures that are saved.
 
 pub mod abi;
 mod answer;
@@ -23,6 +23,8 @@ mod drive;
 mod estimate;
 #[cfg(any(feature = "drive", feature = "optimize"))]
 mod examples;
+#[cfg(feature = "figure")]
+mod figure;
 #[cfg(feature = "optimize")]
 mod optimize;
 mod request;

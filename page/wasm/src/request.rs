@@ -86,6 +86,7 @@ impl Request<'static> {
     not(all(
         feature = "explore",
         feature = "drive",
+        feature = "figure",
         feature = "log",
         feature = "optimize"
     )),
@@ -161,6 +162,14 @@ impl Request<'_> {
             )
         };
         sizes.map(Some).ok_or_else(wrong)
+    }
+
+    /// A list that must be there, of at most `max` values.
+    pub(crate) fn list(&self, field: &str, max: usize) -> Result<&[Value], Problem> {
+        let list = self.0.get(field).and_then(Value::as_array);
+        list.map(Vec::as_slice)
+            .filter(|list| !list.is_empty() && list.len() <= max)
+            .ok_or_else(|| Problem::new(field, format!("`{field}` must be a list of 1 to {max}")))
     }
 
     /// Is the field there and true?

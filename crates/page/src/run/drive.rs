@@ -4,7 +4,7 @@ use grouser_rover::drive::{DriveResult, Frame, NamedDecision, Pilot, Scenario};
 use serde_json::{Value, json};
 
 use super::columns::{Spans, WheelColumns, WheelTruth};
-use super::ground;
+use super::{ground, learnt};
 
 /// Frames kept a second: enough for a figure.
 const FRAMES_PER_S: f64 = 10.0;
@@ -155,6 +155,7 @@ impl DriveRecorder {
             "energy_went_into": energy_went_into(drive),
             "slip_rmse": result.slip.rmse,
             "worst_slip": result.worst_slip,
+            "soil": learnt::soil(result.soil.as_ref()),
             "decisions": result.decisions.iter().map(|named| decision(scenario, named)).collect::<Vec<_>>(),
             "decision_count": result.decision_count,
             "ground": ground::object(drive, &self.x, &self.y),

@@ -5,6 +5,7 @@ use std::io;
 use grouser_replay::{Row, Sink, Step, Summary};
 use serde_json::{Value, json};
 
+use super::learnt;
 use super::moments::{BODY_COLUMNS, Moments};
 
 /// Most moments that are kept; a longer run is thinned to every k-th, and `every` says so.
@@ -68,6 +69,7 @@ impl LogRecorder {
             "distance_m": moments.distance,
             "doubts": doubts,
             "every": self.every,
+            "soil": learnt::soil(summary.soil.as_ref()),
             "wheels": wheels,
         });
         for (name, column) in BODY_COLUMNS.iter().zip(&moments.columns) {

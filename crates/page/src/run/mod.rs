@@ -6,6 +6,8 @@ mod columns;
 mod drive;
 #[cfg(feature = "drive")]
 mod ground;
+#[cfg(any(feature = "drive", feature = "log"))]
+mod learnt;
 #[cfg(feature = "log")]
 mod log;
 #[cfg(feature = "log")]

@@ -56,9 +56,6 @@ fn played(scenario: &Scenario, optimum: f64, run: &Run) -> Option<Value> {
         shown["planned"] = super::object::planned().object(planned).into();
         shown["tile_m"] = scenario.learn.as_ref().map(|learn| learn.tile).into();
     }
-    if let Some(soil) = &run.result.soil {
-        shown["soil"] = crate::soil_text::soil().object(soil).into();
-    }
     Some(shown)
 }
 

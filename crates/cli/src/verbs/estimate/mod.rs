@@ -207,7 +207,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
     if let (Some(file), Some(seen)) = (report, seen) {
         let title = title(&log);
-        let run = seen.object(&title, &summary);
+        let mut run = seen.object(&title, &summary);
+        run["known_soil"] = soil.as_ref().map(|known| known.name.as_str()).into();
         let shown = Object::from_iter([("runs".to_owned(), vec![run].into())]);
         text.push_str(&file.write(&title, shown, session)?);
     }
