@@ -13,7 +13,9 @@ use grouser_opt::{
 
 use crate::design::{Design, SolverProblem, Task};
 use crate::error::{Error, Result};
-use crate::quantity::{CONTACT_VARIABLES, Evaluation, QUADRATURE_REMAINDER_SHARE, Quantity};
+use crate::quantity::{
+    CONTACT_VARIABLES, Evaluation, Parameter, QUADRATURE_REMAINDER_SHARE, Quantity,
+};
 use crate::solve::Answer;
 
 /// The greatest entry angle, rad: the hub is at the surface.
@@ -25,20 +27,42 @@ impl Design {
     /// Why there are no bounds over a box: the first quantity without them, in the first world that has such a one.
     fn without_bounds(&self) -> Option<String> {
         let program = &self.program;
+        let scope = &program.scope;
         self.worlds.iter().find_map(|world| {
-            let first = program.scope.is_loaded(&world.fixed).then_some(self.variables.len());
+            let first = scope.is_loaded(&world.fixed).then_some(self.variables.len());
             let (numbers, balance) =
-                program.scope.taped(&mut Tape::new(), &world.fixed, &program.quantities, first);
+                scope.taped(&mut Tape::new(), &world.fixed, &program.quantities, first);
             let mut used = program.quantities.iter().copied();
-            let missing = used.find(|q| numbers[program.scope.place(*q)].is_none())?;
-            Some(if first.is_some() && balance.is_none() {
-                format!(
-                    "`{}` has no bounds over a box with these laws: they are known for a smooth wheel without rebound, \
-                     with Bekker's pressure and none of the soil's options",
-                    missing.name()
-                )
-            } else {
-                format!("`{}` has no bounds over a box", missing.name())
+            let missing = used.find(|q| numbers[scope.place(*q)].is_none());
+            let min = |p| scope.min_value(p, &world.fixed, &self.variables);
+            let Some(missing) = missing else {
+                if balance.is_some() && min(Parameter::Slip).is_some_and(|slip| !(slip >= 0.0)) {
+                    return Some("forces have bounds for slips of 0 and above only".to_owned());
+                }
+                let is_counted = scope.is_replaced(Parameter::GrouserCount)
+                    && !program.quantities.is_empty();
+                return (is_counted && !min(Parameter::GrouserCount).is_some_and(|n| n > 0.0)).then(|| {
+                    "`grouser_count` must be above 0 in the whole box: the radius is another one without lugs".to_owned()
+                });
+            };
+            let name = missing.name();
+            let instead = match missing {
+                Quantity::SlipDemand | Quantity::MaxGradeability => Some("drawbar_pull_n >= load_n * sin(slope_deg * pi / 180)"),
+                Quantity::MaxPull => Some("drawbar_pull_n"),
+                Quantity::MaxEfficiency => Some("tractive_efficiency"),
+                _ => None,
+            };
+            Some(match (instead, world.fixed.law_without_bounds()) {
+                (Some(formula), _) => format!(
+                    "`{name}` is a search over slip and has no bounds over a box; with `slip` as a variable, write `{formula}`"
+                ),
+                (None, Some(law)) if first.is_some() => {
+                    format!("`{name}` has no bounds over a box with {law}")
+                }
+                (None, _) if first.is_none() && missing.is_of_forces() => {
+                    format!("`{name}` has bounds over a box under a given load, not at a given sinkage")
+                }
+                _ => format!("`{name}` has no bounds over a box"),
             })
         })
     }
@@ -136,14 +160,6 @@ impl Design {
             .collect())
     }
 
-    /// A slip below 0, where the laws of a loaded wheel have no bounds.
-    fn has_negative_slip(&self) -> bool {
-        self.worlds.iter().any(|world| {
-            let min_slip = self.program.scope.least_slip(&world.fixed, &self.variables);
-            min_slip.is_some_and(|slip| !(slip >= 0.0))
-        })
-    }
-
     /// What the rule of integration in a certificate may leave out, as a share of a force: measured against the kernel,
     /// not proved. `None` where no wheel carries a load.
     ///
@@ -166,8 +182,8 @@ impl Design {
     /// every batch of boxes and may stop the search; `proof` takes the lines of the proof.
     ///
     /// # Errors
-    /// [`Error::NoCertificate`] for a front, for a quantity or a law without bounds over a box (lugs, rebound, slips
-    /// below 0, searches over slip), and for a measure with helper variables; [`Error::Problem`] for an open box and for settings out of their range.
+    /// [`Error::NoCertificate`] for a front, for a quantity or a law without bounds over a box (slips below 0, searches
+    /// over slip), and for a measure with helper variables; [`Error::Problem`] for an open box and for settings out of their range.
     ///
     /// ```
     /// use grouser_files::Document;
@@ -211,11 +227,6 @@ impl Design {
             ));
         }
         let lifted = self.lifted()?;
-        if lifted.is_some() && self.has_negative_slip() {
-            return Err(refuse(
-                "forces have bounds for slips of 0 and above only".to_owned(),
-            ));
-        }
         let problem = self.problem()?;
         let certified = lifted.as_ref().unwrap_or(&problem);
         let mut settings = settings.clone();
