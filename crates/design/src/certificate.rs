@@ -68,7 +68,7 @@ impl Design {
     }
 
     /// The problem with the entry angle of each loaded wheel as a variable, which must carry the load.
-    fn lifted(&self) -> Result<Option<SolverProblem>> {
+    pub(crate) fn lifted(&self) -> Result<Option<SolverProblem>> {
         let program = &self.program;
         let n = self.variables.len();
         if !self.has_loaded_wheels() {
@@ -143,21 +143,23 @@ impl Design {
         let Answer::Optimum(optimum) = self.solve()? else {
             return Ok(Vec::new());
         };
-        let entries = |x: &[f64]| -> Option<Vec<f64>> {
-            let mut point = x.to_vec();
-            for world in &self.worlds {
-                let inputs = self.program.scope.inputs(x, &world.fixed);
-                let entry = Evaluation::new(&inputs).quantity(Quantity::Theta1).ok()?;
-                point.push(entry.to_radians());
-                point.extend([0.0; CONTACT_VARIABLES - 1]);
-            }
-            Some(point)
-        };
         Ok(optimum
             .starts
             .iter()
-            .filter_map(|start| entries(&start.x))
+            .filter_map(|start| self.with_entry_angles(&start.x))
             .collect())
+    }
+
+    /// A point of the design as one of the lifted problem; `None` where a wheel is not carried.
+    pub(crate) fn with_entry_angles(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let mut point = x.to_vec();
+        for world in &self.worlds {
+            let inputs = self.program.scope.inputs(x, &world.fixed);
+            let entry = Evaluation::new(&inputs).quantity(Quantity::Theta1).ok()?;
+            point.push(entry.to_radians());
+            point.extend([0.0; CONTACT_VARIABLES - 1]);
+        }
+        Some(point)
     }
 
     /// What the rule of integration in a certificate may leave out, as a share of a force: measured against the kernel,
@@ -211,21 +213,10 @@ impl Design {
         callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
         proof: Option<&mut ProofSink<'_>>,
     ) -> Result<Certificate> {
-        let refuse = |reason: String| Error::NoCertificate {
-            file: self.file.clone(),
-            reason,
-        };
         if self.task == Task::Pareto {
-            return Err(refuse("a front has no single optimum".to_owned()));
+            return Err(self.uncertified("a front has no single optimum".to_owned()));
         }
-        if let Some(reason) = self.without_bounds() {
-            return Err(refuse(reason));
-        }
-        if self.worlds.len() > 1 && self.measure != Measure::WorstCase {
-            return Err(refuse(
-                "only the measure \"worst_case\" over several soils has a certificate".to_owned(),
-            ));
-        }
+        self.check_bounds()?;
         let lifted = self.lifted()?;
         let problem = self.problem()?;
         let certified = lifted.as_ref().unwrap_or(&problem);
@@ -237,20 +228,36 @@ impl Design {
         }
         let inner = certified.problem();
         let mut certificate =
-            certify_with(inner, &self.method(certified), &settings, callback, proof).map_err(
-                |error| match error {
-                    CertifyError::Problem(source) => Error::Problem {
-                        file: self.file.clone(),
-                        source,
-                    },
-                    other => refuse(other.to_string()),
-                },
-            )?;
+            certify_with(inner, &self.method(certified), &settings, callback, proof)
+                .map_err(|error| self.certify_error(error))?;
         if let (Some(x), true) = (&mut certificate.x, lifted.is_some()) {
             // the level at the point is that of the kernel, not of the rule with its remainders
             x.truncate(self.variables.len());
             certificate.upper = certificate.upper.max(self.merit(x)?.utility);
         }
         Ok(certificate)
+    }
+
+    /// Refuses what has no bounds over a box.
+    pub(crate) fn check_bounds(&self) -> Result<()> {
+        if let Some(reason) = self.without_bounds() {
+            return Err(self.uncertified(reason));
+        }
+        if self.worlds.len() > 1 && self.measure != Measure::WorstCase {
+            return Err(self.uncertified(
+                "only the measure \"worst_case\" over several soils has a certificate".to_owned(),
+            ));
+        }
+        Ok(())
+    }
+
+    pub(crate) fn certify_error(&self, error: CertifyError) -> Error {
+        match error {
+            CertifyError::Problem(source) => Error::Problem {
+                file: self.file.clone(),
+                source,
+            },
+            other => self.uncertified(other.to_string()),
+        }
     }
 }

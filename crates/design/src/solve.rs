@@ -362,17 +362,26 @@ impl Design {
             .collect()
     }
 
-    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
+    /// The objectives of a front's problem at a point, in the order of the file, without scaling. The front has magnitudes;
+    /// the file's objectives keep their signs.
+    pub(crate) fn objectives_at(&self, problem: &SolverProblem, x: &[f64]) -> Vec<f64> {
         let inner = problem.problem();
+        let mut values = vec![f64::NAN; inner.function_count()];
+        inner.model().values(x, &mut values);
+        let values = self.unscaled(problem, &values[..inner.objectives().len()]);
+        let mut out = vec![f64::NAN; values.len()];
+        for (value, place) in values.iter().zip(self.solver_order()) {
+            out[place] = *value;
+        }
+        out
+    }
+
+    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
         let order = self.solver_order();
         let points = front
             .points
             .into_iter()
             .map(|point| {
-                // The front has magnitudes; the file's objectives keep their signs.
-                let mut values = vec![f64::NAN; inner.function_count()];
-                inner.model().values(&point.x, &mut values);
-                let values = self.unscaled(problem, &values[..inner.objectives().len()]);
                 let in_file = |list: &[f64]| {
                     let mut out = vec![f64::NAN; order.len()];
                     for (value, &place) in list.iter().zip(&order) {
@@ -381,7 +390,7 @@ impl Design {
                     out
                 };
                 Compromise {
-                    objectives: in_file(&values),
+                    objectives: self.objectives_at(problem, &point.x),
                     multipliers: point.multipliers.map(|m| in_file(&m.objectives)),
                     x: problem.own(&point.x).to_vec(),
                 }
