@@ -385,7 +385,14 @@ impl FrontSearch<'_, '_> {
             .map(|corner| self.open_share(corner.at))
             .fold(0.0, f64::max);
         let mut corners: Vec<[f64; 2]> = corners.iter().map(|c| c.at).collect();
-        corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        // what lies above a corner lies above each one that is lower in both
+        let mut lowest = f64::INFINITY;
+        corners.retain(|corner| {
+            let is_needed = corner[1] < lowest;
+            lowest = lowest.min(corner[1]);
+            is_needed
+        });
         FrontCertificate {
             status,
             tolerance: self.range.map(|range| share * range),
