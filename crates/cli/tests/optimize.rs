@@ -350,8 +350,11 @@ fn a_certificate_is_proved_refused_or_doubtful() {
     for (arguments, reason) in [
         ([over_slip.as_str(), "--certify"], "no bounds over a box"),
         (
-            ["examples/problems/pull-against-torque.toml", "--certify"],
-            "a front",
+            [
+                "examples/problems/pull-against-torque.toml",
+                "--certify=1e-4",
+            ],
+            "for a front",
         ),
         (["examples/problems/paper.toml", "--certify=0"], "--certify"),
     ] {
@@ -361,4 +364,98 @@ fn a_certificate_is_proved_refused_or_doubtful() {
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(message.contains(reason), "{message}");
     }
+}
+
+/// A convex front: both texts and JSON have objectives in the signs of the file, and the log is one of several proofs.
+#[test]
+fn a_front_is_certified_in_the_signs_of_the_file() {
+    let folder = Folder::new("optimize-front-certificate");
+    let problem = folder.file(
+        "front.toml",
+        "format = 1\nmethod = \"pareto\"\n[variables]\nx = { start = 1.0, lower = 0.0, upper = 3.0 }\n\
+         [objectives]\ngain = { maximise = \"4 - x^2\" }\ncost = \"(x - 2)^2\"\n\
+         [pareto]\npopulation = 12\ngenerations = 10\n",
+    );
+    let log = folder.path("proof.jsonl");
+    let figure = folder.path("front.svg");
+    let output = grouser(&[
+        "optimize",
+        &problem,
+        "--certify",
+        "--proof",
+        &log,
+        "--json",
+        "-o",
+        &figure,
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let object = json(&output);
+    assert!(object["certificate"].is_null());
+    let front = &object["front_certificate"];
+    assert_eq!(front["status"], "proved");
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    assert!(number(&front["share"]) <= 0.05);
+    let by = |key: &str| number(&front["tolerance"][key]);
+    // between x = 0 and 2 the front is known: no point of it is better than a listed one by more than the tolerance
+    for i in 0..=200 {
+        let x = 0.01 * f64::from(i);
+        let (gain, cost) = (4.0 - x * x, (x - 2.0) * (x - 2.0));
+        let listed = front["points"].as_array().unwrap().iter();
+        let is_near = |p: &serde_json::Value| {
+            let (own_gain, own_cost) = (
+                number(&p["objectives"]["gain"]),
+                number(&p["objectives"]["cost"]),
+            );
+            assert!((own_gain - (4.0 - number(&p["x"]["x"]).powi(2))).abs() < 1e-9);
+            own_gain >= gain - by("gain") && own_cost <= cost + by("cost")
+        };
+        assert!(listed.clone().any(is_near), "{x}");
+        let is_below = |c: &serde_json::Value| {
+            gain <= number(&c["objectives"]["gain"]) && cost >= number(&c["objectives"]["cost"])
+        };
+        assert!(
+            front["corners"].as_array().unwrap().iter().any(is_below),
+            "{x}"
+        );
+    }
+    let logs = fs::read_to_string(&log).unwrap();
+    let begun = logs
+        .lines()
+        .filter(|line| line.contains("grouser-certificate"))
+        .count();
+    assert_eq!(begun as u64, front["proofs"].as_u64().unwrap());
+    assert!(fs::read_to_string(figure).unwrap().contains("proved"));
+    let checked = std::process::Command::new("python3")
+        .args([
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../checker/check.py"),
+            &log,
+        ])
+        .output();
+    match checked {
+        Ok(checked) => {
+            let said = String::from_utf8_lossy(&checked.stdout).into_owned();
+            assert!(checked.status.success(), "{said}");
+            assert_eq!(said.matches("proved: lower").count(), begun, "{said}");
+        }
+        Err(_) => println!("not replayed: no python3"),
+    }
+    let told = grouser(&["optimize", &problem, "--certify", "0.1"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(
+        told.contains("proved: of ") && told.contains("in `gain`"),
+        "{told}"
+    );
+}
+
+/// What is maximised has its own sign, also in what is proved about it.
+#[test]
+fn maximised_objectives_keep_their_sign() {
+    let file = "examples/problems/running-slip.toml";
+    let told = grouser(&["optimize", file, "--certify"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("has a `efficiency` above 0.15498"), "{told}");
+    assert!(!told.contains("−0.15"), "{told}");
+    let object = json(&grouser(&["optimize", file, "--json"]));
+    assert!((object["max"].as_f64().unwrap() - 0.154_977_576).abs() < 1e-8);
+    assert!(object["starts"][0]["max"].as_f64().unwrap() > 0.15);
 }

@@ -13,7 +13,9 @@ use grouser_opt::{
 
 use crate::design::{Design, SolverProblem, Task};
 use crate::error::{Error, Result};
-use crate::quantity::{CONTACT_VARIABLES, Evaluation, QUADRATURE_REMAINDER_SHARE, Quantity};
+use crate::quantity::{
+    CONTACT_VARIABLES, Evaluation, Parameter, QUADRATURE_REMAINDER_SHARE, Quantity,
+};
 use crate::solve::Answer;
 
 /// The greatest entry angle, rad: the hub is at the surface.
@@ -25,26 +27,48 @@ impl Design {
     /// Why there are no bounds over a box: the first quantity without them, in the first world that has such a one.
     fn without_bounds(&self) -> Option<String> {
         let program = &self.program;
+        let scope = &program.scope;
         self.worlds.iter().find_map(|world| {
-            let first = program.scope.is_loaded(&world.fixed).then_some(self.variables.len());
+            let first = scope.is_loaded(&world.fixed).then_some(self.variables.len());
             let (numbers, balance) =
-                program.scope.taped(&mut Tape::new(), &world.fixed, &program.quantities, first);
+                scope.taped(&mut Tape::new(), &world.fixed, &program.quantities, first);
             let mut used = program.quantities.iter().copied();
-            let missing = used.find(|q| numbers[program.scope.place(*q)].is_none())?;
-            Some(if first.is_some() && balance.is_none() {
-                format!(
-                    "`{}` has no bounds over a box with these laws: they are known for a smooth wheel without rebound, \
-                     with Bekker's pressure and none of the soil's options",
-                    missing.name()
-                )
-            } else {
-                format!("`{}` has no bounds over a box", missing.name())
+            let missing = used.find(|q| numbers[scope.place(*q)].is_none());
+            let min = |p| scope.min_value(p, &world.fixed, &self.variables);
+            let Some(missing) = missing else {
+                if balance.is_some() && min(Parameter::Slip).is_some_and(|slip| !(slip >= 0.0)) {
+                    return Some("forces have bounds for slips of 0 and above only".to_owned());
+                }
+                let is_counted = scope.is_replaced(Parameter::GrouserCount)
+                    && !program.quantities.is_empty();
+                return (is_counted && !min(Parameter::GrouserCount).is_some_and(|n| n > 0.0)).then(|| {
+                    "`grouser_count` must be above 0 in the whole box: the radius is another one without lugs".to_owned()
+                });
+            };
+            let name = missing.name();
+            let instead = match missing {
+                Quantity::SlipDemand | Quantity::MaxGradeability => Some("drawbar_pull_n >= load_n * sin(slope_deg * pi / 180)"),
+                Quantity::MaxPull => Some("drawbar_pull_n"),
+                Quantity::MaxEfficiency => Some("tractive_efficiency"),
+                _ => None,
+            };
+            Some(match (instead, world.fixed.law_without_bounds()) {
+                (Some(formula), _) => format!(
+                    "`{name}` is a search over slip and has no bounds over a box; with `slip` as a variable, write `{formula}`"
+                ),
+                (None, Some(law)) if first.is_some() => {
+                    format!("`{name}` has no bounds over a box with {law}")
+                }
+                (None, _) if first.is_none() && missing.is_of_forces() => {
+                    format!("`{name}` has bounds over a box under a given load, not at a given sinkage")
+                }
+                _ => format!("`{name}` has no bounds over a box"),
             })
         })
     }
 
     /// The problem with the entry angle of each loaded wheel as a variable, which must carry the load.
-    fn lifted(&self) -> Result<Option<SolverProblem>> {
+    pub(crate) fn lifted(&self) -> Result<Option<SolverProblem>> {
         let program = &self.program;
         let n = self.variables.len();
         if !self.has_loaded_wheels() {
@@ -119,29 +143,23 @@ impl Design {
         let Answer::Optimum(optimum) = self.solve()? else {
             return Ok(Vec::new());
         };
-        let entries = |x: &[f64]| -> Option<Vec<f64>> {
-            let mut point = x.to_vec();
-            for world in &self.worlds {
-                let inputs = self.program.scope.inputs(x, &world.fixed);
-                let entry = Evaluation::new(&inputs).quantity(Quantity::Theta1).ok()?;
-                point.push(entry.to_radians());
-                point.extend([0.0; CONTACT_VARIABLES - 1]);
-            }
-            Some(point)
-        };
         Ok(optimum
             .starts
             .iter()
-            .filter_map(|start| entries(&start.x))
+            .filter_map(|start| self.with_entry_angles(&start.x))
             .collect())
     }
 
-    /// A slip below 0, where the laws of a loaded wheel have no bounds.
-    fn has_negative_slip(&self) -> bool {
-        self.worlds.iter().any(|world| {
-            let min_slip = self.program.scope.least_slip(&world.fixed, &self.variables);
-            min_slip.is_some_and(|slip| !(slip >= 0.0))
-        })
+    /// A point of the design as one of the lifted problem; `None` where a wheel is not carried.
+    pub(crate) fn with_entry_angles(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let mut point = x.to_vec();
+        for world in &self.worlds {
+            let inputs = self.program.scope.inputs(x, &world.fixed);
+            let entry = Evaluation::new(&inputs).quantity(Quantity::Theta1).ok()?;
+            point.push(entry.to_radians());
+            point.extend([0.0; CONTACT_VARIABLES - 1]);
+        }
+        Some(point)
     }
 
     /// What the rule of integration in a certificate may leave out, as a share of a force: measured against the kernel,
@@ -166,8 +184,8 @@ impl Design {
     /// every batch of boxes and may stop the search; `proof` takes the lines of the proof.
     ///
     /// # Errors
-    /// [`Error::NoCertificate`] for a front, for a quantity or a law without bounds over a box (lugs, rebound, slips
-    /// below 0, searches over slip), and for a measure with helper variables; [`Error::Problem`] for an open box and for settings out of their range.
+    /// [`Error::NoCertificate`] for a front, for a quantity or a law without bounds over a box (slips below 0, searches
+    /// over slip), and for a measure with helper variables; [`Error::Problem`] for an open box and for settings out of their range.
     ///
     /// ```
     /// use grouser_files::Document;
@@ -195,27 +213,11 @@ impl Design {
         callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
         proof: Option<&mut ProofSink<'_>>,
     ) -> Result<Certificate> {
-        let refuse = |reason: String| Error::NoCertificate {
-            file: self.file.clone(),
-            reason,
-        };
         if self.task == Task::Pareto {
-            return Err(refuse("a front has no single optimum".to_owned()));
+            return Err(self.uncertified("a front has no single optimum".to_owned()));
         }
-        if let Some(reason) = self.without_bounds() {
-            return Err(refuse(reason));
-        }
-        if self.worlds.len() > 1 && self.measure != Measure::WorstCase {
-            return Err(refuse(
-                "only the measure \"worst_case\" over several soils has a certificate".to_owned(),
-            ));
-        }
+        self.check_bounds()?;
         let lifted = self.lifted()?;
-        if lifted.is_some() && self.has_negative_slip() {
-            return Err(refuse(
-                "forces have bounds for slips of 0 and above only".to_owned(),
-            ));
-        }
         let problem = self.problem()?;
         let certified = lifted.as_ref().unwrap_or(&problem);
         let mut settings = settings.clone();
@@ -226,20 +228,36 @@ impl Design {
         }
         let inner = certified.problem();
         let mut certificate =
-            certify_with(inner, &self.method(certified), &settings, callback, proof).map_err(
-                |error| match error {
-                    CertifyError::Problem(source) => Error::Problem {
-                        file: self.file.clone(),
-                        source,
-                    },
-                    other => refuse(other.to_string()),
-                },
-            )?;
+            certify_with(inner, &self.method(certified), &settings, callback, proof)
+                .map_err(|error| self.certify_error(error))?;
         if let (Some(x), true) = (&mut certificate.x, lifted.is_some()) {
             // the level at the point is that of the kernel, not of the rule with its remainders
             x.truncate(self.variables.len());
             certificate.upper = certificate.upper.max(self.merit(x)?.utility);
         }
         Ok(certificate)
+    }
+
+    /// Refuses what has no bounds over a box.
+    pub(crate) fn check_bounds(&self) -> Result<()> {
+        if let Some(reason) = self.without_bounds() {
+            return Err(self.uncertified(reason));
+        }
+        if self.worlds.len() > 1 && self.measure != Measure::WorstCase {
+            return Err(self.uncertified(
+                "only the measure \"worst_case\" over several soils has a certificate".to_owned(),
+            ));
+        }
+        Ok(())
+    }
+
+    pub(crate) fn certify_error(&self, error: CertifyError) -> Error {
+        match error {
+            CertifyError::Problem(source) => Error::Problem {
+                file: self.file.clone(),
+                source,
+            },
+            other => self.uncertified(other.to_string()),
+        }
     }
 }

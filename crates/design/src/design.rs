@@ -11,6 +11,7 @@ use grouser_real::Scalar;
 
 use crate::error::{Error, Result};
 use crate::formula::Formula;
+use crate::front::WorstObjectives;
 use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
 
@@ -290,12 +291,32 @@ impl Design {
                 .map(SolverProblem::Plain)
                 .map_err(refuse);
         }
+        if !self.has_worst_front() {
+            return self.joint_problem().map(SolverProblem::Robust);
+        }
+        let joint = self.joint_problem()?;
+        let mut params = self.params();
+        params.inequalities = joint.problem().inequalities().to_vec();
+        params.equalities = joint.problem().equalities().to_vec();
+        params.model = Box::new(WorstObjectives {
+            joint,
+            objectives: self.objectives.len(),
+            absolute: params.absolute,
+        });
+        Problem::new(params)
+            .map(SolverProblem::Plain)
+            .map_err(refuse)
+    }
+
+    /// The problem of all worlds together, each with objectives of its own where the worst counts.
+    pub(crate) fn joint_problem(&self) -> Result<Robust<'static>> {
         let worlds = (0..self.worlds.len())
             .map(|w| World::new(self.worlds[w].name.clone(), self.in_world(w)))
             .collect();
-        robust(self.params(), worlds, self.measure)
-            .map(SolverProblem::Robust)
-            .map_err(refuse)
+        robust(self.params(), worlds, self.measure).map_err(|source| Error::Problem {
+            file: self.file.clone(),
+            source,
+        })
     }
 
     /// The worlds' names; one without a name if the design is for one world alone.

@@ -104,6 +104,7 @@ impl Scope {
         contact: Option<usize>,
     ) -> (Vec<Option<Node>>, Option<Node>) {
         let count = self.count();
+        let fixed = &fixed.without(|parameter| self.is_replaced(parameter));
         let mut numbers: Vec<Option<Node>> = (0..count).map(|i| Some(tape.variable(i))).collect();
         let parameters =
             Parameter::ALL.map(|(parameter, ..)| match self.replaced[parameter as usize] {
@@ -116,15 +117,13 @@ impl Scope {
             tape,
             fixed,
             parameters,
+            contact: None,
         };
-        let contact = contact.and_then(|first| taped.contact(first));
+        taped.contact = contact.and_then(|first| taped.contact(first));
         for &quantity in quantities {
-            numbers[self.place(quantity)] = match &contact {
-                Some(contact) => taped.under_load(contact, quantity),
-                None => taped.quantity(quantity),
-            };
+            numbers[self.place(quantity)] = taped.quantity(quantity);
         }
-        let balance = contact.map(|contact| taped.balance(&contact));
+        let balance = taped.contact.map(|contact| taped.balance(&contact));
         (numbers, balance)
     }
 
@@ -133,11 +132,16 @@ impl Scope {
         fixed.get(Parameter::Load).is_some() || self.is_replaced(Parameter::Load)
     }
 
-    /// The least slip that a variable or the state allows; `None` where there is no slip.
-    pub(crate) fn least_slip(&self, fixed: &Fixed, variables: &[Variable]) -> Option<f64> {
-        match self.replaced[Parameter::Slip as usize] {
+    /// The least value that a variable or the state allows; `None` where there is none.
+    pub(crate) fn min_value(
+        &self,
+        parameter: Parameter,
+        fixed: &Fixed,
+        variables: &[Variable],
+    ) -> Option<f64> {
+        match self.replaced[parameter as usize] {
             Some(index) => Some(variables[index].lower),
-            None => fixed.get(Parameter::Slip),
+            None => fixed.get(parameter),
         }
     }
 

@@ -36,7 +36,7 @@ pub struct SlopeProof {
 /// covers every error up to that size.
 ///
 /// # Errors
-/// [`Error::NoCertificate`](crate::Error::NoCertificate) for lugs, rebound and laws beside Bekker's pressure, as [`Design::certify`].
+/// [`Error::NoCertificate`](crate::Error::NoCertificate) for a law without bounds over a box, as [`Design::certify`].
 ///
 /// ```
 /// use grouser_design::prove_no_slip_holds;

@@ -7,7 +7,7 @@ use grouser_opt::{
     pareto_with, solve_with,
 };
 
-use crate::design::{Design, Slot, SolverProblem, Task};
+use crate::design::{Design, Objective, Slot, SolverProblem, Task};
 use crate::error::{Error, Result};
 
 /// One solve among several starts.
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 pub struct Start {
     /// Where it ended.
     pub x: Vec<f64>,
-    /// The greatest objective there, without scaling.
+    /// The objective that decides there ([`Design::deciding`]), without scaling.
     pub maximum: f64,
     /// What was minimised, with scaling.
     pub utility: f64,
@@ -36,7 +36,7 @@ pub struct Optimum {
     /// Every objective by name, without scaling; under several worlds one per world where they count
     /// separately.
     pub objectives: Vec<(String, f64)>,
-    /// The greatest of them, |f| where absolute and −f where maximised.
+    /// The one that decides ([`Design::deciding`]).
     pub maximum: f64,
     /// What was minimised: γ, with scaling.
     pub utility: f64,
@@ -218,23 +218,34 @@ impl Design {
     }
 
     fn maximum(&self, problem: &SolverProblem, unscaled: &[f64]) -> f64 {
-        unscaled
-            .iter()
-            .enumerate()
-            .map(|(i, f)| {
-                let objective = &self.objectives[self.file_place(problem, i)];
-                match (objective.absolute, objective.maximise) {
+        let values = unscaled.iter().enumerate();
+        self.worst(values.map(|(i, f)| (&self.objectives[self.file_place(problem, i)], *f)))
+    }
+
+    /// The objective that decides among values in the order of the file: the greatest, |f| where absolute and −f where
+    /// maximised; where all are maximised the least, in its own sign.
+    #[must_use]
+    pub fn deciding(&self, objectives: &[f64]) -> f64 {
+        self.worst(self.objectives.iter().zip(objectives.iter().copied()))
+    }
+
+    fn worst<'o>(&self, values: impl Iterator<Item = (&'o Objective, f64)>) -> f64 {
+        let all = self.objectives.iter().all(|objective| objective.maximise);
+        let worst = values
+            .map(
+                |(objective, f)| match (objective.absolute, objective.maximise) {
                     (true, _) => f.abs(),
                     (_, true) => -f,
-                    _ => *f,
-                }
-            })
+                    _ => f,
+                },
+            )
             .fold(
                 f64::NEG_INFINITY,
                 |m, v| {
                     if v > m || v.is_nan() { v } else { m }
                 },
-            )
+            );
+        if all { -worst } else { worst }
     }
 
     fn start(&self, problem: &SolverProblem, solution: &Solution) -> Start {
@@ -362,17 +373,26 @@ impl Design {
             .collect()
     }
 
-    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
+    /// The objectives of a front's problem at a point, in the order of the file, without scaling. The front has magnitudes;
+    /// the file's objectives keep their signs.
+    pub(crate) fn objectives_at(&self, problem: &SolverProblem, x: &[f64]) -> Vec<f64> {
         let inner = problem.problem();
+        let mut values = vec![f64::NAN; inner.function_count()];
+        inner.model().values(x, &mut values);
+        let values = self.unscaled(problem, &values[..inner.objectives().len()]);
+        let mut out = vec![f64::NAN; values.len()];
+        for (value, place) in values.iter().zip(self.solver_order()) {
+            out[place] = *value;
+        }
+        out
+    }
+
+    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
         let order = self.solver_order();
         let points = front
             .points
             .into_iter()
             .map(|point| {
-                // The front has magnitudes; the file's objectives keep their signs.
-                let mut values = vec![f64::NAN; inner.function_count()];
-                inner.model().values(&point.x, &mut values);
-                let values = self.unscaled(problem, &values[..inner.objectives().len()]);
                 let in_file = |list: &[f64]| {
                     let mut out = vec![f64::NAN; order.len()];
                     for (value, &place) in list.iter().zip(&order) {
@@ -381,7 +401,7 @@ impl Design {
                     out
                 };
                 Compromise {
-                    objectives: in_file(&values),
+                    objectives: self.objectives_at(problem, &point.x),
                     multipliers: point.multipliers.map(|m| in_file(&m.objectives)),
                     x: problem.own(&point.x).to_vec(),
                 }

@@ -13,6 +13,7 @@ mod builder;
 mod certificate;
 mod files;
 mod formulas;
+mod fronts;
 mod hock_schittkowski;
 mod mission;
 mod quantities;

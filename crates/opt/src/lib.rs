@@ -34,8 +34,8 @@ mod weighted;
 
 pub use callback::{Callback, Progress, Stage};
 pub use certify::{
-    Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink, certify,
-    certify_with,
+    Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, FrontCertificate,
+    FrontWatch, ProofSink, ProvedPoint, Suggest, certify, certify_front, certify_with,
 };
 pub use derivative::{
     DerivativeCheck, Differences, Exact, Functions, Scheme, WrongEntry, check_derivatives,

@@ -10,6 +10,7 @@
 mod random_starts;
 
 mod certified;
+mod certified_fronts;
 mod convex;
 mod enclosures;
 mod fronts;

@@ -242,3 +242,21 @@ fn the_problem_goes_on_in_optimize() {
         .json();
     assert_eq!(solved["method"], "pareto");
 }
+
+/// The page holds the front, and the problem of the chosen wheel.
+#[test]
+fn a_report_is_a_page_of_the_front() {
+    let folder = Folder::new();
+    let page = folder.path("wheel.html");
+    let made = design(&["--report", page.to_str().unwrap()]);
+    let html = std::fs::read_to_string(page).unwrap();
+    assert!(html.contains("energy_j_per_m") && html.contains("wheel_mass_kg"));
+    assert!(
+        html.contains("[objectives]"),
+        "the problem of the wheel is missing"
+    );
+    let mass = number(&made["chosen"], "wheel_mass_kg");
+    assert!(html.contains(&format!("{mass:?}")), "{mass}");
+    let refused = grouser(MISSION.iter().chain(&["--report", "wheel.txt"]));
+    refused.assert_refused("a report that is no page");
+}

@@ -1,6 +1,7 @@
 //! Ctrl-C while a file is being written.
 #![cfg(unix)]
 
+use std::ffi::OsStr;
 use std::io::Write as _;
 use std::process::Stdio;
 use std::thread;
@@ -78,4 +79,40 @@ fn an_interrupted_search_keeps_the_best_so_far() {
     assert!(points > 3, "{points} points");
     let rows = std::fs::read_to_string(output).unwrap().lines().count();
     assert_eq!(rows, points + 1);
+}
+
+/// A proof that takes minutes: the first Ctrl-C ends it with the bounds so far and a log that the checker accepts.
+#[test]
+fn an_interrupted_proof_keeps_its_bounds_and_its_log() {
+    let folder = Folder::new();
+    let log = folder.path("proof.jsonl");
+    let example = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/problems/dry-sand-wheel.toml"
+    );
+    let child = start(
+        [
+            OsStr::new("optimize"),
+            example.as_ref(),
+            "--json".as_ref(),
+            "--certify=1e-9".as_ref(),
+            "--certify-time=600".as_ref(),
+            "--proof".as_ref(),
+            log.as_os_str(),
+        ],
+        Stdio::null(),
+    );
+    thread::sleep(Duration::from_secs(4));
+    assert!(send(&child, "-INT"));
+    let said = wait(child);
+    assert_eq!(said.code, Some(130), "{said:?}");
+    assert!(said.err.contains("interrupted"), "{said:?}");
+    let certificate = &said.json()["certificate"];
+    assert_eq!(certificate["status"], "stopped", "{certificate}");
+    let lower = certificate["lower"].as_f64().unwrap();
+    assert!(lower < certificate["upper"].as_f64().unwrap());
+    let text = std::fs::read_to_string(log).unwrap();
+    let last: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    assert_eq!(last["end"], "stopped");
+    assert_eq!(last["lower"].as_f64().unwrap(), lower);
 }

@@ -1,6 +1,6 @@
 //! The numbers of a wheel, its soil and its state that no variable replaces.
 
-use grouser_terra::{GrouserRule, LawChoice, Pressure, RigidWheel, Soil};
+use grouser_terra::{GrouserRule, LawChoice, Pressure, RigidWheel, ShearLaw, Soil};
 
 use super::parameter::Parameter;
 
@@ -64,21 +64,45 @@ impl Fixed {
         self.beside != Beside::default()
     }
 
-    /// Are the laws those without any option: Bekker's pressure, no transport by lugs, no rear contact?
-    pub(crate) fn has_plain_laws(&self) -> bool {
-        let Beside {
-            pressure,
-            rear_driving,
-            transport_layer,
-            laws,
-            tip_share,
-            ..
-        } = self.beside;
-        pressure.is_none()
-            && rear_driving == 0.0
-            && transport_layer == 0.0
-            && laws == LawChoice::default()
-            && tip_share.is_none()
+    /// The law of the soil that has no bounds over a box, for a wheel that drives straight ahead.
+    pub(crate) fn law_without_bounds(&self) -> Option<&'static str> {
+        let is_regular = self.beside.laws.shear == Some(ShearLaw::SlipVelocityRegular);
+        is_regular.then_some("the shear law `slip-velocity-regular`")
+    }
+
+    pub(super) fn laws(&self) -> LawChoice {
+        self.beside.laws
+    }
+
+    pub(super) fn pressure(&self) -> Option<Pressure> {
+        self.beside.pressure
+    }
+
+    pub(super) fn unit_weight(&self) -> Option<f64> {
+        self.beside.unit_weight
+    }
+
+    pub(super) fn rear_driving(&self) -> f64 {
+        self.beside.rear_driving
+    }
+
+    pub(super) fn transport_layer(&self) -> f64 {
+        self.beside.transport_layer
+    }
+
+    pub(super) fn tip_share(&self) -> Option<f64> {
+        self.beside.tip_share
+    }
+
+    /// The same without these parameters.
+    pub(crate) fn without(&self, is_replaced: impl Fn(Parameter) -> bool) -> Self {
+        let mut rest = *self;
+        for (parameter, ..) in Parameter::ALL {
+            if is_replaced(parameter) {
+                rest.set(parameter, f64::NAN);
+            }
+        }
+        rest
     }
 
     /// The sizes of a wheel.

@@ -6,6 +6,7 @@ mod parameter;
 mod point;
 mod taped;
 mod taped_contact;
+mod taped_laws;
 
 use grouser_real::Scalar;
 use grouser_terra::{entry_angle, sinkage_from_entry_angle, slip_ani};
@@ -143,6 +144,11 @@ impl Quantity {
     /// Does it need a sinkage, given or solved for from a load?
     pub(crate) fn needs_sinkage_or_load(self) -> bool {
         Self::ALL[self as usize].2 != Need::Search
+    }
+
+    /// Does it follow from the forces at one slip?
+    pub(crate) fn is_of_forces(self) -> bool {
+        Self::ALL[self as usize].2 == Need::Point
     }
 }
 

@@ -4,7 +4,9 @@
 //! the solver would refuse, which makes it weaker but never wrong.
 
 use grouser_opt::{Binary, Node, Tape, Unary};
+use grouser_terra::Pressure;
 
+use super::taped_contact::TapedContact;
 use super::{Fixed, Parameter, Quantity};
 
 /// A wheel's numbers as nodes of a tape.
@@ -13,6 +15,8 @@ pub(crate) struct Taped<'t> {
     pub(crate) fixed: &'t Fixed,
     /// One node per parameter, where there is one.
     pub(crate) parameters: [Option<Node>; Parameter::COUNT],
+    /// The wheel under its load.
+    pub(crate) contact: Option<TapedContact>,
 }
 
 impl Taped<'_> {
@@ -38,27 +42,43 @@ impl Taped<'_> {
         self.scaled(parameter, std::f64::consts::PI / 180.0)
     }
 
-    /// The radius for slip and sinkage; `None` for lugs that are counted by a variable.
+    /// Height and number of the lugs that are counted; a number that varies is above 0.
+    pub(super) fn lugs(&self) -> Option<(Node, Node)> {
+        let has_lugs = self
+            .fixed
+            .get(Parameter::GrouserCount)
+            .is_none_or(|count| count > 0.0);
+        let lugs = (
+            self.get(Parameter::GrouserHeight)?,
+            self.get(Parameter::GrouserCount)?,
+        );
+        has_lugs.then_some(lugs)
+    }
+
+    /// The radius for slip and sinkage: r of a smooth wheel and of one with lugs that are counted, else r + h.
     pub(super) fn radius(&mut self) -> Option<Node> {
         let rim = self.get(Parameter::Radius)?;
-        let lugs = self.fixed.get(Parameter::GrouserCount)?;
         let height = self.get(Parameter::GrouserHeight)?;
-        if lugs > 0.0 || self.fixed.get(Parameter::GrouserHeight) == Some(0.0) {
+        if self.lugs().is_some() || self.fixed.get(Parameter::GrouserHeight) == Some(0.0) {
             return Some(rim);
         }
         Some(self.two(Binary::Add, rim, height))
     }
 
-    /// The sinkage where it is given.
-    fn sinkage(&self) -> Option<Node> {
-        match self.get(Parameter::Load) {
-            Some(_) => None,
-            None => self.get(Parameter::Sinkage),
+    /// The sinkage, given or under the load.
+    fn sinkage(&mut self) -> Option<Node> {
+        match (self.contact, self.get(Parameter::Load)) {
+            (Some(contact), _) => Some(self.depth_of(contact.theta_1, contact.radius)),
+            (None, Some(_)) => None,
+            (None, None) => self.get(Parameter::Sinkage),
         }
     }
 
-    /// θ_1 = 2 asin √(z/2r).
+    /// The entry angle under the load, else θ_1 = 2 asin √(z/2r).
     fn entry(&mut self) -> Option<Node> {
+        if let Some(contact) = self.contact {
+            return Some(contact.theta_1);
+        }
         let (z, r) = (self.sinkage()?, self.radius()?);
         let two = self.number(2.0);
         let twice = self.two(Binary::Mul, two, r);
@@ -68,24 +88,35 @@ impl Taped<'_> {
         Some(self.two(Binary::Mul, two, half))
     }
 
-    /// k_c/b + k_phi.
-    pub(super) fn modulus(&mut self) -> Option<Node> {
-        if self.fixed.is_meaningless(Parameter::KC) {
-            return None;
+    /// The modulus k of p = k zⁿ: k_c/b + k_phi, or Reece's (c k_c′ + γ b k_phi′)/bⁿ.
+    pub(super) fn modulus_at(&mut self, n: Node) -> Option<Node> {
+        let width = self.get(Parameter::Width)?;
+        match self.fixed.pressure() {
+            Some(Pressure::Reece(law)) => {
+                let cohesion = self.cohesion()?;
+                let own = self.number(law.k_c_prime);
+                let cohesive = self.two(Binary::Mul, cohesion, own);
+                let weight = self.number(self.fixed.unit_weight()? * law.k_phi_prime);
+                let frictional = self.two(Binary::Mul, width, weight);
+                let sum = self.two(Binary::Add, cohesive, frictional);
+                let reach = self.two(Binary::Power, width, n);
+                return Some(self.two(Binary::Div, sum, reach));
+            }
+            Some(_) => return None,
+            None => {}
         }
         let (k_c, k_phi) = (
             self.scaled(Parameter::KC, 1e3)?,
             self.scaled(Parameter::KPhi, 1e3)?,
         );
-        let width = self.get(Parameter::Width)?;
         let per_width = self.two(Binary::Div, k_c, width);
         Some(self.two(Binary::Add, per_width, k_phi))
     }
 
-    /// (k_c/b + k_phi) zⁿ.
+    /// k zⁿ.
     pub(super) fn pressure(&mut self, sinkage: Node) -> Option<Node> {
-        let modulus = self.modulus()?;
         let n = self.get(Parameter::Exponent)?;
+        let modulus = self.modulus_at(n)?;
         let power = self.two(Binary::Power, sinkage, n);
         Some(self.two(Binary::Mul, modulus, power))
     }
@@ -162,7 +193,10 @@ impl Taped<'_> {
             }
             Quantity::S0 => self.s_0(),
             Quantity::SMobilised if self.fixed.get(Parameter::Mobilised) == Some(0.0) => self.s_0(),
-            _ => None,
+            _ => {
+                let contact = self.contact?;
+                self.under_load(&contact, quantity)
+            }
         }
     }
 }

@@ -7,6 +7,7 @@
 mod bound;
 mod cleared;
 mod expansion;
+mod front;
 mod process;
 mod proof;
 mod propagate;
@@ -22,6 +23,7 @@ use crate::method::Method;
 use crate::problem::Problem;
 use crate::settings::Settings;
 
+pub use front::{FrontCertificate, FrontWatch, ProvedPoint, Suggest, certify_front};
 pub use proof::ProofSink;
 
 /// How exactly and how long to search for a proof.

@@ -2,13 +2,15 @@
 
 use std::borrow::Cow;
 
+use grouser_real::Interval;
+
 use super::CertifyError;
 use super::bound::Weights;
 use crate::method::Method;
 use crate::problem::{Problem, Relation};
 use crate::program::{Kind, Program};
 use crate::sqp::LinearKind;
-use crate::tape::{Binary, Node, Op, Tape, TapedFunctions, Unary};
+use crate::tape::{Binary, Enclosures, Node, Op, Tape, TapedFunctions, Unary};
 
 /// A row: an expression, and what it must satisfy.
 pub(super) struct Row {
@@ -120,6 +122,35 @@ impl Rows {
             upper,
             is_cleared: false,
         })
+    }
+
+    /// γ and the worst violation at a point of the box, rounded up; `None` where a row has no value or is violated by
+    /// more than the tolerance.
+    pub(super) fn level_at(&self, x: &[f64], tolerance: f64) -> Option<(f64, f64)> {
+        let inside = x
+            .iter()
+            .zip(self.lower.iter().zip(&self.upper))
+            .all(|(x, (low, high))| low <= x && x <= high);
+        if !inside {
+            return None;
+        }
+        let point: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
+        let mut over = Enclosures::default();
+        over.forward(&self.tape, &point, &self.needed);
+        let mut level = f64::NEG_INFINITY;
+        let mut violation = 0.0_f64;
+        for row in &self.list {
+            let value = over.values[row.node as usize];
+            if value.is_empty() {
+                return None;
+            }
+            match row.kind {
+                LinearKind::Objective => level = level.max(value.high()),
+                LinearKind::AtMost => violation = violation.max(value.high()),
+                LinearKind::Equal => violation = violation.max(value.magnitude()),
+            }
+        }
+        (violation <= tolerance && level < f64::INFINITY).then_some((level, violation))
     }
 
     /// The operations that a weighted sum of rows needs, in order.

@@ -17,7 +17,6 @@ use crate::method::Method;
 use crate::multi_start::multi_start;
 use crate::problem::Problem;
 use crate::solve::solve;
-use crate::sqp::LinearKind;
 
 /// Boxes examined between two looks at the best point: fixed, so that the number of threads changes nothing.
 const BATCH: usize = 48;
@@ -136,37 +135,15 @@ pub(super) struct Search<'a, 's> {
 }
 
 impl Search<'_, '_> {
-    /// γ and the worst violation at a point, rounded up; `None` where a row has no value or is violated by more than
-    /// the tolerance.
+    /// γ and the worst violation at a point; `None` where a row has no value or is violated by more than the tolerance.
     fn at_point(&self, x: &[f64]) -> Option<Best> {
-        let inside = x
-            .iter()
-            .zip(self.rows.lower.iter().zip(&self.rows.upper))
-            .all(|(x, (low, high))| low <= x && x <= high);
-        if !inside {
-            return None;
-        }
-        let point: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
-        let mut level = f64::NEG_INFINITY;
-        let mut violation = 0.0_f64;
-        for row in &self.rows.list {
-            let value = self.rows.tape.enclose(&point, row.node);
-            if value.is_empty() {
-                return None;
-            }
-            match row.kind {
-                LinearKind::Objective => level = level.max(value.high()),
-                LinearKind::AtMost => violation = violation.max(value.high()),
-                LinearKind::Equal => violation = violation.max(value.magnitude()),
-            }
-        }
-        (violation <= self.settings.solve.constraint_tolerance && level < f64::INFINITY).then(
-            || Best {
-                x: x.to_vec(),
-                level,
-                violation,
-            },
-        )
+        let tolerance = self.settings.solve.constraint_tolerance;
+        let (level, violation) = self.rows.level_at(x, tolerance)?;
+        Some(Best {
+            x: x.to_vec(),
+            level,
+            violation,
+        })
     }
 
     fn consider(&self, best: &mut Option<Best>, x: &[f64]) {

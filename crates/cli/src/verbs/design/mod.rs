@@ -4,6 +4,7 @@ mod carrier;
 mod check;
 mod figure;
 mod object;
+mod page;
 mod problem;
 mod request;
 mod table;
@@ -21,6 +22,7 @@ use crate::interrupt::Search;
 use crate::output::OutputFile;
 use crate::output_choice::Output;
 use crate::progress::Progress;
+use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::soil_choice::Overrides;
 use crate::verb_report::Report;
@@ -40,7 +42,8 @@ use request::{Bounds, ChoiceName, MeasureName, Shared};
         no search with it. The model does not decide strength, wear and life of a wheel, obstacles, turning and ruts.",
     after_help = "Examples:\n  grouser design rover.toml --soil dry-sand=0.7,sandy-loam=0.3 --slope-deg 0=0.8,8=0.2\n  \
         grouser design rover.toml --soil lunar --slope-deg 0=0.9,10=0.1 --gravity-m-per-s2 moon --write-robot new.toml -o front.svg\n  \
-        grouser design rover.toml --mission mission.toml --max-wheel-mass-kg 1.2 --json"
+        grouser design rover.toml --mission mission.toml --max-wheel-mass-kg 1.2 --json\n  \
+        grouser design rover.toml --soil dry-sand --slope-deg 5 --report wheel.html"
 )]
 pub(crate) struct Arguments {
     /// The robot file, with masses and widths
@@ -108,10 +111,13 @@ pub(crate) struct Arguments {
     /// Write the front as a table (.csv) or a figure (.svg, .png); may be given several times
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    report: ReportFlag,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let outputs = Output::begin(&arguments.output)?;
+    let page = arguments.report.begin()?;
     let create = |path: &Option<PathBuf>| path.as_deref().map(OutputFile::create).transpose();
     let (robot_output, problem_output) =
         (create(&arguments.write_robot)?, create(&arguments.problem)?);
@@ -156,6 +162,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         checked: &checked,
     };
     let mut text = designed.text();
+    if let Some(file) = page {
+        let shown = page::shown(&designed, &text)?;
+        let title = format!("The wheel of {}", carrier.name());
+        text.push_str(&file.write(&title, shown, session)?);
+    }
     text.push_str(&Output::write_all(
         outputs,
         || table::csv(&front),

@@ -5,22 +5,32 @@ use std::io::Write as _;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use grouser_design::{Answer, Design};
+use grouser_design::{Answer, Design, FrontProof, Task};
 use grouser_opt::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
 use grouser_report::number::shown;
 
 use crate::error::{Error, Result};
+use crate::interrupt::Search;
 use crate::output::OutputFile;
 use crate::terminal::remark;
 
 /// The first line of progress comes after this time, s; each further one after twice the time.
 const FIRST_PROGRESS_S: f64 = 2.0;
 
+/// The gap without a number: of a single optimum, and of a front as a share of its ranges.
+const DEFAULT_GAP: f64 = 1e-6;
+const DEFAULT_FRONT_SHARE: f64 = 0.05;
+
 #[derive(clap::Args, Debug)]
 pub(super) struct Certification {
-    /// Prove the best point: stop at a gap of GAP (1 + |f|) between it and the proved bound (exit code 3 if not reached)
-    #[arg(long, value_name = "GAP", num_args = 0..=1, default_missing_value = "1e-6")]
-    certify: Option<f64>,
+    /// Prove the best point: stop at a gap of GAP (1 + |f|), 1e-6 by default, between it and the proved bound; of a front,
+    /// GAP (0.05) is a share of the range of each objective (exit code 3 if not reached)
+    #[arg(long, value_name = "GAP", num_args = 0..=1)]
+    #[allow(
+        clippy::option_option,
+        reason = "the flag may be absent, or without a number"
+    )]
+    certify: Option<Option<f64>>,
     /// Time for the proof, s
     #[arg(
         long,
@@ -34,9 +44,15 @@ pub(super) struct Certification {
     proof: Option<PathBuf>,
 }
 
-/// A certificate, and the local solver's answer from its best point.
+/// What is proved.
+pub(super) enum Proof {
+    Optimum(Certificate),
+    Front(FrontProof),
+}
+
+/// A proof, and the local solver's answer from its best point.
 pub(super) struct Certified {
-    pub(super) certificate: Certificate,
+    pub(super) proof: Proof,
     pub(super) gap: f64,
     /// A better answer than the search from the starts found.
     pub(super) better: Option<Answer>,
@@ -44,15 +60,28 @@ pub(super) struct Certified {
     pub(super) remainder: Option<f64>,
     /// The line that names the log.
     written: Option<String>,
+    /// What a lone maximised objective is called, and its scale: its bounds are then of its own sign.
+    maximised: Option<(String, f64)>,
 }
 
 impl Certification {
-    pub(super) fn run(&self, design: &Design, answer: &Answer) -> Result<Option<Certified>> {
+    /// The gap required, if any.
+    fn gap(&self, is_front: bool) -> Result<Option<f64>> {
         let Some(gap) = self.certify else {
             return Ok(None);
         };
+        let gap = gap.unwrap_or(if is_front {
+            DEFAULT_FRONT_SHARE
+        } else {
+            DEFAULT_GAP
+        });
+        let (low, limits) = if is_front {
+            (1e-3, "lie between 0.001 and 1 for a front")
+        } else {
+            (1e-12, "lie between 1e-12 and 1")
+        };
         for (flag, value, low, high, limits) in [
-            ("--certify", gap, 1e-12, 1.0, "lie between 1e-12 and 1"),
+            ("--certify", gap, low, 1.0, limits),
             (
                 "--certify-time",
                 self.certify_time,
@@ -65,6 +94,13 @@ impl Certification {
                 return Err(Error::out_of_range(flag, value, [low, high], limits));
             }
         }
+        Ok(Some(gap))
+    }
+
+    pub(super) fn run(&self, design: &Design, answer: &Answer) -> Result<Option<Certified>> {
+        let Some(gap) = self.gap(matches!(answer, Answer::Trade(_)))? else {
+            return Ok(None);
+        };
         let mut settings = CertifySettings::default();
         settings.gap = gap;
         settings.time_limit_s = Some(self.certify_time);
@@ -77,23 +113,20 @@ impl Certification {
             .map(|path| OutputFile::create(path))
             .transpose()?;
         let mut refused = None;
+        let search = Search::begin();
         let mut next = FIRST_PROGRESS_S;
-        let mut tell = |progress: &CertifyProgress| {
+        let mut callback = |progress: &CertifyProgress| {
             if progress.seconds >= next {
                 next = 2.0 * progress.seconds;
-                remark(&format!(
-                    "{:.0} s: bounds {} and {}, gap {}, {} boxes, {} open\n",
-                    progress.seconds,
-                    shown(progress.lower),
-                    shown(progress.upper),
-                    shown(progress.upper - progress.lower),
-                    progress.boxes,
-                    progress.open
-                ));
+                remark(&progress_line(progress));
             }
-            ControlFlow::Continue(())
+            if search.is_interrupted() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         };
-        let certificate = {
+        let proof = {
             let mut write = |line: &str| match &mut log {
                 Some(log) => match writeln!(log, "{line}") {
                     Ok(()) => ControlFlow::Continue(()),
@@ -109,8 +142,14 @@ impl Certification {
             } else {
                 None
             };
-            design.certify(&settings, &mut tell, sink)?
+            match answer {
+                Answer::Trade(trade) => {
+                    Proof::Front(design.certify_front(trade, &settings, &mut callback, sink)?)
+                }
+                _ => Proof::Optimum(design.certify(&settings, &mut callback, sink)?),
+            }
         };
+        drop(search);
         let mut written = None;
         if let Some(log) = log {
             if let Some(error) = refused {
@@ -119,14 +158,37 @@ impl Certification {
             written = Some(format!("wrote {}\n", crate::error::shown(log.path())));
             log.finish()?;
         }
+        let better = match &proof {
+            Proof::Optimum(certificate) => better(design, answer, certificate, gap)?,
+            Proof::Front(_) => None,
+        };
+        let maximised = match design.objectives.as_slice() {
+            [one] if one.maximise && design.task == Task::Minimax => {
+                Some((one.name.clone(), one.scale))
+            }
+            _ => None,
+        };
         Ok(Some(Certified {
-            better: better(design, answer, &certificate, gap)?,
-            certificate,
+            better,
+            proof,
             gap,
             remainder: design.force_remainder(),
             written,
+            maximised,
         }))
     }
+}
+
+fn progress_line(progress: &CertifyProgress) -> String {
+    format!(
+        "{:.0} s: bounds {} and {}, gap {}, {} boxes, {} open\n",
+        progress.seconds,
+        shown(progress.lower),
+        shown(progress.upper),
+        shown(progress.upper - progress.lower),
+        progress.boxes,
+        progress.open
+    )
 }
 
 /// The answer from the certificate's best point, where the starts led to a worse one.
@@ -152,40 +214,37 @@ fn better(
 }
 
 impl Certified {
+    pub(super) fn status(&self) -> CertifyStatus {
+        match &self.proof {
+            Proof::Optimum(certificate) => certificate.status,
+            Proof::Front(front) => front.status,
+        }
+    }
+
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.status() == CertifyStatus::Stopped
+    }
+
+    pub(super) fn certificate(&self) -> Option<&Certificate> {
+        match &self.proof {
+            Proof::Optimum(certificate) => Some(certificate),
+            Proof::Front(_) => None,
+        }
+    }
+
+    pub(super) fn front(&self) -> Option<&FrontProof> {
+        match &self.proof {
+            Proof::Optimum(_) => None,
+            Proof::Front(front) => Some(front),
+        }
+    }
+
     /// The lines below the answer.
-    pub(super) fn text(&self) -> String {
-        let c = &self.certificate;
+    pub(super) fn text(&self, design: &Design) -> String {
         let mut text = String::from("\n");
-        let _ = match c.status {
-            CertifyStatus::Infeasible => {
-                writeln!(
-                    text,
-                    "proved: no point of the box meets all constraints ({} boxes)",
-                    c.boxes
-                )
-            }
-            CertifyStatus::Proved => writeln!(
-                text,
-                "proved: no point of the box has a utility below {} ({} boxes)",
-                shown(c.lower),
-                c.boxes
-            ),
-            _ => writeln!(
-                text,
-                "not proved to the gap required: no point of the box has a utility below {} ({} boxes)",
-                shown(c.lower),
-                c.boxes
-            ),
-        };
-        if c.x.is_some() {
-            let _ = writeln!(
-                text,
-                "best point {}, gap {} of {} allowed; constraints hold to {}",
-                shown(c.upper),
-                shown(c.gap()),
-                shown(self.gap * (1.0 + c.upper.abs())),
-                shown(c.violation)
-            );
+        match &self.proof {
+            Proof::Optimum(certificate) => self.optimum_text(&mut text, certificate),
+            Proof::Front(front) => front_text(&mut text, design, front),
         }
         if let Some(remainder) = self.remainder {
             let _ = writeln!(
@@ -200,24 +259,101 @@ impl Certified {
         text
     }
 
+    fn optimum_text(&self, text: &mut String, c: &Certificate) {
+        // a maximised objective has its own sign
+        let level = |utility: f64| match &self.maximised {
+            Some((_, scale)) => shown(-utility / scale),
+            None => shown(utility),
+        };
+        let claim = match &self.maximised {
+            Some((name, _)) => format!("has a `{name}` above"),
+            None => "has a utility below".to_owned(),
+        };
+        let _ = match c.status {
+            CertifyStatus::Infeasible => {
+                writeln!(
+                    text,
+                    "proved: no point of the box meets all constraints ({} boxes)",
+                    c.boxes
+                )
+            }
+            CertifyStatus::Proved => writeln!(
+                text,
+                "proved: no point of the box {claim} {} ({} boxes)",
+                level(c.lower),
+                c.boxes
+            ),
+            _ => writeln!(
+                text,
+                "not proved to the gap required: no point of the box {claim} {} ({} boxes)",
+                level(c.lower),
+                c.boxes
+            ),
+        };
+        if c.x.is_some() {
+            let _ = writeln!(
+                text,
+                "best point {}, gap {} of {} allowed; constraints hold to {}",
+                level(c.upper),
+                shown(c.gap()),
+                shown(self.gap * (1.0 + c.upper.abs())),
+                shown(c.violation)
+            );
+        }
+    }
+
     /// Why the proof does not answer the question.
     pub(super) fn doubt(&self) -> Option<String> {
-        let c = &self.certificate;
-        let reason = match c.status {
+        let reason = match self.status() {
             CertifyStatus::Proved | CertifyStatus::Infeasible => return None,
             CertifyStatus::TimeLimit => "the time is over (`--certify-time`)",
             CertifyStatus::BoxLimit => "too many boxes",
             CertifyStatus::Precision => "some boxes are as small as numbers allow",
-            _ => "the search was stopped",
+            _ => "interrupted, with what was proved until then",
         };
-        Some(if c.x.is_some() {
-            format!(
+        Some(match &self.proof {
+            Proof::Front(front) if front.share.is_finite() => format!(
+                "the front is proved to {} of its ranges, not {}: {reason}",
+                shown(front.share),
+                shown(self.gap)
+            ),
+            Proof::Optimum(c) if c.x.is_some() => format!(
                 "the gap is {}, not {}: {reason}",
                 shown(c.gap()),
                 shown(self.gap * (1.0 + c.upper.abs()))
-            )
-        } else {
-            format!("neither a feasible point nor its absence is proved: {reason}")
+            ),
+            _ => format!("neither a feasible point nor its absence is proved: {reason}"),
         })
     }
+}
+
+fn front_text(text: &mut String, design: &Design, front: &FrontProof) {
+    if front.status == CertifyStatus::Infeasible {
+        let _ = writeln!(
+            text,
+            "proved: no point of the box meets all constraints ({} boxes)",
+            front.boxes
+        );
+        return;
+    }
+    let word = if front.status.is_proved() {
+        "proved"
+    } else {
+        "not proved to the share required"
+    };
+    let by: Vec<String> = design
+        .objectives
+        .iter()
+        .zip(&front.tolerance)
+        .map(|(objective, by)| format!("{} in `{}`", shown(*by), objective.name))
+        .collect();
+    let _ = writeln!(
+        text,
+        "{word}: of {} listed points one is at most {} worse than any point of the box ({} of the ranges; {} proofs, {} boxes)",
+        front.points.len(),
+        by.join(" and "),
+        shown(front.share),
+        front.proofs,
+        front.boxes
+    );
 }

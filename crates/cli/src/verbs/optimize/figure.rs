@@ -1,6 +1,6 @@
 //! The figure of `optimize`: what decides a compromise, or a front with its knee.
 
-use grouser_design::{Answer, Design, Optimum, Trade};
+use grouser_design::{Answer, Design, FrontProof, Optimum, Trade};
 
 use grouser_figure::{
     Axis, Chart, Colour, Curve, Figure, Mark, Marker, Points, Rule, Style, plain,
@@ -11,11 +11,11 @@ const MAX_PANELS: usize = 6;
 /// More names than this are no reading any more.
 const MAX_NAMES: usize = 16;
 
-pub(super) fn draw(design: &Design, answer: &Answer) -> Figure {
+pub(super) fn draw(design: &Design, answer: &Answer, proof: Option<&FrontProof>) -> Figure {
     match answer {
-        Answer::Trade(trade) => front(design, trade),
+        Answer::Trade(trade) => front(design, trade, proof),
         Answer::Optimum(optimum) if optimum.starts.len() > 1 => {
-            starts(optimum, compromise(design, optimum))
+            starts(design, optimum, compromise(design, optimum))
         }
         Answer::Optimum(optimum) => compromise(design, optimum),
         _ => Figure::new("Nothing to show"),
@@ -86,7 +86,7 @@ fn compromise(design: &Design, optimum: &Optimum) -> Figure {
 }
 
 /// One more panel: where each start ended.
-fn starts(optimum: &Optimum, figure: Figure) -> Figure {
+fn starts(design: &Design, optimum: &Optimum, figure: Figure) -> Figure {
     let mut solved: Vec<f64> = optimum
         .starts
         .iter()
@@ -94,17 +94,36 @@ fn starts(optimum: &Optimum, figure: Figure) -> Figure {
         .map(|s| s.maximum)
         .collect();
     solved.sort_by(f64::total_cmp);
+    let all_maximised = design.objectives.iter().all(|o| o.maximise);
+    if all_maximised {
+        solved.reverse();
+    }
+    let word = if all_maximised {
+        "Least objective"
+    } else {
+        "Greatest objective"
+    };
     let places = solved.iter().enumerate().map(|(i, m)| [i as f64 + 1.0, *m]);
-    let chart = Chart::new(
-        Axis::new("Start, best first"),
-        Axis::new("Greatest objective"),
-    )
-    .points(Points::new(places).look(Marker::Circle, Colour::BLUE));
+    let chart = Chart::new(Axis::new("Start, best first"), Axis::new(word))
+        .points(Points::new(places).look(Marker::Circle, Colour::BLUE));
     figure.panel(chart)
 }
 
-/// Every pair of objectives.
-fn front(design: &Design, trade: &Trade) -> Figure {
+/// The steps between the corners, behind which no design lies.
+fn proved_steps(proof: &FrontProof) -> Vec<[f64; 2]> {
+    let corners = proof.corners.iter().map(|corner| [corner[0], corner[1]]);
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for corner in corners.filter(|c| c.iter().all(|x| x.is_finite())) {
+        if let Some(last) = steps.last() {
+            steps.push([corner[0], last[1]]);
+        }
+        steps.push(corner);
+    }
+    steps
+}
+
+/// Every pair of objectives, and what is proved about a front of two.
+fn front(design: &Design, trade: &Trade, proof: Option<&FrontProof>) -> Figure {
     let m = design.objectives.len();
     let mut figure = Figure::new(format!(
         "The Pareto front of {}: {} compromises; the knee is marked",
@@ -125,6 +144,17 @@ fn front(design: &Design, trade: &Trade) -> Figure {
         } else {
             chart.points(Points::new(places.clone()).look(Marker::Circle, Colour::BLUE))
         };
+        if let Some(proof) = proof {
+            let style = Style {
+                colour: Colour::RED,
+                ..Style::numbered(1)
+            };
+            chart = chart.curve(
+                Curve::new(proved_steps(proof))
+                    .style(style)
+                    .label("proved: nothing is better"),
+            );
+        }
         if let Some(knee) = trade.knee.and_then(|knee| places.get(knee)) {
             chart = chart.mark(
                 Mark::new(*knee)

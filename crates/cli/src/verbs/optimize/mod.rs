@@ -36,7 +36,8 @@ use grouser_report::number::{in_message, shown};
     after_help = "Examples:\n  grouser optimize examples/problems/dry-sand-wheel.toml\n  \
         grouser optimize examples/problems/paper.toml --json\n  \
         grouser optimize examples/problems/paper.toml --certify 1e-6 --proof proof.jsonl\n  \
-        grouser optimize examples/problems/pull-against-torque.toml -o front.csv -o front.svg"
+        grouser optimize examples/problems/pull-against-torque.toml -o front.csv -o front.svg\n  \
+        grouser optimize examples/problems/lug-height.toml --certify 0.2"
 )]
 pub(crate) struct Arguments {
     /// The problem file
@@ -74,9 +75,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         }
     })?;
     drop(stage);
-    let is_interrupted = search.is_interrupted();
+    let is_search_interrupted = search.is_interrupted();
     drop(search);
-    let mut certified = if is_interrupted {
+    let mut certified = if is_search_interrupted {
         None
     } else {
         arguments.certification.run(&design, &answer)?
@@ -92,12 +93,15 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let mut text = text::text(&design, &answer);
     if let Some(certified) = &certified {
-        text.push_str(&certified.text());
+        text.push_str(&certified.text(&design));
     }
     text.push_str(&Output::write_all(
         outputs,
         || csv::csv(&design, &answer),
-        || Ok(figure::draw(&design, &answer)),
+        || {
+            let front = certified.as_ref().and_then(certificate::Certified::front);
+            Ok(figure::draw(&design, &answer, front))
+        },
     )?);
     if let (Some(file), Some(shown)) = (report, grouser_page::answer::object(&design, &answer)) {
         let shown = Object::from_iter([
@@ -105,7 +109,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             ("problem".to_owned(), document.text().into()),
             (
                 "proof".to_owned(),
-                certified.as_ref().map(certificate::Certified::text).into(),
+                certified.as_ref().map(|one| one.text(&design)).into(),
             ),
         ]);
         let title = design.title.as_deref().unwrap_or("Answer");
@@ -115,10 +119,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Answer::Optimum(optimum) => warnings(optimum),
         _ => Vec::new(),
     };
-    if is_interrupted {
+    if is_search_interrupted {
         warnings
             .push("interrupted: this is the best that was found so far, not an optimum".to_owned());
     }
+    let is_interrupted = is_search_interrupted
+        || certified
+            .as_ref()
+            .is_some_and(certificate::Certified::is_interrupted);
     let doubt = certified.as_ref().and_then(certificate::Certified::doubt);
     warnings.extend(doubt.clone());
     Ok(Report {

@@ -1,7 +1,7 @@
 //! What `optimize` found, as a list of fields: every key, `null` where it does not apply.
 
-use grouser_design::{Answer, Compromise, Design, Optimum, Start, Trade};
-use grouser_opt::{Counts, Kkt, Status};
+use grouser_design::{Answer, Compromise, Design, FrontProof, Optimum, Start, Trade};
+use grouser_opt::{Certificate, Counts, Kkt, Status};
 use grouser_report::{Fields, fields};
 
 use super::certificate::Certified;
@@ -132,10 +132,7 @@ impl Part<'_, Compromise> {
     }
 
     fn maximum(&self) -> f64 {
-        let objectives = self.design.objectives.iter().zip(&self.part.objectives);
-        objectives
-            .map(|(objective, f)| if objective.absolute { f.abs() } else { *f })
-            .fold(f64::NEG_INFINITY, f64::max)
+        self.design.deciding(&self.part.objectives)
     }
 }
 
@@ -147,7 +144,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
             solved.of(|o| variables(solved.design, &o.x), |p| Some(variables(p.design, &p.part.x)));
         "objectives" "the objectives there, without scaling" values =
             solved.of(|o| o.objectives.clone(), |p| Some(objectives(p.design, &p.part.objectives)));
-        "max" "the greatest objective" = solved.of(|o| o.maximum, |p| Some(p.maximum()));
+        "max" "the objective that decides: the greatest; where all are maximised, the least" = solved.of(|o| o.maximum, |p| Some(p.maximum()));
         "utility" "what was minimised" = solved.optimum().map(|o| o.utility);
         "attainment" "attainment factor" = solved.optimum().and_then(|o| o.attainment);
         "objective_multipliers" "local trade-off between the objectives" values =
@@ -165,7 +162,10 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "optima" "the different optima, best first" rows(reached()) =
             solved.optimum().map_or(&[][..], |o| &o.optima).iter().copied();
         "front" "the points of a front" maybe_rows(compromise()) = solved.front();
-        "certificate" "what is proved about the best point, with --certify" group(certificate()) = solved.certified;
+        "certificate" "what is proved about the best point, with --certify" group(certificate()) =
+            solved.certified.and_then(|certified| Some((certified, certified.certificate()?)));
+        "front_certificate" "what is proved about a front of two objectives, with --certify" group(front_certificate()) =
+            solved.certified.and_then(|certified| Some((solved.design, certified, certified.front()?)));
         "knee" "place of the knee in the front" = solved.trade().and_then(|trade| trade.knee);
     }
 }
@@ -186,17 +186,41 @@ fn kkt<'a>() -> Fields<'a, &'a Kkt> {
     }
 }
 
-fn certificate<'a>() -> Fields<'a, &'a Certified> {
-    fields! { |certified: &'a Certified|
-        "status" "how the search for a proof ended" = certified.certificate.status.name();
-        "lower" "no feasible point has a lower utility" = finite(certified.certificate.lower);
-        "upper" "the utility of the best point, rounded up" = finite(certified.certificate.upper);
-        "gap" "upper - lower" = finite(certified.certificate.gap());
-        "violation" "by how much the best point violates a constraint at most" = certified.certificate.violation;
-        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" =
-            certified.remainder;
-        "boxes" "boxes examined" = certified.certificate.boxes;
-        "seconds" "time taken, s" = certified.certificate.seconds;
+fn certificate<'a>() -> Fields<'a, (&'a Certified, &'a Certificate)> {
+    fields! { |of: (&'a Certified, &'a Certificate)|
+        "status" "how the search for a proof ended" = of.1.status.name();
+        "lower" "no feasible point has a lower utility" = finite(of.1.lower);
+        "upper" "the utility of the best point, rounded up" = finite(of.1.upper);
+        "gap" "upper - lower" = finite(of.1.gap());
+        "violation" "by how much the best point violates a constraint at most" = of.1.violation;
+        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" = of.0.remainder;
+        "boxes" "boxes examined" = of.1.boxes;
+        "seconds" "time taken, s" = of.1.seconds;
+    }
+}
+
+type ProvedFront<'a> = (&'a Design, &'a Certified, &'a FrontProof);
+
+fn front_certificate<'a>() -> Fields<'a, ProvedFront<'a>> {
+    fields! { |of: ProvedFront<'a>|
+        "status" "how the search for a proof ended" = of.2.status.name();
+        "tolerance" "for every feasible point one of `points` is worse by at most this in each objective" values =
+            Some(objectives(of.0, &of.2.tolerance)).filter(|_| of.2.share.is_finite());
+        "share" "the same as a share of the ranges of the points" = finite(of.2.share);
+        "points" "the points that the proof is about, none better than another" rows(compromise()) =
+            of.2.points.iter().map(move |part| Part { design: of.0, part });
+        "corners" "every feasible point is no better than one of these in both objectives" rows(corner()) =
+            of.2.corners.iter().map(move |at| (of.0, at.as_slice()));
+        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" = of.1.remainder;
+        "proofs" "proofs by branch and bound" = of.2.proofs;
+        "boxes" "boxes examined" = of.2.boxes;
+        "seconds" "time taken, s" = of.2.seconds;
+    }
+}
+
+fn corner<'a>() -> Fields<'a, (&'a Design, &'a [f64])> {
+    fields! { |of: (&'a Design, &'a [f64])|
+        "objectives" "the objectives" values = Some(objectives(of.0, of.1));
     }
 }
 
@@ -207,7 +231,7 @@ fn finite(x: f64) -> Option<f64> {
 fn start<'a>() -> Fields<'a, Part<'a, Start>> {
     fields! { |start: Part<'a, Start>|
         "x" "where it ended" values = Some(variables(start.design, &start.part.x));
-        "max" "the greatest objective there" = start.part.maximum;
+        "max" "the objective that decides there" = start.part.maximum;
         "status" "how it ended" = start.part.status.name();
     }
 }

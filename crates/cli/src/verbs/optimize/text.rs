@@ -160,12 +160,12 @@ fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String 
     }
 }
 
-/// What the worst of the objectives is called, and its value in their own sign: `maximum` has maximised ones negated.
+/// What the objective that decides is called, and its value.
 fn worst(design: &Design, maximum: f64) -> (&'static str, String) {
     let maximised = design.objectives.iter().filter(|one| one.maximise).count();
     match maximised {
         0 => ("greatest", shown(maximum)),
-        all if all == design.objectives.len() => ("least", shown(-maximum)),
+        all if all == design.objectives.len() => ("least", shown(maximum)),
         _ => ("greatest (maximised: negated)", shown(maximum)),
     }
 }
