@@ -11,9 +11,9 @@ use grouser_real::Scalar;
 
 use crate::error::{Error, Result};
 use crate::formula::Formula;
-use crate::front::WorstObjectives;
 use crate::quantity::{Fixed, Quantity};
 use crate::scope::{Scope, by_name};
+use crate::worst_objectives::WorstObjectives;
 
 /// How the objectives are joined.
 ///

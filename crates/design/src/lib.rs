@@ -19,6 +19,7 @@ mod quantity;
 mod scope;
 mod slope_proof;
 mod solve;
+mod worst_objectives;
 
 pub use builder::{DesignBuilder, ObjectiveParams, State};
 pub use design::{Design, Objective, Task};
