@@ -133,6 +133,28 @@ test('a run on paper has its pictures and keys in colour, and nothing to operate
   });
 });
 
+test('explorer and front on paper: pictures fill their width, and the problem is whole', async () => {
+  for (const hash of ['explore', 'optimise']) {
+    await withPage({ hash: `#${hash}` }, async (page) => {
+      if (hash === 'optimise') {
+        await page.getByRole('button', { name: 'Solve' }).click();
+        await page.waitForSelector('.front-dot');
+      }
+      await page.emulateMedia({ media: 'print' });
+      await page.setViewportSize({ width: 718, height: 1046 });
+      const plots = await page.locator('.plot').evaluateAll((all) => all.filter((plot) => plot.checkVisibility()).map((plot) => {
+        const [, , width, height] = plot.getAttribute('viewBox').split(' ').map(Number);
+        const box = plot.getBoundingClientRect();
+        return Math.abs(box.height / box.width - height / width);
+      }));
+      assert.ok(plots.length > 1 && plots.every((off) => off < 0.02), `${plots}`);
+      assert.equal(await page.locator('.plot-strip').evaluateAll((all) => all.filter((one) => one.checkVisibility()).length), 0);
+      if (hash === 'optimise') assert.ok(await page.locator('.problem textarea').evaluate((text) => text.scrollHeight <= text.clientHeight + 2));
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 718);
+    });
+  }
+});
+
 test('the robot is on its way from the start, and values follow the pointer in all charts', async () => {
   await withPage({ hash: '#run' }, async (page) => {
     await driven(page);
