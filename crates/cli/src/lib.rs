@@ -57,6 +57,7 @@ mod run;
 mod session;
 #[cfg(feature = "command")]
 mod soil_choice;
+#[cfg(feature = "command")]
 mod soil_text;
 #[cfg(feature = "command")]
 mod terminal;
