@@ -197,6 +197,9 @@ test('states and decisions of the controller, their reasons, and other drivers a
     const [time, name] = run.at(-1);
     assert.ok(Math.abs(Number(await page.locator('.player input').inputValue()) - time) < 1e-6);
     assert.equal(await page.locator('.badge').textContent(), name);
+    // a number beside another is a number of its own
+    const wide = await page.evaluate(() => [...document.querySelectorAll('.wheels tbody tr')].flatMap((row) => [...row.cells]).filter((cell) => cell.scrollWidth > cell.clientWidth + 1).map((cell) => cell.textContent));
+    assert.deepEqual(wide, []);
     // play and pause, and a step of the time
     await page.getByRole('button', { name: 'Play' }).focus();
     await page.keyboard.press('Space');
