@@ -183,7 +183,7 @@ impl Core {
             Measurement::Acceleration { forward, left } => {
                 self.accelerometer.update(time_ns, [forward, left])?;
                 if let Some(ground) = &mut self.ground {
-                    ground.observe_accelerometer(time_ns, [forward, left]);
+                    ground.force.observe(time_ns, [forward, left]);
                 }
                 self.predict_ground_motion(time_ns);
                 Ok(())

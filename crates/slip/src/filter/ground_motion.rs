@@ -8,7 +8,7 @@ use super::ground_track::{Inertial, Outcome};
 use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
 use super::multiple_model::TurnError;
 use crate::fault::Fault;
-use crate::history::{nanoseconds, seconds_between};
+use crate::history::nanoseconds;
 use crate::sample::Measurement;
 use crate::speed::Measured;
 
@@ -27,7 +27,6 @@ impl Core {
         let Some(ground) = &mut self.ground else {
             return;
         };
-        let dropout = self.settings.dropout;
         let turn_error = if self.gyro.is_trusted(time_ns, &self.settings) {
             TurnError {
                 by_gyro: true,
@@ -46,12 +45,8 @@ impl Core {
         let inertial = Inertial {
             yaw_rate: self.state.mean(YAW),
             turn_error,
-            force: self
-                .accelerometer
-                .last
-                .filter(|last| seconds_between(last.time_ns, time_ns) <= dropout),
         };
-        if inertial.force.is_none() || !ground.awaits_accelerometer(time_ns) {
+        if !ground.force.awaits(time_ns) {
             ground.step(time_ns, &self.wheels, inertial, &self.settings);
         }
         let motion = ground.motion(time_ns);

@@ -4,7 +4,7 @@
 use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
-use super::accelerometer::SpecificForce;
+use super::force_integral::ForceIntegral;
 use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
 use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
 use super::multiple_model::{ModelMotion, MultipleModel, Rim, TurnError, WheelStep};
@@ -45,11 +45,6 @@ const HEADING_CHANGE_RAD: f64 = 0.05;
 const MIN_COURSE_M: f64 = 0.3;
 /// One longer than this multiple of the rims' way is no course but a position that jumped; braking wheels run slower than the robot.
 const MAX_COURSE_PER_WAY: f64 = 1.5;
-/// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
-const ACCEL_NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
-/// Readings of the accelerometer that come at least this often are waited for, s, for this many of their periods.
-const MAX_AWAITED_PERIOD_S: f64 = 0.0125;
-const AWAITED_PERIODS: f64 = 1.5;
 /// The rims' change within their lag is at most this multiple of their speed's difference from that of about the lag before, which
 /// shows it late: errors on random logs differ by 1 % between 1.5 and 6.
 const RISE_FACTOR: f64 = 3.0;
@@ -63,7 +58,6 @@ pub(super) const MAX_DELAY_S: f64 = 1.0;
 pub(super) struct Inertial {
     pub(super) yaw_rate: f64,
     pub(super) turn_error: TurnError,
-    pub(super) force: Option<SpecificForce>,
 }
 
 /// What became of a reading of the reference.
@@ -87,19 +81,12 @@ pub(super) struct GroundTrack {
     rim_speed: f64,
     /// Has the rims' motion been measured? Models that start without it would start at rest.
     has_rims: bool,
-    accel_noise: ReferenceNoise<2>,
+    pub(super) force: ForceIntegral,
     heading_noise: ReferenceNoise<1>,
     speed_noise: ReferenceNoise<1>,
-    accel_ns: Option<i64>,
-    accel_period_s: f64,
-    /// Sum and number of the accelerometer's readings since the last step.
-    accel_sum: [f64; 2],
-    accel_count: f64,
     /// By how much the middle of the rims' windows lies behind, s, and their speed about as much before, m/s.
     rim_lag: f64,
     slow_rim_speed: f64,
-    /// About the mean force along the rims' direction within that time, m/s².
-    lagging_force: f64,
     /// A speed that waits until the rims' windows around it have ended: its time, and itself, m/s.
     awaited_speed: Option<(i64, f64)>,
     /// Sum of displacements: place and heading.
@@ -134,16 +121,11 @@ impl GroundTrack {
             direction: 0.0,
             rim_speed: 0.0,
             has_rims: false,
-            accel_noise: ReferenceNoise::new(),
+            force: ForceIntegral::new(),
             heading_noise: ReferenceNoise::new(),
             speed_noise: ReferenceNoise::new(),
-            accel_ns: None,
-            accel_period_s: 0.0,
-            accel_sum: [0.0; 2],
-            accel_count: 0.0,
             rim_lag: 0.0,
             slow_rim_speed: 0.0,
-            lagging_force: 0.0,
             awaited_speed: None,
             summed: [0.0; 3],
             position: [0.0; 2],
@@ -170,7 +152,7 @@ impl GroundTrack {
         self.history.clear();
         self.stepped_ns = None;
         self.has_rims = false;
-        self.accel_ns = None;
+        self.force.restart_clock();
         self.used_ns = None;
         self.received_ns = None;
         self.accepted_ns = None;
@@ -210,30 +192,6 @@ impl GroundTrack {
         within(self.readmitted_ns, READMITTED_S) || within(self.started_ns, STARTED_S)
     }
 
-    /// Adds a reading of the accelerometer to its noise.
-    pub(super) fn observe_accelerometer(&mut self, time_ns: i64, force: [f64; 2]) {
-        if let Some(last) = self.accel_ns.replace(time_ns) {
-            let passed = seconds_between(last, time_ns);
-            if passed > 0.0 && passed < POSITION_PERIOD_S {
-                self.accel_period_s = passed;
-            }
-        }
-        self.accel_noise.push(force);
-        self.accel_sum[0] += force[0];
-        self.accel_sum[1] += force[1];
-        self.accel_count += 1.0;
-    }
-
-    /// Is the reading of the accelerometer that covers the time up to `now_ns` still to come? The models are then stepped
-    /// by it when it arrives: a force that is one reading old would delay each change of slip.
-    pub(super) fn awaits_accelerometer(&self, now_ns: i64) -> bool {
-        let period = self.accel_period_s;
-        let fast = period > 0.0 && period <= MAX_AWAITED_PERIOD_S;
-        fast && self.accel_ns.is_some_and(|last| {
-            last < now_ns && seconds_between(last, now_ns) < AWAITED_PERIODS * period
-        })
-    }
-
     /// The rims' mean speed over a window along their direction, less the present slip, forwards and to the left, m/s: the
     /// robot's motion if the slip did not change within it.
     pub(super) fn mean_motion(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
@@ -246,16 +204,6 @@ impl GroundTrack {
         let (sin, cos) = Real::sin_cos(self.direction);
         let across = motion.drift * speed;
         Some([cos * speed - sin * across, sin * speed + cos * across])
-    }
-
-    fn accel_density(&self, settings: &FilterSettings) -> f64 {
-        let (low, high) = ACCEL_NOISE_LIMITS;
-        self.accel_noise
-            .learnt()
-            .filter(|_| self.accel_period_s > 0.0)
-            .map_or(settings.accelerometer_noise, |sigma| {
-                (sigma * Real::sqrt(self.accel_period_s)).clamp(low, high)
-            })
     }
 
     /// Predicts the models up to `now_ns` by rims and inertial sensors.
@@ -290,7 +238,17 @@ impl GroundTrack {
             rim_share: self.models.motion().map_or(1.0, |motion| motion.rim_share),
             direction: self.direction,
         };
-        let Some(rims) = mean_rims(&step, wheels, settings) else {
+        let density = self.force.density(settings);
+        let force = self
+            .force
+            .step(now_ns, self.direction, (dt, settings.dropout));
+        let gained_since = |wheel: &WheelChannel| {
+            let force = force?;
+            let (from_ns, to_ns) = wheel.rim_span()?;
+            let gained = self.force.gained_since(from_ns, to_ns);
+            Some(gained.unwrap_or(wheel.rim_lag(now_ns) * force))
+        };
+        let Some(rims) = mean_rims(&step, wheels, settings, gained_since) else {
             return;
         };
         self.direction = rims.direction;
@@ -298,20 +256,6 @@ impl GroundTrack {
         self.rim_lag = rims.lag;
         self.slow_rim_speed += dt / (dt + rims.lag) * (rims.speed - self.slow_rim_speed);
         self.has_rims = true;
-        let density = self.accel_density(settings);
-        let (sin, cos) = Real::sin_cos(rims.direction);
-        let acceleration = inertial.force.map(|last| {
-            let force = if self.accel_count > 0.0 {
-                self.accel_sum.map(|sum| sum / self.accel_count)
-            } else {
-                last.force
-            };
-            (cos * force[0] + sin * force[1], density)
-        });
-        if let Some((force, _)) = acceleration {
-            let share = dt / (dt + 0.5 * rims.lag);
-            self.lagging_force += share * (force - self.lagging_force);
-        }
         // windows overlap from step to step: their errors are the same
         let repeats = (settings.wheel_window / dt).max(1.0);
         self.models.advance(&WheelStep {
@@ -320,17 +264,15 @@ impl GroundTrack {
             direction: rims.direction,
             turn: inertial.yaw_rate * dt,
             turn_error: inertial.turn_error,
-            acceleration,
+            acceleration: force.map(|force| (force, density)),
             rim: Rim {
                 speed: rims.speed,
                 variance: rims.variance * repeats,
                 lag: rims.lag,
                 rise: RISE_FACTOR * (rims.speed - self.slow_rim_speed),
-                force: self.lagging_force,
+                gained: rims.gained,
             },
         });
-        self.accel_sum = [0.0; 2];
-        self.accel_count = 0.0;
         self.history.push(now_ns, self.models.totals());
         self.use_awaited_speed(false, settings);
     }

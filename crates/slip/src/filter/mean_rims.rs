@@ -50,13 +50,17 @@ pub(super) struct Rims {
     pub(super) variance: f64,
     /// By how much the middle of the windows lies before the step's end, s.
     pub(super) lag: f64,
+    /// Speed gained since the windows by the specific force, m/s; 0 without an accelerometer.
+    pub(super) gained: f64,
 }
 
-/// The motion of the rims over a step, over the powered wheels that agree with the median.
+/// The motion of the rims over a step, over the powered wheels that agree with the median; `gained_since` is the speed gained since a
+/// wheel's last window by the specific force, m/s.
 pub(super) fn mean_rims(
     step: &RimStep,
     wheels: &WheelBank,
     settings: &FilterSettings,
+    gained_since: impl Fn(&WheelChannel) -> Option<f64>,
 ) -> Option<Rims> {
     let RimStep {
         now_ns, dt, ways, ..
@@ -102,7 +106,8 @@ pub(super) fn mean_rims(
     let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
     let mut by_way = Observations::default();
     let mut by_speed = Observations::default();
-    let (mut way, mut speed, mut variance, mut lag, mut used) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut way, mut speed, mut variance, mut used) = (0.0, 0.0, 0.0, 0.0);
+    let (mut lag, mut gained) = (0.0, 0.0);
     for (index, wheel) in wheels
         .iter()
         .enumerate()
@@ -116,6 +121,7 @@ pub(super) fn mean_rims(
         speed += rim.value;
         variance += rim.variance;
         lag += wheel.rim_lag(now_ns);
+        gained += gained_since(wheel).unwrap_or(0.0);
         used += 1.0;
         if !parallel {
             let row = [wheel.row[0], wheel.row[1], 0.0];
@@ -130,7 +136,7 @@ pub(super) fn mean_rims(
     if used < 1.0 {
         return None;
     }
-    let lag = lag / used;
+    let (lag, gained) = (lag / used, gained / used);
     let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     if parallel {
         return Some(Rims {
@@ -139,6 +145,7 @@ pub(super) fn mean_rims(
             speed: speed / used,
             variance,
             lag,
+            gained,
         });
     }
     let (way, speed, direction) = along_one_way(by_way, by_speed, wheels, step.direction)?;
@@ -148,6 +155,7 @@ pub(super) fn mean_rims(
         speed,
         variance,
         lag,
+        gained,
     })
 }
 

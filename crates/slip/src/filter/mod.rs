@@ -34,6 +34,7 @@
 mod accelerometer;
 mod carrier;
 mod estimator;
+mod force_integral;
 mod free_wheel_update;
 mod ground_motion;
 mod ground_track;

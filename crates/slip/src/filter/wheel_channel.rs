@@ -1,6 +1,6 @@
 //! One wheel in the filter: its readings, its windows, and what is learnt of it.
 
-use crate::history::seconds_between;
+use crate::history::{nanoseconds, seconds_between};
 use crate::robot::{Robot, WheelRole};
 use crate::speed::Measured;
 use crate::state::Health;
@@ -175,6 +175,12 @@ impl WheelChannel {
         self.rim.map_or(0.0, |(_, to_ns)| {
             seconds_between(to_ns, now_ns).max(0.0) + 0.5 * self.rim_window
         })
+    }
+
+    /// The last whole window: beginning and end.
+    pub(super) fn rim_span(&self) -> Option<(i64, i64)> {
+        self.rim
+            .map(|(_, to_ns)| (to_ns - nanoseconds(self.rim_window), to_ns))
     }
 
     /// Marks the beginning of a window.

@@ -84,8 +84,8 @@ pub(crate) struct Rim {
     pub(crate) lag: f64,
     /// What the rims themselves show of their change since, m/s.
     pub(crate) rise: f64,
-    /// The specific force along their direction since, m/s².
-    pub(crate) force: f64,
+    /// Speed gained since by the specific force, m/s.
+    pub(crate) gained: f64,
 }
 
 /// One hypothesis.
@@ -261,11 +261,11 @@ impl Model {
     /// where it may change at once, the rims' speed is taken on to now.
     pub(super) fn tie(&mut self, rim: Rim) -> f64 {
         let slip = self.mean[SLIP];
-        let since = rim.force - self.mean[BIAS];
+        let gained = rim.gained - rim.lag * self.mean[BIAS];
         let (rim_speed, speed, by_bias) = if self.slip_noise < STEADY_SLIP_NOISE {
-            (rim.speed, self.mean[SPEED] - rim.lag * since, rim.lag)
+            (rim.speed, self.mean[SPEED] - gained, rim.lag)
         } else if self.slip_noise > SUDDEN_SLIP_NOISE {
-            (rim.speed + self.rise(rim, since), self.mean[SPEED], 0.0)
+            (rim.speed + self.rise(rim, gained), self.mean[SPEED], 0.0)
         } else {
             (rim.speed, self.mean[SPEED], 0.0)
         };
@@ -289,11 +289,11 @@ impl Model {
         likelihood
     }
 
-    /// How much faster the rims are than in the middle of their window, m/s, at this acceleration, m/s²: the smaller of what that
-    /// says at a constant slip and of what the rims show. A change of slip alone is in one of the two.
-    fn rise(&self, rim: Rim, acceleration: f64) -> f64 {
+    /// How much faster the rims are than in the mean of their window, m/s, where the robot has `gained` speed (m/s) since: the smaller
+    /// of what that says at a constant slip and of what the rims show. A change of slip alone is in one of the two.
+    fn rise(&self, rim: Rim, gained: f64) -> f64 {
         let (share, _) = rim_share(self.mean[SLIP]);
-        let by_force = rim.lag * acceleration / share.max(MIN_RIM_SHARE);
+        let by_force = gained / share.max(MIN_RIM_SHARE);
         if by_force * rim.rise > 0.0 {
             by_force.abs().min(rim.rise.abs()).copysign(rim.rise)
         } else {

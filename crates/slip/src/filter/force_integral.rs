@@ -1,0 +1,128 @@
+//! The specific force integrated over time: what a step adds to the robot's speed, and what was added since a wheel's window.
+
+use grouser_real::Real;
+
+use super::multiple_model::reference_noise::ReferenceNoise;
+use super::settings::FilterSettings;
+use crate::history::{History, nanoseconds, seconds_between};
+
+/// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
+const NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
+/// Readings further apart are not joined, s: in 0.1 s a robot starts or stops.
+const MAX_PERIOD_S: f64 = 0.1;
+/// Readings that come at least this often are waited for, s, from this share of their period after the last until this one: wheels
+/// and accelerometer of one row of a log have one time.
+const MAX_AWAITED_PERIOD_S: f64 = 0.06;
+const AWAITED_PERIODS: core::ops::Range<f64> = 0.9..1.5;
+/// Entries of the history, and their time, s: the longest window of a wheel at the default settings and its age, by steps of 5 ms.
+const HISTORY_ENTRIES: usize = 128;
+const HISTORY_S: f64 = 0.5;
+
+/// Integrals of the specific force.
+#[derive(Clone, Debug)]
+pub(super) struct ForceIntegral {
+    /// The last reading, forwards and to the left, m/s², its time and the period of the readings, s.
+    last: [f64; 2],
+    last_ns: Option<i64>,
+    period_s: f64,
+    noise: ReferenceNoise<2>,
+    /// Speed gained until the last reading, and until the last step, m/s.
+    read: [f64; 2],
+    stepped: [f64; 2],
+    /// Speed gained along the rims, m/s, and its own integral at each step, m.
+    gained: f64,
+    way: f64,
+    history: History<1>,
+}
+
+impl ForceIntegral {
+    pub(super) fn new() -> Self {
+        Self {
+            last: [0.0; 2],
+            last_ns: None,
+            period_s: 0.0,
+            noise: ReferenceNoise::new(),
+            read: [0.0; 2],
+            stepped: [0.0; 2],
+            gained: 0.0,
+            way: 0.0,
+            history: History::new(HISTORY_ENTRIES, nanoseconds(HISTORY_S)),
+        }
+    }
+
+    /// The clock was set: times are forgotten, what was learnt is not.
+    pub(super) fn restart_clock(&mut self) {
+        self.last_ns = None;
+        self.history.clear();
+    }
+
+    /// Adds a reading, m/s²: between two of them the force is linear.
+    pub(super) fn observe(&mut self, time_ns: i64, force: [f64; 2]) {
+        let before = core::mem::replace(&mut self.last, force);
+        let passed = self
+            .last_ns
+            .replace(time_ns)
+            .map_or(0.0, |last| seconds_between(last, time_ns));
+        if passed > 0.0 && passed < MAX_PERIOD_S {
+            self.period_s = passed;
+            for axis in 0..2 {
+                self.read[axis] += 0.5 * (before[axis] + force[axis]) * passed;
+            }
+        } else {
+            self.read = self.stepped;
+        }
+        self.noise.push(force);
+    }
+
+    /// Is the reading that covers the time up to `now_ns` still to come? Steps wait for it: a force that is one reading old would
+    /// delay each change of slip.
+    pub(super) fn awaits(&self, now_ns: i64) -> bool {
+        let within = |last| {
+            let periods = seconds_between(last, now_ns) / self.period_s;
+            AWAITED_PERIODS.contains(&periods)
+        };
+        (0.0..=MAX_AWAITED_PERIOD_S).contains(&self.period_s) && self.last_ns.is_some_and(within)
+    }
+
+    /// The noise density, m/s per √s: as learnt, and as set before.
+    pub(super) fn density(&self, settings: &FilterSettings) -> f64 {
+        let (low, high) = NOISE_LIMITS;
+        self.noise
+            .learnt()
+            .filter(|_| self.period_s > 0.0)
+            .map_or(settings.accelerometer_noise, |sigma| {
+                (sigma * Real::sqrt(self.period_s)).clamp(low, high)
+            })
+    }
+
+    /// The mean force along `direction` (rad, beside the robot's heading) over the step of `dt` (s) that ends now, m/s²; `None`
+    /// without a reading within the dropout time, s. Since the last reading it is that reading; what the next one shows
+    /// otherwise is made up for in the step after it.
+    pub(super) fn step(
+        &mut self,
+        now_ns: i64,
+        direction: f64,
+        (dt, dropout): (f64, f64),
+    ) -> Option<f64> {
+        let held = seconds_between(self.last_ns?, now_ns);
+        if held > dropout {
+            return None;
+        }
+        let now = core::array::from_fn(|axis| self.read[axis] + held * self.last[axis]);
+        let before = core::mem::replace(&mut self.stepped, now);
+        let (sin, cos) = Real::sin_cos(direction);
+        let gained = cos * (now[0] - before[0]) + sin * (now[1] - before[1]);
+        self.way += (self.gained + 0.5 * gained) * dt;
+        self.gained += gained;
+        self.history.push(now_ns, [self.way]);
+        Some(gained / dt)
+    }
+
+    /// How much faster the robot is at the last step than in the mean from `from_ns` to `to_ns`, m/s, by the force alone; `None`
+    /// where the history does not reach back as far.
+    pub(super) fn gained_since(&self, from_ns: i64, to_ns: i64) -> Option<f64> {
+        let window = seconds_between(from_ns, to_ns);
+        let [way] = self.history.between(from_ns, to_ns)?;
+        (window > 0.0).then(|| self.gained - way / window)
+    }
+}
