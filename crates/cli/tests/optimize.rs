@@ -194,12 +194,12 @@ fn bad_problems_are_exit_2_and_leave_nothing() {
     ] {
         let table = folder.path("out.csv");
         let output = grouser(&["optimize", problem, "--json", "-o", &table]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{told}");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{printed}");
         assert!(is_error_alone(&output));
         assert!(
-            told.starts_with("error: ") && told.contains(message),
-            "{told}"
+            printed.starts_with("error: ") && printed.contains(message),
+            "{printed}"
         );
         assert!(!Path::new(&table).exists());
     }
@@ -250,7 +250,7 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
     assert!((slip + 0.3897).abs() < 2e-3 && inside, "{slip}");
     let page = fs::read_to_string(Path::new(&target).join("paper.html")).unwrap();
     assert!(page.contains("not claimed") && page.contains("figure-10.svg"));
-    // The run on sand: it drives and it brakes, and the error that is told is that of the table.
+    // The run on sand: it drives and it brakes, and the error that is printed is that of the table.
     let table = fs::read_to_string(Path::new(&target).join("figure-13.csv")).unwrap();
     let rows = table.lines().skip(1).filter_map(|row| {
         let cells: Vec<&str> = row.split(',').collect();
@@ -262,8 +262,8 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
         .map(|[truth, seen]| (seen - truth).powi(2))
         .sum();
     let rmse = (square / rows.len() as f64).sqrt();
-    let told = found["sand_run"]["slip_rmse"].as_f64().unwrap();
-    assert!((rmse - told).abs() < 1e-9, "{rmse} {told}");
+    let printed = found["sand_run"]["slip_rmse"].as_f64().unwrap();
+    assert!((rmse - printed).abs() < 1e-9, "{rmse} {printed}");
     assert!(rows.len() > 1000 && rmse < 0.1, "{} {rmse}", rows.len());
     for (what, is) in [
         ("drives", (|slip| slip > 0.2) as fn(f64) -> bool),
@@ -439,11 +439,11 @@ fn a_front_is_certified_in_the_signs_of_the_file() {
         }
         Err(_) => println!("not replayed: no python3"),
     }
-    let told = grouser(&["optimize", &problem, "--certify", "0.1"]);
-    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    let printed = grouser(&["optimize", &problem, "--certify", "0.1"]);
+    let printed = String::from_utf8_lossy(&printed.stdout).into_owned();
     assert!(
-        told.contains("proved: of ") && told.contains("in `gain`"),
-        "{told}"
+        printed.contains("proved: of ") && printed.contains("in `gain`"),
+        "{printed}"
     );
 }
 
@@ -451,10 +451,10 @@ fn a_front_is_certified_in_the_signs_of_the_file() {
 #[test]
 fn maximised_objectives_keep_their_sign() {
     let file = "examples/problems/running-slip.toml";
-    let told = grouser(&["optimize", file, "--certify"]);
-    let told = String::from_utf8_lossy(&told.stdout).into_owned();
-    assert!(told.contains("has a `efficiency` above 0.15498"), "{told}");
-    assert!(!told.contains("−0.15"), "{told}");
+    let printed = grouser(&["optimize", file, "--certify"]);
+    let printed = String::from_utf8_lossy(&printed.stdout).into_owned();
+    assert!(printed.contains("has a `efficiency` above 0.15498"), "{printed}");
+    assert!(!printed.contains("−0.15"), "{printed}");
     let object = json(&grouser(&["optimize", file, "--json"]));
     assert!((object["max"].as_f64().unwrap() - 0.154_977_576).abs() < 1e-8);
     assert!(object["starts"][0]["max"].as_f64().unwrap() > 0.15);

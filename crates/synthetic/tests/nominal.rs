@@ -5,14 +5,14 @@ use grouser_synthetic::{Camera, Noise};
 use crate::trial::{FREE, Trial};
 
 /// How far one wheel's slip goes from the others' in these runs, as the filter has it (it halves its setting on calm ground).
-const TOLD: f64 = 0.046;
+const ASSUMED_OWN_SLIP: f64 = 0.046;
 
 /// With the free wheel's skid and every radius off by what the filter is configured with they may be (1 %), over runs of their own
 /// seed. The drive has a patch of loose ground, a bend and braking.
 #[test]
 fn slips_are_found_within_their_sigmas() {
     for (what, camera, rim_noise, window, reported, most) in [
-        ("free wheel of 500 ticks", None, 0.0, 0.05, TOLD, 0.03),
+        ("free wheel of 500 ticks", None, 0.0, 0.05, ASSUMED_OWN_SLIP, 0.03),
         (
             "the default's wheel_slip_sigma",
             None,
@@ -31,7 +31,7 @@ fn slips_are_found_within_their_sigmas() {
             }),
             0.0,
             0.05,
-            1.2 * TOLD,
+            1.2 * ASSUMED_OWN_SLIP,
             0.03,
         ),
         (
@@ -76,7 +76,7 @@ fn slips_are_found_within_their_sigmas() {
         );
         assert!(rms < most, "{what}");
         assert!(silence <= 0.3, "{what}");
-        if reported < 1.5 * TOLD {
+        if reported < 1.5 * ASSUMED_OWN_SLIP {
             assert!((mean - 1.0).abs() <= band, "{what}");
         } else {
             // rougher than its settings say, or with ticks that last from window to window: it must notice

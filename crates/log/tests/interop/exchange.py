@@ -135,7 +135,7 @@ def leaf(value):
     return "s" + value.encode().hex()
 
 
-def tell(out, who, topic, time, value):
+def report(out, who, topic, time, value):
     for path, text in leaves(value):
         out.write(f"{who}\t{topic}\t{time}\t{path}\t{text}\n")
 
@@ -173,7 +173,7 @@ def write(folder):
                 for k in range(COUNT):
                     value, time = probe(k), START + k * 20_000_000
                     writer.write_message("/probe", schema, value, log_time=time, publish_time=time, sequence=k)
-                    tell(out, name, "/probe", time, value)
+                    report(out, name, "/probe", time, value)
                 writer.finish()
         store = get_typestore(Stores.ROS2_HUMBLE)
         store.register(get_types_from_msg(PART, "probe_msgs/msg/Part"))
@@ -189,7 +189,7 @@ def write(folder):
                 for k in range(COUNT):
                     value, time = probe(k), START + k * 20_000_000
                     writer.write(connection, time, store.serialize_cdr(build(store, kind, value), kind))
-                    tell(out, f"rosbags_{mode}.mcap", "/probe", time, value)
+                    report(out, f"rosbags_{mode}.mcap", "/probe", time, value)
             made = next(iter(target.glob("*.mcap*")))
             shutil.copy(made, folder / f"rosbags_{mode}.mcap")
         store = get_typestore(Stores.ROS1_NOETIC)
@@ -206,7 +206,7 @@ def write(folder):
                     value, time = probe(k), START + k * 20_000_000
                     value["header"] = {"seq": k, **value["header"]}
                     writer.write(connection, time, store.serialize_ros1(build(store, kind, value), kind))
-                    tell(out, name, "/probe", time, value)
+                    report(out, name, "/probe", time, value)
 
 
 def as_rosbag2(file, folder):
@@ -261,7 +261,7 @@ def read(file, out):
             with open(file, "rb") as opened:
                 reader = make_reader(opened, validate_crcs=True, decoder_factories=[DecoderFactory()])
                 for _, channel, message, value in reader.iter_decoded_messages():
-                    tell(reported, "mcap-ros2-support", channel.topic, message.log_time, value)
+                    report(reported, "mcap-ros2-support", channel.topic, message.log_time, value)
             as_rosbag2(file, Path(made))
             paths = [Path(made)]
         else:
@@ -269,7 +269,7 @@ def read(file, out):
         with AnyReader(paths) as reader:
             for connection, time, raw in reader.messages():
                 value = reader.deserialize(raw, connection.msgtype)
-                tell(reported, "rosbags", connection.topic, time, value)
+                report(reported, "rosbags", connection.topic, time, value)
 
 
 if sys.argv[1] == "write":

@@ -20,7 +20,7 @@ use crate::problem::Problem;
 
 /// Of the required tolerance, what the proof of one cut may leave open.
 const CUT_GAP_SHARE: f64 = 0.2;
-/// The gap of the first two proofs where no candidate tells the range of the front.
+/// The gap of the first two proofs where no candidate shows the range of the front.
 const FIRST_GAP: f64 = 1e-3;
 /// A range counts as at least this, times 1 + |f|.
 const MIN_RANGE: f64 = 1e-4;
