@@ -61,6 +61,23 @@ test('every view fits a phone and has labels that can be read, light and dark', 
   }
 });
 
+test('numbers of charts have the face of the page, whose digits have the width that places them', async () => {
+  await withPage({ hash: '#explore' }, async (page) => {
+    const [label, width] = await page.evaluate(async () => {
+      await document.fonts.ready;
+      const text = document.querySelector('.chart .axis-text text:not(.axis-name)');
+      const copy = text.cloneNode();
+      copy.textContent = '0'.repeat(100);
+      text.parentNode.append(copy);
+      const wide = copy.getComputedTextLength() / 100;
+      copy.remove();
+      return [getComputedStyle(text).fontFamily, wide];
+    });
+    assert.match(label, /^"?Grouser Figures/);
+    assert.ok(Math.abs(width - 6.7) < 0.1, `${width} px`);
+  });
+});
+
 test('a wide screen is filled: the wheel beside its curves, pictures beside the answer', async () => {
   for (const hash of VIEWS) {
     await withPage({ hash: `#${hash}`, width: 1920, height: 1080 }, async (page) => {

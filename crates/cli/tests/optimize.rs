@@ -453,7 +453,10 @@ fn maximised_objectives_keep_their_sign() {
     let file = "examples/problems/running-slip.toml";
     let printed = grouser(&["optimize", file, "--certify"]);
     let printed = String::from_utf8_lossy(&printed.stdout).into_owned();
-    assert!(printed.contains("has a `efficiency` above 0.15498"), "{printed}");
+    assert!(
+        printed.contains("has a `efficiency` above 0.15498"),
+        "{printed}"
+    );
     assert!(!printed.contains("−0.15"), "{printed}");
     let object = json(&grouser(&["optimize", file, "--json"]));
     assert!((object["max"].as_f64().unwrap() - 0.154_977_576).abs() < 1e-8);

@@ -66,8 +66,8 @@ impl<'a> Document<'a> {
     /// Never for what is in it: only for a page that is not complete.
     pub fn html(&self) -> Result<String> {
         let script = bundle("main.js", &files::text)?;
-        let style = files::text("style.css")?;
-        for (name, text) in [("main.js", script.as_str()), ("style.css", style)] {
+        let style = [files::text("style.css")?, files::text("face.css")?].concat();
+        for (name, text) in [("main.js", script.as_str()), ("style.css", style.as_str())] {
             if text.contains("</script") || text.contains("</style") || text.contains("<!--") {
                 return Err(Error::Script {
                     file: name.to_owned(),
@@ -80,7 +80,7 @@ impl<'a> Document<'a> {
                 "script-src",
                 &format!("'{}' 'wasm-unsafe-eval'", hash(&script)),
             ),
-            ("style-src", &format!("'{}'", hash(style))),
+            ("style-src", &format!("'{}'", hash(&style))),
             ("connect-src", "'none'"),
             // long computations beside the page; the worker's script is the page's
             ("worker-src", "blob:"),
@@ -105,6 +105,7 @@ impl<'a> Document<'a> {
             ">",
             &format!("<style>{style}</style>"),
         )?;
+        let html = between(&html, "<link rel=\"stylesheet\"", ">\n", "")?;
         let html = between(&html, "<script type=\"module\"", "</script>\n", "")?;
         // after the body: the script finds the page and the data
         between(
@@ -119,7 +120,7 @@ impl<'a> Document<'a> {
 /// A content security policy that allows these sources beside the page's own data, and nothing else.
 fn policy(allowed: &[(&str, &str)]) -> String {
     let mut policy = String::from(
-        "default-src 'none'; img-src data: blob:; base-uri 'none'; form-action 'none'; object-src 'none'",
+        "default-src 'none'; img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; object-src 'none'",
     );
     for (kind, sources) in allowed {
         policy.push_str("; ");

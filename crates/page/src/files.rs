@@ -16,6 +16,7 @@ pub const ALL: &[(&str, &str)] = &[
     file!("copy_as.js"),
     file!("dom.js"),
     file!("explore.js"),
+    file!("face.css"),
     file!("facts.js"),
     file!("figure_file.js"),
     file!("format.js"),

@@ -12,7 +12,14 @@ const ASSUMED_OWN_SLIP: f64 = 0.046;
 #[test]
 fn slips_are_found_within_their_sigmas() {
     for (what, camera, rim_noise, window, reported, most) in [
-        ("free wheel of 500 ticks", None, 0.0, 0.05, ASSUMED_OWN_SLIP, 0.03),
+        (
+            "free wheel of 500 ticks",
+            None,
+            0.0,
+            0.05,
+            ASSUMED_OWN_SLIP,
+            0.03,
+        ),
         (
             "the default's wheel_slip_sigma",
             None,
