@@ -200,6 +200,7 @@ fn a_recording_and_a_table_of_one_drive_give_the_same_slips() {
         grouser(arguments).assert_done().json()
     };
     let [table, recording] = [&logs[0], &logs[1]].map(|log| estimate(log, "count"));
+    assert_eq!(recording["rejected"]["not_later"], 0);
     // the joints' angles are the counters', unwrapped: the same to rounding
     let angles = estimate(&logs[1], "angle");
     let wheels = table["wheels"].as_object().unwrap();

@@ -163,7 +163,8 @@ impl Recording {
     pub(super) fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
         let arrived_ns = nanoseconds(frame.time);
         for sample in frame.samples {
-            let time_ns = sample.time_ns;
+            // a stamp of 0 would be none: readers take the time of recording for it, which is that of the second reading
+            let time_ns = sample.time_ns.max(1);
             match sample.measurement {
                 Measurement::WheelCount { wheel, raw } => {
                     self.at(time_ns, arrived_ns)?;
