@@ -166,7 +166,16 @@ impl WheelRanges {
         }
     }
 
-    pub(super) const fn list(&self) -> [(f64, f64); SIZES] {
+    /// The bounds in the order of [`WheelDesign::NAMES`].
+    ///
+    /// ```
+    /// use grouser_design::mission::{WheelDesign, WheelRanges};
+    ///
+    /// let ranges = WheelRanges::fixed(&WheelDesign::default());
+    /// assert_eq!(ranges.list()[1], ranges.width);
+    /// ```
+    #[must_use]
+    pub const fn list(&self) -> [(f64, f64); SIZES] {
         [
             self.radius,
             self.width,

@@ -180,7 +180,7 @@ impl WheelChannel {
     /// The last whole window: beginning and end.
     pub(super) fn rim_span(&self) -> Option<(i64, i64)> {
         self.rim
-            .map(|(_, to_ns)| (to_ns - nanoseconds(self.rim_window), to_ns))
+            .map(|(_, to_ns)| (to_ns.saturating_sub(nanoseconds(self.rim_window)), to_ns))
     }
 
     /// Marks the beginning of a window.

@@ -11,21 +11,14 @@ use crate::error::Result;
 /// What the page shows: the front of mass and energy, the problem of its chosen wheel, and the report in words.
 pub(super) fn shown(designed: &Designed<'_>, text: &str) -> Result<Object> {
     let params = designed.mission.params();
-    let ranges = params.ranges;
-    let bounds = [
-        ranges.radius,
-        ranges.width,
-        ranges.grouser_height,
-        ranges.grouser_count,
-        ranges.grouser_thickness,
-    ];
-    let variables = WheelDesign::NAMES
-        .iter()
-        .zip(bounds)
-        .map(|(name, (lower, upper))| {
-            let unit = if name.ends_with("_m") { "m" } else { "" };
-            json!({ "name": name, "unit": unit, "lower": lower, "upper": upper })
-        });
+    let variables =
+        WheelDesign::NAMES
+            .iter()
+            .zip(params.ranges.list())
+            .map(|(name, (lower, upper))| {
+                let unit = if name.ends_with("_m") { "m" } else { "" };
+                json!({ "name": name, "unit": unit, "lower": lower, "upper": upper })
+            });
     let point = |point: &DesignPoint| {
         let sizes = WheelDesign::NAMES.iter().zip(point.wheel.sizes());
         let sizes: Object = sizes

@@ -41,16 +41,8 @@ pub(super) fn toml(
             soil.name
         ))
         .task(Task::Pareto);
-    let ranges = &params.ranges;
-    let bounds = [
-        ranges.radius,
-        ranges.width,
-        ranges.grouser_height,
-        ranges.grouser_count,
-        ranges.grouser_thickness,
-    ];
     let sizes = WheelDesign::NAMES.into_iter().zip(chosen.wheel.sizes());
-    for ((name, size), (low, high)) in sizes.zip(bounds) {
+    for ((name, size), (low, high)) in sizes.zip(params.ranges.list()) {
         if low < high {
             builder = builder.variable(Variable::bounded(name, size, low, high));
         }
