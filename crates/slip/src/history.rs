@@ -57,6 +57,12 @@ impl<const K: usize> History<K> {
         }
     }
 
+    /// Room for `span_s` (s) of samples at up to `max_rate` (Hz), in at most `max_entries`.
+    pub(crate) fn of_rate(span_s: f64, max_rate: f64, max_entries: usize) -> Self {
+        let entries = usize::try_from(whole(span_s * max_rate) + 2).unwrap_or(max_entries);
+        Self::new(entries.min(max_entries), nanoseconds(span_s))
+    }
+
     fn entry(&self, index: usize) -> &Entry<K> {
         let slot = self.start + index;
         let capacity = self.ring.len();

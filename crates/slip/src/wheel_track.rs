@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use crate::clock::{Clock, Step};
 use crate::counter::CounterWidth;
 use crate::fault::Fault;
-use crate::history::{History, nanoseconds, seconds_between, whole};
+use crate::history::{History, seconds_between, whole};
 use crate::robot::Wheel;
 use crate::sample::Measurement;
 use crate::speed::{Measured, MixedSpeed, PeriodSpeed};
@@ -15,7 +15,7 @@ const FEW_PULSES: f64 = 4.0;
 /// A gap of more than this many windows starts a sensor anew.
 const GAP_WINDOWS: f64 = 2.0;
 
-/// How the readings of one wheel are kept.
+/// How the readings of one wheel are used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrackSettings {
     /// The longest window over which a speed is taken, s.
@@ -24,13 +24,75 @@ pub(crate) struct TrackSettings {
     pub(crate) max_speed: f64,
     /// A sensor silent for longer has dropped out, s.
     pub(crate) dropout: f64,
-    /// Number of readings kept.
-    pub(crate) history: usize,
+}
+
+impl TrackSettings {
+    /// A longer gap starts a sensor anew, s.
+    pub(crate) fn gap(&self) -> f64 {
+        GAP_WINDOWS * self.window.max(self.dropout)
+    }
+}
+
+/// Rim travel (m) and the variance that rates add to it (m²), summed, at the times of the readings.
+pub(crate) trait Travel {
+    /// Forgets everything.
+    fn clear(&mut self);
+    /// Adds sums at a time later than the newest.
+    fn push(&mut self, time_ns: i64, totals: [f64; 2]);
+    /// The newest time.
+    fn newest_ns(&self) -> Option<i64>;
+    /// What was added between two times; `None` where one of them is not known.
+    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]>;
+}
+
+impl Travel for History<2> {
+    fn clear(&mut self) {
+        Self::clear(self);
+    }
+
+    fn push(&mut self, time_ns: i64, totals: [f64; 2]) {
+        Self::push(self, time_ns, totals);
+    }
+
+    fn newest_ns(&self) -> Option<i64> {
+        self.newest().map(|(time_ns, _)| time_ns)
+    }
+
+    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
+        Self::between(self, from_ns, to_ns)
+    }
+}
+
+/// Travel between one marked reading and the newest: all that windows need that follow each other, in the place of a history.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MarkedTravel {
+    mark: Option<(i64, [f64; 2])>,
+    newest: Option<(i64, [f64; 2])>,
+}
+
+impl Travel for MarkedTravel {
+    fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    fn push(&mut self, time_ns: i64, totals: [f64; 2]) {
+        self.newest = Some((time_ns, totals));
+    }
+
+    fn newest_ns(&self) -> Option<i64> {
+        self.newest.map(|(time_ns, _)| time_ns)
+    }
+
+    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
+        let (_, from) = self.mark.filter(|(time_ns, _)| *time_ns == from_ns)?;
+        let (_, to) = self.newest.filter(|(time_ns, _)| *time_ns == to_ns)?;
+        Some([to[0] - from[0], to[1] - from[1]])
+    }
 }
 
 /// The running rim travel of one wheel.
 #[derive(Clone, Debug)]
-pub(crate) struct WheelTrack {
+pub(crate) struct WheelTrack<T> {
     index: usize,
     per_radian: f64,
     per_tick: Option<f64>,
@@ -44,8 +106,7 @@ pub(crate) struct WheelTrack {
     last: Option<(i64, Reading)>,
     /// A reading that jumped and its time: if the next one follows it, the sensor was reset.
     suspect: Option<(i64, Reading)>,
-    /// Rim travel, m, and the variance that rates add to it, m².
-    travel: History<2>,
+    travel: T,
     totals: [f64; 2],
     /// Mean rim speed of the last step, m/s, to foresee a counter's wraps.
     speed: f64,
@@ -66,23 +127,29 @@ struct Edges {
     mixed: MixedSpeed,
 }
 
-impl WheelTrack {
-    pub(crate) fn new(index: usize, wheel: &Wheel, settings: TrackSettings) -> Self {
-        let per_tick = wheel.travel_per_tick();
-        let gap = GAP_WINDOWS * settings.window.max(settings.dropout);
+impl WheelTrack<MarkedTravel> {
+    /// The next window begins with the newest reading.
+    pub(crate) fn mark(&mut self) {
+        self.travel.mark = self.travel.newest;
+    }
+}
+
+impl<T: Travel> WheelTrack<T> {
+    /// A wheel at rest, with no `travel` so far.
+    pub(crate) fn new(index: usize, wheel: &Wheel, settings: TrackSettings, travel: T) -> Self {
         Self {
             index,
             per_radian: wheel.travel_per_radian(),
-            per_tick,
+            per_tick: wheel.travel_per_tick(),
             rate_step: wheel.encoder.rate_step,
             ticks_per_turn: wheel.encoder.ticks_per_turn.unwrap_or(1.0),
             max_speed: settings.max_speed,
-            gap,
+            gap: settings.gap(),
             clock: Clock::default(),
             width: wheel.encoder.counter,
             last: None,
             suspect: None,
-            travel: History::new(settings.history, nanoseconds(gap)),
+            travel,
             totals: [0.0; 2],
             speed: 0.0,
             edges: None,
@@ -92,7 +159,7 @@ impl WheelTrack {
 
     /// The time of its last reading.
     pub(crate) fn newest_time(&self) -> Option<i64> {
-        self.travel.newest().map(|(time, _)| time)
+        self.travel.newest_ns()
     }
 
     /// The latest time up to which its speed is known, if it is now `now_ns`: an encoder that reports
@@ -277,7 +344,7 @@ impl WheelTrack {
         from_ns: i64,
         to_ns: i64,
     ) -> Option<Measured> {
-        let (last_edge, _) = self.travel.newest()?;
+        let last_edge = self.travel.newest_ns()?;
         let end = last_edge.min(to_ns);
         let [travel, _] = self.travel.between(from_ns.min(end), end)?;
         let silent = seconds_between(last_edge, to_ns);

@@ -75,7 +75,7 @@ impl Core {
                 .wheels()
                 .iter()
                 .all(|wheel| wheel.role == WheelRole::Powered)
-                .then(|| Box::new(GroundTrack::new(&settings))),
+                .then(|| GroundTrack::boxed(&settings)),
             is_led: false,
             recovery: Recovery::default(),
             cross_slope: 0.0,

@@ -4,7 +4,7 @@ use grouser_real::Real;
 
 use super::multiple_model::reference_noise::ReferenceNoise;
 use super::settings::FilterSettings;
-use crate::history::{History, nanoseconds, seconds_between};
+use crate::history::{History, seconds_between};
 
 /// Limits of the learnt noise density of the accelerometer, m/s per √s: better ones are limited by vibration.
 const NOISE_LIMITS: (f64, f64) = (0.003, 0.3);
@@ -14,8 +14,8 @@ const MAX_PERIOD_S: f64 = 0.1;
 /// and accelerometer of one row of a log have one time.
 const MAX_AWAITED_PERIOD_S: f64 = 0.06;
 const AWAITED_PERIODS: core::ops::Range<f64> = 0.9..1.5;
-/// Entries of the history, and their time, s: the longest window of a wheel at the default settings and its age, by steps of 5 ms.
-const HISTORY_ENTRIES: usize = 128;
+/// Entries of the history at most, and their time, s: the longest window of a wheel at the default settings and its age, by steps of 5 ms.
+const MAX_HISTORY_ENTRIES: usize = 128;
 const HISTORY_S: f64 = 0.5;
 
 /// Integrals of the specific force.
@@ -36,7 +36,8 @@ pub(super) struct ForceIntegral {
 }
 
 impl ForceIntegral {
-    pub(super) fn new() -> Self {
+    /// For readings of at most `max_rate` (Hz).
+    pub(super) fn new(max_rate: f64) -> Self {
         Self {
             last: [0.0; 2],
             last_ns: None,
@@ -46,7 +47,7 @@ impl ForceIntegral {
             stepped: [0.0; 2],
             gained: 0.0,
             way: 0.0,
-            history: History::new(HISTORY_ENTRIES, nanoseconds(HISTORY_S)),
+            history: History::of_rate(HISTORY_S, max_rate, MAX_HISTORY_ENTRIES),
         }
     }
 

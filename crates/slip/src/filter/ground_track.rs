@@ -1,6 +1,8 @@
 //! The robot's motion over the ground by an absolute reference: the rims' way and the reference's positions in the
 //! multiple-model estimator, for robots without a free wheel.
 
+use alloc::boxed::Box;
+
 use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
@@ -48,8 +50,9 @@ const MAX_COURSE_PER_WAY: f64 = 1.5;
 /// The rims' change within their lag is at most this multiple of their speed's difference from that of about the lag before, which
 /// shows it late: errors on random logs differ by 1 % between 1.5 and 6.
 const RISE_FACTOR: f64 = 3.0;
-/// Entries of the history: 1 s at the step's period with room.
-const HISTORY_ENTRIES: usize = 512;
+/// Entries of the history at most, and its time, s: the longest delay and a window of the rims.
+const MAX_HISTORY_ENTRIES: usize = 512;
+const HISTORY_S: f64 = MAX_DELAY_S + 0.5;
 /// The longest delay of a reading that is still used, s.
 pub(super) const MAX_DELAY_S: f64 = 1.0;
 
@@ -112,16 +115,18 @@ pub(super) struct GroundTrack {
 }
 
 impl GroundTrack {
-    pub(super) fn new(settings: &FilterSettings) -> Self {
-        Self {
+    /// Not inlined: its 17 kB would be on the stack also where a robot has a free wheel instead.
+    #[inline(never)]
+    pub(super) fn boxed(settings: &FilterSettings) -> Box<Self> {
+        Box::new(Self {
             models: MultipleModel::new([settings.slip.mean, settings.slip.sigma]),
-            history: History::new(HISTORY_ENTRIES, nanoseconds(MAX_DELAY_S + 0.5)),
+            history: History::of_rate(HISTORY_S, settings.max_rate, MAX_HISTORY_ENTRIES),
             stepped_ns: None,
             travels: [0.0; MAX_FILTER_WHEELS],
             direction: 0.0,
             rim_speed: 0.0,
             has_rims: false,
-            force: ForceIntegral::new(),
+            force: ForceIntegral::new(settings.max_rate),
             heading_noise: ReferenceNoise::new(),
             speed_noise: ReferenceNoise::new(),
             rim_lag: 0.0,
@@ -143,7 +148,7 @@ impl GroundTrack {
             restarts: 0,
             started_ns: None,
             readmitted_ns: None,
-        }
+        })
     }
 
     /// The clock was set: times are forgotten, and the place may have changed.

@@ -2,7 +2,7 @@
 
 use super::kalman::Kalman;
 use super::motion_model::{FORWARD, LEFT, YAW};
-use crate::history::{History, nanoseconds, seconds_between, whole};
+use crate::history::{History, nanoseconds, seconds_between};
 
 /// Entries of the history at most: the longest latency and the horizon at 500 Hz; faster readings are merged.
 const MAX_HISTORY_ENTRIES: usize = 512;
@@ -20,9 +20,8 @@ pub(super) struct InertialPath {
 impl InertialPath {
     /// For sensors of at most `max_rate` (Hz).
     pub(super) fn new(span_s: f64, max_rate: f64) -> Self {
-        let entries = usize::try_from(whole(span_s * max_rate) + 2).unwrap_or(MAX_HISTORY_ENTRIES);
         Self {
-            history: History::new(entries.min(MAX_HISTORY_ENTRIES), nanoseconds(span_s)),
+            history: History::of_rate(span_s, max_rate, MAX_HISTORY_ENTRIES),
             accel_integral: [0.0; 3],
             yaw_rate: 0.0,
         }

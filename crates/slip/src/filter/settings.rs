@@ -104,7 +104,7 @@ pub struct FilterSettings {
     /// A sensor silent for longer than this has dropped out, s.
     pub dropout: f64,
     /// The filter keeps memory for sensors of at most this rate, Hz; entries of faster ones are merged. At 100 Hz six wheels
-    /// need 26 kB less than at the default of 1000 Hz.
+    /// need 27 kB less than at the default of 1000 Hz.
     pub max_rate: f64,
     /// Measurements with an innovation beyond this many sigma are refused; a wheel's change its slip instead.
     pub gate: f64,

@@ -6,7 +6,7 @@ use crate::speed::Measured;
 use crate::state::Health;
 use crate::wheel_estimate::WheelEstimate;
 use crate::wheel_steering::Steering;
-use crate::wheel_track::{TrackSettings, WheelTrack};
+use crate::wheel_track::{MarkedTravel, TrackSettings, WheelTrack};
 
 use super::carrier::Carrier;
 use super::monitor::Monitor;
@@ -22,8 +22,6 @@ const MIN_WINDOW_TICKS: f64 = 4.0;
 pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
 /// Weight of a new window in the smoothed rim speed.
 const RIM_SMOOTHING: f64 = 0.3;
-/// Readings kept of each wheel: more than the longest window holds at 100 Hz.
-const HISTORY_ENTRIES: usize = 64;
 
 /// The state of one wheel beside the numbers in the Kalman filter.
 #[derive(Clone, Debug)]
@@ -32,7 +30,7 @@ pub(super) struct WheelChannel {
     pub(super) steering: Steering,
     pub(super) carrier: Carrier,
     pub(super) free: bool,
-    pub(super) track: WheelTrack,
+    pub(super) track: WheelTrack<MarkedTravel>,
     /// Rim travel of one tick, m; 0 without ticks.
     pub(super) tick: f64,
     /// The beginning of the open window.
@@ -72,7 +70,6 @@ impl WheelChannel {
             window: MAX_WINDOW_FACTOR * settings.wheel_window,
             max_speed: settings.max_speed,
             dropout: settings.dropout,
-            history: HISTORY_ENTRIES,
         };
         robot
             .wheels()
@@ -83,7 +80,7 @@ impl WheelChannel {
                 steering: Steering::new(wheel),
                 carrier: Carrier::new(wheel.radius, settings.dropout),
                 free: wheel.role == WheelRole::Free,
-                track: WheelTrack::new(index, wheel, windows),
+                track: WheelTrack::new(index, wheel, windows, MarkedTravel::default()),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
                 from_ns: None,
                 remainder: None,
@@ -185,6 +182,7 @@ impl WheelChannel {
 
     /// Marks the beginning of a window.
     fn mark(&mut self) {
+        self.track.mark();
         self.carrier.mark();
         self.steering.mark();
     }

@@ -62,7 +62,7 @@ pub struct WindowMeans {
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) role: WheelRole,
-    pub(super) track: WheelTrack,
+    pub(super) track: WheelTrack<History<2>>,
     steering: Steering,
     /// The way of its centre along its heading by steering alone, m.
     swings: History<1>,
@@ -108,13 +108,15 @@ impl WindowMeans {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
     pub fn new(robot: &Robot, settings: WindowSettings) -> Result<Self> {
         settings.check()?;
+        let track = settings.track();
+        let travel = History::new(settings.history, nanoseconds(track.gap()));
         let wheels: Vec<Tracked> = robot
             .wheels()
             .iter()
             .enumerate()
             .map(|(index, wheel)| Tracked {
                 role: wheel.role,
-                track: WheelTrack::new(index, wheel, settings.track()),
+                track: WheelTrack::new(index, wheel, track, travel.clone()),
                 steering: Steering::new(wheel),
                 swings: History::new(SWINGS, nanoseconds(SWING_WINDOWS * settings.window)),
             })

@@ -72,7 +72,6 @@ impl WindowSettings {
             window: self.window,
             max_speed: self.max_speed,
             dropout: self.dropout,
-            history: self.history,
         }
     }
 

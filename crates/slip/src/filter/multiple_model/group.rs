@@ -1,5 +1,7 @@
 //! Hypotheses that may follow one another: interacting multiple models (Blom and Bar-Shalom, IEEE TAC 33, 1988).
 
+use alloc::boxed::Box;
+
 use grouser_real::Real;
 
 use super::model::Model;
@@ -17,7 +19,7 @@ type Rates = [[f64; MAX_MODELS]; MAX_MODELS];
 /// Models of one group with their weights.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
-    models: [Model; MAX_MODELS],
+    models: Box<[Model]>,
     weights: [f64; MAX_MODELS],
     count: usize,
     /// Rate of change from one model to another, 1/s.
@@ -59,7 +61,10 @@ impl Group {
         count: usize,
     ) -> Self {
         Self {
-            models: slip_noise.map(|noise| Model::new(noise, bias_noise.unwrap_or(0.0))),
+            models: slip_noise[..count]
+                .iter()
+                .map(|noise| Model::new(*noise, bias_noise.unwrap_or(0.0)))
+                .collect(),
             weights: [1.0 / count as f64; MAX_MODELS],
             count,
             rates,
@@ -70,23 +75,18 @@ impl Group {
     }
 
     pub(super) fn models(&self) -> impl Iterator<Item = (&Model, f64)> {
-        self.models.iter().zip(self.weights).take(self.count)
+        self.models.iter().zip(self.weights)
     }
 
     /// Changes every model.
     pub(super) fn each(&mut self, change: impl Fn(&mut Model)) {
-        self.models[..self.count].iter_mut().for_each(change);
+        self.models.iter_mut().for_each(change);
     }
 
     /// Weighs the models by the likelihood that each returns; returns the group's own.
     pub(super) fn weigh(&mut self, take: impl Fn(&mut Model) -> f64) -> f64 {
         let mut total = 0.0;
-        for (model, weight) in self
-            .models
-            .iter_mut()
-            .zip(&mut self.weights)
-            .take(self.count)
-        {
+        for (model, weight) in self.models.iter_mut().zip(&mut self.weights) {
             *weight *= take(model).max(MIN_LIKELIHOOD);
             total += *weight;
         }
@@ -115,7 +115,8 @@ impl Group {
         }
         let dt = self.mixed_s.min(0.2);
         self.mixed_s = 0.0;
-        let old = self.models;
+        let mut old = [self.models[0]; MAX_MODELS];
+        old[..self.count].copy_from_slice(&self.models);
         let mut mixing = [[0.0; MAX_MODELS]; MAX_MODELS];
         let mut weights = [0.0; MAX_MODELS];
         for (i, row) in mixing.iter_mut().enumerate().take(self.count) {
