@@ -34,13 +34,14 @@ pub fn point(bytes: &mut Bytes<'_>) -> Option<Point> {
     let reference = number(0.0, 1.0) > 0.9;
     let straight = number(0.0, 1.0) > 0.5;
     let params = SoilParams {
-        cohesion,
-        phi,
-        k_shear,
-        c_1,
-        c_2,
         rebound: if rebound < 0.5 { 0.0 } else { rebound },
-        ..SoilParams::bekker(k_c, k_phi, n)
+        ..Soil::bekker(k_c, k_phi, n)
+            .cohesion(cohesion)
+            .phi(phi)
+            .k_shear(k_shear)
+            .stress_position(c_1, c_2)
+            .params()
+            .ok()?
     };
     let soil = Soil::new(params).ok()?;
     let wheel = RigidWheel::new(radius, width).ok()?;

@@ -8,7 +8,7 @@ use grouser_identify::Parameter;
 use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
 use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
-use grouser_terra::{RigidWheel, SoilParams, catalogue};
+use grouser_terra::{OpenSoil, RigidWheel, catalogue};
 
 use crate::measured_data::measured_data;
 
@@ -184,19 +184,14 @@ fn measured_wheels_are_predicted() {
 #[test]
 fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
     let tests = ding::tests().unwrap();
-    let soil = SoilParams {
+    let entry = catalogue::find("hit-lss1").unwrap();
+    let soil = OpenSoil {
         rebound: 1.0,
         rear_driving: 2.0,
-        ..*catalogue::find("hit-lss1")
-            .unwrap()
-            .completed(&catalogue::Completion {
-                k_shear: Some(ding::K_SHEAR_RANGE.0),
-                c_1: Some(0.4),
-                c_2: Some(0.2),
-                unit_weight: None,
-            })
-            .unwrap()
-            .params()
+        ..entry
+            .open()
+            .k_shear(ding::K_SHEAR_RANGE.0)
+            .stress_position(0.4, 0.2)
     };
     let fixed = Fixed {
         wheel: RigidWheel::new(ding::WHEEL.0, ding::WHEEL.1).unwrap(),

@@ -111,7 +111,7 @@ pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
         let name = document.name().to_owned();
         let soil = file
             .completed(&completion)
-            .map_err(|error| refused(&error, &name, file.missing(), &completion))?;
+            .map_err(|error| refused(&error, &name, file.soil.missing(), &completion))?;
         let document = Some(document);
         return Ok(Chosen {
             name,
@@ -134,7 +134,7 @@ pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
 }
 
 /// A name with a slash or a dot in it is a file's.
-fn is_path(name: &OsStr) -> bool {
+pub(crate) fn is_path(name: &OsStr) -> bool {
     name.as_encoded_bytes()
         .iter()
         .any(|byte| matches!(byte, b'/' | b'.'))

@@ -105,7 +105,7 @@ fn what_the_tests_cannot_tell_is_named() {
     let refused = grouser(&["identify", &tests, "-o", &folder.path("soil.toml")]);
     assert_eq!(refused.status.code(), Some(2));
     let error = String::from_utf8(refused.stderr).unwrap();
-    assert!(error.contains("do not tell n"), "{error}");
+    assert!(error.contains("do not determine n"), "{error}");
     assert!(!Path::new(&folder.path("soil.toml")).exists());
 }
 

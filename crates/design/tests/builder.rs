@@ -4,8 +4,8 @@ use grouser_design::{Answer, Design, Error, Optimum, State, parse};
 use grouser_files::Document;
 use grouser_opt::{Measure, Variable};
 use grouser_terra::{
-    GrouserRule, Grousers, LawChoice, RigidWheel, Settings, ShearLaw, Soil, SoilParams,
-    WheelOnSoil, catalogue,
+    GrouserRule, Grousers, LawChoice, Pressure, Reece, RigidWheel, Settings, ShearLaw, Soil,
+    SoilParams, WheelOnSoil, catalogue,
 };
 
 fn solved(design: &Design) -> Optimum {
@@ -79,7 +79,10 @@ fn the_optimal_slip_of_a_reece_soil() {
     let sand = *soil("dry-sand").params();
     let reece = Soil::new(SoilParams {
         unit_weight: Some(15e3),
-        pressure: SoilParams::reece(0.0, 900.0, 1.1, 15e3).pressure,
+        pressure: Pressure::Reece(Reece {
+            k_c_prime: 0.0,
+            k_phi_prime: 900.0,
+        }),
         ..sand
     })
     .unwrap();

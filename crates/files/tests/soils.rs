@@ -34,7 +34,7 @@ fn a_file_with_the_catalogues_numbers_is_the_catalogues_soil() {
 #[test]
 fn what_is_left_open_is_named_and_can_be_completed() {
     let open = parse(&SAND.replace("k_shear_m = 0.025\n", "")).unwrap();
-    assert_eq!(open.missing().collect::<Vec<_>>(), ["k_shear"]);
+    assert_eq!(open.soil.missing().collect::<Vec<_>>(), ["k_shear"]);
     let missing = open.completed(&Completion::default()).unwrap_err();
     assert_eq!(missing.field(), Some("k_shear"));
     let given = Completion {
@@ -71,10 +71,10 @@ fn bad_numbers_and_keys_are_refused_with_their_place() {
 fn what_is_written_reads_back_to_the_same_bits() {
     use grouser_terra::{Bulldozing, LawChoice, ShearLaw, SlipNorm, SlipSinkage, StressPosition};
     let sand = parse(SAND).unwrap();
-    let params = grouser_terra::SoilParams {
+    let changed = grouser_terra::OpenSoil {
         n_2: 0.1 + 0.2,
-        cohesion: 1000.0 / 3.0,
-        phi: grouser_terra::Angle::from_deg(100.0 / 3.1),
+        cohesion: Some(1000.0 / 3.0),
+        phi: Some(grouser_terra::Angle::from_deg(100.0 / 3.1)),
         unit_weight: Some(13.1e3 / 7.0),
         rebound: 0.25,
         rear_driving: 2.0,
@@ -94,9 +94,9 @@ fn what_is_written_reads_back_to_the_same_bits() {
             shear: Some(ShearLaw::SlipVelocity),
             bulldozing: Some(Bulldozing::Disc),
         },
-        ..*sand.params()
+        ..sand.soil
     };
-    let mut file = soil::SoilFile::new("a \"quoted\" \\ name", "plate tests", params);
+    let mut file = soil::SoilFile::new("a \"quoted\" \\ name", "plate tests", changed);
     file.note = "two\nlines".to_owned();
     let text = soil::to_toml(&file, &["made by a test", "of two lines\nand more"]).unwrap();
     assert_eq!(parse(&text).unwrap(), file);

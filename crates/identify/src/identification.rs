@@ -1,7 +1,7 @@
 //! A job done: plates, then shear, then the wheel, each stage with what those before it found.
 
 use grouser_files::soil::{SoilFile, SoilNumber};
-use grouser_terra::{Bekker, Pressure, SoilParams};
+use grouser_terra::{Angle, Bekker, OpenSoil, Pressure};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -25,14 +25,14 @@ use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
 /// job.wheel = None; // plates and shear alone
 /// let found = identify(&job)?;
 /// assert!(found.missing().is_empty());
-/// assert!(found.soil.n > 0.5 && found.soil.phi.deg() > 20.0);
+/// assert!(found.soil.n.is_some_and(|n| n > 0.5) && found.soil.c_1.is_none()); // wheel tests would find c_1
 /// # Ok::<(), grouser_identify::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Identification {
-    /// The soil; NaN where neither a test nor a statement gives a number.
-    pub soil: SoilParams,
+    /// The soil; open where neither a test nor a statement gives a number.
+    pub soil: OpenSoil,
     /// Plate tests.
     pub plates: Option<PlateStage>,
     /// Shear tests.
@@ -116,10 +116,10 @@ pub fn identify(job: &Job) -> Result<Identification> {
     };
     if !job.plates.is_empty() {
         let stage = plates(job)?;
-        out.soil.n = stage.fit.n;
+        out.soil.n = Some(stage.fit.n);
         out.soil.pressure = Pressure::Bekker(Bekker {
-            k_c: stage.fit.k_c,
-            k_phi: stage.fit.k_phi,
+            k_c: Some(stage.fit.k_c),
+            k_phi: Some(stage.fit.k_phi),
         });
         out.plates = Some(stage);
     }
@@ -127,9 +127,11 @@ pub fn identify(job: &Job) -> Result<Identification> {
         let readings = shear::read_table(table)?;
         let fit = fit_shear(&readings, crate::least_squares::Loss::Squares)?;
         let [cohesion, phi, k_shear] = fit.values;
-        out.soil.cohesion = cohesion;
-        out.soil.phi = grouser_terra::Angle::from_rad(phi);
-        out.soil.k_shear = k_shear;
+        out.soil = out
+            .soil
+            .cohesion(cohesion)
+            .phi(Angle::from_rad(phi))
+            .k_shear(k_shear);
         out.shear = Some(ShearStage { readings, fit });
     }
     if let Some(wheel) = &job.wheel {
@@ -160,7 +162,7 @@ fn plates(job: &Job) -> Result<PlateStage> {
 }
 
 /// Fits the wheel's numbers and puts them into `soil`.
-fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
+fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
     let tests = wheel::read_table(&job.table)?;
     check_known(job, soil)?;
     let fixed = Fixed {
@@ -205,8 +207,9 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
             standard_error: uncertainty.standard_errors[index],
             interval: intervals[index],
             verdict: uncertainty.verdicts[index],
-            overruled: Some(parameter.of(&fixed.soil))
-                .filter(|known| parameter.is_measured() && !known.is_nan()),
+            overruled: parameter
+                .of(&fixed.soil)
+                .filter(|_| parameter.is_measured()),
         })
         .collect();
     for (parameter, value) in job.parameters.iter().zip(&best.x) {
@@ -226,17 +229,19 @@ fn wheel_stage(job: &WheelJob, soil: &mut SoilParams) -> Result<WheelStage> {
 }
 
 /// What a soil file must have.
-const NEEDED_IN_FILES: [SoilNumber; 4] = [
+const NEEDED_IN_FILES: [SoilNumber; 5] = [
     SoilNumber::Exponent,
+    SoilNumber::KC,
     SoilNumber::KPhi,
     SoilNumber::Cohesion,
     SoilNumber::Phi,
 ];
 /// What the stresses under a wheel take.
-const NEEDED: [SoilNumber; 7] = {
-    let [n, k_phi, cohesion, phi] = NEEDED_IN_FILES;
+const NEEDED: [SoilNumber; 8] = {
+    let [n, k_c, k_phi, cohesion, phi] = NEEDED_IN_FILES;
     [
         n,
+        k_c,
         k_phi,
         cohesion,
         phi,
@@ -247,9 +252,9 @@ const NEEDED: [SoilNumber; 7] = {
 };
 
 /// Every number that a wheel needs must be known or be fitted.
-fn check_known(job: &WheelJob, soil: &SoilParams) -> Result<()> {
+fn check_known(job: &WheelJob, soil: &OpenSoil) -> Result<()> {
     for parameter in NEEDED.map(Parameter::Soil) {
-        if parameter.of(soil).is_nan() && !job.parameters.contains(&parameter) {
+        if parameter.of(soil).is_none() && !job.parameters.contains(&parameter) {
             return Err(Error::Missing {
                 what: parameter.key(),
                 needed_by: "the wheel's stresses need it: name it in `fit`, or state it in [soil]"
@@ -266,7 +271,7 @@ impl Identification {
     pub fn missing(&self) -> Vec<&'static str> {
         NEEDED_IN_FILES
             .into_iter()
-            .filter(|number| !number.of(&self.soil).is_some_and(f64::is_finite))
+            .filter(|number| number.of(&self.soil).is_none())
             .map(SoilNumber::key)
             .collect()
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::wheel_sizes::with_grousers;
 use grouser_files::{Document, Section, nearest, soil};
-use grouser_terra::{RigidWheel, SoilParams};
+use grouser_terra::{OpenSoil, RigidWheel};
 
 use crate::error::{Error, Result};
 use crate::least_squares::{Loss, StartSettings};
@@ -68,7 +68,7 @@ pub struct Job {
     /// Its key, if it has one.
     pub key: Option<String>,
     /// What is known besides; NaN where nothing is.
-    pub soil: SoilParams,
+    pub soil: OpenSoil,
     /// Plate tests.
     pub plates: Vec<PlateSource>,
     /// How they are fitted.
@@ -141,10 +141,7 @@ impl Job {
             Ok(Self {
                 name: root.text("name")?.to_owned(),
                 key: root.optional_text("key")?.map(Into::into),
-                soil: soil.unwrap_or_else(|| SoilParams {
-                    cohesion: f64::NAN,
-                    ..SoilParams::bekker(f64::NAN, f64::NAN, f64::NAN)
-                }),
+                soil: soil.unwrap_or_default(),
                 plates,
                 plate_settings: plate_settings.unwrap_or_default(),
                 shear,

@@ -2,7 +2,7 @@
 
 use grouser_files::soil::SoilNumber;
 use grouser_real::Dual;
-use grouser_terra::{Pressure, SoilLaws, SoilParams};
+use grouser_terra::{OpenSoil, Pressure, SoilLaws};
 
 use crate::least_squares::Bounded;
 
@@ -102,31 +102,30 @@ impl Parameter {
 
     /// Its bounds, SI, and where a search begins: at what `soil` has, where that lies inside.
     #[must_use]
-    pub fn bounded(self, soil: &SoilParams) -> Bounded {
+    pub fn bounded(self, soil: &OpenSoil) -> Bounded {
         let row = ROWS.into_iter().find(|(parameter, ..)| *parameter == self);
         let (_, lower, start, upper) = row.unwrap_or((self, f64::NAN, f64::NAN, f64::NAN));
         let unit = self.key_unit();
-        let own = self.of(soil);
         let (lower, upper) = (lower * unit, upper * unit);
-        let inside = own > lower && own < upper;
+        let own = self.of(soil).filter(|own| *own > lower && *own < upper);
         Bounded {
-            start: if inside { own } else { start * unit },
+            start: own.unwrap_or(start * unit),
             lower,
             upper,
         }
     }
 
-    /// What `soil` has for it, SI; NaN where it is no number of a soil.
+    /// What `soil` has for it, SI; `None` where that is open, and where it is no number of a soil.
     #[must_use]
-    pub fn of(self, soil: &SoilParams) -> f64 {
+    pub fn of(self, soil: &OpenSoil) -> Option<f64> {
         match self {
-            Self::Soil(number) => number.of(soil).unwrap_or(f64::NAN),
-            Self::SinkageDatum | Self::SideDatum | Self::PullDatum => f64::NAN,
+            Self::Soil(number) => number.of(soil),
+            Self::SinkageDatum | Self::SideDatum | Self::PullDatum => None,
         }
     }
 
     /// Puts `value` (SI) into a soil; a nuisance changes nothing.
-    pub const fn put(self, soil: &mut SoilParams, value: f64) {
+    pub fn put(self, soil: &mut OpenSoil, value: f64) {
         if let Self::Soil(number) = self {
             number.put(soil, value);
         }
@@ -173,18 +172,14 @@ mod tests {
 
     #[test]
     fn parameters_are_found_by_their_keys_and_put_into_a_soil() {
-        let mut soil = SoilParams::bekker(0.0, 1e6, 1.0);
+        let mut soil = grouser_terra::Soil::bekker(0.0, 1e6, 1.0);
         for (index, parameter) in Parameter::all().enumerate() {
             assert_eq!(Parameter::named(parameter.key()), Some(parameter));
             let value = 0.1 + 0.01 * index as f64;
             parameter.put(&mut soil, value);
             let there = parameter.of(&soil);
             let is_of_the_soil = matches!(parameter, Parameter::Soil(_));
-            assert!(if is_of_the_soil {
-                there == value
-            } else {
-                there.is_nan()
-            });
+            assert_eq!(there, is_of_the_soil.then_some(value));
         }
     }
 }

@@ -48,26 +48,23 @@ export function asToml(state, catalogue) {
 
 /** A Rust program that prints pull and sinkage. */
 export function asRust(state) {
-  const soil = [
-    `    cohesion: 1e3 * ${decimal(state.cohesion_kpa)},`,
-    `    phi: Angle::from_deg(${decimal(state.phi_deg)}),`,
-    `    k_shear: ${decimal(state.k_shear_m)},`,
-    `    c_1: ${decimal(state.c_1)},`,
-    `    c_2: ${decimal(state.c_2)},`,
-  ];
-  if (state.n_1 !== 0) soil.push(`    n_1: ${decimal(state.n_1)},`);
-  if (state.rebound !== 0) soil.push(`    rebound: ${decimal(state.rebound)},`);
-  soil.push(`    ..SoilParams::bekker(1e3 * ${decimal(state.k_c_kn_per_m_n1)}, 1e3 * ${decimal(state.k_phi_kn_per_m_n2)}, ${decimal(state.n)})`);
+  const others = ['n_1', 'rebound'].filter((name) => state[name] !== 0).map((name) => `${name}: ${decimal(state[name])}, `);
+  const soil = `let soil = Soil::bekker(1e3 * ${decimal(state.k_c_kn_per_m_n1)}, 1e3 * ${decimal(state.k_phi_kn_per_m_n2)}, ${decimal(state.n)})
+    .cohesion(1e3 * ${decimal(state.cohesion_kpa)})
+    .phi(Angle::from_deg(${decimal(state.phi_deg)}))
+    .k_shear(${decimal(state.k_shear_m)})
+    .stress_position(${decimal(state.c_1)}, ${decimal(state.c_2)})
+    ${others.length ? `.params()?;\nlet soil = Soil::new(SoilParams { ${others.join('')}..soil })?;` : '.soil()?;'}`;
   const lugs = hasLugs(state)
     ? `.with_grousers(Grousers {\n    height: ${decimal(state.grouser_height_m)},\n    rule: GrouserRule::Lugs { count: ${decimal(state.grouser_count)}, thickness: ${decimal(state.grouser_thickness_m)} },\n})?` : '';
   const load = state.slope_deg === 0 ? decimal(weight(state)) : `${decimal(weight(state))} * Angle::from_deg(${decimal(state.slope_deg)}).cos()`;
   const slip = `Slip::new(${decimal(state.slip)})?`;
   const motion = state.slip_angle_deg === 0 ? `Kinematics::straight(${slip})` : `Kinematics::with_slip_angle(${slip}, Angle::from_deg(${decimal(state.slip_angle_deg)}))?`;
-  const names = ['Angle', ...(hasLugs(state) ? ['GrouserRule', 'Grousers'] : []), 'Kinematics', 'RigidWheel', 'Settings', 'Slip', 'Soil', 'SoilParams', 'WheelOnSoil'];
+  const names = ['Angle', ...(hasLugs(state) ? ['GrouserRule', 'Grousers'] : []), 'Kinematics', 'RigidWheel', 'Settings', 'Slip', 'Soil', ...(others.length ? ['SoilParams'] : []), 'WheelOnSoil'];
   return `use grouser_terra::{${names.join(', ')}};
 
 fn main() -> grouser_terra::Result<()> {
-${indented(`let soil = Soil::new(SoilParams {\n${soil.join('\n')}\n})?;
+${indented(`${soil}
 let wheel = RigidWheel::new(${decimal(state.radius_m)}, ${decimal(state.width_m)})?${lugs};
 let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
 let motion = ${motion};

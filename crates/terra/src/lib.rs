@@ -34,6 +34,7 @@ mod kinematics;
 mod lanes;
 mod lugs;
 mod multi_pass;
+mod open_soil;
 mod operating_point;
 mod pressure;
 mod quadrature;
@@ -73,6 +74,7 @@ pub use lanes::{
 };
 pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};
+pub use open_soil::OpenSoil;
 pub use operating_point::OperatingPoint;
 pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
 pub use settings::{Accuracy, Settings};

@@ -62,6 +62,12 @@ impl MultiPass {
         Ok(Self { k_1, k_2, k_3 })
     }
 
+    /// k_1, k_2 and k_3.
+    #[must_use]
+    pub const fn numbers(&self) -> [f64; 3] {
+        [self.k_1, self.k_2, self.k_3]
+    }
+
     /// The change after `passes`, the last of them at `slip`.
     #[must_use]
     pub fn change(&self, slip: f64, passes: u32) -> PassChange {

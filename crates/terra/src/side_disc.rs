@@ -245,13 +245,14 @@ mod tests {
     fn the_quadrature_finds_the_same() {
         for ([r, z, phi, c, gamma, beta, rim], expected) in CASES {
             let soil = Soil::new(SoilParams {
-                cohesion: c,
-                phi: Angle::from_deg(phi),
-                k_shear: 0.02,
-                c_1: 0.3,
-                c_2: 0.3,
                 unit_weight: Some(gamma),
-                ..SoilParams::bekker(0.0, 8e6, 1.3)
+                ..Soil::bekker(0.0, 8e6, 1.3)
+                    .cohesion(c)
+                    .phi(Angle::from_deg(phi))
+                    .k_shear(0.02)
+                    .stress_position(0.3, 0.3)
+                    .params()
+                    .unwrap()
             })
             .unwrap();
             let forward = if beta == 90.0 {

@@ -9,9 +9,7 @@ use crate::contact::{
 };
 use crate::error::{Error, Result};
 use crate::fitted_range::FittedRange;
-use crate::pressure::{
-    Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, share_left, transport_depth_reece,
-};
+use crate::pressure::{Pressure, SinkageExponent, SlipSinkage, share_left, transport_depth_reece};
 use crate::shear::{MohrCoulomb, ShearLaw};
 use crate::side_disc::sideways_weight;
 use crate::slip_velocity::{SlipNorm, SlipVelocity};
@@ -21,37 +19,37 @@ pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
 
 /// Everything a soil is to a wheel; each number is checked by [`Soil::new`].
 ///
-/// Start from [`SoilParams::bekker`] and set what differs:
+/// Start from [`Soil::bekker`] and set what differs:
 ///
 /// ```
 /// use grouser_terra::{Angle, Soil, SoilParams};
-/// let dry_sand = Soil::new(SoilParams {
-///     cohesion: 1000.0,
-///     phi: Angle::from_deg(30.0),
-///     k_shear: 0.025,
-///     c_1: 0.18,
-///     c_2: 0.32,
-///     ..SoilParams::bekker(0.9e3, 1528.4e3, 1.1)
-/// })?;
-/// assert!(Soil::new(SoilParams { cohesion: f64::NAN, ..*dry_sand.params() }).is_err());
+/// let dry_sand = Soil::bekker(0.9e3, 1528.4e3, 1.1)
+///     .cohesion(1000.0)
+///     .phi(Angle::from_deg(30.0))
+///     .k_shear(0.025)
+///     .stress_position(0.18, 0.32);
+/// let deeper = Soil::new(SoilParams { n_1: 0.3, ..dry_sand.params()? })?;
+/// assert!(Soil::new(SoilParams { cohesion: f64::NAN, ..*deeper.params() }).is_err());
 /// # Ok::<(), grouser_terra::Error>(())
 /// ```
+///
+/// `N` and `A` are the numbers and the angle that every wheel needs; in an [`OpenSoil`](crate::OpenSoil) they may be open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SoilParams {
+pub struct SoilParams<N = f64, A = Angle> {
     /// Pressure against sinkage.
-    pub pressure: Pressure,
+    pub pressure: Pressure<N>,
     /// Sinkage exponent n without slip, in [0.1, 3].
-    pub n: f64,
+    pub n: N,
     /// Growth of n with driving slip.
     pub n_1: f64,
     /// Growth of n with braking slip.
     pub n_2: f64,
     /// Cohesion c, Pa.
-    pub cohesion: f64,
+    pub cohesion: N,
     /// Angle of internal friction φ.
-    pub phi: Angle,
+    pub phi: A,
     /// Shear deformation modulus K straight ahead, m.
-    pub k_shear: f64,
+    pub k_shear: N,
     /// Growth of K with the slip angle, K = K_0 + K_1 |β|, m/rad.
     pub k_shear_1: f64,
     /// K across the wheel, m, for laws that take the two directions apart; `None`: as along.
@@ -59,9 +57,9 @@ pub struct SoilParams {
     /// Growth of K across with the slip angle, m/rad.
     pub k_shear_side_1: f64,
     /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
-    pub c_1: f64,
+    pub c_1: N,
     /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
-    pub c_2: f64,
+    pub c_2: N,
     /// Rebound ratio λ: the soil behind the wheel rises by λ z; 0 for dry sand.
     pub rebound: f64,
     /// Unit weight γ = ρ g, N/m³. Used by Reece's law and by bulldozing only.
@@ -97,72 +95,19 @@ pub struct LawChoice {
     pub bulldozing: Option<Bulldozing>,
 }
 
-impl SoilParams {
-    /// Bekker's moduli (N/m^(n+1), N/m^(n+2)) and exponent; everything else NaN where it must be given
-    /// and zero where zero switches it off.
-    #[must_use]
-    pub fn bekker(k_c: f64, k_phi: f64, n: f64) -> Self {
-        Self::new(Pressure::Bekker(Bekker { k_c, k_phi }), n)
-    }
-
-    /// Reece's moduli (pure numbers), exponent and unit weight (N/m³); the rest as in
-    /// [`SoilParams::bekker`].
-    #[must_use]
-    pub fn reece(k_c_prime: f64, k_phi_prime: f64, n: f64, unit_weight: f64) -> Self {
-        Self {
-            unit_weight: Some(unit_weight),
-            ..Self::new(
-                Pressure::Reece(Reece {
-                    k_c_prime,
-                    k_phi_prime,
-                }),
-                n,
-            )
-        }
-    }
-
-    fn new(pressure: Pressure, n: f64) -> Self {
-        Self {
-            pressure,
-            n,
-            n_1: 0.0,
-            n_2: 0.0,
-            cohesion: f64::NAN,
-            phi: Angle::from_rad(f64::NAN),
-            k_shear: f64::NAN,
-            k_shear_1: 0.0,
-            k_shear_side: None,
-            k_shear_side_1: 0.0,
-            c_1: f64::NAN,
-            c_2: f64::NAN,
-            rebound: 0.0,
-            unit_weight: None,
-            rear_driving: 0.0,
-            rear_drift: 0.0,
-            transport_layer: 0.0,
-            sideways_support: 1.0,
-            laws: LawChoice::default(),
-            fitted: None,
-        }
-    }
-}
-
 /// A soil whose every number has been checked, and what its sinkage exponent prepares for the integrals.
 ///
 /// ```
-/// use grouser_terra::{Angle, Soil, SoilParams};
+/// use grouser_terra::{Angle, Soil};
 ///
-/// let sand = SoilParams {
-///     cohesion: 1040.0,                // Pa
-///     phi: Angle::from_deg(28.0),
-///     k_shear: 0.018,                  // m
-///     c_1: 0.4,
-///     c_2: 0.2,
-///     ..SoilParams::bekker(990.0, 1.528e6, 1.1)
-/// };
-/// assert!((Soil::new(sand)?.params().phi.deg() - 28.0).abs() < 1e-12);
+/// let sand = Soil::bekker(990.0, 1.528e6, 1.1)
+///     .cohesion(1040.0) // Pa
+///     .phi(Angle::from_deg(28.0))
+///     .k_shear(0.018) // m
+///     .stress_position(0.4, 0.2);
+/// assert!((sand.soil()?.params().phi.deg() - 28.0).abs() < 1e-12);
 /// // An angle of friction in degrees is refused.
-/// let error = Soil::new(SoilParams { phi: Angle::from_rad(28.0), ..sand }).unwrap_err();
+/// let error = sand.phi(Angle::from_rad(28.0)).soil().unwrap_err();
 /// assert_eq!(error.field(), Some("phi"));
 /// # Ok::<(), grouser_terra::Error>(())
 /// ```

@@ -2,8 +2,8 @@
 
 use grouser_real::OutOfRange;
 use grouser_terra::{
-    Accuracy, Angle, Caution, Error, Forces, Kinematics, LoadOutcome, RigidWheel, Settings, Slip,
-    Soil, SoilParams, WheelOnSoil, catalogue,
+    Accuracy, Angle, Bekker, Caution, Error, Forces, Kinematics, LoadOutcome, Pressure, RigidWheel,
+    Settings, Slip, Soil, SoilParams, WheelOnSoil, catalogue,
 };
 
 fn sand() -> SoilParams {
@@ -236,14 +236,13 @@ fn an_angle_of_friction_in_degrees_is_an_error() {
 
 #[test]
 fn a_soil_that_pulls_is_an_error() {
-    let negative = SoilParams {
-        cohesion: 1000.0,
-        phi: Angle::from_deg(30.0),
-        k_shear: 0.025,
-        c_1: 0.2,
-        c_2: 0.3,
-        ..SoilParams::bekker(-1e3, 0.0, 1.0)
-    };
+    let negative = Soil::bekker(-1e3, 0.0, 1.0)
+        .cohesion(1000.0)
+        .phi(Angle::from_deg(30.0))
+        .k_shear(0.025)
+        .stress_position(0.2, 0.3)
+        .params()
+        .unwrap();
     let contact = WheelOnSoil::new(wheel(), Soil::new(negative).unwrap(), Settings::default());
     assert!(names(&contact, "k_c/b + k_phi"));
 }
@@ -386,7 +385,7 @@ fn sizes_out_of_range_name_their_field() {
     let (k_c, k_phi) = (0.9e9, 1.5e15);
     assert!(names(
         &Soil::new(SoilParams {
-            pressure: SoilParams::bekker(k_c, k_phi, 1.0).pressure,
+            pressure: Pressure::Bekker(Bekker { k_c, k_phi }),
             ..sand()
         }),
         "k_phi"

@@ -30,11 +30,6 @@ fn cases(accuracy: Accuracy) -> Vec<Case> {
             let soil = SoilParams {
                 n_1: of("n_1"),
                 n_2: of("n_2"),
-                cohesion: 1e3 * of("cohesion_kpa"),
-                phi: Angle::from_deg(of("phi_deg")),
-                k_shear: of("k_shear_m"),
-                c_1: of("c_1"),
-                c_2: of("c_2"),
                 rebound: of("rebound"),
                 rear_driving: of("rear_driving"),
                 rear_drift: of("rear_drift"),
@@ -45,11 +40,17 @@ fn cases(accuracy: Accuracy) -> Vec<Case> {
                     shear: Some(ShearLaw::SlipVelocity),
                     bulldozing: None,
                 },
-                ..SoilParams::bekker(
+                ..Soil::bekker(
                     1e3 * of("k_c_kn_per_m_n1"),
                     1e3 * of("k_phi_kn_per_m_n2"),
                     of("n"),
                 )
+                .cohesion(1e3 * of("cohesion_kpa"))
+                .phi(Angle::from_deg(of("phi_deg")))
+                .k_shear(of("k_shear_m"))
+                .stress_position(of("c_1"), of("c_2"))
+                .params()
+                .unwrap()
             };
             let rule = GrouserRule::Lugs {
                 count: of("grouser_count"),

@@ -31,13 +31,14 @@ fn any_wheel() -> impl Strategy<Value = Any> {
     )
         .prop_map(
             |((k_c, k_phi, n), (cohesion, phi, log_k), (c_1, c_2, rebound))| SoilParams {
-                cohesion,
-                phi: Angle::from_deg(phi),
-                k_shear: 10_f64.powf(log_k),
-                c_1,
-                c_2,
                 rebound,
-                ..SoilParams::bekker(k_c, k_phi, n)
+                ..Soil::bekker(k_c, k_phi, n)
+                    .cohesion(cohesion)
+                    .phi(Angle::from_deg(phi))
+                    .k_shear(10_f64.powf(log_k))
+                    .stress_position(c_1, c_2)
+                    .params()
+                    .unwrap()
             },
         );
     (

@@ -11,11 +11,6 @@ fn sand(bulldozing: Bulldozing) -> SoilParams {
     SoilParams {
         n_1: 0.33,
         n_2: 0.41,
-        cohesion: 260.0,
-        phi: Angle::from_deg(29.0),
-        k_shear: 0.018,
-        c_1: 0.44,
-        c_2: 0.28,
         rebound: 0.45,
         unit_weight: Some(13e3),
         rear_drift: 1.0,
@@ -27,7 +22,13 @@ fn sand(bulldozing: Bulldozing) -> SoilParams {
             shear: Some(ShearLaw::SlipVelocity),
             bulldozing: Some(bulldozing),
         },
-        ..SoilParams::bekker(-161_551.2, 9_318_329.0, 1.3217)
+        ..Soil::bekker(-161_551.2, 9_318_329.0, 1.3217)
+            .cohesion(260.0)
+            .phi(Angle::from_deg(29.0))
+            .k_shear(0.018)
+            .stress_position(0.44, 0.28)
+            .params()
+            .unwrap()
     }
 }
 

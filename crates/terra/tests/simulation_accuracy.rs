@@ -1,8 +1,6 @@
 //! Forces for steps in time against reference mode, over random contacts of every motion that a robot meets.
 
-use grouser_terra::{
-    Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil,
-};
+use grouser_terra::{Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, Soil, WheelOnSoil};
 
 /// A stream of numbers in [0, 1) from a seed: SplitMix64.
 struct Random(u64);
@@ -43,26 +41,25 @@ fn error(found: &Forces, exact: &Forces, radius: f64) -> f64 {
 fn draw(random: &mut Random) -> (WheelOnSoil, WheelOnSoil, f64, Kinematics) {
     let radius = random.log(0.03, 0.4);
     let wheel = RigidWheel::new(radius, random.log(0.02, 0.4)).unwrap();
-    let mut params = SoilParams::bekker(
+    let open = Soil::bekker(
         random.between(0.0, 5e4),
         random.log(5e4, 3e6),
         random.between(0.4, 1.6),
-    );
-    params.cohesion = if random.next() < 0.3 {
+    )
+    .cohesion(if random.next() < 0.3 {
         0.0
     } else {
         random.log(10.0, 1e4)
-    };
-    params.phi = Angle::from_deg(random.between(15.0, 42.0));
-    params.k_shear = random.log(0.004, 0.05);
-    params.c_1 = random.between(0.1, 0.6);
-    params.c_2 = random.between(0.0, 0.4);
-    params.rebound = if random.next() < 0.5 {
+    })
+    .phi(Angle::from_deg(random.between(15.0, 42.0)))
+    .k_shear(random.log(0.004, 0.05))
+    .stress_position(random.between(0.1, 0.6), random.between(0.0, 0.4));
+    let rebound = if random.next() < 0.5 {
         0.0
     } else {
         random.between(0.0, 0.3)
     };
-    let soil = Soil::new(params).unwrap();
+    let soil = open.soil().unwrap().with_rebound(rebound).unwrap();
     let at = |accuracy| {
         WheelOnSoil::new(
             wheel,

@@ -11,11 +11,6 @@ fn sand() -> SoilParams {
     SoilParams {
         n_1: 0.2,
         n_2: 0.29,
-        cohesion: 50.0,
-        phi: Angle::from_deg(29.0),
-        k_shear: 0.019,
-        c_1: 0.17,
-        c_2: 0.49,
         rebound: 0.25,
         unit_weight: Some(13e3),
         rear_driving: 0.4,
@@ -28,7 +23,13 @@ fn sand() -> SoilParams {
             shear: Some(ShearLaw::SlipVelocity),
             bulldozing: Some(Bulldozing::Chord),
         },
-        ..SoilParams::bekker(0.0, 8e6, 1.46)
+        ..Soil::bekker(0.0, 8e6, 1.46)
+            .cohesion(50.0)
+            .phi(Angle::from_deg(29.0))
+            .k_shear(0.019)
+            .stress_position(0.17, 0.49)
+            .params()
+            .unwrap()
     }
 }
 

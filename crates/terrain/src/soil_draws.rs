@@ -3,7 +3,7 @@
 use grouser_files::soil::SoilNumber;
 use grouser_files::{Document, Section};
 use grouser_rover::ground::Noise;
-use grouser_terra::Soil;
+use grouser_terra::{OpenSoil, Soil};
 
 use crate::error::{Error, Result};
 
@@ -52,7 +52,7 @@ const UNCERTAIN: [SoilNumber; 8] = [
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoilIntervals {
     source: String,
-    numbers: Vec<(SoilNumber, [f64; 2])>,
+    numbers: Vec<(SoilNumber, (f64, f64))>,
 }
 
 impl SoilIntervals {
@@ -82,23 +82,31 @@ impl SoilIntervals {
     /// [`Error::OutOfRange`] where the soil's own number lies outside its interval, [`Error::NoDraw`] where nearly all
     /// draws are illegal.
     pub fn draw(&self, soil: &Soil, count: usize, seed: u64) -> Result<Vec<Soil>> {
-        let own = *soil.params();
+        let own = OpenSoil::from(*soil.params());
         let mut noise = Noise::new(seed, STREAM);
-        for (number, [low, high]) in &self.numbers {
-            let (key, value) = (number.key(), number.of(&own).unwrap_or(f64::NAN));
-            Error::check("soil within its intervals", key, value, (*low, *high), "SI")?;
+        let mut centres = Vec::with_capacity(self.numbers.len());
+        for (number, limits) in &self.numbers {
+            let centre = number.of(&own).ok_or(Error::Law {
+                of: "soil within its intervals".to_owned(),
+                source: grouser_terra::Error::Missing {
+                    field: number.key(),
+                    needed_by: "its interval",
+                },
+            })?;
+            let of = "soil within its intervals";
+            Error::check(of, number.key(), centre, *limits, "SI")?;
+            centres.push(centre);
         }
         (0..count)
             .map(|_| {
                 for _ in 0..MAX_TRIES {
-                    let mut params = own;
-                    for (number, [low, high]) in &self.numbers {
-                        let centre = number.of(&own).unwrap_or(f64::NAN);
+                    let mut drawn = own;
+                    for ((number, (low, high)), centre) in self.numbers.iter().zip(&centres) {
                         let z = noise.normal();
                         let half = if z < 0.0 { centre - low } else { high - centre };
-                        number.put(&mut params, centre + z * half / HALF_WIDTH_SIGMA);
+                        number.put(&mut drawn, centre + z * half / HALF_WIDTH_SIGMA);
                     }
-                    if let Ok(soil) = Soil::new(params) {
+                    if let Ok(soil) = drawn.soil() {
                         return Ok(soil);
                     }
                 }
@@ -118,7 +126,7 @@ fn read(root: &Section<'_>) -> grouser_files::Result<SoilIntervals> {
         let unit = number.key_unit();
         let interval = root.section(number.key(), |s| -> grouser_files::Result<_> {
             let low = s.number("low", ANY)?;
-            Ok([low * unit, s.number("high", (low, ANY.1))? * unit])
+            Ok((low * unit, s.number("high", (low, ANY.1))? * unit))
         })?;
         numbers.extend(interval.map(|interval| (number, interval)));
     }

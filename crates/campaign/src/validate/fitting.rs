@@ -1,6 +1,6 @@
 //! A model fitted to some tests, and its predictions of others.
 
-use grouser_terra::{RigidWheel, SoilParams};
+use grouser_terra::{OpenSoil, RigidWheel};
 
 use super::rows::{FitReport, Found, ModelName};
 use grouser_identify::Parameter;
@@ -35,7 +35,7 @@ pub(super) struct Job<'a> {
     pub(super) model: ModelName,
     pub(super) fit: &'static str,
     pub(super) wheel: RigidWheel,
-    pub(super) soil: SoilParams,
+    pub(super) soil: OpenSoil,
     pub(super) scatter: Scatter,
     pub(super) tests: &'a [WheelTest],
     pub(super) parameters: &'a [Parameter],

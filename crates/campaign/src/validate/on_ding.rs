@@ -1,6 +1,6 @@
 //! Ding's wheel against the model.
 
-use grouser_terra::{Kinematics, RigidWheel, Slip, SoilParams, catalogue};
+use grouser_terra::{Kinematics, OpenSoil, RigidWheel, Slip, catalogue};
 
 use super::ding;
 use super::fitting::{Fitted, Job, law_error};
@@ -95,17 +95,7 @@ fn models(tests: &[WheelTest]) -> Result<[Fitted; 2]> {
         what: "the soil hit-lss1",
         needed_by: "Ding's wheel".to_owned(),
     })?;
-    let complete = |k_shear| {
-        entry
-            .completed(&catalogue::Completion {
-                k_shear: Some(k_shear),
-                c_1: Some(0.4),
-                c_2: Some(0.2),
-                unit_weight: None,
-            })
-            .map(|soil| *soil.params())
-            .map_err(law_error)
-    };
+    let complete = |k_shear| entry.open().k_shear(k_shear).stress_position(0.4, 0.2);
     let job = |model, fit, soil| Job {
         data_set: DING,
         model,
@@ -116,15 +106,15 @@ fn models(tests: &[WheelTest]) -> Result<[Fitted; 2]> {
         tests,
         parameters: &OURS_DING,
     };
-    let ours = SoilParams {
+    let ours = OpenSoil {
         // the rear contact of a wheel without slip as long as the front
         rebound: 1.0,
         rear_driving: 2.0,
-        ..complete(ding::K_SHEAR_RANGE.0)?
+        ..complete(ding::K_SHEAR_RANGE.0)
     };
     Ok([
         job(ModelName::Grouser, DING_ALL, ours).run()?,
-        job(ModelName::WongReece, NOTHING, complete(0.0115)?).unfitted(),
+        job(ModelName::WongReece, NOTHING, complete(0.0115)).unfitted(),
     ])
 }
 

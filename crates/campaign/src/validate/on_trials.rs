@@ -1,7 +1,7 @@
 //! The trials of the test bed against the model.
 
 use grouser_terra::{
-    Angle, Bulldozing, Kinematics, LawChoice, ShearLaw, SlipNorm, SlipSinkage, SoilParams,
+    Angle, Bulldozing, Kinematics, LawChoice, OpenSoil, ShearLaw, SlipNorm, SlipSinkage, Soil,
     StressPosition,
 };
 use rayon::prelude::*;
@@ -89,22 +89,21 @@ const STATED_COHESION_PA: f64 = 225.0;
 const SIDEWAYS_SUPPORT: f64 = 0.2;
 
 /// The sand of the trials: φ and the unit weight as measured with it, n and moduli from the plates.
-fn sand(plates: &PlateFit) -> SoilParams {
-    SoilParams {
-        cohesion: 0.0,
-        phi: Angle::from_deg(29.0),
-        k_shear: 0.02,
-        c_1: 0.3,
-        c_2: 0.3,
+fn sand(plates: &PlateFit) -> OpenSoil {
+    OpenSoil {
         unit_weight: Some(13.0e3),
-        ..SoilParams::bekker(plates.k_c, plates.k_phi, plates.n)
+        ..Soil::bekker(plates.k_c, plates.k_phi, plates.n)
+            .cohesion(0.0)
+            .phi(Angle::from_deg(29.0))
+            .k_shear(0.02)
+            .stress_position(0.3, 0.3)
     }
 }
 
 /// The same with our laws.
-fn our_sand(plates: &PlateFit) -> SoilParams {
-    SoilParams {
-        cohesion: STATED_COHESION_PA,
+fn our_sand(plates: &PlateFit) -> OpenSoil {
+    OpenSoil {
+        cohesion: Some(STATED_COHESION_PA),
         n_1: 0.3,
         n_2: 0.4,
         rebound: 0.4,
@@ -124,9 +123,9 @@ fn our_sand(plates: &PlateFit) -> SoilParams {
 
 /// The same with laws that others have published, and as many fitted numbers as ours: n(s) by the slip in the
 /// wheel's plane (Ding), a rebound, θ_m by the magnitude of the slip, shear along the displacement.
-fn published_sand(plates: &PlateFit) -> SoilParams {
-    SoilParams {
-        cohesion: STATED_COHESION_PA,
+fn published_sand(plates: &PlateFit) -> OpenSoil {
+    OpenSoil {
+        cohesion: Some(STATED_COHESION_PA),
         n_1: 0.2,
         n_2: 0.3,
         rebound: 0.25,

@@ -156,7 +156,7 @@ pub struct FitReport {
     /// To what it was fitted.
     pub fit: &'static str,
     /// The soil with what was found.
-    pub soil: grouser_terra::SoilParams,
+    pub soil: grouser_terra::OpenSoil,
     /// How it ended.
     pub status: grouser_identify::least_squares::Status,
     /// What it found.

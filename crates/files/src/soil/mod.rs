@@ -34,8 +34,8 @@ use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
 use grouser_terra::{
-    Angle, Bulldozing, FittedRange, LawChoice, ShearLaw, SlipNorm, SlipSinkage, Soil, SoilParams,
-    StressPosition,
+    Angle, Bekker, Bulldozing, FittedRange, LawChoice, OpenSoil, Pressure, ShearLaw, SlipNorm,
+    SlipSinkage, Soil, StressPosition,
 };
 
 use crate::document::Document;
@@ -56,7 +56,7 @@ const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
 ///
 /// let text = "format = 1\nname = \"sand\"\nk_c_kn_per_m_n1 = 0.99\nk_phi_kn_per_m_n2 = 1528.0\nn = 1.1\ncohesion_kpa = 1.04\nphi_deg = 28.0\n";
 /// let file = soil::parse(&Document::from_text("sand.toml", text.into())?)?;
-/// assert_eq!(file.missing().collect::<Vec<_>>(), ["k_shear", "c_1", "c_2"]);
+/// assert_eq!(file.soil.missing().collect::<Vec<_>>(), ["k_shear", "c_1", "c_2"]);
 /// let completion = Completion { k_shear: Some(0.018), c_1: Some(0.4), c_2: Some(0.2), ..Completion::default() };
 /// assert_eq!(file.completed(&completion)?.params().cohesion, 1040.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -71,8 +71,8 @@ pub struct SoilFile {
     pub source: String,
     /// What else it says; empty if nothing.
     pub note: String,
-    /// The numbers; K, c_1 and c_2 are NaN where the file does not give them.
-    params: SoilParams,
+    /// Its numbers; K, c_1 and c_2 may be open.
+    pub soil: OpenSoil,
 }
 
 /// Reads a soil file.
@@ -95,15 +95,15 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
             name: root.text("name")?.to_owned(),
             source: text("source")?,
             note: text("note")?,
-            params: read_params(root)?,
+            soil: read_numbers(root, |key| root.number(key, FINITE).map(Some))?,
         };
         // Everything given is checked here, where its place is known; what may still come from elsewhere
         // is checked with harmless numbers in its place.
-        let harmless = |given: f64| if given.is_nan() { Some(0.1) } else { None };
+        let harmless = |given: Option<f64>| given.or(Some(0.1));
         let rest = Completion {
-            k_shear: harmless(file.params.k_shear),
-            c_1: harmless(file.params.c_1),
-            c_2: harmless(file.params.c_2),
+            k_shear: harmless(file.soil.k_shear),
+            c_1: harmless(file.soil.c_1),
+            c_2: harmless(file.soil.c_2),
             unit_weight: None,
         };
         match file.completed(&rest) {
@@ -116,40 +116,36 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
     })
 }
 
-/// The numbers and laws of a section that may leave any of them open: NaN stands for a number that is not
-/// there (zero where zero switches a law off). Nothing is checked but that they are numbers.
+/// The numbers and laws of a section that may leave any of them open (zero where zero switches a law off).
+/// Nothing is checked but that they are numbers.
 ///
 /// # Errors
 /// A value that is no number, or a law that does not exist, with its place.
-pub fn read_open(section: &Section<'_>) -> Result<SoilParams> {
-    read_numbers(section, |key| {
-        Ok(section.optional_number(key, FINITE)?.unwrap_or(f64::NAN))
-    })
+pub fn read_open(section: &Section<'_>) -> Result<OpenSoil> {
+    read_numbers(section, |key| section.optional_number(key, FINITE))
 }
 
-fn read_params(root: &Section<'_>) -> Result<SoilParams> {
-    read_numbers(root, |key| root.number(key, FINITE))
-}
-
+/// Reads a soil whose strength and moduli `number` reads, or leaves open.
 fn read_numbers(
     root: &Section<'_>,
-    number: impl Fn(&'static str) -> Result<f64>,
-) -> Result<SoilParams> {
+    number: impl Fn(&'static str) -> Result<Option<f64>>,
+) -> Result<OpenSoil> {
     let optional = |key| root.optional_number(key, FINITE);
-    let zero = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(0.0));
-    let open = |key| Ok::<_, Error>(root.optional_number(key, FINITE)?.unwrap_or(f64::NAN));
+    let zero = |key| Ok::<_, Error>(optional(key)?.unwrap_or(0.0));
+    let kilo = |value: Option<f64>| value.map(|kilo| 1e3 * kilo);
     let n = number("n")?;
-    Ok(SoilParams {
+    Ok(OpenSoil {
+        n,
         n_1: zero("n_1")?,
         n_2: zero("n_2")?,
-        cohesion: 1e3 * number("cohesion_kpa")?,
-        phi: Angle::from_deg(number("phi_deg")?),
-        k_shear: open("k_shear_m")?,
+        cohesion: kilo(number("cohesion_kpa")?),
+        phi: number("phi_deg")?.map(Angle::from_deg),
+        k_shear: optional("k_shear_m")?,
         k_shear_1: zero("k_shear_1_m_per_rad")?,
         k_shear_side: optional("k_shear_side_m")?,
         k_shear_side_1: zero("k_shear_side_1_m_per_rad")?,
-        c_1: open("c_1")?,
-        c_2: open("c_2")?,
+        c_1: optional("c_1")?,
+        c_2: optional("c_2")?,
         rebound: zero("rebound")?,
         unit_weight: optional("unit_weight_n_per_m3")?,
         rear_driving: zero("rear_driving")?,
@@ -158,11 +154,10 @@ fn read_numbers(
         sideways_support: optional("sideways_support")?.unwrap_or(1.0),
         laws: read_laws(root)?,
         fitted: root.section("fitted", read_fitted)?,
-        ..SoilParams::bekker(
-            1e3 * number("k_c_kn_per_m_n1")?,
-            1e3 * number("k_phi_kn_per_m_n2")?,
-            n,
-        )
+        pressure: Pressure::Bekker(Bekker {
+            k_c: kilo(number("k_c_kn_per_m_n1")?),
+            k_phi: kilo(number("k_phi_kn_per_m_n2")?),
+        }),
     })
 }
 
@@ -247,20 +242,14 @@ fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::P
 impl SoilFile {
     /// A soil with its name and source, ready to be written.
     #[must_use]
-    pub fn new(name: &str, source: &str, params: SoilParams) -> Self {
+    pub fn new(name: &str, source: &str, soil: impl Into<OpenSoil>) -> Self {
         Self {
             key: None,
             name: name.to_owned(),
             source: source.to_owned(),
             note: String::new(),
-            params,
+            soil: soil.into(),
         }
-    }
-
-    /// The numbers; K, c_1 and c_2 are NaN where the file does not give them.
-    #[must_use]
-    pub const fn params(&self) -> &SoilParams {
-        &self.params
     }
 
     /// The soil, with what `completion` gives in place of the file's own or missing numbers.
@@ -272,14 +261,6 @@ impl SoilFile {
         &self,
         completion: &Completion,
     ) -> std::result::Result<Soil, grouser_terra::Error> {
-        completion.complete(self.params)
-    }
-
-    /// The names of the numbers that the file leaves open.
-    pub fn missing(&self) -> impl Iterator<Item = &'static str> {
-        let p = &self.params;
-        [("k_shear", p.k_shear), ("c_1", p.c_1), ("c_2", p.c_2)]
-            .into_iter()
-            .filter_map(|(name, value)| value.is_nan().then_some(name))
+        completion.complete(&self.soil)
     }
 }

@@ -1,17 +1,18 @@
 //! The numbers of a soil: key, unit, and place in the parameters.
 
-use grouser_terra::{Angle, Bekker, Pressure, SoilParams};
+use grouser_terra::{Angle, Bekker, OpenSoil, Pressure};
 
 /// A number of a soil that files, intervals and identification name by its key.
 ///
 /// ```
 /// use grouser_files::soil::SoilNumber;
-/// use grouser_terra::SoilParams;
+/// use grouser_terra::Soil;
 ///
 /// let phi = SoilNumber::named("phi_deg").expect("a number");
-/// let mut soil = SoilParams::bekker(0.0, 1e6, 1.0);
+/// let mut soil = Soil::bekker(0.0, 1e6, 1.0);
+/// assert_eq!(phi.of(&soil), None);
 /// phi.put(&mut soil, 0.5); // rad
-/// assert!((phi.of(&soil).expect("every soil has it") / phi.key_unit() - 28.647_89).abs() < 1e-5);
+/// assert!((phi.of(&soil).expect("just put") / phi.key_unit() - 28.647_89).abs() < 1e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -94,54 +95,54 @@ impl SoilNumber {
         Self::all().find(|number| number.key() == key)
     }
 
-    /// What a soil has for it, SI; `None` for a modulus that its pressure law does not have.
+    /// What a soil has for it, SI; `None` where it is open, and for a modulus that the pressure law does not have.
     #[must_use]
-    pub const fn of(self, soil: &SoilParams) -> Option<f64> {
-        Some(match self {
+    pub fn of(self, soil: &OpenSoil) -> Option<f64> {
+        match self {
             Self::Exponent => soil.n,
-            Self::ExponentDriving => soil.n_1,
-            Self::ExponentBraking => soil.n_2,
+            Self::ExponentDriving => Some(soil.n_1),
+            Self::ExponentBraking => Some(soil.n_2),
             Self::KC | Self::KPhi => match soil.pressure {
                 Pressure::Bekker(Bekker { k_c, .. }) if matches!(self, Self::KC) => k_c,
                 Pressure::Bekker(Bekker { k_phi, .. }) => k_phi,
-                _ => return None,
+                _ => None,
             },
             Self::Cohesion => soil.cohesion,
-            Self::Phi => soil.phi.rad(),
+            Self::Phi => soil.phi.map(Angle::rad),
             Self::KShear => soil.k_shear,
-            Self::KShearAngle => soil.k_shear_1,
+            Self::KShearAngle => Some(soil.k_shear_1),
             Self::C1 => soil.c_1,
             Self::C2 => soil.c_2,
-            Self::Rebound => soil.rebound,
-            Self::RearDriving => soil.rear_driving,
-            Self::RearDrift => soil.rear_drift,
-            Self::TransportLayer => soil.transport_layer,
-            Self::SidewaysSupport => soil.sideways_support,
-        })
+            Self::Rebound => Some(soil.rebound),
+            Self::RearDriving => Some(soil.rear_driving),
+            Self::RearDrift => Some(soil.rear_drift),
+            Self::TransportLayer => Some(soil.transport_layer),
+            Self::SidewaysSupport => Some(soil.sideways_support),
+        }
     }
 
     /// Puts `value` (SI) into a soil; a modulus that the soil's pressure law does not have changes nothing.
-    pub const fn put(self, soil: &mut SoilParams, value: f64) {
+    pub const fn put(self, soil: &mut OpenSoil, value: f64) {
         match self {
-            Self::Exponent => soil.n = value,
+            Self::Exponent => soil.n = Some(value),
             Self::ExponentDriving => soil.n_1 = value,
             Self::ExponentBraking => soil.n_2 = value,
             Self::KC => {
                 if let Pressure::Bekker(law) = &mut soil.pressure {
-                    law.k_c = value;
+                    law.k_c = Some(value);
                 }
             }
             Self::KPhi => {
                 if let Pressure::Bekker(law) = &mut soil.pressure {
-                    law.k_phi = value;
+                    law.k_phi = Some(value);
                 }
             }
-            Self::Cohesion => soil.cohesion = value,
-            Self::Phi => soil.phi = Angle::from_rad(value),
-            Self::KShear => soil.k_shear = value,
+            Self::Cohesion => soil.cohesion = Some(value),
+            Self::Phi => soil.phi = Some(Angle::from_rad(value)),
+            Self::KShear => soil.k_shear = Some(value),
             Self::KShearAngle => soil.k_shear_1 = value,
-            Self::C1 => soil.c_1 = value,
-            Self::C2 => soil.c_2 = value,
+            Self::C1 => soil.c_1 = Some(value),
+            Self::C2 => soil.c_2 = Some(value),
             Self::Rebound => soil.rebound = value,
             Self::RearDriving => soil.rear_driving = value,
             Self::RearDrift => soil.rear_drift = value,
@@ -154,10 +155,11 @@ impl SoilNumber {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use grouser_terra::Soil;
 
     #[test]
     fn rows_stand_in_the_order_of_the_numbers_and_what_is_put_is_there() {
-        let mut soil = SoilParams::bekker(0.0, 1e6, 1.0);
+        let mut soil = Soil::bekker(0.0, 1e6, 1.0);
         for (index, number) in SoilNumber::all().enumerate() {
             assert_eq!(number as usize, index);
             assert_eq!(SoilNumber::named(number.key()), Some(number));

@@ -7,8 +7,8 @@ use crate::toml_text::TomlText;
 
 /// The text of a soil file that reads back to the same numbers, bit for bit.
 ///
-/// `remarks` stand above it as comments, one line each: what the numbers were identified from. A number that
-/// is open (NaN) is left out. Keys whose value is the usual one are left out too.
+/// `remarks` stand above it as comments, one line each: what the numbers were identified from. A number that is open is left
+/// out, and so are keys whose value is the usual one.
 ///
 /// ```
 /// use grouser_files::{Document, soil};
@@ -24,7 +24,7 @@ use crate::toml_text::TomlText;
 /// # Errors
 /// [`grouser_terra::Error::Missing`] for Reece's moduli, for which soil files have no keys.
 pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terra::Error> {
-    let params = file.params();
+    let params = &file.soil;
     let Pressure::Bekker(modulus) = params.pressure else {
         return Err(grouser_terra::Error::Missing {
             field: "k_phi",
@@ -37,17 +37,25 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
     for (key, value) in [("source", &file.source), ("note", &file.note)] {
         out.optional_text(key, (!value.is_empty()).then_some(value));
     }
-    out.number("n", params.n);
-    out.scaled("k_c_kn_per_m_n1", modulus.k_c, 1e3);
-    out.scaled("k_phi_kn_per_m_n2", modulus.k_phi, 1e3);
-    out.scaled("cohesion_kpa", params.cohesion, 1e3);
-    out.degrees("phi_deg", params.phi.rad());
+    out.optional_number("n", params.n);
+    for (key, value) in [
+        ("k_c_kn_per_m_n1", modulus.k_c),
+        ("k_phi_kn_per_m_n2", modulus.k_phi),
+        ("cohesion_kpa", params.cohesion),
+    ] {
+        if let Some(value) = value {
+            out.scaled(key, value, 1e3);
+        }
+    }
+    if let Some(phi) = params.phi {
+        out.degrees("phi_deg", phi.rad());
+    }
     for (key, value) in [
         ("k_shear_m", params.k_shear),
         ("c_1", params.c_1),
         ("c_2", params.c_2),
     ] {
-        out.optional_number(key, (!value.is_nan()).then_some(value));
+        out.optional_number(key, value);
     }
     for (key, value) in [
         ("n_1", params.n_1),

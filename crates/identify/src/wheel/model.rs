@@ -3,7 +3,7 @@
 use grouser_opt::{Jacobian, Model};
 use grouser_real::Dual;
 use grouser_terra::{
-    DualInputs, DualSolution, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil, entry_angle,
+    DualInputs, DualSolution, OpenSoil, RigidWheel, Settings, WheelOnSoil, entry_angle,
 };
 
 use super::test::{Quantity, Scatter, Support, WheelTest};
@@ -18,8 +18,8 @@ const HUB_SINKAGE_PER_RADIUS: f64 = 1.0 - 1e-6;
 pub struct Fixed {
     /// The wheel.
     pub wheel: RigidWheel,
-    /// The soil, whose other numbers are fixed.
-    pub soil: SoilParams,
+    /// The soil, whose other numbers are fixed; what is fitted may be open.
+    pub soil: OpenSoil,
     /// What residuals are divided by.
     pub scatter: Scatter,
 }
@@ -85,7 +85,7 @@ impl<'a> WheelModel<'a> {
 
     /// The soil at the parameters `x`.
     #[must_use]
-    pub fn soil_at(&self, x: &[f64]) -> SoilParams {
+    pub fn soil_at(&self, x: &[f64]) -> OpenSoil {
         let mut soil = self.fixed.soil;
         for (parameter, value) in self.parameters.iter().zip(x) {
             parameter.put(&mut soil, *value);
@@ -94,7 +94,7 @@ impl<'a> WheelModel<'a> {
     }
 
     fn contact_at(&self, x: &[f64]) -> Option<WheelOnSoil> {
-        let soil = Soil::new(self.soil_at(x)).ok()?;
+        let soil = self.soil_at(x).soil().ok()?;
         WheelOnSoil::new(self.fixed.wheel, soil, Settings::default()).ok()
     }
 
@@ -226,7 +226,7 @@ pub fn predict(
         source,
     };
     let model = WheelModel::new(*fixed, tests, parameters);
-    let soil = Soil::new(model.soil_at(x)).map_err(law)?;
+    let soil = model.soil_at(x).soil().map_err(law)?;
     let contact = WheelOnSoil::new(fixed.wheel, soil, Settings::default()).map_err(law)?;
     let offset = |slot| {
         let mut named = parameters.iter().zip(x);

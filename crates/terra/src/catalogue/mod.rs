@@ -1,13 +1,14 @@
 //! Published soils, each with its source and what is missing in it.
 //!
 //! Moduli keep the units in which such tables print them. A number that its source does not give is
-//! `None` and never a default in silence: [`Entry::soil`] names what has to be completed.
+//! `None` and never a default in silence: [`Entry::missing`] names what has to be completed.
 
 mod table;
 
 use crate::angle::Angle;
-use crate::error::{Error, Result};
-use crate::soil::{Soil, SoilParams};
+use crate::error::Result;
+use crate::open_soil::OpenSoil;
+use crate::soil::Soil;
 
 /// One published soil.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,55 +91,52 @@ pub fn find(key: &str) -> Option<&'static Entry> {
 }
 
 impl Completion {
-    /// The soil of `params`, in which NaN stands for a number that is still open, with what this
-    /// completion gives in their place.
+    /// The soil of `open`, with what this completion gives in place of its numbers.
     ///
     /// # Errors
-    /// [`Error::Missing`] with the first of K, c_1 and c_2 that neither gives; [`Error::OutOfRange`] for a
-    /// bad number.
-    pub fn complete(&self, params: SoilParams) -> Result<Soil> {
-        let need = |field, given: Option<f64>, own: f64| match given {
-            Some(value) => Ok(value),
-            None if own.is_nan() => Err(Error::Missing {
-                field,
-                needed_by: "the stress under a wheel",
-            }),
-            None => Ok(own),
-        };
-        Soil::new(SoilParams {
-            k_shear: need("k_shear", self.k_shear, params.k_shear)?,
-            c_1: need("c_1", self.c_1, params.c_1)?,
-            c_2: need("c_2", self.c_2, params.c_2)?,
-            unit_weight: self.unit_weight.or(params.unit_weight),
-            ..params
-        })
+    /// [`Error::Missing`](crate::Error::Missing) with the first number that neither gives;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a bad one.
+    pub fn complete(&self, open: &OpenSoil) -> Result<Soil> {
+        OpenSoil {
+            k_shear: self.k_shear.or(open.k_shear),
+            c_1: self.c_1.or(open.c_1),
+            c_2: self.c_2.or(open.c_2),
+            unit_weight: self.unit_weight.or(open.unit_weight),
+            ..*open
+        }
+        .soil()
     }
 }
 
 impl Entry {
+    /// Its numbers; those that the source does not give are open.
+    #[must_use]
+    pub fn open(&self) -> OpenSoil {
+        OpenSoil {
+            n_1: self.n_1,
+            k_shear: self.k_shear,
+            c_1: self.c_1,
+            c_2: self.c_2,
+            ..Soil::bekker(1e3 * self.k_c_kn, 1e3 * self.k_phi_kn, self.n)
+                .cohesion(1e3 * self.cohesion_kpa)
+                .phi(Angle::from_deg(self.phi_deg))
+        }
+    }
+
     /// The soil, if the entry is complete.
     ///
     /// # Errors
-    /// [`Error::Missing`] with the first of K, c_1 and c_2 that the source does not give.
+    /// [`Error::Missing`](crate::Error::Missing) with the first of K, c_1 and c_2 that the source does not give.
     pub fn soil(&self) -> Result<Soil> {
-        self.completed(&Completion::default())
+        self.open().soil()
     }
 
     /// The soil with what `completion` gives in place of the entry's own or missing numbers.
     ///
     /// # Errors
-    /// [`Error::Missing`] with the first number that neither gives; [`Error::OutOfRange`] for a bad one.
+    /// As [`Completion::complete`].
     pub fn completed(&self, completion: &Completion) -> Result<Soil> {
-        let open = |own: Option<f64>| own.unwrap_or(f64::NAN);
-        completion.complete(SoilParams {
-            n_1: self.n_1,
-            cohesion: 1e3 * self.cohesion_kpa,
-            phi: Angle::from_deg(self.phi_deg),
-            k_shear: open(self.k_shear),
-            c_1: open(self.c_1),
-            c_2: open(self.c_2),
-            ..SoilParams::bekker(1e3 * self.k_c_kn, 1e3 * self.k_phi_kn, self.n)
-        })
+        completion.complete(&self.open())
     }
 
     /// The names of the numbers that the source does not give.
@@ -147,13 +145,7 @@ impl Entry {
     /// let lunar = grouser_terra::catalogue::find("lunar").expect("in the catalogue");
     /// assert_eq!(lunar.missing().count(), 0);
     /// ```
-    pub fn missing(&self) -> impl Iterator<Item = &'static str> {
-        [
-            ("k_shear", self.k_shear.is_none()),
-            ("c_1", self.c_1.is_none()),
-            ("c_2", self.c_2.is_none()),
-        ]
-        .into_iter()
-        .filter_map(|(name, missing)| missing.then_some(name))
+    pub fn missing(&self) -> impl Iterator<Item = &'static str> + use<> {
+        self.open().missing()
     }
 }

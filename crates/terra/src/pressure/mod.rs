@@ -5,6 +5,8 @@ mod reece;
 mod slip_sinkage;
 mod soil_transport;
 
+use core::convert::Infallible;
+
 use grouser_real::Real;
 
 pub use bekker::Bekker;
@@ -23,20 +25,30 @@ pub enum Pressure<R = f64> {
     Reece(Reece<R>),
 }
 
+impl<R> Pressure<R> {
+    /// The same law with each modulus, by its name, put through `map`.
+    pub(crate) fn each<S, E>(
+        self,
+        map: impl Fn(&'static str, R) -> Result<S, E>,
+    ) -> Result<Pressure<S>, E> {
+        Ok(match self {
+            Self::Bekker(law) => Pressure::Bekker(Bekker {
+                k_c: map("k_c", law.k_c)?,
+                k_phi: map("k_phi", law.k_phi)?,
+            }),
+            Self::Reece(law) => Pressure::Reece(Reece {
+                k_c_prime: map("k_c_prime", law.k_c_prime)?,
+                k_phi_prime: map("k_phi_prime", law.k_phi_prime)?,
+            }),
+        })
+    }
+}
+
 impl Pressure {
     /// The same law in numbers of any kind.
     #[must_use]
     pub fn lifted<R: Real>(self) -> Pressure<R> {
-        let r = R::from_f64;
-        match self {
-            Self::Bekker(law) => Pressure::Bekker(Bekker {
-                k_c: r(law.k_c),
-                k_phi: r(law.k_phi),
-            }),
-            Self::Reece(law) => Pressure::Reece(Reece {
-                k_c_prime: r(law.k_c_prime),
-                k_phi_prime: r(law.k_phi_prime),
-            }),
-        }
+        let Ok(lifted) = self.each(|_, modulus| Ok::<_, Infallible>(R::from_f64(modulus)));
+        lifted
     }
 }

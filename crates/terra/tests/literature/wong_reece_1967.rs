@@ -4,15 +4,13 @@
 use grouser_terra::{Angle, Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil};
 
 fn resistance(c_1: f64, n: f64, sinkage: f64) -> f64 {
-    let soil = Soil::new(SoilParams {
-        cohesion: 1000.0,
-        phi: Angle::from_deg(30.0),
-        k_shear: 0.025,
-        c_1,
-        c_2: 0.0,
-        ..SoilParams::bekker(900.0, 1_528_400.0, n)
-    })
-    .unwrap();
+    let soil = Soil::bekker(900.0, 1_528_400.0, n)
+        .cohesion(1000.0)
+        .phi(Angle::from_deg(30.0))
+        .k_shear(0.025)
+        .stress_position(c_1, 0.0)
+        .soil()
+        .unwrap();
     let wheel = RigidWheel::new(0.2, 0.1).unwrap();
     let motion = Kinematics::straight(Slip::new(0.2).unwrap());
     let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
@@ -41,13 +39,14 @@ fn a_braked_wheel_on_springy_soil_may_gain_work_and_says_so() {
     // The sign(j) law below zero slip with λ = 0.93: found by search. The soil behind the wheel pushes
     // forwards with nearly all that the soil in front took, and shear gives work back besides.
     let soil = Soil::new(SoilParams {
-        cohesion: 0.0,
-        phi: Angle::from_rad(0.754_662),
-        k_shear: 0.1,
-        c_1: 0.0,
-        c_2: 0.0,
         rebound: 0.930_564,
-        ..SoilParams::bekker(0.0, 50_000.0, 1.617_213)
+        ..Soil::bekker(0.0, 50_000.0, 1.617_213)
+            .cohesion(0.0)
+            .phi(Angle::from_rad(0.754_662))
+            .k_shear(0.1)
+            .stress_position(0.0, 0.0)
+            .params()
+            .unwrap()
     })
     .unwrap();
     let wheel = RigidWheel::new(0.281_316, 0.02).unwrap();

@@ -90,8 +90,8 @@ fn soil_text(job: &Job, found: &Identification) -> Result<String> {
     let missing = found.missing();
     if !missing.is_empty() {
         return Err(Error::usage(
-            format!("the tests do not tell {}", missing.join(", ")),
-            "state them in [soil], or add tests that tell them",
+            format!("the tests do not determine {}", missing.join(", ")),
+            "state them in [soil], or add tests that determine them",
         ));
     }
     let (file, remarks) = found.soil_file(job);
