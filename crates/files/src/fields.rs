@@ -1,9 +1,10 @@
 //! Settings that are declared as tables of fields.
 
-use grouser_slip::settings::Field;
+use grouser_slip::settings::{Field, FileUnit};
 
 use crate::error::Result;
 use crate::section::Section;
+use crate::toml_text::TomlText;
 
 /// Any number of a settings file; the settings themselves check their limits.
 const ANY: (f64, f64) = (-1e12, 1e12);
@@ -36,4 +37,29 @@ pub fn read_fields<S: Copy>(
         }
     }
     Ok(())
+}
+
+/// Writes every field that has a key and another value than in `usual`; [`read_fields`] reads them back to the same bits.
+///
+/// ```
+/// use grouser_files::{TomlText, write_fields};
+/// use grouser_slip::filter::FilterSettings;
+///
+/// let usual = FilterSettings::default();
+/// let mut text = TomlText::new(&[]);
+/// write_fields(&mut text, &usual, &usual, FilterSettings::FIELDS);
+/// assert_eq!(text.finish(), "format = 1\n");
+/// ```
+pub fn write_fields<S: Copy>(out: &mut TomlText, settings: &S, usual: &S, fields: &[Field<S>]) {
+    for field in fields {
+        let value = field.get(settings);
+        if let Some(key) = field.key
+            && value != field.get(usual)
+        {
+            match field.file_unit {
+                FileUnit::Degrees => out.degrees(key, value),
+                _ => out.number(key, value),
+            }
+        }
+    }
 }

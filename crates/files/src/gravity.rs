@@ -8,7 +8,8 @@ use crate::section::Section;
 /// Limits of a gravity in files and flags, m/s²: below them loads vanish, above them no robot stands.
 pub const GRAVITY_LIMITS_M_PER_S2: (f64, f64) = (1e-3, 1e3);
 
-const KEY: &str = "gravity_m_per_s2";
+/// The key of gravity in every file.
+pub const KEY: &str = "gravity_m_per_s2";
 
 /// The bodies that a file may name in place of a number.
 const BODIES: [&str; 3] = ["earth", "moon", "mars"];

@@ -37,7 +37,7 @@ pub mod wheel_sizes;
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT};
 pub use entries::Entry;
 pub use error::{Error, PLACEHOLDER, Place, Result};
-pub use fields::read_fields;
+pub use fields::{read_fields, write_fields};
 pub use section::Section;
 pub use suggestion::nearest;
 pub use toml_text::TomlText;

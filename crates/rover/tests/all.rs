@@ -15,3 +15,4 @@ mod settling;
 mod step_halving;
 mod terrain;
 mod uneven;
+mod written_scenarios;

@@ -1,6 +1,5 @@
 //! A robot as the text of a robot file.
 
-use grouser_slip::settings::{Field, FileUnit};
 use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
@@ -8,6 +7,7 @@ use grouser_terra::{GrouserRule, Grousers};
 use super::{RobotFile, default_contact_sigmas, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
+use crate::fields::write_fields;
 use crate::steering::SteeringKind;
 use crate::toml_text::TomlText;
 use crate::topics::{AXES, MOUNTING_KEYS, Topics};
@@ -104,20 +104,6 @@ pub fn to_toml(file: &RobotFile) -> String {
         }
     }
     out.finish()
-}
-
-fn write_fields<S: Copy>(out: &mut TomlText, settings: &S, usual: &S, fields: &[Field<S>]) {
-    for field in fields {
-        let value = field.get(settings);
-        if let Some(key) = field.key
-            && value != field.get(usual)
-        {
-            match field.file_unit {
-                FileUnit::Degrees => out.degrees(key, value),
-                _ => out.number(key, value),
-            }
-        }
-    }
 }
 
 fn write_topics(out: &mut TomlText, topics: &Topics) {

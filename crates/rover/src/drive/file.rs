@@ -7,10 +7,11 @@ use grouser_files::{Document, Section, nearest, read_fields};
 use grouser_real::Real;
 use grouser_slip::control::ControlSettings;
 use grouser_slip::onboard::SoilLearnSettings;
-use grouser_terra::{Angle, MultiPass, ShearLaw, Soil, SoilParams, catalogue};
+use grouser_terra::{MultiPass, ShearLaw, catalogue};
 
 use super::scenario::{
-    GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilSpec,
+    GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilChanges, SoilOrigin,
+    SoilSpec,
 };
 use crate::error::{Error, Result};
 use crate::ground::{Craters, HeightFile, Packing, Place, Rocks, Shape};
@@ -86,7 +87,7 @@ fn read(
             ))
         })?
         .unwrap_or((0.0, 0.0, 0.0));
-    let specs = read_soils(root)?;
+    let specs = read_soils(root, beside)?;
     let ground = root
         .section("ground", |section| {
             read_ground(section, root, specs, beside)
@@ -96,9 +97,7 @@ fn read(
             what: "its [ground]".into(),
         })?;
     let sensors = root.section("sensors", read_sensors)?.unwrap_or_default();
-    let (control, optimum, fixed_slip) =
-        root.section("control", read_control)?
-            .unwrap_or((ControlSettings::default(), None, 0.3));
+    let (control, optimum, fixed_slip) = root.section("control", read_control)?.unwrap_or_default();
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
     let plan = root.section("plan", read_plan)?;
@@ -125,18 +124,16 @@ fn read(
             duration: Some(duration),
         });
     }
+    let usual = Scenario::new(root.text("title")?, (robot_file, robot), ground, duration);
     let scenario = Scenario {
-        title: root.text("title")?.to_owned(),
         name,
-        robot_file,
-        robot,
-        seed: root.optional_integer("seed")?.unwrap_or(1).cast_unsigned(),
-        duration,
+        seed: root
+            .optional_integer("seed")?
+            .map_or(usual.seed, i64::cast_unsigned),
         step: root
             .optional_number("step_s", (1e-5, 5e-3))?
-            .unwrap_or(1e-3),
+            .unwrap_or(usual.step),
         start,
-        ground,
         legs,
         plan,
         learn,
@@ -144,8 +141,11 @@ fn read(
         faults,
         control,
         optimum,
-        fixed_slip,
-        hotel: root.optional_number("hotel_w", (0.0, 1e6))?.unwrap_or(0.0),
+        fixed_slip: fixed_slip.unwrap_or(usual.fixed_slip),
+        hotel: root
+            .optional_number("hotel_w", (0.0, 1e6))?
+            .unwrap_or(usual.hotel),
+        ..usual
     };
     scenario.check()?;
     Ok(scenario)
@@ -194,100 +194,31 @@ fn read_learn(s: &Section<'_>, hysteresis: f64) -> grouser_files::Result<LearnSp
     })
 }
 
-/// A soil as the file says it, before its numbers are checked.
-struct SoilText {
-    name: String,
-    key: String,
-    numbers: [Option<f64>; 9],
-}
-
-fn read_soils(root: &Section<'_>) -> Result<Vec<SoilSpec>> {
+/// The soils; their files lie beside the scenario.
+fn read_soils(root: &Section<'_>, beside: &Path) -> Result<Vec<SoilSpec>> {
     let texts = root.sections("soil", |s| {
-        let number = |key| s.optional_number(key, ANY_NUMBER);
-        Ok(SoilText {
-            name: s.text("name")?.into(),
-            key: s.text("key")?.into(),
-            numbers: [
-                number("k_shear_m")?,
-                number("c_1")?,
-                number("c_2")?,
-                number("unit_weight_n_per_m3")?,
-                number("n_1")?,
-                number("n_2")?,
-                number("phi_deg")?,
-                number("cohesion_kpa")?,
-                number("rebound")?,
-            ],
-        })
+        let origin = match s.optional_text("file")? {
+            Some(_) if s.has("key") => {
+                return Err(grouser_files::Error::Contradiction {
+                    at: s.place_of("file"),
+                    message:
+                        "a soil comes from the catalogue (`key`) or from a `file`, not from both"
+                            .to_owned(),
+                });
+            }
+            Some(file) => SoilOrigin::File(beside.join(file)),
+            None => SoilOrigin::Catalogue(s.text("key")?.to_owned()),
+        };
+        let mut changes = SoilChanges::default();
+        for (slot, key) in changes.0.iter_mut().zip(SoilChanges::KEYS) {
+            *slot = s.optional_number(key, ANY_NUMBER)?;
+        }
+        Ok((s.text("name")?.to_owned(), origin, changes))
     })?;
     texts
         .into_iter()
-        .map(|text| soil(&text.name, &text.key, text.numbers))
+        .map(|(name, origin, changes)| SoilSpec::new(&name, origin, changes))
         .collect()
-}
-
-fn soil(name: &str, key: &str, numbers: [Option<f64>; 9]) -> Result<SoilSpec> {
-    let of = |source| Error::Law {
-        of: format!("soil \"{name}\""),
-        source,
-    };
-    let Some(entry) = catalogue::find(key) else {
-        let keys = catalogue::entries().iter().map(|entry| entry.key);
-        return Err(Error::Unknown {
-            of: format!("soil \"{name}\""),
-            name: key.to_owned(),
-            meant: nearest(key, keys).map(Into::into),
-        });
-    };
-    let [
-        k_shear,
-        c_1,
-        c_2,
-        unit_weight,
-        n_1,
-        n_2,
-        phi,
-        cohesion,
-        rebound,
-    ] = numbers;
-    let completion = catalogue::Completion {
-        k_shear,
-        c_1,
-        c_2,
-        unit_weight,
-    };
-    let soil = entry.completed(&completion).map_err(of)?;
-    let p = *soil.params();
-    let soil = Soil::new(SoilParams {
-        n_1: n_1.unwrap_or(p.n_1),
-        n_2: n_2.unwrap_or(p.n_2),
-        phi: phi.map_or(p.phi, Angle::from_deg),
-        cohesion: cohesion.map_or(p.cohesion, |kpa| 1e3 * kpa),
-        rebound: rebound.unwrap_or(p.rebound),
-        ..p
-    })
-    .map_err(of)?;
-    // Slip changes the exponent: both ends must stay inside the law.
-    let ends = [p.n + n_1.unwrap_or(p.n_1), p.n + n_2.unwrap_or(p.n_2)];
-    for n in ends {
-        Error::check(
-            &format!("soil \"{name}\""),
-            "n at full slip",
-            n,
-            (0.1, 3.0),
-            "1",
-        )?;
-    }
-    let changed = numbers.iter().any(Option::is_some);
-    Ok(SoilSpec {
-        name: name.to_owned(),
-        soil,
-        source: if changed {
-            format!("{key} ({}), completed by the scenario", entry.source)
-        } else {
-            format!("{key} ({})", entry.source)
-        },
-    })
 }
 
 /// The index of the soil that the file or the catalogue knows by this name.
@@ -304,7 +235,8 @@ fn soil_index(of: &str, name: &str, soils: &mut Vec<SoilSpec>) -> Result<usize> 
             meant: nearest(name, own.chain(keys)).map(Into::into),
         });
     }
-    soils.push(soil(name, name, [None; 9])?);
+    let origin = SoilOrigin::Catalogue(name.to_owned());
+    soils.push(SoilSpec::new(name, origin, SoilChanges::default())?);
     Ok(soils.len() - 1)
 }
 
@@ -464,7 +396,7 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
 }
 
 /// The controller's settings, the slip to run at where the file gives one, and the fixed slip.
-type Control = (ControlSettings, Option<f64>, f64);
+type Control = (ControlSettings, Option<f64>, Option<f64>);
 
 fn read_control(s: &Section<'_>) -> Result<Control> {
     let mut out = ControlSettings::default();
@@ -473,7 +405,7 @@ fn read_control(s: &Section<'_>) -> Result<Control> {
     Ok((
         out,
         s.optional_number("optimum", SLIP_LIMITS)?,
-        s.optional_number("fixed_slip", SLIP_LIMITS)?.unwrap_or(0.3),
+        s.optional_number("fixed_slip", SLIP_LIMITS)?,
     ))
 }
 

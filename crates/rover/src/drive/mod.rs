@@ -13,10 +13,15 @@ mod referee;
 mod scenario;
 mod score;
 mod simulation;
+mod write;
 
 pub use file::{parse_scenario, read_scenario};
 pub use frame::{Frame, WheelFrame};
 pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};
 pub use pilot::Pilot;
-pub use scenario::{GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilSpec};
+pub use scenario::{
+    GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilChanges, SoilOrigin,
+    SoilSpec,
+};
 pub use simulation::Simulation;
+pub use write::to_toml;

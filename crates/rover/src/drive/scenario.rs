@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use grouser_files::nearest;
 use grouser_slip::control::ControlSettings;
-use grouser_terra::{Settings, ShearLaw, Soil, SoilParams, WheelOnSoil};
+use grouser_terra::{Angle, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil, catalogue};
 
 use crate::error::{Error, Result};
 use crate::ground::{Ground, HeightFile, HeightMap, Packing, Place, Rocks, Shape, read_heights};
@@ -26,6 +27,19 @@ pub struct Leg {
     pub distance: Option<f64>,
     /// It ends after this time, s.
     pub duration: Option<f64>,
+}
+
+impl Leg {
+    /// A leg at a speed (m/s) along a heading (rad) over a distance (m).
+    #[must_use]
+    pub const fn over(speed: f64, heading: f64, distance: f64) -> Self {
+        Self {
+            speed,
+            heading,
+            distance: Some(distance),
+            duration: None,
+        }
+    }
 }
 
 /// A drive that plans its way itself, in place of legs.
@@ -82,10 +96,142 @@ pub enum GroundShape {
 pub struct SoilSpec {
     /// The name that regions use.
     pub name: String,
+    /// Where its numbers come from.
+    pub origin: SoilOrigin,
+    /// What the scenario gives in place of those numbers.
+    pub changes: SoilChanges,
     /// The soil.
     pub soil: Soil,
-    /// Where its numbers come from.
+    /// Where its numbers come from, in words.
     pub source: String,
+}
+
+/// Where the numbers of a scenario's soil come from.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SoilOrigin {
+    /// The catalogue's soil of this key.
+    Catalogue(String),
+    /// A soil file.
+    File(PathBuf),
+}
+
+/// Numbers that a scenario gives in place of a soil's own, in the units of its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SoilChanges(pub(super) [Option<f64>; 9]);
+
+impl SoilChanges {
+    /// The keys, as in a scenario's `[[soil]]`.
+    pub const KEYS: [&'static str; 9] = [
+        "k_shear_m",
+        "c_1",
+        "c_2",
+        "unit_weight_n_per_m3",
+        "n_1",
+        "n_2",
+        "phi_deg",
+        "cohesion_kpa",
+        "rebound",
+    ];
+
+    /// Gives the number of a key, in the key's unit; a key that is not one of [`KEYS`](Self::KEYS) changes nothing.
+    pub fn set(&mut self, key: &str, value: Option<f64>) {
+        for (slot, own) in self.0.iter_mut().zip(Self::KEYS) {
+            if own == key {
+                *slot = value;
+            }
+        }
+    }
+}
+
+impl SoilSpec {
+    /// A soil of the catalogue or of a soil file, with `changes`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] for a key that the catalogue does not have; what the soil file has wrong; [`Error::Law`] for numbers
+    /// that the laws refuse.
+    ///
+    /// ```
+    /// use grouser_rover::drive::{SoilChanges, SoilOrigin, SoilSpec};
+    ///
+    /// let origin = SoilOrigin::Catalogue("dry-sand".to_owned());
+    /// let sand = SoilSpec::new("sand", origin, SoilChanges::default())?;
+    /// assert_eq!(sand.soil.params().n, 1.1);
+    /// # Ok::<(), grouser_rover::Error>(())
+    /// ```
+    pub fn new(name: &str, origin: SoilOrigin, changes: SoilChanges) -> Result<Self> {
+        let of = |source| Error::Law {
+            of: format!("soil \"{name}\""),
+            source,
+        };
+        let [
+            k_shear,
+            c_1,
+            c_2,
+            unit_weight,
+            n_1,
+            n_2,
+            phi,
+            cohesion,
+            rebound,
+        ] = changes.0;
+        let completion = catalogue::Completion {
+            k_shear,
+            c_1,
+            c_2,
+            unit_weight,
+        };
+        let (whole, from) = match &origin {
+            SoilOrigin::File(path) => {
+                let file = grouser_files::soil::read(path)?;
+                (
+                    file.completed(&completion),
+                    format!("{} ({})", file.name, file.source),
+                )
+            }
+            SoilOrigin::Catalogue(key) => {
+                let entry = catalogue::find(key).ok_or_else(|| {
+                    let keys = catalogue::entries().iter().map(|entry| entry.key);
+                    Error::Unknown {
+                        of: format!("soil \"{name}\""),
+                        name: key.clone(),
+                        meant: nearest(key, keys).map(Into::into),
+                    }
+                })?;
+                (
+                    entry.completed(&completion),
+                    format!("{key} ({})", entry.source),
+                )
+            }
+        };
+        let p = *whole.map_err(of)?.params();
+        let soil = Soil::new(SoilParams {
+            n_1: n_1.unwrap_or(p.n_1),
+            n_2: n_2.unwrap_or(p.n_2),
+            phi: phi.map_or(p.phi, Angle::from_deg),
+            cohesion: cohesion.map_or(p.cohesion, |kpa| 1e3 * kpa),
+            rebound: rebound.unwrap_or(p.rebound),
+            ..p
+        })
+        .map_err(of)?;
+        // Slip changes the exponent: both ends must stay inside the law.
+        let p = soil.params();
+        for n in [p.n + p.n_1, p.n + p.n_2] {
+            let of = format!("soil \"{name}\"");
+            Error::check(&of, "n at full slip", n, (0.1, 3.0), "1")?;
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            origin,
+            changes,
+            soil,
+            source: if changes == SoilChanges::default() {
+                from
+            } else {
+                format!("{from}, completed by the scenario")
+            },
+        })
+    }
 }
 
 /// A soil in a place.
@@ -171,6 +317,19 @@ pub struct Scenario {
 }
 
 impl GroundSpec {
+    /// A ground of one soil, without rocks, scatter and packing.
+    #[must_use]
+    pub fn new(shape: GroundShape, soil: SoilSpec) -> Self {
+        Self {
+            shape,
+            soils: vec![soil],
+            regions: Vec::new(),
+            packing: Packing::default(),
+            rocks: None,
+            world_laws: None,
+        }
+    }
+
     /// The ground with everything that the seed decides.
     ///
     /// # Errors
@@ -221,6 +380,37 @@ impl GroundSpec {
 }
 
 impl Scenario {
+    /// A scenario without legs, of usual sensors and controller, that ends after `duration` (s) at the latest.
+    #[must_use]
+    pub fn new(
+        title: &str,
+        robot: (PathBuf, RobotModel),
+        ground: GroundSpec,
+        duration: f64,
+    ) -> Self {
+        let (robot_file, robot) = robot;
+        Self {
+            name: String::new(),
+            title: title.to_owned(),
+            robot_file,
+            robot,
+            seed: 1,
+            duration,
+            step: 1e-3,
+            start: (0.0, 0.0, 0.0),
+            ground,
+            legs: Vec::new(),
+            plan: None,
+            learn: None,
+            sensors: SensorSettings::default(),
+            faults: Schedule::default(),
+            control: ControlSettings::default(),
+            optimum: None,
+            fixed_slip: 0.3,
+            hotel: 0.0,
+        }
+    }
+
     /// Checks what no single number tells.
     ///
     /// # Errors

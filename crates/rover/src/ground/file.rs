@@ -35,6 +35,18 @@ pub struct HeightFile {
     pub height_step: f64,
 }
 
+impl HeightFile {
+    /// A terrain file whose cells are `cell` apart, m, where it does not say that itself.
+    #[must_use]
+    pub const fn new(path: PathBuf, cell: Option<f64>) -> Self {
+        Self {
+            path,
+            cell,
+            height_step: 0.001,
+        }
+    }
+}
+
 /// Reads a height map. Its first column lies at x = 0, its middle row at y = 0, its upper edge to the left.
 ///
 /// The file is read as a whole and never mapped: one that shrinks meanwhile is short, no more.

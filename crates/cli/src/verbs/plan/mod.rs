@@ -72,8 +72,8 @@ pub(crate) struct Arguments {
     /// The robot file, for the scenario
     #[arg(long, value_name = "FILE.toml", requires = "scenario")]
     robot: Option<PathBuf>,
-    /// The soil's key in the catalogue, for the scenario
-    #[arg(long, value_name = "KEY", requires = "scenario")]
+    /// The soil, for the scenario: a key of the catalogue or a soil file
+    #[arg(long, value_name = "SOIL", requires = "scenario")]
     soil: Option<String>,
     /// Write the way as a table (.csv) or a figure (.svg); may be given several times
     #[arg(short, long, value_name = "FILE")]
@@ -159,7 +159,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             robot,
             soil,
         };
-        let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s);
+        let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s)?;
         text.push_str(&file.write_whole(content.as_bytes())?);
     }
     let mut warnings = Vec::new();

@@ -1,27 +1,38 @@
 //! A way as a scenario that `drive` follows.
 
-use std::fmt::Write as _; // writing to a string cannot fail
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use grouser_report::number::exact;
+use grouser_rover::drive::{
+    GroundShape, GroundSpec, Leg, Scenario, SoilChanges, SoilOrigin, SoilSpec, to_toml,
+};
+use grouser_rover::ground::HeightFile;
+use grouser_rover::robot::RobotModel;
 use grouser_terrain::plan::{PlanMap, Route};
+
+use crate::soil_choice::is_path;
 
 /// The drive may take this much longer than the plan.
 const TIME_FACTOR: f64 = 3.0;
 
-/// The files that a scenario names.
+/// What a scenario takes besides the way.
 pub(super) struct Names<'a> {
     /// Where the scenario itself will lie.
     pub(super) beside: Option<&'a Path>,
     pub(super) dem: &'a Path,
     pub(super) robot: &'a Path,
+    /// A key of the catalogue or a soil file, as `--soil` takes it elsewhere.
     pub(super) soil: &'a str,
 }
 
 /// The scenario's text: one leg for each straight.
 ///
 /// A scenario's ground has x = 0 in its first column and y = 0 in its middle row.
-pub(super) fn toml(map: &PlanMap, route: &Route, names: &Names<'_>, speed: f64) -> String {
+pub(super) fn toml(
+    map: &PlanMap,
+    route: &Route,
+    names: &Names<'_>,
+    speed: f64,
+) -> grouser_rover::Result<String> {
     let layout = &map.layout;
     let columns = layout.columns as usize;
     let place = |cell: usize| {
@@ -32,37 +43,43 @@ pub(super) fn toml(map: &PlanMap, route: &Route, names: &Names<'_>, speed: f64) 
             (middle - row as f64) * layout.cell,
         ]
     };
-    let heading = |index: usize| layout.headings.angle(index).to_degrees();
-    // the first leg's heading is the first one that moves
+    let reachable = |file: &Path| reachable(file, names.beside);
+    let shape = GroundShape::File(HeightFile::new(reachable(names.dem), Some(layout.cell)));
+    let ground = GroundSpec::new(shape, soil(names.soil, reachable)?);
+    let robot = RobotModel::read(names.robot)?.under_gravity(layout.gravity);
+    let duration = (TIME_FACTOR * route.time).ceil().max(10.0);
+    let robot = (reachable(names.robot), robot);
+    let mut scenario = Scenario::new("A planned way", robot, ground, duration);
     let legs = straights(route);
-    let start = route.waypoints.first().map_or(0, |point| point.cell);
+    // the first leg's heading is the first one that moves
     let first = legs.first().map_or(0, |(index, ..)| *index);
-    let [x, y] = place(start);
-    let mut out = format!(
-        "# Written by `grouser plan`.\nformat = 1\ntitle = \"A planned way\"\nrobot = {}\ngravity_m_per_s2 = {}\nduration_s = {}\n\n\
-         [start]\nx_m = {}\ny_m = {}\nheading_deg = {}\n\n\
-         [ground]\nkind = \"file\"\nfile = {}\ncell_m = {}\nsoil = {}\n",
-        quoted(&reachable(names.robot, names.beside)),
-        exact(layout.gravity),
-        exact((TIME_FACTOR * route.time).ceil().max(10.0)),
-        exact(x),
-        exact(y),
-        exact(heading(first)),
-        quoted(&reachable(names.dem, names.beside)),
-        exact(layout.cell),
-        quoted(names.soil),
-    );
-    for (index, from, to) in legs {
-        let ([x_1, y_1], [x_2, y_2]) = (place(from), place(to));
-        let _ = write!(
-            out,
-            "\n[[leg]]\nspeed_m_per_s = {}\nheading_deg = {}\ndistance_m = {}\n",
-            exact(speed),
-            exact(heading(index)),
-            exact((x_2 - x_1).hypot(y_2 - y_1))
-        );
+    let [x, y] = place(route.waypoints.first().map_or(0, |point| point.cell));
+    scenario.start = (x, y, layout.headings.angle(first));
+    scenario.legs = legs
+        .into_iter()
+        .map(|(index, from, to)| {
+            let ([x_1, y_1], [x_2, y_2]) = (place(from), place(to));
+            Leg::over(
+                speed,
+                layout.headings.angle(index),
+                (x_2 - x_1).hypot(y_2 - y_1),
+            )
+        })
+        .collect();
+    Ok(to_toml(&scenario, &["Written by `grouser plan`."]))
+}
+
+/// The soil, from the catalogue or from a file.
+fn soil(name: &str, reachable: impl Fn(&Path) -> PathBuf) -> grouser_rover::Result<SoilSpec> {
+    if !is_path(name.as_ref()) {
+        let origin = SoilOrigin::Catalogue(name.to_owned());
+        return SoilSpec::new(name, origin, SoilChanges::default());
     }
-    out
+    let file = Path::new(name);
+    let origin = SoilOrigin::File(file.to_owned());
+    let mut spec = SoilSpec::new("soil", origin, SoilChanges::default())?;
+    spec.origin = SoilOrigin::File(reachable(file));
+    Ok(spec)
 }
 
 /// Heading, first and last cell of each straight.
@@ -82,27 +99,11 @@ fn straights(route: &Route) -> Vec<(usize, usize, usize)> {
 }
 
 /// A file's name as a scenario in another folder reaches it.
-fn reachable(file: &Path, beside: Option<&Path>) -> String {
+fn reachable(file: &Path, beside: Option<&Path>) -> PathBuf {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let folder = beside.and_then(|folder| std::path::absolute(folder).ok());
     let near = folder
         .as_deref()
         .and_then(|folder| absolute.strip_prefix(folder).ok());
-    near.unwrap_or(&absolute).display().to_string()
-}
-
-/// A TOML string.
-fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => out.extend(['\\', letter]),
-            letter if letter.is_control() => {
-                let _ = write!(out, "\\u{:04x}", u32::from(letter));
-            }
-            letter => out.push(letter),
-        }
-    }
-    out.push('"');
-    out
+    near.unwrap_or(&absolute).to_owned()
 }
