@@ -8,6 +8,7 @@
 
 mod compiler;
 
+mod adapters;
 mod bad_input;
 mod header;
 mod installed;
