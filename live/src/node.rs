@@ -66,6 +66,12 @@ impl Outcome {
 /// Bad options, files and topics; a transport that does not open.
 pub fn run(arguments: &Arguments) -> Result<Outcome> {
     let environment = Environment::read()?;
+    let kind = arguments.transport.unwrap_or(environment.transport);
+    // before anything is opened
+    #[cfg(feature = "zenoh")]
+    if kind == transport::Kind::Zenoh {
+        transport::run_zenoh_on_one_thread();
+    }
     let mut robot = robot::read(&arguments.robot)?;
     let (look_for, hold, duration) = (arguments.look()?, arguments.hold()?, arguments.duration()?);
     let learnt = match &arguments.state {
@@ -77,13 +83,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         .as_deref()
         .map(Recorder::create)
         .transpose()?;
-    let node = arguments.full_name("grouser")?;
+    let own_name = arguments.full_name("grouser")?;
     let mut command = command_path(arguments, &robot)?;
     if let Some(path) = &command {
         // a requested speed is no measured one
         robot.topics.ignore.push(path.topic().to_owned());
     }
-    let kind = arguments.transport.unwrap_or(environment.transport);
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     // without a handler, Ctrl-C ends the process at once
@@ -92,12 +97,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     let stop =
         || interrupted.load(Ordering::Relaxed) || ends.is_some_and(|end| Instant::now() >= end);
 
-    let mut transport = transport::open(kind, &environment, &node)?;
+    let mut transport = transport::open(kind, &environment, &own_name)?;
     let (inbox, arrivals) = transport::inbox();
     let mut subscriptions = Subscriptions::new(&robot);
     if !arguments.quiet {
         say(&format!(
-            "{node} listens on {}, domain {}",
+            "{own_name} listens on {}, domain {}",
             kind.name(),
             environment.domain
         ));
@@ -128,32 +133,17 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         say_choice(&intake, &inputs, hold);
     }
     check_reference(command.as_ref(), arguments, &inputs)?;
-    let names = wheel_names(&robot);
-    let outputs = announce(transport, &names, arguments, recorder)?;
-    let mut node = Node {
-        senders: looked.channels.iter().map(Senders::new).collect(),
-        record_ids: vec![None; looked.channels.len()],
-        last_received: vec![None; looked.channels.len()],
-        channels: looked.channels,
-        intake,
-        samples,
-        engine,
-        outputs,
-        inbox,
-        hold,
-        latency: Latency::new(),
-        messages: 0,
-        problems: Vec::new(),
-        is_quiet: arguments.quiet,
-        names,
-        subscriptions,
-        command: command.take(),
-        renewal_time: RENEWAL_TIMES.0,
-        unsent: 0,
-        screen: None,
-        title: format!("{node} on {}, domain {}", kind.name(), environment.domain),
-        events: Vec::new(),
-    };
+    let outputs = announce(transport, wheel_names(&robot), arguments, recorder)?;
+    let mut node = Node::new(looked.channels, intake, (samples, engine), outputs, inbox);
+    node.hold = hold;
+    node.is_quiet = arguments.quiet;
+    node.subscriptions = Some(subscriptions);
+    node.command = command.take();
+    node.title = format!(
+        "{own_name} on {}, domain {}",
+        kind.name(),
+        environment.domain
+    );
     if arguments.screen {
         node.is_quiet = true;
         node.screen = Some((Screen::open(Arc::clone(&interrupted))?, Instant::now()));
@@ -178,7 +168,7 @@ fn wheel_names(robot: &RobotFile) -> Vec<String> {
 /// Announces the node's topics.
 fn announce(
     transport: Box<dyn Transport>,
-    names: &[String],
+    names: Vec<String>,
     arguments: &Arguments,
     recorder: Option<Recorder>,
 ) -> Result<Outputs> {
@@ -188,8 +178,7 @@ fn announce(
     };
     let full_name = |name: &str| arguments.full_name(name);
     let publishes_tf = arguments.publish_tf;
-    let mut outputs =
-        Outputs::announce(transport, names.to_vec(), frames, publishes_tf, full_name)?;
+    let mut outputs = Outputs::announce(transport, names, frames, publishes_tf, full_name)?;
     outputs.recorder = recorder;
     Ok(outputs)
 }
@@ -253,6 +242,8 @@ fn warn_of_others(transport: &mut dyn Transport, slip: &str) {
 /// The parts of a running node.
 struct Node {
     channels: Vec<Channel>,
+    /// By channel: its number in the intake, where it is used.
+    numbers: Vec<Option<usize>>,
     senders: Vec<Senders>,
     record_ids: Vec<Option<u16>>,
     last_received: Vec<Option<Instant>>,
@@ -268,7 +259,8 @@ struct Node {
     problems: Vec<String>,
     is_quiet: bool,
     names: Vec<String>,
-    subscriptions: Subscriptions,
+    /// `None` where nothing but the first topics is used.
+    subscriptions: Option<Subscriptions>,
     command: Option<CommandPath>,
     /// How long every topic is silent before the transport is renewed next.
     renewal_time: Duration,
@@ -282,6 +274,44 @@ struct Node {
 }
 
 impl Node {
+    /// A node with its channels, without options.
+    fn new(
+        channels: Vec<Channel>,
+        mut intake: Intake,
+        (samples, engine): (RobotSamples, Engine),
+        outputs: Outputs,
+        inbox: Inbox,
+    ) -> Self {
+        Self {
+            senders: channels.iter().map(Senders::new).collect(),
+            numbers: channels
+                .iter()
+                .map(|channel| intake.channel(channel))
+                .collect(),
+            record_ids: vec![None; channels.len()],
+            last_received: vec![None; channels.len()],
+            channels,
+            intake,
+            samples,
+            engine,
+            names: outputs.names().to_vec(),
+            outputs,
+            inbox,
+            hold: Duration::ZERO,
+            latency: Latency::new(),
+            messages: 0,
+            problems: Vec::new(),
+            is_quiet: true,
+            subscriptions: None,
+            command: None,
+            renewal_time: RENEWAL_TIMES.0,
+            unsent: 0,
+            screen: None,
+            title: String::new(),
+            events: Vec::new(),
+        }
+    }
+
     /// Uses a message; `is_timed` where its latency counts: not where it waited for the choice of topics.
     fn take(&mut self, arrival: &Arrival, is_timed: bool) -> Result<()> {
         if arrival.subscription == command::SUBSCRIPTION {
@@ -290,13 +320,13 @@ impl Node {
             }
             return Ok(());
         }
-        let Some(channel) = self.channels.get(arrival.subscription) else {
-            return Ok(());
-        };
-        let Some(number) = self.intake.channel(channel) else {
-            return Ok(());
-        };
         let index = arrival.subscription;
+        let Some(channel) = self.channels.get(index) else {
+            return Ok(());
+        };
+        let Some(number) = self.numbers[index] else {
+            return Ok(());
+        };
         self.last_received[index] = Some(arrival.received);
         if !self.senders[index].accepts(arrival, &channel.type_name) {
             return Ok(());
@@ -414,10 +444,12 @@ impl Node {
             problems.extend(path.problems(now));
         }
         let transport = self.outputs.transport.as_mut();
-        for topic in self.subscriptions.unknown(transport) {
-            problems.push(format!(
-                "`{topic}` appeared after the topics were chosen and is not used"
-            ));
+        if let Some(subscriptions) = &mut self.subscriptions {
+            for topic in subscriptions.unknown(transport) {
+                problems.push(format!(
+                    "`{topic}` appeared after the topics were chosen and is not used"
+                ));
+            }
         }
         problems.extend(transport.warnings());
         let late = left_out.late;
@@ -577,6 +609,9 @@ impl Node {
         })
     }
 }
+
+#[cfg(test)]
+mod cycle_tests;
 
 fn system_ns() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);

@@ -114,6 +114,11 @@ impl Outputs {
         })
     }
 
+    /// The wheels.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
     /// Messages of the estimate that the transport did not take.
     pub(crate) fn unsent(&self) -> u64 {
         let own = [
@@ -153,7 +158,16 @@ impl Outputs {
         self.publish_slip(time_ns)
     }
 
+    /// Does anyone receive or record a topic?
+    fn is_wanted(&mut self, topic: fn(&Self) -> &Topic) -> bool {
+        let publisher = topic(self).publisher;
+        self.recorder.is_some() || self.transport.has_subscriber(publisher)
+    }
+
     fn publish_slip(&mut self, time_ns: i64) -> io::Result<()> {
+        if !self.is_wanted(|own| &own.slip) {
+            return Ok(());
+        }
         let header = build::header(time_ns, &self.frames.base);
         let message = wheel_slip(header, &self.names, &self.latest);
         send(
@@ -166,12 +180,20 @@ impl Outputs {
     }
 
     fn publish_odometry(&mut self, time_ns: i64, odometry: &Odometry) -> io::Result<()> {
+        let wants = [
+            self.is_wanted(|own| &own.odometry),
+            self.is_wanted(|own| &own.twist),
+        ];
         let Frames { base, odom } = &self.frames;
-        let message = odometry_message(build::header(time_ns, odom), base, odometry);
-        let twist = twist_message(build::header(time_ns, base), odometry);
         let (transport, recorder) = (&mut self.transport, &mut self.recorder);
-        send(&mut self.odometry, transport, recorder, time_ns, &message)?;
-        send(&mut self.twist, transport, recorder, time_ns, &twist)?;
+        if wants[0] {
+            let message = odometry_message(build::header(time_ns, odom), base, odometry);
+            send(&mut self.odometry, transport, recorder, time_ns, &message)?;
+        }
+        if wants[1] {
+            let message = twist_message(build::header(time_ns, base), odometry);
+            send(&mut self.twist, transport, recorder, time_ns, &message)?;
+        }
         if let Some(topic) = &mut self.transform {
             let [x, y, yaw] = odometry.pose;
             let transform = build::message([

@@ -252,6 +252,7 @@ fn state_and_recording(transport: &'static str) {
         state.to_str().unwrap(),
         "--record",
         record.to_str().unwrap(),
+        "--publish-tf",
     ];
     let Some(mut run) = Run::begin(transport, "kept", &arguments) else {
         return;
@@ -276,6 +277,7 @@ fn state_and_recording(transport: &'static str) {
         "/grouser/slip",
         "/grouser/odom",
         "/diagnostics",
+        "/tf",
     ] {
         assert!(topics.contains(&topic), "{topic} of {topics:?}");
     }

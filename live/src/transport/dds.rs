@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
+use std::time::Instant;
 
 use futures::StreamExt as _;
 use futures::executor::block_on;
@@ -26,8 +27,12 @@ use crate::error::{Error, Result};
 
 /// The messages that a reader or writer keeps: half a second at 2 kHz. The estimates of the first seconds are written at once.
 const DEPTH: i32 = 1000;
+/// A writer of diagnostics, one a second of 2 kB, keeps fewer: a thousand would fill memory for 17 minutes.
+const DIAGNOSTICS_DEPTH: i32 = 10;
 /// A writer waits for a slow reader at most so long, ms: less than a period of a control loop.
 const MAX_BLOCKING_MS: i64 = 5;
+/// Readers that come and go are noticed this often: a new one waits less than for its discovery.
+const READERS_PERIOD: std::time::Duration = std::time::Duration::from_millis(100);
 /// What stands before a topic's name.
 const TOPIC: &str = "rt/";
 /// What stands before the hash in a publisher's user data.
@@ -99,7 +104,9 @@ pub(super) struct DdsTransport {
     subscriber: Subscriber,
     readers: BTreeMap<usize, Reader>,
     writers: Vec<Writer>,
+    /// Topics with the subscribers to which they do not fit, and what is to be reported of them.
     warned: BTreeSet<(String, GUID)>,
+    warnings: Vec<String>,
     domain: u16,
     node: String,
     /// Announces the node in ROS 2's graph.
@@ -119,6 +126,10 @@ struct Writer {
     topic: String,
     type_name: String,
     data: DataWriter<Raw, RawAdapter>,
+    /// The readers that get its messages now.
+    readers: i32,
+    /// When that is looked at next: each look is a call of the system.
+    look_due: Instant,
 }
 
 fn failed(error: impl std::fmt::Display) -> Error {
@@ -128,11 +139,15 @@ fn failed(error: impl std::fmt::Display) -> Error {
     }
 }
 
-fn writer_qos() -> QosPolicies {
+fn writer_qos(type_name: &str) -> QosPolicies {
+    let depth = match type_name {
+        "diagnostic_msgs/DiagnosticArray" => DIAGNOSTICS_DEPTH,
+        _ => DEPTH,
+    };
     QosPolicyBuilder::new()
         .reliable(Duration::from_millis(MAX_BLOCKING_MS))
         .durability(Durability::Volatile)
-        .history(History::KeepLast { depth: DEPTH })
+        .history(History::KeepLast { depth })
         .build()
 }
 
@@ -185,6 +200,7 @@ impl DdsTransport {
             readers: BTreeMap::new(),
             writers: Vec::new(),
             warned: BTreeSet::new(),
+            warnings: Vec::new(),
             domain,
         })
     }
@@ -325,7 +341,7 @@ impl Transport for DdsTransport {
     }
 
     fn advertise(&mut self, topic: &str, type_name: &str) -> Result<usize> {
-        let qos = writer_qos();
+        let qos = writer_qos(type_name);
         let dds_topic = self.topic(topic, type_name, &qos)?;
         let writer = self
             .publisher
@@ -335,9 +351,42 @@ impl Transport for DdsTransport {
             topic: topic.to_owned(),
             type_name: type_name.to_owned(),
             data: writer,
+            readers: 0,
+            look_due: Instant::now(),
         });
         self.announce_node()?;
         Ok(self.writers.len() - 1)
+    }
+
+    fn has_subscriber(&mut self, publisher: usize) -> bool {
+        let Some(writer) = self.writers.get_mut(publisher) else {
+            return false;
+        };
+        let now = Instant::now();
+        if now < writer.look_due {
+            return writer.readers > 0;
+        }
+        writer.look_due = now + READERS_PERIOD;
+        while let Some(status) = writer.data.try_recv_status() {
+            match status {
+                DataWriterStatus::PublicationMatched { current, .. } => {
+                    writer.readers = current.count();
+                }
+                DataWriterStatus::OfferedIncompatibleQos {
+                    last_policy_id,
+                    reader,
+                    ..
+                } if self.warned.insert((writer.topic.clone(), reader)) => {
+                    self.warnings.push(format!(
+                        "QoS: a subscriber of `{}` requests another {last_policy_id:?} than reliable, volatile, keep last: it \
+                         gets no messages",
+                        writer.topic
+                    ));
+                }
+                _ => {}
+            }
+        }
+        writer.readers > 0
     }
 
     fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()> {
@@ -348,29 +397,10 @@ impl Transport for DdsTransport {
     }
 
     fn warnings(&mut self) -> Vec<String> {
-        let mut words = Vec::new();
-        for Writer {
-            topic,
-            data: writer,
-            ..
-        } in &self.writers
-        {
-            while let Some(status) = writer.try_recv_status() {
-                if let DataWriterStatus::OfferedIncompatibleQos {
-                    last_policy_id,
-                    reader,
-                    ..
-                } = status
-                    && self.warned.insert((topic.clone(), reader))
-                {
-                    words.push(format!(
-                        "QoS: a subscriber of `{topic}` requests another {last_policy_id:?} than reliable, volatile, \
-                         keep last: it gets no messages"
-                    ));
-                }
-            }
+        for publisher in 0..self.writers.len() {
+            self.has_subscriber(publisher);
         }
-        words
+        std::mem::take(&mut self.warnings)
     }
 
     /// RustDDS forgets a participant whose announcements were lost for its lease; the other side, which still knows this one,

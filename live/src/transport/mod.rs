@@ -9,6 +9,9 @@ mod names;
 #[cfg(feature = "zenoh")]
 mod zenoh;
 
+#[cfg(feature = "zenoh")]
+pub(crate) use zenoh::run_on_one_thread as run_zenoh_on_one_thread;
+
 pub use inbox::{Arrival, Inbox, PublisherId, inbox};
 
 use crate::environment::Environment;
@@ -80,6 +83,9 @@ pub trait Transport {
     /// # Errors
     /// [`Error::Transport`], [`Error::UnknownType`].
     fn advertise(&mut self, topic: &str, type_name: &str) -> Result<usize>;
+
+    /// Does anyone receive this topic? Where nobody does, its messages need not be made.
+    fn has_subscriber(&mut self, publisher: usize) -> bool;
 
     /// Sends a message in CDR, with its encapsulation, to an announced topic.
     ///
