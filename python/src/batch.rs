@@ -25,6 +25,9 @@ impl Column<'_> {
     }
 }
 
+/// Points of a curve between two looks at signals: 0.1 s of work.
+const POINTS_PER_CURVE: usize = 1 << 20;
+
 /// The columns that a batch writes, allocated by the caller: sinkage, vertical force, drawbar pull, torque.
 type Numbers<'py> = [PyReadwriteArray1<'py, f64>; 4];
 
@@ -187,16 +190,35 @@ pub(crate) fn solve_curve<'py>(
     let kernel = BatchKernel::new(soil.soil);
     let mut statuses = vec![SolveStatus::default(); slip.len()];
     let [sinkage, vertical_force, drawbar_pull, torque] = &mut numbers;
-    let mut columns = BatchColumns {
-        sinkage: sinkage.as_slice_mut()?,
-        vertical_force: vertical_force.as_slice_mut()?,
-        drawbar_pull: drawbar_pull.as_slice_mut()?,
-        torque: torque.as_slice_mut()?,
-        status: &mut statuses,
-    };
-    raised(py.detach(|| kernel.curve(&wheel.0, load_n, slip, &mut columns)))?;
+    let [sinkage, vertical_force, drawbar_pull, torque] = [
+        sinkage.as_slice_mut()?,
+        vertical_force.as_slice_mut()?,
+        drawbar_pull.as_slice_mut()?,
+        torque.as_slice_mut()?,
+    ];
     let codes = status.as_slice_mut()?;
-    check_length(codes.len(), slip.len())?;
+    for found in [
+        codes.len(),
+        sinkage.len(),
+        vertical_force.len(),
+        drawbar_pull.len(),
+        torque.len(),
+    ] {
+        check_length(found, slip.len())?;
+    }
+    // once where there is no point, for what is wrong with the wheel or the load
+    for from in (0..slip.len().max(1)).step_by(POINTS_PER_CURVE) {
+        let own = from..slip.len().min(from + POINTS_PER_CURVE);
+        let mut columns = BatchColumns {
+            sinkage: &mut sinkage[own.clone()],
+            vertical_force: &mut vertical_force[own.clone()],
+            drawbar_pull: &mut drawbar_pull[own.clone()],
+            torque: &mut torque[own.clone()],
+            status: &mut statuses[own.clone()],
+        };
+        raised(py.detach(|| kernel.curve(&wheel.0, load_n, &slip[own], &mut columns)))?;
+        py.check_signals()?;
+    }
     write_codes(codes, &statuses);
     Ok(())
 }

@@ -10,6 +10,7 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
+use crate::argument;
 use crate::batch::Column;
 use crate::error::{Details, input_error, raised};
 use crate::soil::Soil;
@@ -17,6 +18,8 @@ use crate::wheel::Wheel;
 use crate::workers;
 
 type Floats<'py> = Bound<'py, PyArray1<f64>>;
+/// A pickled operating point: contact, load (N), sinkage (m), slip, slip angle (degrees).
+type State<'py> = (Bound<'py, WheelOnSoil>, Option<f64>, f64, f64, f64);
 type Codes<'py> = Bound<'py, PyArray1<u8>>;
 
 /// A wheel at one sinkage and one motion: geometry, forces and how far to trust them.
@@ -24,109 +27,171 @@ type Codes<'py> = Bound<'py, PyArray1<u8>>;
 /// Lengths in m, forces in N (vertical upwards, drawbar pull forwards, side force to the left), torque in
 /// N m (positive where a motor drives), angles in degrees.
 #[pyclass(frozen, module = "grouser._core")]
-#[derive(Clone, Debug)]
-pub(crate) struct OperatingPoint(terra::OperatingPoint);
+#[derive(Debug)]
+pub(crate) struct OperatingPoint {
+    point: terra::OperatingPoint,
+    /// What it was computed from; pickled instead of it.
+    made: (Py<WheelOnSoil>, Given),
+}
+
+/// Load (N) or sinkage (m), slip and slip angle (degrees).
+#[derive(Clone, Copy, Debug)]
+struct Given {
+    load_n: Option<f64>,
+    sinkage_m: f64,
+    slip: f64,
+    slip_angle_deg: f64,
+}
+
+impl OperatingPoint {
+    fn solved(contact: &Bound<'_, WheelOnSoil>, given: Given) -> PyResult<Option<Self>> {
+        let motion = raised(kinematics(given.slip, given.slip_angle_deg))?;
+        let own = &contact.get().contact;
+        let point = match given.load_n {
+            Some(load) => raised(own.under_load(load, &motion))?.point(),
+            None => Some(raised(own.at_sinkage(given.sinkage_m, &motion))?),
+        };
+        let made = (contact.clone().unbind(), given);
+        Ok(point.map(|point| Self { point, made }))
+    }
+}
 
 #[pymethods]
 impl OperatingPoint {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, State<'py>)> {
+        let (contact, given) = &slf.get().made;
+        let state = (
+            contact.bind(slf.py()).clone(),
+            given.load_n,
+            given.sinkage_m,
+            given.slip,
+            given.slip_angle_deg,
+        );
+        Ok((slf.get_type().getattr("_again")?, state))
+    }
+
+    #[staticmethod]
+    fn _again(
+        contact: &Bound<'_, WheelOnSoil>,
+        load_n: Option<f64>,
+        sinkage_m: f64,
+        slip: f64,
+        slip_angle_deg: f64,
+    ) -> PyResult<Option<Self>> {
+        let given = Given {
+            load_n,
+            sinkage_m,
+            slip,
+            slip_angle_deg,
+        };
+        Self::solved(contact, given)
+    }
+
     /// Slip: positive where the wheel drives, negative where it brakes.
     #[getter]
     fn slip(&self) -> f64 {
-        self.0.kinematics.slip().value()
+        self.point.kinematics.slip().value()
     }
 
     /// Sinkage, m.
     #[getter]
     fn sinkage_m(&self) -> f64 {
-        self.0.sinkage
+        self.point.sinkage
     }
 
     /// Entry angle, degrees.
     #[getter]
     fn theta_1_deg(&self) -> f64 {
-        self.0.angles.theta_1.to_degrees()
+        self.point.angles.theta_1.to_degrees()
     }
 
     /// Exit angle, degrees.
     #[getter]
     fn theta_2_deg(&self) -> f64 {
-        self.0.angles.theta_2.to_degrees()
+        self.point.angles.theta_2.to_degrees()
     }
 
     /// Angle of the greatest normal stress, degrees.
     #[getter]
     fn theta_m_deg(&self) -> f64 {
-        self.0.angles.theta_m.to_degrees()
+        self.point.angles.theta_m.to_degrees()
     }
 
     /// Vertical force, N.
     #[getter]
     fn vertical_force_n(&self) -> f64 {
-        self.0.forces.vertical_force
+        self.point.forces.vertical_force
     }
 
     /// Drawbar pull, N.
     #[getter]
     fn drawbar_pull_n(&self) -> f64 {
-        self.0.forces.drawbar_pull
+        self.point.forces.drawbar_pull
     }
 
     /// Side force, N.
     #[getter]
     fn side_force_n(&self) -> f64 {
-        self.0.side_force
+        self.point.side_force
     }
 
     /// Torque, N m.
     #[getter]
     fn torque_nm(&self) -> f64 {
-        self.0.forces.torque
+        self.point.forces.torque
     }
 
     /// Compaction resistance, N.
     #[getter]
     fn compaction_resistance_n(&self) -> f64 {
-        self.0.forces.compaction_resistance
+        self.point.forces.compaction_resistance
     }
 
     /// The share of the motor's work that pulls; `None` unless the wheel is driven and pulls.
     #[getter]
     fn tractive_efficiency(&self) -> Option<f64> {
-        self.0.tractive_efficiency()
+        self.point.tractive_efficiency()
     }
 
     /// Energy per metre of travel, J/m; `None` for a wheel that spins on the spot.
     #[getter]
     fn energy_j_per_m(&self) -> Option<f64> {
-        self.0.energy_per_metre()
+        self.point.energy_per_metre()
     }
 
     /// Drawbar pull over vertical force; `None` where nothing is carried.
     #[getter]
     fn pull_coefficient(&self) -> Option<f64> {
-        self.0.pull_coefficient()
+        self.point.pull_coefficient()
     }
 
     /// The error of the integrals at most, N.
     #[getter]
     fn error_estimate_n(&self) -> f64 {
-        self.0.error_estimate
+        self.point.error_estimate
     }
 
     /// What to keep in mind, by the keys that the command prints.
     #[getter]
     fn cautions(&self) -> Vec<&'static str> {
-        self.0.cautions.iter().map(terra::Caution::key).collect()
+        self.point
+            .cautions
+            .iter()
+            .map(terra::Caution::key)
+            .collect()
     }
 
     /// Normal stress at an angle (degrees from the vertical, towards the front), Pa.
-    fn normal_stress_pa(&self, theta_deg: f64) -> f64 {
-        self.0.normal_stress(theta_deg.to_radians())
+    fn normal_stress_pa(&self, #[pyo3(from_py_with = argument::number)] theta_deg: f64) -> f64 {
+        self.point.normal_stress(theta_deg.to_radians())
     }
 
     /// Shear stress along and across the wheel at an angle (degrees), Pa.
-    fn shear_stress_pa(&self, theta_deg: f64) -> (f64, f64) {
-        self.0.shear_stress(theta_deg.to_radians())
+    fn shear_stress_pa(
+        &self,
+        #[pyo3(from_py_with = argument::number)] theta_deg: f64,
+    ) -> (f64, f64) {
+        self.point.shear_stress(theta_deg.to_radians())
     }
 
     fn __repr__(&self) -> String {
@@ -248,8 +313,8 @@ impl WheelOnSoil {
     #[new]
     #[pyo3(signature = (wheel, soil, *, reference_accuracy=false, shear=None, bulldozing=None))]
     fn new(
-        wheel: Wheel,
-        soil: Soil,
+        #[pyo3(from_py_with = argument::object)] wheel: Wheel,
+        #[pyo3(from_py_with = argument::object)] soil: Soil,
         reference_accuracy: bool,
         shear: Option<&str>,
         bulldozing: Option<&str>,
@@ -312,14 +377,18 @@ impl WheelOnSoil {
     ///     A load, slip or angle outside its limits, or NaN.
     #[pyo3(signature = (*, load_n, slip, slip_angle_deg=0.0))]
     fn under_load(
-        &self,
-        load_n: f64,
-        slip: f64,
-        slip_angle_deg: f64,
+        slf: &Bound<'_, Self>,
+        #[pyo3(from_py_with = argument::number)] load_n: f64,
+        #[pyo3(from_py_with = argument::number)] slip: f64,
+        #[pyo3(from_py_with = argument::number)] slip_angle_deg: f64,
     ) -> PyResult<Option<OperatingPoint>> {
-        let motion = raised(kinematics(slip, slip_angle_deg))?;
-        let solution = raised(self.contact.under_load(load_n, &motion))?;
-        Ok(solution.point().map(OperatingPoint))
+        let given = Given {
+            load_n: Some(load_n),
+            sinkage_m: f64::NAN,
+            slip,
+            slip_angle_deg,
+        };
+        OperatingPoint::solved(slf, given)
     }
 
     /// The operating point at a sinkage (m).
@@ -330,19 +399,27 @@ impl WheelOnSoil {
     ///     A sinkage that is negative or reaches the hub; a slip or angle outside its limits, or NaN.
     #[pyo3(signature = (*, sinkage_m, slip, slip_angle_deg=0.0))]
     fn at_sinkage(
-        &self,
-        sinkage_m: f64,
-        slip: f64,
-        slip_angle_deg: f64,
-    ) -> PyResult<OperatingPoint> {
-        let motion = raised(kinematics(slip, slip_angle_deg))?;
-        raised(self.contact.at_sinkage(sinkage_m, &motion)).map(OperatingPoint)
+        slf: &Bound<'_, Self>,
+        #[pyo3(from_py_with = argument::number)] sinkage_m: f64,
+        #[pyo3(from_py_with = argument::number)] slip: f64,
+        #[pyo3(from_py_with = argument::number)] slip_angle_deg: f64,
+    ) -> PyResult<Option<OperatingPoint>> {
+        let given = Given {
+            load_n: None,
+            sinkage_m,
+            slip,
+            slip_angle_deg,
+        };
+        OperatingPoint::solved(slf, given)
     }
 
     /// The slip in [0, 1] of the greatest drawbar pull under a load (N), and that pull (N); `None` where no
     /// slip carries the load.
     #[pyo3(signature = (*, load_n))]
-    fn slip_of_maximum_pull(&self, load_n: f64) -> PyResult<Option<(f64, f64)>> {
+    fn slip_of_maximum_pull(
+        &self,
+        #[pyo3(from_py_with = argument::number)] load_n: f64,
+    ) -> PyResult<Option<(f64, f64)>> {
         let best = raised(self.contact.slip_of_maximum_pull(load_n))?;
         Ok(best.map(|best| (best.slip.value(), best.value)))
     }
@@ -350,7 +427,10 @@ impl WheelOnSoil {
     /// The slip in [0, 1] of the greatest tractive efficiency under a load (N), and that efficiency; `None`
     /// where no slip pulls.
     #[pyo3(signature = (*, load_n))]
-    fn slip_of_maximum_efficiency(&self, load_n: f64) -> PyResult<Option<(f64, f64)>> {
+    fn slip_of_maximum_efficiency(
+        &self,
+        #[pyo3(from_py_with = argument::number)] load_n: f64,
+    ) -> PyResult<Option<(f64, f64)>> {
         let best = raised(self.contact.slip_of_maximum_efficiency(load_n))?;
         Ok(best.map(|best| (best.slip.value(), best.value)))
     }
@@ -358,14 +438,21 @@ impl WheelOnSoil {
     /// The steepest slope that a wheel of this weight (N) holds, degrees; `None` where it cannot pull
     /// itself on the level.
     #[pyo3(signature = (*, weight_n))]
-    fn gradeability_deg(&self, weight_n: f64) -> PyResult<Option<f64>> {
+    fn gradeability_deg(
+        &self,
+        #[pyo3(from_py_with = argument::number)] weight_n: f64,
+    ) -> PyResult<Option<f64>> {
         Ok(raised(self.contact.gradeability(weight_n))?.map(Angle::deg))
     }
 
     /// The skid of a free wheel (a negative slip) under a load (N) against the friction of its bearing
     /// (N m); `None` where the soil does not turn it.
     #[pyo3(signature = (*, load_n, bearing_torque_nm=0.0))]
-    fn free_slip(&self, load_n: f64, bearing_torque_nm: f64) -> PyResult<Option<f64>> {
+    fn free_slip(
+        &self,
+        #[pyo3(from_py_with = argument::number)] load_n: f64,
+        #[pyo3(from_py_with = argument::number)] bearing_torque_nm: f64,
+    ) -> PyResult<Option<f64>> {
         let slip = raised(self.contact.free_slip(load_n, bearing_torque_nm))?;
         Ok(slip.map(Slip::value))
     }

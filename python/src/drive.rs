@@ -10,6 +10,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument;
 use crate::error::{Details, input_error, raised};
 use crate::slip::observation_dict;
 
@@ -166,7 +167,12 @@ fn track_row(frame: &Frame<'_>) -> [f64; TRACK.len()] {
 impl Simulation {
     /// `pilot` is `open-loop`, `fixed-slip`, `known-soil` or `controller`.
     #[new]
-    fn new(py: Python<'_>, scenario: Scenario, pilot: &str, seed: u64) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        #[pyo3(from_py_with = argument::object)] scenario: Scenario,
+        #[pyo3(from_py_with = argument::text)] pilot: String,
+        seed: u64,
+    ) -> PyResult<Self> {
         let Some(pilot) = Pilot::ALL.into_iter().find(|own| own.name() == pilot) else {
             let names = Pilot::ALL.map(Pilot::name).join(", ");
             let message = format!("pilot is `{pilot}`, but must be one of {names}");

@@ -57,6 +57,47 @@ fn number(value: f64) -> Option<Py<PyAny>> {
     Python::attach(|py| value.into_pyobject(py).ok().map(|n| n.into_any().unbind()))
 }
 
+/// A quantity of the laws as the package's keywords have it: the name with its unit, and how many of the keyword's units
+/// are one of the laws'.
+fn keyword(field: &str, unit: &'static str) -> (String, &'static str, f64) {
+    let own = |name: &str| (name.to_owned(), unit, 1.0);
+    let with = |suffix: &str, unit, factor| (format!("{field}_{suffix}"), unit, factor);
+    match (field, unit) {
+        ("k_c", _) => ("k_c_kn_per_m_n1".to_owned(), "kN/m^(n+1)", 1e-3),
+        ("k_phi", _) => ("k_phi_kn_per_m_n2".to_owned(), "kN/m^(n+2)", 1e-3),
+        ("unit_weight", _) => own("unit_weight_n_per_m3"),
+        ("tips", _) => own("grouser_tip_share"),
+        ("lug_count", _) => own("grouser_count"),
+        ("lug_thickness", _) => own("grouser_thickness_m"),
+        (_, "m") => with("m", unit, 1.0),
+        (_, "N") => with("n", unit, 1.0),
+        (_, "N m") => with("nm", unit, 1.0),
+        (_, "rad") => with("deg", "deg", 1_f64.to_degrees()),
+        (_, "Pa") => with("kpa", "kPa", 1e-3),
+        _ => own(field),
+    }
+}
+
+/// `x` in a keyword's unit, to fifteen digits: what 95 degrees became in radians is 95 again.
+fn in_unit(x: f64, factor: f64) -> f64 {
+    if factor == 1.0 || !x.is_finite() {
+        return x;
+    }
+    format!("{:.14e}", x * factor).parse().unwrap_or(x * factor)
+}
+
+/// A number of the laws that lies outside its limits, by its keyword.
+fn by_keyword(range: OutOfRange<&'static str>) -> OutOfRange<String> {
+    let (field, unit, factor) = keyword(range.field, range.unit);
+    OutOfRange {
+        value: in_unit(range.value, factor),
+        low: in_unit(range.low, factor),
+        high: in_unit(range.high, factor),
+        unit,
+        field,
+    }
+}
+
 /// What a number outside its limits carries; a pure number of a file's key has its unit in the key.
 fn out_of_range(error: OutOfRange<String>) -> Details {
     Details {
@@ -87,23 +128,35 @@ impl IntoPython for terra::Error {
         let field = self.field().map(ToOwned::to_owned);
         let message = self.to_string();
         let details = match self {
-            Self::OutOfRange(range) => out_of_range(range.named(range.field.to_owned())),
+            Self::OutOfRange(range) => {
+                let range = by_keyword(range);
+                return input_error(range.to_string(), out_of_range(range));
+            }
             Self::NotAbove {
-                value, limit, unit, ..
-            } => Details {
                 field,
-                value: number(value),
-                limit: Some(Limit::Above(limit)),
-                unit: Some(unit),
-            },
-            Self::NotFinite { value, unit, .. } => Details {
-                field,
-                value: number(value),
-                limit: None,
-                unit: Some(unit),
-            },
+                value,
+                limit,
+                unit,
+            } => {
+                let (field, unit, factor) = keyword(field, unit);
+                Details {
+                    field: Some(field),
+                    value: number(in_unit(value, factor)),
+                    limit: Some(Limit::Above(in_unit(limit, factor))),
+                    unit: Some(unit),
+                }
+            }
+            Self::NotFinite { field, value, unit } => {
+                let (field, unit, _) = keyword(field, unit);
+                Details {
+                    field: Some(field),
+                    value: number(value),
+                    limit: None,
+                    unit: Some(unit),
+                }
+            }
             Self::HubBuried { sinkage, radius } => Details {
-                field,
+                field: Some("sinkage_m".to_owned()),
                 value: number(sinkage),
                 limit: Some(Limit::Range((0.0, radius))),
                 unit: Some("m"),
@@ -113,15 +166,22 @@ impl IntoPython for terra::Error {
                 sinkage,
                 radius,
             } => Details {
-                field,
+                field: field.clone(),
                 value: number(rebound),
                 limit: Some(Limit::Range((0.0, radius / sinkage))),
                 unit: Some("1"),
             },
             _ => Details {
-                field,
+                field: field.clone(),
                 ..Details::default()
             },
+        };
+        // the message's field too, where its numbers are in the keyword's unit
+        let message = match (field, &details.field, details.unit) {
+            (Some(plain), Some(own), Some("m" | "N" | "N m")) if message.starts_with(&plain) => {
+                message.replacen(&plain, own, 1)
+            }
+            _ => message,
         };
         input_error(message, details)
     }
@@ -137,13 +197,15 @@ impl IntoPython for files::Error {
         match self {
             E::Unreadable { file, source } => os_error(&file, &source),
             E::Soil { source, .. } => {
+                let plain = source.to_string();
                 let error = source.into_python();
                 Python::attach(|py| {
                     // the same details, under the message that names the place
                     let value = error.value(py);
+                    let message = message.replace(&plain, &value.to_string());
                     let get = |name| value.getattr(name).map(Bound::unbind).ok();
                     InputError::new_err((
-                        message.clone(),
+                        message,
                         get("field"),
                         get("value"),
                         get("limit"),

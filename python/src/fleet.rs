@@ -5,6 +5,7 @@ use grouser::slip::control::WheelCommand;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use crate::argument;
 use crate::drive::Scenario;
 use crate::error::raised;
 use crate::workers;
@@ -13,6 +14,11 @@ use crate::workers;
 const ROBOT_COLUMNS: usize = 6;
 /// Columns of each wheel.
 const WHEEL_COLUMNS: usize = 6;
+
+/// Periods of all drives between two looks at signals: of 64 robots 0.2 s of work.
+const PERIODS_PER_BLOCK: usize = 10;
+/// Drives that a thread begins between two looks at signals, 4 to 8 ms each.
+const STARTS_PER_THREAD: usize = 16;
 
 /// One drive and what was read of it last.
 struct Place {
@@ -97,7 +103,12 @@ type Step<'py> = (
 #[pymethods]
 impl Fleet {
     #[new]
-    fn new(py: Python<'_>, scenario: Scenario, seeds: Vec<u64>, threads: usize) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        #[pyo3(from_py_with = argument::object)] scenario: Scenario,
+        seeds: Vec<u64>,
+        threads: usize,
+    ) -> PyResult<Self> {
         let mut fleet = Self {
             wheels: scenario.wheel_count(),
             scenario,
@@ -141,21 +152,27 @@ impl Fleet {
             })
             .collect();
         let share = self.places.len().div_ceil(self.threads);
-        let jobs: Vec<_> = self
-            .places
-            .chunks_mut(share)
-            .zip(commands.chunks(share).zip(moves.chunks(share)))
-            .map(|(places, (commands, moves))| {
-                move || {
-                    let mut pairs = places.iter_mut().zip(commands).zip(moves);
-                    pairs.try_for_each(|((place, commands), moves)| {
-                        place.advance(commands, if *moves { periods } else { 0 })
-                    })
-                }
-            })
-            .collect();
-        for done in workers::run(py, jobs) {
-            raised(done)?;
+        let mut done = 0;
+        while done < periods {
+            let now = PERIODS_PER_BLOCK.min(periods - done);
+            let jobs: Vec<_> = self
+                .places
+                .chunks_mut(share)
+                .zip(commands.chunks(share).zip(moves.chunks(share)))
+                .map(|(places, (commands, moves))| {
+                    move || {
+                        let mut pairs = places.iter_mut().zip(commands).zip(moves);
+                        pairs.try_for_each(|((place, commands), moves)| {
+                            place.advance(commands, if *moves { now } else { 0 })
+                        })
+                    }
+                })
+                .collect();
+            for ended in workers::run(py, jobs) {
+                raised(ended)?;
+            }
+            py.check_signals()?;
+            done += now;
         }
         Ok(())
     }
@@ -189,19 +206,21 @@ impl Fleet {
 
 impl Fleet {
     fn made(&self, py: Python<'_>, seeds: &[u64]) -> PyResult<Vec<Place>> {
-        let share = seeds.len().div_ceil(self.threads).max(1);
-        let jobs: Vec<_> = seeds
-            .chunks(share)
-            .map(|seeds| {
-                || {
-                    let places = seeds.iter().map(|seed| Place::new(&self.scenario, *seed));
-                    places.collect::<grouser::rover::Result<Vec<_>>>()
-                }
-            })
-            .collect();
         let mut out = Vec::with_capacity(seeds.len());
-        for made in workers::run(py, jobs) {
-            out.extend(raised(made)?);
+        for block in seeds.chunks(self.threads * STARTS_PER_THREAD) {
+            let jobs: Vec<_> = block
+                .chunks(block.len().div_ceil(self.threads))
+                .map(|seeds| {
+                    || {
+                        let places = seeds.iter().map(|seed| Place::new(&self.scenario, *seed));
+                        places.collect::<grouser::rover::Result<Vec<_>>>()
+                    }
+                })
+                .collect();
+            for made in workers::run(py, jobs) {
+                out.extend(raised(made)?);
+            }
+            py.check_signals()?;
         }
         Ok(out)
     }

@@ -5,6 +5,7 @@
 //! `grouser.InputTypeError` (a `TypeError`), both with field, value, limit and unit.
 #![forbid(unsafe_op_in_unsafe_fn)]
 
+mod argument;
 mod batch;
 mod callable;
 mod command;

@@ -16,6 +16,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument;
 use crate::error::{Details, input_error, raised};
 use crate::robot::Robot;
 use crate::sample::{Sample, parts};
@@ -194,7 +195,7 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
 pub(crate) fn estimate<'py>(
     py: Python<'py>,
     paths: Vec<PathBuf>,
-    robot: Robot,
+    #[pyo3(from_py_with = argument::object)] robot: Robot,
     columns: Option<PathBuf>,
     choices: Choices,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
@@ -218,7 +219,7 @@ pub(crate) fn estimate<'py>(
 pub(crate) fn read_samples<'py>(
     py: Python<'py>,
     paths: Vec<PathBuf>,
-    robot: Robot,
+    #[pyo3(from_py_with = argument::object)] robot: Robot,
     columns: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let job = move || {
@@ -272,7 +273,12 @@ fn ended() -> PyErr {
 #[pymethods]
 impl Engine {
     #[new]
-    fn new(robot: Robot, reference: &str, wheel_sensor: &str, choices: Choices) -> PyResult<Self> {
+    fn new(
+        #[pyo3(from_py_with = argument::object)] robot: Robot,
+        reference: &str,
+        wheel_sensor: &str,
+        choices: Choices,
+    ) -> PyResult<Self> {
         let references = Reference::ALL.iter().map(|r| (r.name(), *r));
         let reference = choice("reference", Some(reference), references)?;
         let sensors = WheelSensor::NAMES.into_iter();
@@ -291,7 +297,7 @@ impl Engine {
     }
 
     /// Takes a sample, not earlier than those before.
-    fn push(&mut self, sample: Sample) -> PyResult<()> {
+    fn push(&mut self, #[pyo3(from_py_with = argument::object)] sample: Sample) -> PyResult<()> {
         let replay = self.replay.as_mut().ok_or_else(ended)?;
         raised(replay.push(sample.0, &mut self.rows))
     }

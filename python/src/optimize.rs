@@ -232,10 +232,6 @@ fn many_dict<'py>(py: Python<'py>, found: &MultiStart, own: usize) -> PyResult<B
 
 /// The Pareto front of a problem.
 #[pyfunction]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the public function is keyword-only"
-)]
 pub(crate) fn solve_front<'py>(
     py: Python<'py>,
     parts: Parts,

@@ -8,6 +8,7 @@ use grouser::slip::WheelRole;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
+use crate::argument;
 use crate::error::raised;
 
 /// A robot: its wheels, and how their slip is to be estimated.
@@ -34,7 +35,7 @@ impl Robot {
 
     /// A robot from the text of a robot file.
     #[staticmethod]
-    fn from_toml(text: String) -> PyResult<Self> {
+    fn from_toml(#[pyo3(from_py_with = argument::text)] text: String) -> PyResult<Self> {
         let document = raised(Document::from_text("robot", text))?;
         raised(robot::parse(&document)).map(Self)
     }

@@ -1,10 +1,10 @@
 //! One reading of one sensor.
 
 use grouser::slip::{self, Measurement};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::error::{Details, Limit, input_error, type_error};
+use crate::argument;
+use crate::error::{Details, input_error};
 
 /// One reading of one sensor: built by the function named after its kind.
 ///
@@ -20,77 +20,14 @@ use crate::error::{Details, Limit, input_error, type_error};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample(pub(crate) slip::Sample);
 
+/// A pickled sample: kind, time (ns), wheel, counter, numbers.
+type State = (String, i64, i64, u64, [f64; 6]);
+
 const fn sample(time_ns: i64, measurement: Measurement) -> Sample {
     Sample(slip::Sample {
         time_ns,
         measurement,
     })
-}
-
-/// A time in ns.
-struct TimeNs(i64);
-
-/// The index of a wheel.
-struct WheelIndex(usize);
-
-/// A counter; a signed one may be negative.
-struct Count(u64);
-
-/// A whole number of `limits`; anything else is a typed error that names `field`.
-fn whole(value: Borrowed<'_, '_, PyAny>, field: &str, limits: (i128, i128)) -> PyResult<i128> {
-    let (low, high) = limits;
-    let found = value.extract::<i128>();
-    match found {
-        Ok(number) if (low..=high).contains(&number) => Ok(number),
-        Err(error) if error.is_instance_of::<PyTypeError>(value.py()) => {
-            let kind = value.get_type().name()?;
-            let message = format!("{field} is {kind}, but must be a whole number");
-            Err(type_error(message, field))
-        }
-        _ => {
-            let shown = value.str()?;
-            let message = format!("{field} is {shown}, but must lie in [{low}, {high}]");
-            let details = Details {
-                value: Some(value.to_owned().unbind()),
-                limit: Some(Limit::Range((low as f64, high as f64))),
-                unit: Some("1"),
-                ..Details::field(field)
-            };
-            Err(input_error(message, details))
-        }
-    }
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for TimeNs {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let number = whole(value, "time_ns", (i64::MIN.into(), i64::MAX.into()))?;
-        Ok(Self(i64::try_from(number).unwrap_or(i64::MAX)))
-    }
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for WheelIndex {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let number = whole(value, "wheel", (0, u32::MAX.into()))?;
-        Ok(Self(usize::try_from(number).unwrap_or(usize::MAX)))
-    }
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for Count {
-    type Error = PyErr;
-
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a counter is used modulo its width"
-    )]
-    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let number = whole(value, "count", (i64::MIN.into(), u64::MAX.into()))?;
-        Ok(Self(number as u64))
-    }
 }
 
 /// Kind, wheel (-1 for the robot) and up to six numbers.
@@ -152,94 +89,138 @@ impl Sample {
     /// A tick counter, as the hardware shows it; a signed counter may be negative.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, wheel, count))]
-    fn wheel_count(time_ns: TimeNs, wheel: WheelIndex, count: Count) -> Self {
-        let (wheel, raw) = (wheel.0, count.0);
-        sample(time_ns.0, Measurement::WheelCount { wheel, raw })
+    fn wheel_count(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::counter)] count: u64,
+    ) -> Self {
+        let (wheel, raw) = (wheel, count);
+        sample(time_ns, Measurement::WheelCount { wheel, raw })
     }
 
     /// The angle of a wheel sensor's shaft, unwrapped, rad.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, wheel, angle_rad))]
-    fn wheel_angle(time_ns: TimeNs, wheel: WheelIndex, angle_rad: f64) -> Self {
-        let (wheel, angle) = (wheel.0, angle_rad);
-        sample(time_ns.0, Measurement::WheelAngle { wheel, angle })
+    fn wheel_angle(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] angle_rad: f64,
+    ) -> Self {
+        let (wheel, angle) = (wheel, angle_rad);
+        sample(time_ns, Measurement::WheelAngle { wheel, angle })
     }
 
     /// The rate of a wheel sensor's shaft, rad/s.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, wheel, rate_rad_per_s))]
-    fn wheel_rate(time_ns: TimeNs, wheel: WheelIndex, rate_rad_per_s: f64) -> Self {
-        let (wheel, rate) = (wheel.0, rate_rad_per_s);
-        sample(time_ns.0, Measurement::WheelRate { wheel, rate })
+    fn wheel_rate(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] rate_rad_per_s: f64,
+    ) -> Self {
+        let (wheel, rate) = (wheel, rate_rad_per_s);
+        sample(time_ns, Measurement::WheelRate { wheel, rate })
     }
 
     /// The robot's yaw rate, rad/s, to the left.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, rate_rad_per_s))]
-    fn yaw_rate(time_ns: TimeNs, rate_rad_per_s: f64) -> Self {
+    fn yaw_rate(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::number)] rate_rad_per_s: f64,
+    ) -> Self {
         let rate = rate_rad_per_s;
-        sample(time_ns.0, Measurement::YawRate { rate })
+        sample(time_ns, Measurement::YawRate { rate })
     }
 
     /// How far the robot moved since the last sample of this kind, in its own frame: m, m, rad.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, forward_m, left_m, turn_rad=None))]
-    fn displacement(time_ns: TimeNs, forward_m: f64, left_m: f64, turn_rad: Option<f64>) -> Self {
+    fn displacement(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::number)] forward_m: f64,
+        #[pyo3(from_py_with = argument::number)] left_m: f64,
+        #[pyo3(from_py_with = argument::optional_number)] turn_rad: Option<f64>,
+    ) -> Self {
         let measurement = Measurement::Displacement {
             forward: forward_m,
             left: left_m,
             turn: turn_rad,
         };
-        sample(time_ns.0, measurement)
+        sample(time_ns, measurement)
     }
 
     /// Where the robot is in a fixed frame: m, m, rad.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, x_m, y_m, yaw_rad))]
-    fn pose(time_ns: TimeNs, x_m: f64, y_m: f64, yaw_rad: f64) -> Self {
+    fn pose(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::number)] x_m: f64,
+        #[pyo3(from_py_with = argument::number)] y_m: f64,
+        #[pyo3(from_py_with = argument::number)] yaw_rad: f64,
+    ) -> Self {
         let (x, y, yaw) = (x_m, y_m, yaw_rad);
-        sample(time_ns.0, Measurement::Pose { x, y, yaw })
+        sample(time_ns, Measurement::Pose { x, y, yaw })
     }
 
     /// The robot's speed over ground in its own frame, m/s.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, forward_mps, left_mps=None))]
-    fn speed(time_ns: TimeNs, forward_mps: f64, left_mps: Option<f64>) -> Self {
+    fn speed(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::number)] forward_mps: f64,
+        #[pyo3(from_py_with = argument::optional_number)] left_mps: Option<f64>,
+    ) -> Self {
         let (forward, left) = (forward_mps, left_mps);
-        sample(time_ns.0, Measurement::Speed { forward, left })
+        sample(time_ns, Measurement::Speed { forward, left })
     }
 
     /// Specific force in the robot's frame without gravity, m/s².
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, forward_mps2, left_mps2))]
-    fn acceleration(time_ns: TimeNs, forward_mps2: f64, left_mps2: f64) -> Self {
+    fn acceleration(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::number)] forward_mps2: f64,
+        #[pyo3(from_py_with = argument::number)] left_mps2: f64,
+    ) -> Self {
         let (forward, left) = (forward_mps2, left_mps2);
-        sample(time_ns.0, Measurement::Acceleration { forward, left })
+        sample(time_ns, Measurement::Acceleration { forward, left })
     }
 
     /// An inertial unit's reading forwards, to the left, up: specific force (m/s²) and rate (rad/s). For
     /// `OnBoard`.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, force_mps2, rate_rad_per_s))]
-    fn inertial(time_ns: TimeNs, force_mps2: [f64; 3], rate_rad_per_s: [f64; 3]) -> Self {
+    fn inertial(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::vector)] force_mps2: [f64; 3],
+        #[pyo3(from_py_with = argument::vector)] rate_rad_per_s: [f64; 3],
+    ) -> Self {
         let (force, rate) = (force_mps2, rate_rad_per_s);
-        sample(time_ns.0, Measurement::Inertial { force, rate })
+        sample(time_ns, Measurement::Inertial { force, rate })
     }
 
     /// A motor's current over its greatest, signed by the torque. For `OnBoard`.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, wheel, share))]
-    fn motor_current(time_ns: TimeNs, wheel: WheelIndex, share: f64) -> Self {
-        let wheel = wheel.0;
-        sample(time_ns.0, Measurement::MotorCurrent { wheel, share })
+    fn motor_current(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] share: f64,
+    ) -> Self {
+        sample(time_ns, Measurement::MotorCurrent { wheel, share })
     }
 
     /// Torque on a wheel, N m, positive where it drives forwards.
     #[staticmethod]
     #[pyo3(signature = (*, time_ns, wheel, torque_nm))]
-    fn wheel_torque(time_ns: TimeNs, wheel: WheelIndex, torque_nm: f64) -> Self {
-        let (wheel, torque) = (wheel.0, torque_nm);
-        sample(time_ns.0, Measurement::WheelTorque { wheel, torque })
+    fn wheel_torque(
+        #[pyo3(from_py_with = argument::time_ns)] time_ns: i64,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] torque_nm: f64,
+    ) -> Self {
+        let (wheel, torque) = (wheel, torque_nm);
+        sample(time_ns, Measurement::WheelTorque { wheel, torque })
     }
 
     /// When it was taken, ns.
@@ -269,5 +250,54 @@ impl Sample {
 
     fn __repr__(&self) -> String {
         format!("Sample({:?})", self.0)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, State)> {
+        let own = &slf.get().0;
+        let (kind, wheel, numbers) = parts(&own.measurement);
+        let raw = match own.measurement {
+            Measurement::WheelCount { raw, .. } => raw,
+            _ => 0,
+        };
+        let state = (kind.to_owned(), own.time_ns, wheel, raw, numbers);
+        Ok((slf.get_type().getattr("_again")?, state))
+    }
+
+    #[staticmethod]
+    fn _again(kind: &str, time_ns: i64, wheel: i64, raw: u64, numbers: [f64; 6]) -> PyResult<Self> {
+        let wheel = usize::try_from(wheel).unwrap_or(0);
+        let [a, b, c, ..] = numbers;
+        let some = |x: f64| (!x.is_nan()).then_some(x);
+        let measurement = match kind {
+            "wheel-count" => Measurement::WheelCount { wheel, raw },
+            "wheel-angle" => Measurement::WheelAngle { wheel, angle: a },
+            "wheel-rate" => Measurement::WheelRate { wheel, rate: a },
+            "yaw-rate" => Measurement::YawRate { rate: a },
+            "displacement" => Measurement::Displacement {
+                forward: a,
+                left: b,
+                turn: some(c),
+            },
+            "pose" => Measurement::Pose { x: a, y: b, yaw: c },
+            "speed" => Measurement::Speed {
+                forward: a,
+                left: some(b),
+            },
+            "acceleration" => Measurement::Acceleration {
+                forward: a,
+                left: b,
+            },
+            "inertial" => Measurement::Inertial {
+                force: [a, b, c],
+                rate: [numbers[3], numbers[4], numbers[5]],
+            },
+            "motor-current" => Measurement::MotorCurrent { wheel, share: a },
+            "wheel-torque" => Measurement::WheelTorque { wheel, torque: a },
+            _ => {
+                let message = format!("kind is `{kind}`, but must be one that Sample makes");
+                return Err(input_error(message, Details::field("kind")));
+            }
+        };
+        Ok(sample(time_ns, measurement))
     }
 }

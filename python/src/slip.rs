@@ -7,6 +7,7 @@ use grouser::slip::{Motion, Slip, WheelEstimate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::argument;
 use crate::error::raised;
 use crate::robot::Robot;
 use crate::sample::Sample;
@@ -64,19 +65,26 @@ pub(crate) struct SlipFilter {
 #[pymethods]
 impl SlipFilter {
     #[new]
-    fn new(robot: Robot) -> PyResult<Self> {
+    fn new(#[pyo3(from_py_with = argument::object)] robot: Robot) -> PyResult<Self> {
         let filter = raised(Filter::new(&robot.0.robot, robot.0.filter))?;
         Ok(Self { filter, robot })
     }
 
     /// Uses a sample; returns why it was refused, or `None`. A refused sample changes nothing.
-    fn update(&mut self, sample: Sample) -> Option<String> {
+    fn update(
+        &mut self,
+        #[pyo3(from_py_with = argument::object)] sample: Sample,
+    ) -> Option<String> {
         let refused = self.filter.update(sample.0).err();
         refused.map(|fault| fault.to_string())
     }
 
     /// A wheel is steered by this angle (rad, to the left) from now on.
-    fn set_steering_angle(&mut self, wheel: usize, angle_rad: f64) -> PyResult<()> {
+    fn set_steering_angle(
+        &mut self,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] angle_rad: f64,
+    ) -> PyResult<()> {
         raised(self.filter.set_steering_angle(wheel, angle_rad))
     }
 
@@ -84,7 +92,11 @@ impl SlipFilter {
         output_dict(py, &self.filter.latest())
     }
 
-    fn _estimate_at<'py>(&mut self, py: Python<'py>, now_ns: i64) -> PyResult<Bound<'py, PyDict>> {
+    fn _estimate_at<'py>(
+        &mut self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = argument::time_ns)] now_ns: i64,
+    ) -> PyResult<Bound<'py, PyDict>> {
         output_dict(py, &self.filter.estimate_at(now_ns))
     }
 
@@ -133,7 +145,10 @@ pub(crate) struct OnBoard {
 impl OnBoard {
     #[new]
     #[pyo3(signature = (robot, *, heading_rad=0.0))]
-    fn new(robot: Robot, heading_rad: f64) -> PyResult<Self> {
+    fn new(
+        #[pyo3(from_py_with = argument::object)] robot: Robot,
+        #[pyo3(from_py_with = argument::number)] heading_rad: f64,
+    ) -> PyResult<Self> {
         let mut settings = OnBoardSettings::new(&robot.0.robot);
         settings.filter = robot.0.filter;
         settings.heading = heading_rad;
@@ -143,18 +158,31 @@ impl OnBoard {
 
     /// Takes a sample that is stamped by the computer's own clock, or one that arrives at `now_ns`.
     #[pyo3(signature = (sample, *, now_ns=None))]
-    fn update(&mut self, sample: Sample, now_ns: Option<i64>) {
+    fn update(
+        &mut self,
+        #[pyo3(from_py_with = argument::object)] sample: Sample,
+        #[pyo3(from_py_with = argument::optional_time_ns)] now_ns: Option<i64>,
+    ) {
         self.computer
             .update_at(now_ns.unwrap_or(sample.0.time_ns), sample.0);
     }
 
     /// A wheel is steered by this angle (rad, to the left) from now on.
-    fn set_steering_angle(&mut self, wheel: usize, angle_rad: f64) -> PyResult<()> {
+    fn set_steering_angle(
+        &mut self,
+        #[pyo3(from_py_with = argument::count)] wheel: usize,
+        #[pyo3(from_py_with = argument::number)] angle_rad: f64,
+    ) -> PyResult<()> {
         raised(self.computer.set_steering_angle(wheel, angle_rad))
     }
 
     /// Rim speed (m/s), traction and steering angle (rad) of each wheel.
-    fn _tick(&mut self, now_ns: i64, speed_mps: f64, heading_rad: f64) -> Vec<(f64, f64, f64)> {
+    fn _tick(
+        &mut self,
+        #[pyo3(from_py_with = argument::time_ns)] now_ns: i64,
+        #[pyo3(from_py_with = argument::number)] speed_mps: f64,
+        #[pyo3(from_py_with = argument::number)] heading_rad: f64,
+    ) -> Vec<(f64, f64, f64)> {
         let request = Request {
             speed: speed_mps,
             heading: heading_rad,

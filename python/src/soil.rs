@@ -8,6 +8,7 @@ use grouser::terra::{self, Pressure};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
+use crate::argument;
 use crate::error::{Details, input_error, raised};
 use crate::settings_text::document;
 
@@ -97,16 +98,16 @@ impl Soil {
     #[staticmethod]
     #[pyo3(signature = (key, *, k_shear_m=None, c_1=None, c_2=None, unit_weight_n_per_m3=None))]
     fn find(
-        key: &str,
-        k_shear_m: Option<f64>,
-        c_1: Option<f64>,
-        c_2: Option<f64>,
-        unit_weight_n_per_m3: Option<f64>,
+        #[pyo3(from_py_with = argument::text)] key: String,
+        #[pyo3(from_py_with = argument::optional_number)] k_shear_m: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] c_1: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] c_2: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] unit_weight_n_per_m3: Option<f64>,
     ) -> PyResult<Self> {
-        let Some(entry) = catalogue::find(key) else {
+        let Some(entry) = catalogue::find(&key) else {
             let keys: Vec<&str> = catalogue::entries().iter().map(|entry| entry.key).collect();
             let message = format!("key is `{key}`, but must be one of {}", keys.join(", "));
-            let value = Python::attach(|py| PyString::new(py, key).into_any().unbind());
+            let value = Python::attach(|py| PyString::new(py, &key).into_any().unbind());
             let details = Details {
                 value: Some(value),
                 ..Details::field("key")
@@ -134,10 +135,10 @@ impl Soil {
     #[pyo3(signature = (path, *, k_shear_m=None, c_1=None, c_2=None, unit_weight_n_per_m3=None))]
     fn read(
         path: PathBuf,
-        k_shear_m: Option<f64>,
-        c_1: Option<f64>,
-        c_2: Option<f64>,
-        unit_weight_n_per_m3: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] k_shear_m: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] c_1: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] c_2: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] unit_weight_n_per_m3: Option<f64>,
     ) -> PyResult<Self> {
         let completion = Completion {
             k_shear: k_shear_m,
@@ -150,7 +151,7 @@ impl Soil {
 
     /// A soil from the text of a soil file.
     #[staticmethod]
-    fn from_toml(text: String) -> PyResult<Self> {
+    fn from_toml(#[pyo3(from_py_with = argument::text)] text: String) -> PyResult<Self> {
         let document = raised(Document::from_text("soil", text))?;
         Self::from_document(&document, &Completion::default())
     }
@@ -162,7 +163,10 @@ impl Soil {
 
     /// The same soil with another rebound ratio (0 to 100).
     #[pyo3(signature = (*, rebound))]
-    fn with_rebound(&self, rebound: f64) -> PyResult<Self> {
+    fn with_rebound(
+        &self,
+        #[pyo3(from_py_with = argument::number)] rebound: f64,
+    ) -> PyResult<Self> {
         let soil = raised(self.soil.with_rebound(rebound))?;
         Ok(Self::with_file(&self.file, soil))
     }

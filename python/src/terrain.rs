@@ -13,12 +13,13 @@ use grouser::terrain::{
     self, Band, DemandSolver, Envelope, Headings, MapLayout, MapSettings, Quantity, SlipTable,
     SoilIntervals,
 };
-use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyOverflowError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyType};
 use rayon::prelude::*;
 
+use crate::argument;
 use crate::error::{Details, input_error, raised, type_error};
 use crate::soil::Soil;
 use crate::workers;
@@ -139,16 +140,16 @@ impl SlipMapper {
     fn new(
         py: Python<'_>,
         robot: PathBuf,
-        soil: Soil,
-        cell_m: f64,
+        #[pyo3(from_py_with = argument::object)] soil: Soil,
+        #[pyo3(from_py_with = argument::number)] cell_m: f64,
         headings: Option<Bound<'_, PyAny>>,
-        gravity_m_per_s2: Option<f64>,
-        max_pitch_deg: f64,
-        max_roll_deg: f64,
+        #[pyo3(from_py_with = argument::optional_number)] gravity_m_per_s2: Option<f64>,
+        #[pyo3(from_py_with = argument::number)] max_pitch_deg: f64,
+        #[pyo3(from_py_with = argument::number)] max_roll_deg: f64,
         soil_intervals: Option<PathBuf>,
         soil_draws: Option<Bound<'_, PyAny>>,
         seed: Option<Bound<'_, PyAny>>,
-        cvar_level: f64,
+        #[pyo3(from_py_with = argument::number)] cvar_level: f64,
         threads: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         check("cell_m", cell_m, (1e-3, 1e3), "m")?;
@@ -329,6 +330,27 @@ fn headings_deg(headings: Headings) -> Vec<f64> {
         .collect()
 }
 
+/// A pickled map.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct State<'py> {
+    /// Rows, columns, headings.
+    size: (u32, u32, usize),
+    /// Cell (m), turning radius (m), gravity (m/s²), level of the CVaR.
+    numbers: (f64, f64, f64, f64),
+    scale: Vec<f64>,
+    tie_points: Vec<f64>,
+    transformation: Vec<f64>,
+    keys: Vec<u16>,
+    key_doubles: Vec<f64>,
+    key_texts: String,
+    draws: u32,
+    robot: String,
+    soils: Vec<String>,
+    job: String,
+    cells: Bound<'py, PyArray1<f32>>,
+}
+
 /// A slip map: what `SlipMapper` computed or `grouser map` wrote.
 #[pyclass(frozen, module = "grouser._core")]
 pub(crate) struct SlipMap {
@@ -349,6 +371,58 @@ impl SlipMap {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let (layout, cells) = raised(py.detach(|| plan::read_map(&path)))?;
+        Ok(Self { layout, cells })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (State<'py>,))> {
+        let Self { layout, cells } = slf.get();
+        let place = &layout.georeference;
+        let state = State {
+            size: (layout.rows, layout.columns, layout.headings.count()),
+            numbers: (
+                layout.cell,
+                layout.turning_radius,
+                layout.gravity,
+                layout.cvar_level,
+            ),
+            scale: place.scale.clone(),
+            tie_points: place.tie_points.clone(),
+            transformation: place.transformation.clone(),
+            keys: place.keys.clone(),
+            key_doubles: place.key_doubles.clone(),
+            key_texts: place.key_texts.clone(),
+            draws: layout.draws,
+            robot: layout.robot.clone(),
+            soils: layout.soils.clone(),
+            job: layout.job.clone(),
+            cells: PyArray1::from_slice(slf.py(), cells),
+        };
+        Ok((slf.get_type().getattr("_again")?, (state,)))
+    }
+
+    #[staticmethod]
+    fn _again(state: State<'_>) -> PyResult<Self> {
+        let (rows, columns, headings) = state.size;
+        let headings = raised(Headings::new(u8::try_from(headings).unwrap_or(u8::MAX)))?;
+        let mut layout = MapLayout::plain(columns, rows, state.numbers.0, headings);
+        (_, layout.turning_radius, layout.gravity, layout.cvar_level) = state.numbers;
+        let place = &mut layout.georeference;
+        place.scale = state.scale;
+        place.tie_points = state.tie_points;
+        place.transformation = state.transformation;
+        place.keys = state.keys;
+        place.key_doubles = state.key_doubles;
+        place.key_texts = state.key_texts;
+        layout.draws = state.draws;
+        layout.robot = state.robot;
+        layout.soils = state.soils;
+        layout.job = state.job;
+        let cells = state.cells.to_vec()?;
+        let (found, expected) = (
+            cells.len() as f64,
+            f64::from(rows) * f64::from(columns) * layout.bands() as f64,
+        );
+        check("cells", found, (expected, expected), "1")?;
         Ok(Self { layout, cells })
     }
 
@@ -399,7 +473,11 @@ impl SlipMap {
     /// ------
     /// InputError
     ///     Another name.
-    fn quantity<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    fn quantity<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = argument::text)] name: String,
+    ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let Some(quantity) = Quantity::ALL.into_iter().find(|own| own.key() == name) else {
             let names = Quantity::ALL.map(Quantity::key).join(", ");
             let message = format!("quantity is `{name}`, but must be one of {names}");
@@ -423,7 +501,7 @@ impl SlipMap {
 
     #[allow(clippy::too_many_arguments, reason = "keywords of a Python function")]
     fn _plan<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         start_m: (f64, f64),
         goal_m: (f64, f64),
@@ -436,7 +514,7 @@ impl SlipMap {
         headings_deg: (Option<f64>, Option<f64>),
         alternatives: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let headings = self.layout.headings;
+        let headings = slf.get().layout.headings;
         let nearest = |angle: Option<f64>| angle.map(|deg| headings.nearest(deg.to_radians()));
         let settings = PlanSettings {
             max_risk,
@@ -448,12 +526,15 @@ impl SlipMap {
             start_heading: nearest(headings_deg.0),
             goal_heading: nearest(headings_deg.1),
         };
-        let found = py.detach(|| -> terrain::Result<Plan> {
-            let map = PlanMap::of_cells(self.layout.clone(), &self.cells)?;
+        let own = slf.clone().unbind();
+        let search = move || -> terrain::Result<Plan> {
+            let Self { layout, cells } = own.get();
+            let map = PlanMap::of_cells(layout.clone(), cells)?;
             let from = map.cell_at("the start", start_m)?;
             let to = map.cell_at("the goal", goal_m)?;
             plan::plan(&map, (from, to), &settings, alternatives)
-        });
+        };
+        let found = workers::interruptible(py, 0, search, || {})?;
         let dict = PyDict::new(py);
         match raised(found)? {
             Plan::Found {
@@ -501,7 +582,8 @@ fn route_dict<'py>(
     dict.set_item("tip_over_deg", route.tip_over_deg)?;
     dict.set_item("turns", route.turns)?;
     let way = PyDict::new(py);
-    let columns: [(&str, &dyn Fn(&plan::Waypoint) -> f64); 8] = [
+    type Value<'a> = &'a dyn Fn(&plan::Waypoint) -> f64;
+    let columns: [(&str, Value<'_>); 8] = [
         ("x_m", &|point| point.x),
         ("y_m", &|point| point.y),
         ("heading_deg", &|point| {

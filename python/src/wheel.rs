@@ -3,6 +3,7 @@
 use grouser::terra::{GrouserRule, Grousers, RigidWheel};
 use pyo3::prelude::*;
 
+use crate::argument;
 use crate::error::{Details, input_error, raised};
 
 /// A rigid wheel.
@@ -43,12 +44,12 @@ impl Wheel {
     #[new]
     #[pyo3(signature = (*, radius_m, width_m, grouser_height_m=0.0, grouser_count=None, grouser_thickness_m=0.0, grouser_tip_share=None))]
     fn new(
-        radius_m: f64,
-        width_m: f64,
-        grouser_height_m: f64,
-        grouser_count: Option<u32>,
-        grouser_thickness_m: f64,
-        grouser_tip_share: Option<f64>,
+        #[pyo3(from_py_with = argument::number)] radius_m: f64,
+        #[pyo3(from_py_with = argument::number)] width_m: f64,
+        #[pyo3(from_py_with = argument::number)] grouser_height_m: f64,
+        #[pyo3(from_py_with = argument::optional_count)] grouser_count: Option<u32>,
+        #[pyo3(from_py_with = argument::number)] grouser_thickness_m: f64,
+        #[pyo3(from_py_with = argument::optional_number)] grouser_tip_share: Option<f64>,
     ) -> PyResult<Self> {
         let wheel = raised(RigidWheel::new(radius_m, width_m))?;
         let rule = match (grouser_count, grouser_tip_share) {

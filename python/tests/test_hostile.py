@@ -10,13 +10,14 @@ import resource
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from grouser import InputError, InputTypeError, drive, figures, optimize, soils, terrain, wheel
+from grouser import InputError, InputTypeError, drive, figures, identify, logs, optimize, soils, terrain, wheel
 from grouser.slip import Robot, Sample, SlipFilter
 
 SAND = soils.find("dry-sand")
@@ -208,3 +209,54 @@ def test_what_does_not_fit_in_memory_is_a_memory_error() -> None:
     rows, columns = np.broadcast_arrays(np.zeros((10**7, 1)), np.zeros((1, 10**7)))
     with pytest.raises(MemoryError):
         wheel.under_load(SAND, **SIZE, load_n=rows, slip=columns)
+
+
+def _long_calls() -> dict[str, Callable[[], object]]:
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    slope = np.linspace(0.0, 5.0, 200_000)
+    rig = EXAMPLES / "five-wheel"
+
+    def environments_reset() -> None:
+        from grouser import environments
+
+        environments.DriveVectorEnv(SCENARIO, num_envs=4096).reset(seed=1)
+
+    def environments_step() -> None:
+        from grouser import environments
+
+        robots = environments.DriveVectorEnv(SCENARIO, num_envs=8, step_s=100.0)
+        robots.reset(seed=1)
+        robots.step(np.zeros(robots.action_space.shape))
+
+    return {
+        "operating_points": lambda: wheel.operating_points(contact, load_n=80.0, slip=slope / 10.0, slip_angle_deg=5.0),
+        "slip_demand": lambda: wheel.slip_demand(contact, weight_n=80.0, slope_deg=slope),
+        "jacobian": lambda: wheel.jacobian(contact, load_n=80.0, slip=slope / 10.0),
+        "curve": lambda: wheel.curve(SAND, wheel.Wheel(**SIZE), load_n=80.0, slip=np.linspace(0.0, 0.9, 20_000_000)),
+        "solve_file": lambda: optimize.solve_file(EXAMPLES / "problems" / "robust-wheel.toml"),
+        "identify": lambda: identify.run(EXAMPLES / "bevameter" / "tests.toml"),
+        "slip_map": lambda: terrain.slip_map(MAPPER, np.zeros((1500, 1500))),
+        "plan": lambda: terrain.plan(MAP, start_m=(2.5, 2.5), goal_m=(6.5, 5.5)),
+        "estimate": lambda: logs.estimate(
+            rig / "log.csv", logs.Robot.read(rig / "robot.toml"), columns=rig / "columns.toml", smooth=True
+        ),
+        "environments reset": environments_reset,
+        "environments step": environments_step,
+    }
+
+
+@pytest.mark.parametrize("name", _long_calls())
+def test_ctrl_c_ends_every_long_call(name: str) -> None:
+    if name.startswith("environments"):
+        pytest.importorskip("gymnasium")
+    call = _long_calls()[name]
+    main = threading.main_thread().ident
+    assert main is not None
+    timer = threading.Timer(0.2, lambda: signal.pthread_kill(main, signal.SIGINT))
+    timer.start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        while time.monotonic() - began < 60.0:
+            call()
+    assert time.monotonic() - began < 10.0
+    timer.join()

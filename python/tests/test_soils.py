@@ -52,8 +52,8 @@ def test_every_soil_of_the_catalogue_is_found_or_names_what_is_missing() -> None
     [
         ({"n": 9.0}, "n", InputError),
         ({"n": float("nan")}, "n", InputError),
-        ({"phi_deg": 95.0}, "phi", InputError),
-        ({"cohesion_kpa": -1.0}, "cohesion", InputError),
+        ({"phi_deg": 95.0}, "phi_deg", InputError),
+        ({"cohesion_kpa": -1.0}, "cohesion_kpa", InputError),
         ({"n": "1.1"}, "n", InputTypeError),
         ({"n": [1.1]}, "n", InputTypeError),
         ({"n": 10**30}, "n", InputTypeError),
@@ -73,7 +73,7 @@ def test_limits_are_reported_with_their_unit() -> None:
     with pytest.raises(InputError) as caught:
         soils.Soil(**{**KEYS, "k_shear_m": 50.0})
     error = caught.value
-    assert (error.field, error.value, error.limit, error.unit) == ("k_shear", 50.0, (1e-6, 10.0), "m")
+    assert (error.field, error.value, error.limit, error.unit) == ("k_shear_m", 50.0, (1e-6, 10.0), "m")
 
 
 def test_an_unknown_soil_and_a_missing_file() -> None:

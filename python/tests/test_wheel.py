@@ -174,7 +174,7 @@ def test_a_curve_is_as_accurate_as_its_points() -> None:
     np.testing.assert_allclose(curve.drawbar_pull_n, points.drawbar_pull_n, atol=80.0 * 2e-9, rtol=0.0)
     with pytest.raises(InputError) as caught:
         wheel.curve(SAND, wheel.Wheel(**SIZE, grouser_height_m=0.01), load_n=80.0, slip=slip)
-    assert caught.value.field == "grouser_height" and caught.value.unit == "m"
+    assert caught.value.field == "grouser_height_m" and caught.value.unit == "m"
 
 
 def test_derivatives_agree_with_differences() -> None:
@@ -227,7 +227,7 @@ def test_errors_name_field_value_limit_and_unit() -> None:
     with pytest.raises(InputError) as caught:
         wheel.Wheel(radius_m=-0.1, width_m=0.1)
     error = caught.value
-    assert (error.field, error.value, error.limit, error.unit) == ("radius", -0.1, (0.001, 100.0), "m")
+    assert (error.field, error.value, error.limit, error.unit) == ("radius_m", -0.1, (0.001, 100.0), "m")
     again = pickle.loads(pickle.dumps(error))
     assert (again.field, again.value, again.limit, again.unit, str(again)) == (
         error.field,
@@ -240,10 +240,10 @@ def test_errors_name_field_value_limit_and_unit() -> None:
     for keys in ({"load_n": float("nan"), "slip": 0.1}, {"load_n": 80.0, "slip": 1.5}, {"load_n": -1.0, "slip": 0.1}):
         with pytest.raises(InputError) as caught:
             contact.under_load(**keys)
-        assert caught.value.field in keys or caught.value.field == "load"
+        assert caught.value.field in keys
     with pytest.raises(InputError) as caught:
         contact.at_sinkage(sinkage_m=0.2, slip=0.1)
-    assert caught.value.field == "sinkage" and caught.value.limit == (0.0, 0.125)
+    assert caught.value.field == "sinkage_m" and caught.value.limit == (0.0, 0.125)
     with pytest.raises(TypeError):
         wheel.Wheel(0.1, 0.1)  # type: ignore[misc]
 

@@ -52,6 +52,12 @@ def _converted(field: str, value: Any) -> npt.NDArray[Any]:
     return array
 
 
+def check_kind(field: str, value: Any, kind: type) -> None:
+    """Raises unless ``value`` is an object of ``kind``."""
+    if not isinstance(value, kind):
+        raise InputTypeError(f"{field} is {type(value).__name__}, but must be a {kind.__name__}", field, value)
+
+
 def columns(**named: Any) -> tuple[tuple[int, ...], int, list[Column]]:
     """The common shape, the number of points, and each column flat: an array, or one number."""
     arrays = {field: as_floats(field, value) for field, value in named.items()}

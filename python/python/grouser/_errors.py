@@ -27,6 +27,16 @@ class _Described(Exception):
         self.limit = limit
         self.unit = unit
 
+    def add_note(self, note: str, /) -> None:
+        """Adds a note. The one with which the extension module names the argument at fault becomes the field."""
+        name = note.removeprefix("while processing '").removesuffix("'")
+        if name == note or self.field is not None:
+            # Python 3.10 has no notes
+            getattr(super(), "add_note", lambda note: None)(note)
+        else:
+            self.field = name
+            self.args = (f"{name} {self.args[0]}",)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.args[0], self.field, self.value, self.limit, self.unit)
 
@@ -37,7 +47,7 @@ class InputError(_Described, ValueError):
     Attributes
     ----------
     field : str or None
-        The name of the value.
+        The keyword or key of the value.
     value : object
         What was given.
     limit : float, tuple or None
@@ -53,7 +63,7 @@ class InputError(_Described, ValueError):
     ...     Wheel(radius_m=-0.1, width_m=0.1)
     ... except InputError as error:
     ...     print(error.field, error.value, error.limit, error.unit)
-    radius -0.1 (0.001, 100.0) m
+    radius_m -0.1 (0.001, 100.0) m
     """
 
 

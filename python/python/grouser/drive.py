@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_floats
+from ._arrays import as_floats, check_kind
 from ._core import Scenario
 from ._errors import InputError, InputTypeError
 from .slip import WheelCommand, WheelObservation
@@ -110,6 +110,7 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario, *, pilot: str = "controller", seed: int | None = None) -> None:
+        check_kind("scenario", scenario, Scenario)
         self._core = _core.Simulation(scenario, pilot, scenario.seed if seed is None else _seed(seed))
 
     def advance(self, *, duration_s: float = PERIOD_S) -> bool:

@@ -34,7 +34,7 @@ except ModuleNotFoundError:  # pragma: no cover
     raise ModuleNotFoundError("grouser.environments needs Gymnasium: pip install gymnasium", name="gymnasium") from None
 
 from . import _core
-from ._arrays import as_floats, threads_of
+from ._arrays import as_floats, check_kind, threads_of
 from ._core import Scenario
 from ._errors import InputError, InputTypeError
 from .drive import PERIOD_S
@@ -105,6 +105,7 @@ class DriveVectorEnv(VectorEnv[Array, Array, npt.NDArray[Any]]):
         reward: Callable[[Array, Array, npt.NDArray[np.bool_]], Array] = progress_less_energy,
         threads: int | None = None,
     ) -> None:
+        check_kind("scenario", scenario, Scenario)
         if isinstance(num_envs, bool) or not isinstance(num_envs, (int, np.integer)):
             raise InputTypeError("num_envs must be a whole number", "num_envs", num_envs)
         if not 1 <= num_envs <= 4096:

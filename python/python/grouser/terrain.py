@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import as_floats, threads_of
+from ._arrays import as_floats, check_kind, threads_of
 from ._core import SlipMap, SlipMapper
 from ._errors import InputError, InputTypeError
 
@@ -76,6 +76,7 @@ def slip_map(
     InputError
         Fewer than two rows or columns.
     """
+    check_kind("mapper", mapper, SlipMapper)
     heights = as_floats("heights_m", heights_m)
     if heights.ndim != 2:
         raise InputError(f"heights_m has {heights.ndim} dimensions, but must have 2", "heights_m", heights.ndim, (2, 2), "1")
@@ -145,6 +146,7 @@ def plan(
     InputError
         A place outside the map or on unknown ground, a number outside its limits.
     """
+    check_kind("found", found, SlipMap)
     if isinstance(alternatives, bool) or not isinstance(alternatives, (int, np.integer)):
         raise InputTypeError("alternatives must be a whole number", "alternatives", alternatives)
     if not 0 <= alternatives <= 20:

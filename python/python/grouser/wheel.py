@@ -36,7 +36,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_floats, columns, shaped, threads_of
+from ._arrays import as_floats, check_kind, columns, shaped, threads_of
 from ._core import OperatingPoint, Soil, Wheel, WheelOnSoil
 from ._errors import InputError
 
@@ -180,6 +180,7 @@ def under_load(
     >>> p.status
     array([0, 3], dtype=uint8)
     """
+    check_kind("soil", soil, Soil)
     rebound = soil.rebound if rebound is None else rebound
     shape, points, flat = columns(
         radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, load_n=load_n
@@ -208,6 +209,7 @@ def at_sinkage(
     >>> round(float(p.vertical_force_n), 6)
     11.899672
     """
+    check_kind("soil", soil, Soil)
     rebound = soil.rebound if rebound is None else rebound
     shape, points, flat = columns(
         radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, sinkage_m=sinkage_m
@@ -236,6 +238,8 @@ def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
     >>> bool(c.drawbar_pull_n[0] < 0.0 < c.drawbar_pull_n[-1])
     True
     """
+    check_kind("soil", soil, Soil)
+    check_kind("wheel", wheel, Wheel)
     slips = as_floats("slip", slip)
     load = as_floats("load_n", load_n)
     if load.size != 1:
@@ -271,6 +275,7 @@ def operating_points(
     threads : int, optional
         Threads of this call.
     """
+    check_kind("contact", contact, WheelOnSoil)
     shape, points, flat = columns(load_n=load_n, slip=slip, slip_angle_deg=slip_angle_deg)
     status, results = contact._operating_points(flat, points, threads_of(threads))
     return OperatingPoints(shaped(shape, status), *(shaped(shape, column) for column in results))
@@ -296,6 +301,7 @@ def slip_demand(
     >>> wheel.slip_demand(contact, weight_n=80.0, slope_deg=[0.0, 40.0]).status
     array([0, 1], dtype=uint8)
     """
+    check_kind("contact", contact, WheelOnSoil)
     shape, points, flat = columns(weight_n=weight_n, slope_deg=slope_deg)
     status, slips = contact._slip_demand(flat, points, threads_of(threads))
     return Demand(shaped(shape, status), shaped(shape, slips))
@@ -314,6 +320,7 @@ def jacobian(
     >>> d.d_drawbar_pull.shape
     (4,)
     """
+    check_kind("contact", contact, WheelOnSoil)
     shape, points, flat = columns(load_n=load_n, slip=slip)
     status, numbers = contact._jacobian(flat, points, threads_of(threads))
     rows = numbers.reshape((*shape, 15))

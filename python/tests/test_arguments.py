@@ -1,0 +1,151 @@
+"""Arguments of the wrong type, size or range: every error is typed and names the keyword, the value, the limit and the unit."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grouser import InputError, InputTypeError, drive, logs, optimize, soils, terrain, wheel
+from grouser.slip import OnBoard, Robot, Sample, SlipFilter
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SAND = soils.find("dry-sand")
+SIZE = {"radius_m": 0.125, "width_m": 0.1}
+RIM = wheel.Wheel(**SIZE)
+CONTACT = wheel.WheelOnSoil(RIM, SAND)
+ROBOT = Robot.read(EXAMPLES / "five-wheel" / "robot.toml")
+SCENARIO = drive.read(EXAMPLES / "scenarios" / "sandbox.toml")
+MAPPER = terrain.SlipMapper(EXAMPLES / "robots" / "skid-steer.toml", soils.find("sandy-loam"), cell_m=1.0, headings=4)
+MAP = terrain.slip_map(MAPPER, 0.05 * np.sin(np.arange(80.0)).reshape(8, 10))
+BEKKER = {"name": "a", "n": 1.0, "k_c_kn_per_m_n1": 1, "k_phi_kn_per_m_n2": 1000, "c_1": 0.2, "c_2": 0.3, "k_shear_m": 0.01}
+NAN = float("nan")
+
+WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
+    ("radius_m", lambda x: wheel.Wheel(radius_m=x, width_m=0.1)),
+    ("grouser_count", lambda x: wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_count=x or 1.5)),
+    ("load_n", lambda x: CONTACT.under_load(load_n=x, slip=0.1)),
+    ("slip_angle_deg", lambda x: CONTACT.under_load(load_n=80.0, slip=0.1, slip_angle_deg=x)),
+    ("sinkage_m", lambda x: CONTACT.at_sinkage(sinkage_m=x, slip=0.1)),
+    ("weight_n", lambda x: CONTACT.gradeability_deg(weight_n=x)),
+    ("bearing_torque_nm", lambda x: CONTACT.free_slip(load_n=80.0, bearing_torque_nm=x)),
+    ("wheel", lambda x: wheel.WheelOnSoil(x, SAND)),
+    ("soil", lambda x: wheel.WheelOnSoil(RIM, x)),
+    ("soil", lambda x: wheel.under_load(x, **SIZE, load_n=80.0, slip=0.1)),
+    ("soil", lambda x: wheel.at_sinkage(x, **SIZE, sinkage_m=0.01, slip=0.1)),
+    ("wheel", lambda x: wheel.curve(SAND, x, load_n=80.0, slip=[0.1])),
+    ("contact", lambda x: wheel.operating_points(x, load_n=80.0, slip=0.1)),
+    ("contact", lambda x: wheel.slip_demand(x, weight_n=80.0, slope_deg=0.1)),
+    ("contact", lambda x: wheel.jacobian(x, load_n=80.0, slip=0.1)),
+    ("key", lambda x: soils.find(x or 3)),
+    ("rebound", lambda x: SAND.with_rebound(rebound=x)),
+    ("text", lambda x: soils.Soil.from_toml(x or 3)),
+    ("robot", lambda x: SlipFilter(x)),
+    ("robot", lambda x: OnBoard(x)),
+    ("robot", lambda x: logs.estimate("log.csv", x)),
+    ("sample", lambda x: SlipFilter(ROBOT).update(x)),
+    ("now_ns", lambda x: SlipFilter(ROBOT).estimate_at(now_ns=x)),
+    ("wheel", lambda x: SlipFilter(ROBOT).set_steering_angle(x, angle_rad=0.1)),
+    ("speed_mps", lambda x: OnBoard(ROBOT).tick(now_ns=0, speed_mps=x, heading_rad=0.0)),
+    ("time_ns", lambda x: Sample.yaw_rate(time_ns=x, rate_rad_per_s=0.1)),
+    ("rate_rad_per_s", lambda x: Sample.yaw_rate(time_ns=0, rate_rad_per_s=x)),
+    ("force_mps2", lambda x: Sample.inertial(time_ns=0, force_mps2=x, rate_rad_per_s=[0.0, 0.0, 0.0])),
+    ("scenario", lambda x: drive.run(x)),
+    ("pilot", lambda x: drive.run(SCENARIO, pilot=x or 3)),
+    ("cell_m", lambda x: terrain.SlipMapper(EXAMPLES / "robots" / "skid-steer.toml", SAND, cell_m=x)),
+    ("mapper", lambda x: terrain.slip_map(x, np.zeros((3, 3)))),
+    ("found", lambda x: terrain.plan(x, start_m=(1.0, 1.0), goal_m=(2.0, 2.0))),
+    ("start", lambda x: optimize.minimax(lambda y: y, start=x)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("bad", [object(), 1j, b"1", None], ids=lambda bad: type(bad).__name__)
+@pytest.mark.parametrize(("field", "call"), WRONG_TYPES, ids=lambda x: x if isinstance(x, str) else "")
+def test_a_wrong_type_names_its_keyword(field: str, call: Callable[[Any], object], bad: object) -> None:
+    with pytest.raises(InputTypeError) as caught:
+        call(bad)
+    assert caught.value.field == field and str(caught.value).startswith(field)
+
+
+# what is wrong: keyword, value, limit and unit as the caller knows them
+OUT_OF_RANGE: list[tuple[Callable[[], object], str, Any, Any, str]] = [
+    (lambda: wheel.Wheel(radius_m=-0.1, width_m=0.1), "radius_m", -0.1, (0.001, 100.0), "m"),
+    (lambda: wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_count=0), "grouser_count", 0.0, (1.0, 1e4), "1"),
+    (lambda: wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_count=-1), "grouser_count", -1, (0.0, 2.0**32 - 1), "1"),
+    (lambda: CONTACT.under_load(load_n=-1.0, slip=0.1), "load_n", -1.0, (0.0, 1e12), "N"),
+    (lambda: CONTACT.under_load(load_n=80.0, slip=2.0), "slip", 2.0, (-1.0, 1.0), "1"),
+    (lambda: CONTACT.under_load(load_n=80.0, slip=0.2, slip_angle_deg=95.0), "slip_angle_deg", 95.0, (-89.9, 89.9), "deg"),
+    (lambda: CONTACT.at_sinkage(sinkage_m=0.2, slip=0.1), "sinkage_m", 0.2, (0.0, 0.125), "m"),
+    (lambda: soils.Soil(**BEKKER, cohesion_kpa=1.0, phi_deg=95.0), "phi_deg", 95.0, (0.0, 89.0), "deg"),
+    (lambda: soils.Soil(**BEKKER, cohesion_kpa=-2.0, phi_deg=30.0), "cohesion_kpa", -2.0, (0.0, 1e5), "kPa"),
+    (lambda: soils.find("dry-sand", k_shear_m=-1.0), "k_shear_m", -1.0, 0.0, "m"),
+    (lambda: Sample.wheel_count(time_ns=2**63, wheel=0, count=0), "time_ns", 2**63, (-(2.0**63), 2.0**63), "1"),
+    (lambda: SlipFilter(ROBOT).set_steering_angle(-1, angle_rad=0.1), "wheel", -1, (0.0, 2.0**32 - 1), "1"),
+    (lambda: OnBoard(ROBOT).tick(now_ns=10**30, speed_mps=0.1, heading_rad=0.0), "now_ns", 10**30, (-(2.0**63), 2.0**63), "1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "field", "value", "limit", "unit"), OUT_OF_RANGE, ids=lambda x: x if isinstance(x, str) else "")
+def test_a_number_outside_its_limits_is_named_as_it_was_given(
+    call: Callable[[], object], field: str, value: Any, limit: Any, unit: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        call()
+    error = caught.value
+    assert (error.field, error.value, error.unit) == (field, value, unit)
+    if isinstance(limit, tuple):
+        assert error.limit == pytest.approx(limit, rel=1e-12)
+    else:
+        assert np.min(error.limit) == pytest.approx(limit, abs=1e-3)
+    # the message is of the same unit
+    assert f"{field} is" in str(error)
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.field, again.value, again.limit, again.unit, str(again)) == (
+        error.field, error.value, error.limit, error.unit, str(error)
+    )  # fmt: skip
+
+
+def test_an_integer_beyond_every_float_is_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        wheel.Wheel(radius_m=10**400, width_m=0.1)
+    assert caught.value.field == "radius_m"
+
+
+def test_points_samples_and_maps_are_picklable() -> None:
+    for point in (
+        CONTACT.under_load(load_n=80.0, slip=0.2, slip_angle_deg=5.0),
+        CONTACT.at_sinkage(sinkage_m=0.01, slip=-0.2),
+    ):
+        assert point is not None
+        for again in (pickle.loads(pickle.dumps(point)), copy.deepcopy(point)):
+            assert repr(again) == repr(point) and again.side_force_n == point.side_force_n
+    samples = [
+        Sample.wheel_count(time_ns=1, wheel=2, count=2**63 + 1),
+        Sample.wheel_angle(time_ns=1, wheel=2, angle_rad=0.1),
+        Sample.wheel_rate(time_ns=1, wheel=2, rate_rad_per_s=0.1),
+        Sample.yaw_rate(time_ns=-3, rate_rad_per_s=0.1),
+        Sample.displacement(time_ns=1, forward_m=0.1, left_m=0.2),
+        Sample.displacement(time_ns=1, forward_m=0.1, left_m=0.2, turn_rad=0.3),
+        Sample.pose(time_ns=1, x_m=0.1, y_m=0.2, yaw_rad=0.3),
+        Sample.speed(time_ns=1, forward_mps=0.1),
+        Sample.speed(time_ns=1, forward_mps=0.1, left_mps=0.2),
+        Sample.acceleration(time_ns=1, forward_mps2=0.1, left_mps2=0.2),
+        Sample.inertial(time_ns=1, force_mps2=[0.1, 0.2, 0.3], rate_rad_per_s=[0.4, 0.5, 0.6]),
+        Sample.motor_current(time_ns=1, wheel=2, share=0.1),
+        Sample.wheel_torque(time_ns=1, wheel=2, torque_nm=0.1),
+    ]
+    # every function of the class that makes a sample
+    kinds = [name for name, made in vars(Sample).items() if isinstance(made, staticmethod) and not name.startswith("_")]
+    assert {sample.kind.replace("-", "_") for sample in samples} == set(kinds)
+    assert [pickle.loads(pickle.dumps(sample)) for sample in samples] == samples
+    again = pickle.loads(pickle.dumps(MAP))
+    assert (again.shape, again.robot, again.soils) == (MAP.shape, MAP.robot, MAP.soils)
+    np.testing.assert_array_equal(again.quantity("slip"), MAP.quantity("slip"))
+    way = {"start_m": (2.5, 2.5), "goal_m": (6.5, 5.5)}
+    ours, theirs = terrain.plan(MAP, **way).route, terrain.plan(again, **way).route
+    assert ours is not None and theirs is not None and ours.energy_j == theirs.energy_j
