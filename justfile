@@ -111,6 +111,11 @@ sbom:
 python:
     bash python/ci
 
+# the Python wheels of a release: x86-64 and aarch64, with and without a global lock; the aarch64 one tested under qemu
+python-wheels:
+    bash python/wheels
+    bash python/under_qemu python/target/release-wheels/*abi3*aarch64.whl tests/test_wheel.py tests/test_command.py tests/test_arguments.py
+
 # random starts of each published and each shipped problem: no solution may be refuted by 200 probes of 1e-4 around it; minutes
 refuted starts="450":
     GROUSER_STARTS={{starts}} cargo test --release --package grouser-opt --package grouser-design --test all refuted:: -- --nocapture

@@ -28,10 +28,12 @@ def rate(scenario, threads):
     # they come to rest on the soil first
     for _ in range(5):
         robots.step(action)
-    began = time.perf_counter()
+    began, busy = time.perf_counter(), time.process_time()
     for _ in range(STEPS):
         robots.step(action)
-    return ROBOTS * STEPS * STEP_S / (time.perf_counter() - began), start / ROBOTS
+    wall, busy = time.perf_counter() - began, time.process_time() - busy
+    simulated = ROBOTS * STEPS * STEP_S
+    return simulated / wall, simulated / busy, start / ROBOTS
 
 
 def main():
@@ -40,9 +42,10 @@ def main():
     for path in paths:
         scenario = drive.read(path)
         for threads in (1, os.cpu_count()):
-            found, start = rate(scenario, threads)
+            found, of_processor, start = rate(scenario, threads)
             print(
                 f"{Path(path).stem}, {len(scenario.wheels)} wheels, {threads} threads: {found:.0f} robot-seconds a second, "
+                f"{of_processor:.0f} a second of processor time, "
                 f"{1e3 * start:.1f} ms to begin a drive; load {os.getloadavg()[0]:.1f}"
             )
 
