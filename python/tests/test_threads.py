@@ -17,7 +17,7 @@ from grouser import InputError, drive, identify, logs, optimize, soils, terrain,
 from grouser.slip import Robot, Sample, SlipFilter
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-THREADS, ROUNDS = 8, 4
+THREADS, ROUNDS = 8, 2
 SAND = soils.find("dry-sand")
 SIZE = {"radius_m": 0.125, "width_m": 0.1}
 CONTACT = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
