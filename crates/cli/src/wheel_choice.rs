@@ -7,7 +7,7 @@ use grouser_terra::{
     WheelOnSoil, gravity_of,
 };
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::law_error::Names;
 use crate::session::Session;
 use crate::soil_choice::{Chosen, SoilArguments};
@@ -74,9 +74,18 @@ pub(crate) struct GravityArgument {
 }
 
 impl GravityArgument {
-    /// Gravity where no robot file says another, m/s².
-    pub(crate) fn or_earth(self) -> f64 {
-        self.given.unwrap_or(EARTH_GRAVITY_M_PER_S2)
+    /// Gravity of a wheel whose mass may be given, m/s².
+    ///
+    /// # Errors
+    /// A gravity without a mass, which would have no effect.
+    pub(crate) fn with_mass(self, has_mass: bool) -> Result<f64> {
+        if self.given.is_some() && !has_mass {
+            return Err(Error::usage(
+                "`--gravity-m-per-s2` has an effect only with `--mass-kg`",
+                "a load in N is the weight where the wheel is; give `--mass-kg` in its place, or no gravity",
+            ));
+        }
+        Ok(self.given.unwrap_or(EARTH_GRAVITY_M_PER_S2))
     }
 
     /// The robot under the gravity that was given, else under its own.

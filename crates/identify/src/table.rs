@@ -3,7 +3,7 @@
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-use grouser_files::nearest;
+use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Lines, split};
 
 use crate::error::{Error, Result};
@@ -138,6 +138,54 @@ impl Table {
     #[must_use]
     pub fn has(&self, column: Column) -> bool {
         self.place(column).is_some()
+    }
+
+    /// Refuses a column that looks like a quantity and is in none of `read`, and a quantity in two columns.
+    ///
+    /// # Errors
+    /// [`Error::Content`] with the column and what is read.
+    ///
+    /// ```
+    /// use grouser_identify::table::{Column, Table};
+    ///
+    /// let table = Table::parse("a.csv".as_ref(), "slip,beta_deg,note\n0.1,20,x\n")?;
+    /// let refused = table.refuse_unread(&[Column(&[("slip", 1.0)])]).unwrap_err();
+    /// assert!(refused.to_string().contains("`beta_deg`"));
+    /// # Ok::<(), grouser_identify::Error>(())
+    /// ```
+    pub fn refuse_unread(&self, read: &[Column]) -> Result<()> {
+        let names = || {
+            read.iter()
+                .flat_map(|column| column.0)
+                .map(|(name, _)| *name)
+        };
+        let is_unread =
+            |own: &&String| is_quantity_name(own) && !names().any(|name| name == own.as_str());
+        let mut places = read
+            .iter()
+            .map(|column| column.0.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+        let is_twice = |of: &Vec<&str>| {
+            let found = self.names.iter().filter(|own| of.contains(&own.as_str()));
+            found.count() > 1
+        };
+        if let Some(twice) = places.find(is_twice) {
+            return Err(Error::Content {
+                path: self.path.clone(),
+                message: format!("more than one column is {}", twice.join(" or ")),
+            });
+        }
+        let Some(unread) = self.names.iter().find(is_unread) else {
+            return Ok(());
+        };
+        let known: Vec<&str> = names().collect();
+        Err(Error::Content {
+            path: self.path.clone(),
+            message: format!(
+                "column `{unread}` is a quantity that is not read; read are `{}`; rename a column that is only a \
+                 remark, as `note_…` or `measured_…`",
+                known.join("`, `")
+            ),
+        })
     }
 
     fn place(&self, column: Column) -> Option<(usize, f64)> {

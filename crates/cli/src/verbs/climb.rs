@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
     mass_kg: Option<f64>,
     #[command(flatten)]
     gravity: GravityArgument,
-    /// Prove that no slip holds a slope that is steeper by this, in degrees; for a smooth wheel under Bekker's law (exit code 3 if not proved)
+    /// Prove that no slip holds a slope that is steeper by this, in degrees; for a wheel (exit code 3 if not proved)
     #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "0.1", value_parser = parse_finite, conflicts_with = "robot")]
     certify: Option<f64>,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let climber = climber(arguments, &chosen.soil, session)?;
     let gravity = match &climber {
         Climber::Robot(model) => model.gravity(),
-        Climber::Wheel { .. } => arguments.gravity.or_earth(),
+        Climber::Wheel { .. } => arguments.gravity.with_mass(arguments.mass_kg.is_some())?,
     };
     let steepest = climber.steepest(&chosen.soil)?;
     let slopes: Vec<f64> = match steepest {
@@ -163,7 +163,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     };
     let weight = match (arguments.load_n, arguments.mass_kg) {
         (Some(load), _) => load,
-        (None, Some(mass)) => mass * arguments.gravity.or_earth(),
+        (None, Some(mass)) => mass * arguments.gravity.with_mass(true)?,
         (None, None) => {
             return Err(Error::usage(
                 "the wheel has no weight",

@@ -310,6 +310,18 @@ fn a_quantity_that_is_not_read_is_refused_by_name() {
         "load_kn",
         "phi_deg",
         "mass_kg",
+        "beta_deg",
+        "slip-angle-deg",
+        "Slip_Angle_deg",
+        "Load (N)",
+        "wheelLoad_n",
+        "lug_height_m",
+        "camber_deg",
+        "cohesion_pa",
+        "K_mm",
+        "omega_rad_per_s",
+        "gravity_m_per_s2",
+        "pressure_kpa",
     ] {
         let text =
             format!("soil,radius_m,width_m,slip,load_n,{column}\ndry-sand,0.1,0.1,0.3,40,1\n");
@@ -319,8 +331,58 @@ fn a_quantity_that_is_not_read_is_refused_by_name() {
         said.assert_refused(column);
         assert!(said.err.contains(&format!("`{column}`")), "{said:?}");
     }
-    let text =
-        "soil,radius_m,width_m,slip,load_n,note,measured_pull_n\ndry-sand,0.1,0.1,0.3,40,x,1\n";
+    let text = "soil,radius_m,width_m,slip,load_n,note,measured_pull_n,time_s,x_m,load_case\ndry-sand,0.1,0.1,0.3,40,x,1,2,3,4\n";
     let (rows, _) = solve(&folder, text);
     assert_eq!(rows[0]["measured_pull_n"], "1");
+    let text =
+        "soil,radius_m,width_m,slip,load_n,grouser_thickness_m\ndry-sand,0.1,0.1,0.3,40,0.002\n";
+    let input = folder.file("in.csv", text);
+    let said = grouser(["batch".into(), input, "-o".into(), folder.path("out.csv")]);
+    said.assert_refused("lugs need both columns");
+}
+
+/// The fluctuations as lugs pass are those of `wheel`; a smooth wheel beside has none, and lugs without a height are
+/// refused.
+#[test]
+fn lugs_have_their_fluctuation() {
+    let folder = Folder::new();
+    let text = "soil,radius_m,width_m,slip,load_n,grouser_height_m,grouser_count\n\
+        dry-sand,0.1,0.1,0.3,40,0.01,20\ndry-sand,0.1,0.1,0.3,40,,\ndry-sand,0.1,0.1,0.3,40,,20\n";
+    let (rows, _) = solve_to(&folder, text, 3);
+    let wheel = grouser(
+        "wheel --json --soil dry-sand --radius-m 0.1 --width-m 0.1 --slip 0.3 --load-n 40 --grouser-height-m 0.01 \
+         --grouser-count 20"
+            .split_whitespace(),
+    );
+    let wheel = wheel.json();
+    for key in ["pull_fluctuation_n", "torque_fluctuation_nm"] {
+        let (found, expected) = (number(&rows[0], key), wheel[key].as_f64().unwrap());
+        assert!(expected > 0.0 && (found - expected).abs() < 1e-12, "{key}");
+        assert_eq!(rows[1][key], "", "{key}");
+    }
+    assert!(rows[2]["status"].contains("grouser_height_m"));
+}
+
+/// Rows outside the tests of their soil are counted, on lanes and off them.
+#[test]
+fn rows_outside_a_fit_are_counted() {
+    let folder = Folder::new();
+    let soil = "format = 1\nname = \"fitted\"\nn = 1.1\nk_c_kn_per_m_n1 = 0.9\nk_phi_kn_per_m_n2 = 1528.4\n\
+        cohesion_kpa = 1.0\nphi_deg = 30.0\nk_shear_m = 0.025\nc_1 = 0.18\nc_2 = 0.32\n\n[fitted]\n\
+        slip_min = 0.0\nslip_max = 0.5\nslip_angle_min_deg = 0.0\nslip_angle_max_deg = 30.0\nwidth_min_m = 0.1\n\
+        width_max_m = 0.1\nload_min_n = 20.0\nload_max_n = 60.0\n";
+    let soil = folder.file("soil.toml", soil).display().to_string();
+    let text = format!(
+        "soil,radius_m,width_m,slip,slip_angle_deg,load_n\n{soil},0.1,0.1,0.3,0,40\n{soil},0.1,0.1,0.3,20,40\n\
+         {soil},0.1,0.1,0.7,0,40\n{soil},0.1,0.2,0.3,0,40\n{soil},0.1,0.1,0.3,40,40\ndry-sand,0.1,0.2,0.9,0,90\n"
+    );
+    let input = folder.file("in.csv", &text);
+    let said = grouser([
+        "batch".into(),
+        input,
+        "-o".into(),
+        folder.path("out.csv"),
+        "--json".into(),
+    ]);
+    assert_eq!(said.json()["outside_fit"], 3, "{said:?}");
 }

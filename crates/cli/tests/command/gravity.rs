@@ -58,6 +58,15 @@ fn a_mass_under_a_gravity_is_its_load_in_wheel_curve_and_climb() {
         assert_ne!(named, by(&["--mass-kg", "20"]), "{verb}");
     }
     with("curve", &["--mass-kg", "20", "--gravity-m-per-s2", "venus"]).assert_refused("venus");
+    // a load is the weight already: a gravity beside it would be ignored
+    for verb in ["wheel", "curve", "climb"] {
+        let given = ["--load-n", "20", "--gravity-m-per-s2", "moon"];
+        let slip = ["--slip", "0.2"];
+        let all = given.iter().chain(slip.iter().filter(|_| verb == "wheel"));
+        let refused = with(verb, &all.copied().collect::<Vec<_>>());
+        refused.assert_refused(verb);
+        assert!(refused.err.contains("only with `--mass-kg`"), "{refused:?}");
+    }
 }
 
 /// The sum of the loads of a robot at rest, N.

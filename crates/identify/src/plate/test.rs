@@ -71,11 +71,15 @@ impl PlateTest {
     }
 }
 
+const DEPTH: Column = Column(&[("depth_m", 1.0), ("depth_mm", 1e-3)]);
+const FORCE: Column = Column(&[("force_n", 1.0), ("force_kn", 1e3)]);
+const DIAMETER: Column = Column(&[("plate_diameter_m", 1.0), ("plate_diameter_mm", 1e-3)]);
+
 /// The plate tests of a table: columns `depth_m` or `depth_mm`, `force_n` or `force_kn`, `plate_diameter_m` or
 /// `plate_diameter_mm`, and `test` with the name of each row's test where there are several.
 ///
 /// # Errors
-/// As [`Table::numbers`]; [`Error::Content`] for a test whose plate changes.
+/// As [`Table::numbers`] and [`Table::refuse_unread`]; [`Error::Content`] for a test whose plate changes.
 ///
 /// ```
 /// let tests = grouser_identify::plate::read_table("../../examples/bevameter/plates.csv".as_ref())?;
@@ -84,12 +88,10 @@ impl PlateTest {
 /// ```
 pub fn read_table(path: &Path) -> Result<Vec<PlateTest>> {
     let table = Table::read(path)?;
-    let depth = table.numbers(Column(&[("depth_m", 1.0), ("depth_mm", 1e-3)]))?;
-    let force = table.numbers(Column(&[("force_n", 1.0), ("force_kn", 1e3)]))?;
-    let diameter = table.numbers(Column(&[
-        ("plate_diameter_m", 1.0),
-        ("plate_diameter_mm", 1e-3),
-    ]))?;
+    table.refuse_unread(&[DEPTH, FORCE, DIAMETER])?;
+    let depth = table.numbers(DEPTH)?;
+    let force = table.numbers(FORCE)?;
+    let diameter = table.numbers(DIAMETER)?;
     let names = table.texts("test");
     let mut tests: Vec<PlateTest> = Vec::new();
     for row in 0..table.len() {

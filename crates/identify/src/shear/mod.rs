@@ -37,10 +37,14 @@ pub struct ShearFit {
     pub fit: Fit,
 }
 
+const NORMAL: Column = Column(&[("normal_stress_pa", 1.0), ("normal_stress_kpa", 1e3)]);
+const DISPLACEMENT: Column = Column(&[("displacement_m", 1.0), ("displacement_mm", 1e-3)]);
+const SHEAR: Column = Column(&[("shear_stress_pa", 1.0), ("shear_stress_kpa", 1e3)]);
+
 /// Reads `normal_stress_pa` or `_kpa`, `displacement_m` or `_mm`, `shear_stress_pa` or `_kpa`.
 ///
 /// # Errors
-/// As [`Table::numbers`].
+/// As [`Table::numbers`] and [`Table::refuse_unread`].
 ///
 /// ```
 /// let readings = grouser_identify::shear::read_table("../../examples/bevameter/shear.csv".as_ref())?;
@@ -49,18 +53,10 @@ pub struct ShearFit {
 /// ```
 pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
     let table = Table::read(path)?;
-    let normal = table.numbers(Column(&[
-        ("normal_stress_pa", 1.0),
-        ("normal_stress_kpa", 1e3),
-    ]))?;
-    let displacement = table.numbers(Column(&[
-        ("displacement_m", 1.0),
-        ("displacement_mm", 1e-3),
-    ]))?;
-    let shear = table.numbers(Column(&[
-        ("shear_stress_pa", 1.0),
-        ("shear_stress_kpa", 1e3),
-    ]))?;
+    table.refuse_unread(&[NORMAL, DISPLACEMENT, SHEAR])?;
+    let normal = table.numbers(NORMAL)?;
+    let displacement = table.numbers(DISPLACEMENT)?;
+    let shear = table.numbers(SHEAR)?;
     Ok((0..table.len())
         .map(|row| ShearReading {
             normal: normal[row],

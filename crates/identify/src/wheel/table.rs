@@ -29,7 +29,7 @@ const SINKAGE: Column = Column(&[("sinkage_m", 1.0), ("sinkage_mm", 1e-3)]);
 /// left), `torque_nm`, `sinkage_m` or `sinkage_mm`.
 ///
 /// # Errors
-/// As [`Table::optional`]; [`Error::Law`] for a motion that is none; [`Error::Content`] for a row without load
+/// As [`Table::optional`] and [`Table::refuse_unread`]; [`Error::Law`] for a motion that is none; [`Error::Content`] for a row without load
 /// and sinkage.
 ///
 /// ```
@@ -41,6 +41,9 @@ const SINKAGE: Column = Column(&[("sinkage_m", 1.0), ("sinkage_mm", 1e-3)]);
 /// ```
 pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
     let table = Table::read(path)?;
+    table.refuse_unread(&[
+        SLIP, SLIP_ANGLE, RIM, TRAVEL, LOAD, PULL, SIDE, TORQUE, SINKAGE,
+    ])?;
     let given = |column: Column| -> Result<Vec<Option<f64>>> {
         if table.has(column) {
             table.optional(column)
@@ -49,6 +52,13 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
         }
     };
     let by_speeds = table.has(RIM) && table.has(TRAVEL);
+    if table.has(RIM) != table.has(TRAVEL) {
+        return Err(Error::Content {
+            path: path.to_owned(),
+            message: "the rim's and the travel speed are read together, but one of them is absent"
+                .to_owned(),
+        });
+    }
     let (rim, travel) = (given(RIM)?, given(TRAVEL)?);
     let slip = if by_speeds {
         given(SLIP)?
@@ -67,6 +77,9 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
             let degrees = angle[row].unwrap_or(0.0);
             let beta = Angle::from_deg(degrees);
             let motion = match (rim[row], travel[row], slip[row]) {
+                (Some(_), Some(_), Some(_)) => {
+                    return Err(refuse("both slip and speeds; leave one of them empty"));
+                }
                 (Some(rim), Some(travel), _) => {
                     let forward = if degrees.abs() == 90.0 {
                         0.0
@@ -148,6 +161,36 @@ mod tests {
         assert_eq!(tests[1].support, Support::Load(30.0));
         let neither = read("neither", "slip,load_n,sinkage_mm\n0.1,,\n").unwrap_err();
         assert!(neither.to_string().contains("row 1"), "{neither}");
+        let both = read(
+            "both",
+            "slip,rim_speed_m_per_s,travel_speed_m_per_s,load_n\n0.1,1,0.9,30\n",
+        );
+        assert!(both.unwrap_err().to_string().contains("leave one"));
+        for unread in [
+            "beta_deg",
+            "mass_kg",
+            "load_kn",
+            "rim_speed_m_per_s",
+            "Slip_Angle_deg",
+        ] {
+            let refused = read(unread, &format!("slip,load_n,{unread}\n0.1,30,1\n"));
+            let refused = refused.unwrap_err().to_string();
+            assert!(
+                refused.contains("is a quantity that is not read") || refused.contains("absent"),
+                "{refused}"
+            );
+        }
+        let twice = read(
+            "twice",
+            "slip,load_n,sinkage_m,sinkage_mm\n0.1,30,0.01,20\n",
+        );
+        assert!(
+            twice
+                .unwrap_err()
+                .to_string()
+                .contains("more than one column")
+        );
+        assert!(read("note", "slip,load_n,note,measured_speed\n0.1,30,x,1\n").is_ok());
         let beyond = read("beyond", "slip,load_n\n1.5,30\n").unwrap_err();
         assert!(beyond.to_string().contains("row 1"), "{beyond}");
     }

@@ -6,18 +6,24 @@ use std::path::Path;
 use super::stream::Line;
 use crate::error::{Error, Result};
 use crate::operation::Prescribed;
+use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Field, quoted, split};
 use grouser_report::number::{parse_finite, push_exact};
 
-/// The columns that are added, in order; the side force only beside a column of slip angles.
-const ADDED: [&str; 5] = [
+/// The columns that are added, in order; the side force only beside a column of slip angles, the fluctuations as
+/// lugs pass only beside columns of lugs.
+const ADDED: [&str; 7] = [
     "vertical_force_n",
     "drawbar_pull_n",
     "torque_nm",
     SIDE_FORCE,
+    PULL_FLUCTUATION,
+    TORQUE_FLUCTUATION,
     "status",
 ];
 const SIDE_FORCE: &str = "side_force_n";
+const PULL_FLUCTUATION: &str = "pull_fluctuation_n";
+const TORQUE_FLUCTUATION: &str = "torque_fluctuation_nm";
 
 /// The columns that are read.
 const READ: [&str; 11] = [
@@ -32,30 +38,6 @@ const READ: [&str; 11] = [
     "grouser_height_m",
     "grouser_count",
     "grouser_thickness_m",
-];
-
-/// Quantities without their units: a column of one of them with another unit is refused, since to ignore it
-/// would give a result for another wheel.
-const QUANTITIES: [&str; 15] = [
-    "radius",
-    "diameter",
-    "width",
-    "slip",
-    "slip_angle",
-    "slope",
-    "rebound",
-    "sinkage",
-    "load",
-    "mass",
-    "weight",
-    "gravity",
-    "grouser_height",
-    "grouser_count",
-    "grouser_thickness",
-];
-const UNITS: [&str; 15] = [
-    "m", "mm", "cm", "n", "kn", "kg", "g", "deg", "rad", "percent", "pct", "1", "m_per_s2", "in",
-    "lbf",
 ];
 
 /// Numbers of a soil, which come from the soil itself.
@@ -74,27 +56,23 @@ const OF_THE_SOIL: [&str; 12] = [
     "transport_layer_m",
 ];
 
-/// Why a column that is not read must not be ignored; `None` where it may.
-fn refusal(name: &str) -> Option<&'static str> {
-    if READ.contains(&name) {
+/// Why a column that is not read must not be ignored: to ignore it would give a result for another wheel; `None`
+/// where it may.
+fn refusal(name: &str) -> Option<String> {
+    if READ.contains(&name) || ADDED.contains(&name) {
         return None;
     }
     if OF_THE_SOIL.contains(&name) {
-        return Some("numbers of a soil come from the soil: name a soil file in `soil`");
+        return Some("numbers of a soil come from the soil: name a soil file in `soil`".to_owned());
     }
-    let known = QUANTITIES.into_iter().any(|quantity| {
-        let rest = name.strip_prefix(quantity);
-        rest.is_some_and(|rest| {
-            rest.is_empty()
-                || rest
-                    .strip_prefix('_')
-                    .is_some_and(|unit| UNITS.contains(&unit))
-        })
-    });
-    known.then_some(
-        "read are `radius_m`, `width_m`, `grouser_height_m`, `grouser_count`, `grouser_thickness_m`, `slip`, \
-         `slip_angle_deg`, `rebound`, `sinkage_m` and `load_n`; rename a column that is only a remark",
-    )
+    is_quantity_name(name).then(|| {
+        let meant = nearest(&name.to_lowercase().replace(['-', ' '], "_"), READ)
+            .map_or_else(String::new, |meant| format!("did you mean `{meant}`? "));
+        format!(
+            "{meant}read are `{}`; rename a column that is only a remark, as `note_…` or `measured_…`",
+            READ.join("`, `")
+        )
+    })
 }
 
 /// Where the columns of the input stand.
@@ -130,6 +108,18 @@ pub(super) struct Point<'a> {
     pub(super) slip: f64,
     pub(super) slip_angle_deg: f64,
     pub(super) prescribed: Prescribed,
+}
+
+/// What is written of a solved row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    pub(super) sinkage: f64,
+    /// Vertical force (N), drawbar pull (N) and torque (N m).
+    pub(super) forces: [f64; 3],
+    /// Side force, N.
+    pub(super) side: f64,
+    /// Fluctuation of pull (N) and torque (N m) as lugs pass; `None` for a smooth wheel.
+    pub(super) fluctuation: Option<[f64; 2]>,
 }
 
 /// A row: its line with its fields, and its operating point or what is wrong.
@@ -189,10 +179,6 @@ impl Columns {
                 refuse(format!("line 1: there is no column `{name}`"), Some(hint))
             })
         };
-        if let Some((name, hint)) = names.iter().find_map(|n| Some((n, refusal(n)?))) {
-            let message = format!("line 1: column `{name}` is a quantity that is not read");
-            return Err(refuse(message, Some(hint)));
-        }
         let columns = Self {
             soil: need("soil")?,
             radius: need("radius_m")?,
@@ -208,11 +194,17 @@ impl Columns {
             header: line.text.clone(),
             names: names.clone(),
         };
+        if let Some((name, hint)) = names.iter().find_map(|n| Some((n, refusal(n)?))) {
+            let message = format!("line 1: column `{name}` is a quantity that is not read");
+            return Err(refuse(message, Some(&hint)));
+        }
         if columns.sinkage.is_none() && columns.load.is_none() {
             let message = "line 1: there is neither a column `sinkage_m` nor a column `load_n`";
             return Err(refuse(message.to_owned(), None));
         }
-        if columns.grouser_height.is_some() != columns.grouser_count.is_some() {
+        let lugs = [columns.grouser_height, columns.grouser_count];
+        let thickness = columns.grouser_thickness;
+        if lugs.iter().flatten().count() == 1 || (lugs == [None; 2] && thickness.is_some()) {
             let message = "line 1: lugs need both columns `grouser_height_m` and `grouser_count`";
             return Err(refuse(message.to_owned(), None));
         }
@@ -235,10 +227,12 @@ impl Columns {
 
     /// The columns that are added.
     fn added(&self) -> impl Iterator<Item = &'static str> {
-        let drifting = self.slip_angle.is_some();
-        ADDED
-            .into_iter()
-            .filter(move |name| drifting || *name != SIDE_FORCE)
+        let (drifting, lugged) = (self.slip_angle.is_some(), self.grouser_height.is_some());
+        ADDED.into_iter().filter(move |name| match *name {
+            SIDE_FORCE => drifting,
+            PULL_FLUCTUATION | TORQUE_FLUCTUATION => lugged,
+            _ => true,
+        })
     }
 
     /// What the user should know of the header.
@@ -323,6 +317,14 @@ impl Columns {
             filled.map_or(Ok(0.0), |index| number(index, name))
         };
         let height = optional(self.grouser_height, "grouser_height_m")?;
+        let incomplete = [self.grouser_count, self.grouser_thickness];
+        if self.grouser_height.is_some_and(|index| !filled(&index))
+            && incomplete.iter().flatten().any(filled)
+        {
+            return Err(
+                "`grouser_height_m` is empty, but other sizes of the lugs are not".to_owned(),
+            );
+        }
         let grousers = if height == 0.0 {
             None
         } else {
@@ -349,10 +351,10 @@ impl Columns {
         &self,
         text: &mut String,
         row: &Row<'_>,
-        numbers: Option<[f64; 5]>,
+        numbers: Option<Numbers>,
         status: &str,
     ) {
-        let [sinkage, results @ ..] = numbers.map_or([None; 5], |numbers| numbers.map(Some));
+        let sinkage = numbers.map(|of| of.sinkage);
         let push = |text: &mut String, number: Option<f64>| {
             if let Some(number) = number {
                 push_exact(text, number);
@@ -377,10 +379,19 @@ impl Columns {
             text.push(',');
             push(text, sinkage);
         }
-        let shown = if self.slip_angle.is_some() { 4 } else { 3 };
-        for result in &results[..shown] {
+        for index in 0..3 {
             text.push(',');
-            push(text, *result);
+            push(text, numbers.map(|of| of.forces[index]));
+        }
+        if self.slip_angle.is_some() {
+            text.push(',');
+            push(text, numbers.map(|of| of.side));
+        }
+        if self.grouser_height.is_some() {
+            for index in 0..2 {
+                text.push(',');
+                push(text, numbers.and_then(|of| Some(of.fluctuation?[index])));
+            }
         }
         text.push(',');
         text.push_str(&quoted(status));

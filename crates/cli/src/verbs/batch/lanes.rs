@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
 
-use super::columns::{Point, Row};
+use super::columns::{Numbers, Point, Row};
 use crate::operation::Prescribed;
 
 /// The points of one soil that are solved alike, side by side.
@@ -29,7 +29,7 @@ impl Columns {
     }
 
     /// Puts the points that the kernel solves at their places.
-    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Option<Solved>]) {
+    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Option<Numbers>]) {
         let n = self.places.len();
         let points = BatchPoints {
             radius: (&self.radius).into(),
@@ -60,29 +60,23 @@ impl Columns {
         };
         for (i, &place) in self.places.iter().enumerate() {
             if status[i] == SolveStatus::Solved {
-                answers[place] = Some(Solved {
+                answers[place] = Some(Numbers {
                     sinkage: sinkage[i],
                     forces: [vertical_force[i], drawbar_pull[i], torque[i]],
+                    // lanes have no slip angle and no lugs
+                    side: 0.0,
+                    fluctuation: None,
                 });
             }
         }
     }
 }
 
-/// A solved row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Solved {
-    /// Sinkage, m.
-    pub(super) sinkage: f64,
-    /// Vertical force (N), drawbar pull (N) and torque (N m).
-    pub(super) forces: [f64; 3],
-}
-
 /// The answer of each row, where the lanes have one; the rest is left to the general solver and its words.
 pub(super) fn solve(
     rows: &[Row<'_>],
     kernel_of: impl Fn(&str) -> Option<BatchKernel>,
-) -> Vec<Option<Solved>> {
+) -> Vec<Option<Numbers>> {
     let mut sorted: BTreeMap<(&str, bool), Columns> = BTreeMap::new();
     let mut kernels: BTreeMap<&str, Option<BatchKernel>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {

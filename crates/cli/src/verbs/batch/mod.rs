@@ -14,7 +14,7 @@ use grouser_terra::{
     Angle, BatchKernel, Kinematics, MAX_MISS, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
 };
 
-use self::columns::{Columns, Row};
+use self::columns::{Columns, Numbers, Point, Row};
 use self::sink::TableSink;
 use self::stream::{Line, lines_of, next_line};
 use crate::error::{Error, Result, shown};
@@ -36,10 +36,12 @@ const SOILS: usize = 256;
 #[command(
     about = "Solve a table of operating points",
     long_about = "Solve a table of operating points, one per line of a CSV file with commas.\n\n\
-        Columns: soil, radius_m, width_m, slip, slip_angle_deg (optional), rebound (optional), and sinkage_m or \
+        Columns: soil, radius_m, width_m, slip, slip_angle_deg, rebound, grouser_height_m, grouser_count, \
+        grouser_thickness_m (these five optional), and sinkage_m or \
         load_n or both, of which exactly one is filled in each row. Every column of the input is kept; sinkage_m \
-        is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg) \
-        and status are added. A column that looks like another quantity is refused. A row that cannot be solved gets a \
+        is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg), \
+        pull_fluctuation_n and torque_fluctuation_nm (beside lugs) and status are added. A column that looks like another \
+        quantity is refused; a remark is called note_… or measured_…. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
     after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
 )]
@@ -64,6 +66,8 @@ struct Counts {
     bad_input: u64,
     /// Solved rows whose vertical force misses the load.
     coarse: u64,
+    /// Solved rows outside the tests that their soil was fitted on.
+    outside_fit: u64,
 }
 
 /// The table and what became of its rows.
@@ -83,6 +87,8 @@ fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "bad_input" "rows with a bad value" = solved.counts.bad_input;
         "below_resolution" "solved rows whose load is smaller than the solver resolves: their vertical force differs from it" =
             solved.counts.coarse;
+        "outside_fit" "solved rows whose slip, slip angle, width or load lies outside the tests that their soil was fitted on" =
+            solved.counts.outside_fit;
         "soils" "the soils and their sources" values = Some(solved.soils.clone());
         "output" "the table that was written" = solved.output.display().to_string();
     }
@@ -130,12 +136,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         for (row, lane) in rows.iter().zip(&lanes) {
             let ending = match lane {
                 Some(found) => {
-                    let [vertical_force, drawbar_pull, torque] = found.forces;
-                    // lanes have no slip angle
-                    let numbers = [found.sinkage, vertical_force, drawbar_pull, torque, 0.0];
                     let key = Status::Ok.key();
-                    columns.push_line(&mut solved.text, row, Some(numbers), key);
-                    solved.counts.coarse += u64::from(misses(row, vertical_force));
+                    columns.push_line(&mut solved.text, row, Some(*found), key);
+                    solved.counts.note(row, found.forces[0], &soils);
                     Ending::Solved(Status::Ok)
                 }
                 None => complete(&mut solved, (&columns, row), &soils, arguments, &mut cache),
@@ -175,6 +178,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         report.warnings.push(format!(
             "{} rows have a load that is smaller than the solver resolves: compare `vertical_force_n`",
             counts.coarse
+        ));
+    }
+    if counts.outside_fit > 0 {
+        report.warnings.push(format!(
+            "{} rows lie outside the tests that their soil was fitted on (slip, slip angle, width or load)",
+            counts.outside_fit
         ));
     }
     if counts.ok == 0 {
@@ -263,17 +272,20 @@ fn complete(
     };
     match answer {
         Ok(answer) => {
-            let numbers = answer.point.as_ref().map(|point| {
-                [
-                    point.sinkage,
+            let passage = |point| cache.0.as_ref()?.1.lug_passage(point);
+            let numbers = answer.point.as_ref().map(|point| Numbers {
+                sinkage: point.sinkage,
+                forces: [
                     point.forces.vertical_force,
                     point.forces.drawbar_pull,
                     point.forces.torque,
-                    point.side_force,
-                ]
+                ],
+                side: point.side_force,
+                fluctuation: passage(point).map(|lugs| [lugs.pull, lugs.torque]),
             });
-            let force = answer.point.map(|point| point.forces.vertical_force);
-            solved.counts.coarse += u64::from(force.is_some_and(|force| misses(row, force)));
+            if let Some(numbers) = numbers {
+                solved.counts.note(row, numbers.forces[0], soils);
+            }
             columns.push_line(&mut solved.text, row, numbers, answer.status.key());
             Ending::Solved(answer.status)
         }
@@ -290,7 +302,7 @@ fn complete(
 }
 
 fn solve(
-    point: &self::columns::Point<'_>,
+    point: &Point<'_>,
     soils: &Soils,
     overrides: &Overrides,
     cache: &mut Cache,
@@ -328,16 +340,36 @@ fn solve(
         }
     };
     let slip = Slip::new(point.slip).map_err(refuse)?;
-    let kinematics = if point.slip_angle_deg == 0.0 {
-        Kinematics::straight(slip)
-    } else {
-        let angle = Angle::from_deg(point.slip_angle_deg);
-        Kinematics::with_slip_angle(slip, angle).map_err(refuse)?
-    };
+    let kinematics = motion(point, slip).map_err(refuse)?;
     operation::solve(&pair, point.prescribed, &kinematics).map_err(refuse)
 }
 
+fn motion(point: &Point<'_>, slip: Slip) -> grouser_terra::Result<Kinematics> {
+    if point.slip_angle_deg == 0.0 {
+        return Ok(Kinematics::straight(slip));
+    }
+    Kinematics::with_slip_angle(slip, Angle::from_deg(point.slip_angle_deg))
+}
+
+/// Does a point lie outside the tests that its soil was fitted on?
+fn is_outside_fit(point: &Point<'_>, soil: &Soil, vertical_force: f64) -> bool {
+    let Some(fitted) = &soil.params().fitted else {
+        return false;
+    };
+    let motion = Slip::new(point.slip).and_then(|slip| motion(point, slip));
+    motion.is_ok_and(|motion| !fitted.holds(&motion, point.width_m, vertical_force))
+}
+
 impl Counts {
+    /// Counts what is doubtful of a solved row with its vertical force, N.
+    fn note(&mut self, row: &Row<'_>, vertical_force: f64, soils: &Soils) {
+        self.coarse += u64::from(misses(row, vertical_force));
+        let Ok(point) = &row.point else { return };
+        let soil = soils.get(&*point.soil).map(|(soil, _)| soil);
+        self.outside_fit +=
+            u64::from(soil.is_some_and(|soil| is_outside_fit(point, soil, vertical_force)));
+    }
+
     fn add(&mut self, ending: Ending) {
         self.rows += 1;
         *match ending {
@@ -355,6 +387,7 @@ impl Counts {
         self.not_converged += other.not_converged;
         self.bad_input += other.bad_input;
         self.coarse += other.coarse;
+        self.outside_fit += other.outside_fit;
     }
 
     fn words(&self) -> String {

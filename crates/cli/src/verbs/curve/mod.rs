@@ -69,7 +69,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let outputs = Output::begin(&arguments.output)?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
     let slips = slips(arguments)?;
-    let families: Vec<Family> = prescribed(&arguments.prescribed, arguments.gravity.or_earth())
+    let gravity = (arguments.gravity).with_mass(!arguments.prescribed.mass_kg.is_empty())?;
+    let families: Vec<Family> = prescribed(&arguments.prescribed, gravity)
         .map(|prescribed| family(arguments, &pair, prescribed, &slips))
         .collect::<Result<_>>()?;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_terra::{BestSlip, Caution, WheelOnSoil};
+use grouser_terra::{BestSlip, Caution, LugPassage, WheelOnSoil};
 
 use super::family::Family;
 use crate::operation::{self, Answer, Prescribed};
@@ -60,6 +60,22 @@ pub(super) struct Point<'a> {
     answer: &'a Answer,
 }
 
+impl Point<'_> {
+    fn lugs(self) -> Option<LugPassage> {
+        self.frame.pair.lug_passage(self.answer.point.as_ref()?)
+    }
+}
+
+/// How far the forces rise and fall as lugs pass.
+fn fluctuation<'a>() -> Fields<'a, Option<LugPassage>> {
+    fields! { |lugs: Option<LugPassage>|
+        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") =
+            lugs.map(|lugs| lugs.pull);
+        "torque_fluctuation_nm" "fluctuation of the torque as lugs pass, greatest less least" .shown("N m") =
+            lugs.map(|lugs| lugs.torque);
+    }
+}
+
 /// What all points of the run share.
 #[derive(Clone, Copy)]
 pub(super) struct Frame<'a> {
@@ -87,16 +103,39 @@ impl<'a> Frame<'a> {
             join(wheel()) = point.frame;
             join(points()) = point;
         };
+        let keys = [
+            "soil",
+            "radius_m",
+            "width_m",
+            "grouser_height_m",
+            "grouser_count",
+            "grouser_thickness_m",
+            "rebound",
+            "slip",
+            "slip_angle_deg",
+            "sinkage_m",
+            "load_n",
+            "vertical_force_n",
+            "drawbar_pull_n",
+            "torque_nm",
+            "side_force_n",
+            "pull_fluctuation_n",
+            "torque_fluctuation_nm",
+            "status",
+        ];
+        columns.pick(&self.present(&keys)).csv(self.points())
+    }
+
+    /// Those keys that this wheel and this drift have.
+    fn present(self, keys: &[&'static str]) -> Vec<&'static str> {
         let lugged = self.pair.wheel().grousers().is_some();
-        let keys = "soil,radius_m,width_m,grouser_height_m,grouser_count,grouser_thickness_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status";
-        columns
-            .pick(
-                &keys
-                    .split(',')
-                    .filter(|key| lugged || !key.starts_with("grouser"))
-                    .collect::<Vec<_>>(),
-            )
-            .csv(self.points())
+        let drifting = self.wheel.slip_angle_deg != 0.0;
+        let is_present = |key: &&str| match *key {
+            "slip_angle_deg" | "side_force_n" => drifting,
+            "pull_fluctuation_n" | "torque_fluctuation_nm" => lugged,
+            key => lugged || !key.starts_with("grouser"),
+        };
+        keys.iter().copied().filter(is_present).collect()
     }
 
     /// All points, for people.
@@ -119,7 +158,9 @@ impl<'a> Frame<'a> {
             "load N",
             "sinkage_m",
             "drawbar_pull_n",
+            "side_force_n",
             "torque_nm",
+            "pull_fluctuation_n",
             "tractive_efficiency",
             "status",
         ];
@@ -129,7 +170,9 @@ impl<'a> Frame<'a> {
             .at("tractive_efficiency")
             .label("efficiency")
             .missing("–")
-            .pick(&keys)
+            .at("pull_fluctuation_n")
+            .label("pull fluctuation")
+            .pick(&self.present(&keys))
             .table(self.points())
     }
 }
@@ -143,6 +186,7 @@ fn wheel<'a>() -> Fields<'a, Frame<'a>> {
         "grouser_count" "number of the lugs" .given() = frame.wheel.grousers.grouser_count.map(f64::from);
         "grouser_thickness_m" "thickness of the lugs" .given() = frame.wheel.grousers.grouser_thickness_m;
         "rebound" "rebound ratio" .given() = frame.pair.soil().params().rebound;
+        "slip_angle_deg" "slip angle" .given() = frame.wheel.slip_angle_deg;
     }
 }
 
@@ -151,6 +195,7 @@ fn points<'a>() -> Fields<'a, Point<'a>> {
         "slip" "slip" .shown("").given() = point.slip;
         "load_n" "load" .given() = point.family.prescribed.load();
         join(operation::fields()) = point.answer;
+        join(fluctuation()) = point.lugs();
     }
 }
 
@@ -158,7 +203,6 @@ fn points<'a>() -> Fields<'a, Point<'a>> {
 pub(super) fn fields<'a>() -> Fields<'a, Frame<'a>> {
     fields! { |frame: Frame<'a>|
         join(wheel()) = frame;
-        "slip_angle_deg" "slip angle" = frame.wheel.slip_angle_deg;
         "curves" "the curves: one for each load or sinkage" rows(curve()) = frame.families;
         "points" "all points of all curves" rows(points()) = frame.points();
     }

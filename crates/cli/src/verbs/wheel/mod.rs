@@ -71,10 +71,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .map(figure_file::Target::of)
         .transpose()?;
     let (pair, chosen) = arguments.wheel.pair(session)?;
-    let weight = arguments.prescribed.load_n.or(arguments
+    let mass = arguments.prescribed.mass_kg;
+    let gravity = arguments.gravity.with_mass(mass.is_some())?;
+    let weight = arguments
         .prescribed
-        .mass_kg
-        .map(|mass| mass * arguments.gravity.or_earth()));
+        .load_n
+        .or(mass.map(|mass| mass * gravity));
     let slope = match (arguments.slope_deg, weight) {
         (Some(degrees), Some(weight)) => Some(on_slope(&pair, degrees, weight).map_err(refuse)?),
         _ => None,
