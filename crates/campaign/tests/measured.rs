@@ -1,14 +1,18 @@
 //! Identification and validation on measured data.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use grouser_campaign::validate::{ModelName, Row, SlipGroup, Split, ding, plate_tests, validate};
+use grouser_campaign::validate::{
+    ModelName, Row, SlipGroup, Split, Validation, cmu, ding, plate_tests, validate,
+};
+use grouser_files::Document;
+use grouser_files::soil;
 use grouser_files::soil::SoilNumber;
 use grouser_identify::Parameter;
-use grouser_identify::least_squares::{Settings, StartSettings, multi_start};
+use grouser_identify::least_squares::{self, StartSettings, multi_start};
 use grouser_identify::plate::{PlateSettings, fit_plates};
-use grouser_identify::wheel::{Fixed, Quantity, Scatter, WheelModel, predict};
-use grouser_terra::{OpenSoil, RigidWheel, catalogue};
+use grouser_identify::wheel::{Fixed, Quantity, Scatter, Support, WheelModel, predict};
+use grouser_terra::{OpenSoil, RigidWheel, Settings, WheelOnSoil, catalogue};
 
 use crate::measured_data::measured_data;
 
@@ -82,9 +86,14 @@ fn measured_wheels_are_predicted() {
     let (straight, bracket) = ("slip angle 0", "slip angles 0 and 60");
     let smooth = |angle, quantity| ("cmu-wheel", "smooth", angle, quantity);
     assert!(ours(smooth(0.0, Quantity::Pull), straight) < 0.8);
-    assert!(ours(smooth(0.0, Quantity::Sinkage), straight) < 1.45);
+    assert!(ours(smooth(0.0, Quantity::Sinkage), straight) < 1.15);
+    for (angle, pull, side, sinkage) in [(0.0, 0.8, 0.75, 1.4), (60.0, 1.3, 1.3, 1.9)] {
+        assert!(ours(smooth(angle, Quantity::Pull), bracket) < pull);
+        assert!(ours(smooth(angle, Quantity::Side), bracket) < side);
+        assert!(ours(smooth(angle, Quantity::Sinkage), bracket) < sinkage);
+    }
     for (quantity, target) in [
-        (Quantity::Side, 1.3),
+        (Quantity::Side, 1.25),
         (Quantity::Pull, 0.8),
         (Quantity::Sinkage, 1.4),
     ] {
@@ -100,8 +109,8 @@ fn measured_wheels_are_predicted() {
         (smooth(60.0, Quantity::Pull), 1.7),
         (smooth(60.0, Quantity::Side), 2.0),
         (smooth(60.0, Quantity::Sinkage), 2.0),
-        (lugged("cmu-wheel", 0.0, Quantity::Pull), 1.0),
-        (lugged("cmu-wheel", 0.0, Quantity::Sinkage), 1.65),
+        (lugged("cmu-wheel", 0.0, Quantity::Pull), 0.9),
+        (lugged("cmu-wheel", 0.0, Quantity::Sinkage), 1.5),
     ] {
         assert!(
             ours(key, straight) < limit,
@@ -133,19 +142,21 @@ fn measured_wheels_are_predicted() {
             assert!(ours(key, "all six slips") < limit, "{key:?}");
         }
     }
-    // nearly spinning and locked, fitted at 0 and 60 and |s| ≤ 0.75: nothing is buried, and sinkage within 6 mm
+    // nearly spinning and locked, fitted at |s| ≤ 0.75: nothing is buried; sinkage, and the side force of locked wheels
     for row in validation.rows.iter().filter(|row| {
         row.model == ModelName::Grouser
-            && row.fit == bracket
-            && row.wheel == "smooth"
+            && row.data_set == "cmu-wheel"
             && row.slips != SlipGroup::Steady
             && row.slip_angle_deg <= 60.0
     }) {
         assert_eq!(row.hub_buried, 0, "{row:?}");
-        assert!(
-            row.quantity != Quantity::Sinkage || row.score.bias.abs() < 6.0,
-            "{row:?}"
-        );
+        let limit = match (row.quantity, row.slips, row.slip_angle_deg < 60.0) {
+            (Quantity::Sinkage, SlipGroup::Spinning, true) => 3.7,
+            (Quantity::Sinkage, SlipGroup::Spinning, false) => 5.8,
+            (Quantity::Sinkage, _, _) | (Quantity::Side, SlipGroup::Locked, _) => 4.5,
+            _ => continue,
+        };
+        assert!(row.score.bias.abs() < limit, "{row:?}");
     }
     for angle in [15.0, 30.0, 60.0] {
         for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
@@ -166,16 +177,64 @@ fn measured_wheels_are_predicted() {
     assert!((plain_ding(Quantity::Torque) - 0.54).abs() < 0.005);
     assert!((plain_ding(Quantity::Sinkage) - 4.5).abs() < 0.05);
     assert_split(&validation.rows, bracket);
+    assert_written_soil(&data, &validation);
     // at 90° every trial is deeper than the hub; without the soil beside it the errors are 13 N, 22 N and 25 mm
     let limits = [
-        (Quantity::Pull, 9.5, 9.0),
-        (Quantity::Side, 6.5, 8.5),
-        (Quantity::Sinkage, 14.0, 9.0),
+        (Quantity::Pull, 9.0, 7.5),
+        (Quantity::Side, 10.0, 7.5),
+        (Quantity::Sinkage, 8.5, 6.0),
     ];
     for (quantity, from_0, from_both) in limits {
         let sideways = smooth(90.0, quantity);
         assert!(ours(sideways, straight) < from_0, "{quantity:?}");
         assert!(ours(sideways, bracket) < from_both, "{quantity:?}");
+    }
+}
+
+/// The soil file of the main fit, written and read, gives the errors of the table to the last digits but one.
+fn assert_written_soil(data: &Path, validation: &Validation) {
+    let (file, remarks) = validation.soil_file().unwrap();
+    let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
+    let text = soil::to_toml(&file, &remarks).unwrap();
+    let document = Document::from_text("soil.toml", text.into()).unwrap();
+    let read = soil::parse(&document).unwrap();
+    let wheel = cmu::smooth_wheel().unwrap();
+    let complete = read.completed(&catalogue::Completion::default()).unwrap();
+    let on_soil = WheelOnSoil::new(wheel, complete, Settings::default()).unwrap();
+    let fit = &validation.fits[0];
+    let offset = |parameter| {
+        let mut found = fit.found.iter();
+        found.find(|one| one.parameter == parameter).unwrap().value
+    };
+    let trials = cmu::trials(&data.join(cmu::TRIALS), "smooth", 0.76).unwrap();
+    for angle in [0.0, 15.0, 30.0, 60.0] {
+        let mut squares = [0.0; 3];
+        let mut count = 0.0;
+        let here = |trial: &&cmu::Trial| (trial.slip_angle.to_degrees() - angle).abs() < 1e-6;
+        for trial in trials.iter().filter(here) {
+            let Support::Load(load) = trial.test.support else {
+                panic!("a trial has a load");
+            };
+            let solution = on_soil.under_load(load, &trial.test.kinematics).unwrap();
+            let point = solution.point().unwrap();
+            let errors = [
+                point.forces.drawbar_pull - trial.test.pull.unwrap(),
+                point.side_force + offset(Parameter::SideDatum) - trial.test.side.unwrap(),
+                1e3 * (point.sinkage + offset(Parameter::SinkageDatum)
+                    - trial.test.sinkage.unwrap()),
+            ];
+            count += 1.0;
+            for (sum, error) in squares.iter_mut().zip(errors) {
+                *sum += error * error;
+            }
+        }
+        let quantities = [Quantity::Pull, Quantity::Side, Quantity::Sinkage];
+        for (sum, quantity) in squares.into_iter().zip(quantities) {
+            let key = ("cmu-wheel", "smooth", angle, quantity);
+            let row = rmse(&validation.rows, key, ModelName::Grouser, fit.fit);
+            let again = f64::sqrt(sum / count);
+            assert!((again / row - 1.0).abs() < 1e-9, "{key:?} {again} {row}");
+        }
     }
 }
 
@@ -217,7 +276,7 @@ fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
             &model,
             model.count(),
             &start,
-            &Settings::default(),
+            &least_squares::Settings::default(),
             &StartSettings::default(),
         )
         .unwrap();

@@ -39,7 +39,6 @@ pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT};
 pub use entries::Entry;
 pub use error::{Error, PLACEHOLDER, Place, Result};
 pub use fields::{read_fields, write_fields};
-pub use fields::read_fields;
 pub use quantity_name::is_quantity_name;
 pub use section::Section;
 pub use suggestion::nearest;

@@ -76,7 +76,9 @@ pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transpor
 pub use multi_pass::{MultiPass, PassChange};
 pub use open_soil::OpenSoil;
 pub use operating_point::OperatingPoint;
-pub use pressure::{Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, transport_depth_reece};
+pub use pressure::{
+    Bekker, Pressure, Reece, SinkageExponent, SlipSinkage, level_off, transport_depth_reece,
+};
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
 pub use side_disc::passive_pressure_coulomb;

@@ -61,6 +61,16 @@ pub(crate) struct Speeds<R> {
     pub(crate) travel: R,
 }
 
+impl<R: Scalar> Speeds<R> {
+    /// m, by which slip velocities are divided.
+    fn scale(&self, norm: SlipNorm) -> R {
+        match norm {
+            SlipNorm::Greater => self.rim.max(self.travel),
+            SlipNorm::Root => self.rim.hypot(self.travel),
+        }
+    }
+}
+
 impl<R: Scalar> Motion<R> {
     /// Rim, forward, sideways and travel speed, scaled so that a locked wheel needs no case of its own.
     pub(crate) fn speeds(&self) -> Speeds<R> {
@@ -92,19 +102,38 @@ impl<R: Scalar> Motion<R> {
         self.slip_velocity_by(SlipNorm::Greater)
     }
 
+    /// |v_y|/∛(V² m), between s_y = |v_y|/m and |sin β| = |v_y|/V, in [0, 1]: how much the wheel ploughs sideways over
+    /// its way. 0 straight ahead.
+    ///
+    /// ```
+    /// use grouser_terra::{Kinematics, SlipNorm};
+    /// // across a wheel whose rim turns eight times as fast as it travels: ∛(1/8)
+    /// let motion = Kinematics::from_speeds(0.0, 1.0, 8.0)?.motion::<f64>();
+    /// assert!((motion.sideways_ploughing(SlipNorm::Greater) - 0.5).abs() < 1e-15);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    #[must_use]
+    pub fn sideways_ploughing(&self, norm: SlipNorm) -> R {
+        let speeds = self.speeds();
+        if !(speeds.sideways.value() > 0.0) {
+            return R::ZERO;
+        }
+        let third = R::from_f64(1.0 / 3.0);
+        let share = speeds.travel / speeds.scale(norm); // in (0, 1]
+        speeds.sideways / speeds.travel * share.powf(third)
+    }
+
     /// The slip velocity of this motion in a norm.
     #[must_use]
     pub fn slip_velocity_by(&self, norm: SlipNorm) -> SlipVelocity<R> {
+        let speeds = self.speeds();
+        let scale = speeds.scale(norm);
         let Speeds {
             rim,
             forward,
             sideways,
             travel,
-        } = self.speeds();
-        let scale = match norm {
-            SlipNorm::Greater => rim.max(travel),
-            SlipNorm::Root => rim.hypot(travel),
-        };
+        } = speeds;
         let moves = R::ZERO.lt(travel);
         let cosine = R::select(moves, forward / R::select(moves, travel, R::ONE), R::ONE);
         SlipVelocity {

@@ -287,6 +287,11 @@ impl<R: Scalar> SoilLaws<R> {
             SlipSinkage::InPlane => self.exponent.at(motion.slip),
             SlipSinkage::Whole => self.exponent.at_whole(&self.slip_velocity(motion)),
             SlipSinkage::Saturating => self.exponent.at_saturating(&self.slip_velocity(motion)),
+            SlipSinkage::Ploughing => {
+                let sideways = motion.sideways_ploughing(self.choice.slip_norm);
+                self.exponent
+                    .at_ploughing(&self.slip_velocity(motion), sideways)
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The laws for soil that is dug, pushed and ploughed: against an independent program, against differences,
 //! and that they are off by default.
 
-use grouser_real::Dual;
+use grouser_real::{Dual, Real};
 use grouser_terra::{
     Angle, Bulldozing, DualInputs, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip,
     SlipNorm, SlipSinkage, Soil, SoilParams, StressPosition, WheelOnSoil,
@@ -87,14 +87,94 @@ fn an_independent_program_finds_the_same() {
 #[test]
 fn derivatives_agree_with_differences() {
     for (v_x, v_y, rim) in [(0.8, 0.6, 1.3), (1.0, 0.0, 0.75), (1.0, 0.0, 0.95)] {
-        check_derivatives(&Kinematics::from_speeds(v_x, v_y, rim).unwrap());
+        let motion = Kinematics::from_speeds(v_x, v_y, rim).unwrap();
+        check_derivatives(sand, &motion);
+        check_derivatives(ploughed_sand, &motion);
     }
+}
+
+/// The same sand under the laws that level off and plough.
+fn ploughed_sand() -> SoilParams {
+    SoilParams {
+        laws: LawChoice {
+            slip_norm: SlipNorm::Root,
+            slip_sinkage: SlipSinkage::Ploughing,
+            stress_position: StressPosition::Saturating,
+            ..sand().laws
+        },
+        ..sand()
+    }
+}
+
+/// Forces and sinkage in the slip angle: exact derivatives against differences, at rims slower and faster than the wheel.
+#[test]
+fn ploughing_has_its_derivative_in_the_slip_angle() {
+    let on_soil = on(ploughed_sand());
+    for rim in [0.4, 1.0, 4.0] {
+        let at = |beta: f64| {
+            let motion = Kinematics::from_speeds(beta.cos(), beta.sin(), rim).unwrap();
+            let point = on_soil.under_load(22.0, &motion).unwrap().point().unwrap();
+            [point.sinkage, point.forces.drawbar_pull, point.side_force]
+        };
+        let (beta, step) = (0.6_f64, 1e-5);
+        let motion = Kinematics::from_speeds(beta.cos(), beta.sin(), rim).unwrap();
+        let mut inputs = DualInputs::<1>::new(&on_soil, &motion);
+        let turned = Dual::<1>::variable(beta, 0);
+        let (forward, speed) = (turned.cos(), Dual::constant(rim));
+        inputs.motion.slip_angle = turned;
+        inputs.motion.q_y = turned.sin() / speed;
+        inputs.motion.slip = if forward.value < rim {
+            Dual::constant(1.0) - forward / speed
+        } else {
+            speed / forward - Dual::constant(1.0)
+        };
+        let exact = inputs
+            .under_load(&on_soil, &motion, Dual::constant(22.0))
+            .unwrap()
+            .unwrap();
+        let exact = [exact.sinkage, exact.forces.drawbar_pull, exact.side_force];
+        let (high, low) = (at(beta + step), at(beta - step));
+        for (row, dual) in exact.iter().enumerate() {
+            let difference = (high[row] - low[row]) / (2.0 * step);
+            let off = (dual.gradient[0] - difference).abs();
+            let slack = 1e-9 * 22.0 / step + 1e-6 * difference.abs();
+            assert!(off < slack, "{rim} {row}: {off} {slack}");
+        }
+    }
+}
+
+/// A drifting wheel ploughs over its way: nothing has an edge as the rim speeds up, slows down or stops, and a wheel that
+/// spins on the spot or stands across has numbers.
+#[test]
+fn ploughing_is_continuous() {
+    let soil = ploughed_sand();
+    let n = |v_x: f64, v_y: f64, rim: f64| {
+        let motion = Kinematics::from_speeds(v_x, v_y, rim).unwrap().motion();
+        Soil::new(soil).unwrap().laws::<f64>().exponent_at(&motion)
+    };
+    for (v_x, v_y, rim) in [
+        (0.8, 0.6, 0.0),
+        (0.8, 0.6, 1.0),
+        (1.0, 0.0, 1.0),
+        (0.0, 1.0, 1.0),
+    ] {
+        let here = n(v_x, v_y, rim);
+        for (a, b, c) in [(1e-9, 0.0, 0.0), (0.0, 1e-9, 0.0), (0.0, 0.0, 1e-9)] {
+            assert!(
+                (n(v_x + a, v_y + b, rim + c) - here).abs() < 1e-8,
+                "{v_x} {v_y} {rim}"
+            );
+        }
+    }
+    let spinning = n(1e-12, 1e-12, 1.0);
+    assert!((spinning - n(1e-15, 0.0, 1.0)).abs() < 1e-4, "{spinning}");
+    assert!(n(0.0, 1.0, 10.0) > n(0.0, 1.0, 1e6));
 }
 
 /// A parameter's value and how to set it.
 type Change = (f64, fn(&mut SoilParams, f64));
 
-fn check_derivatives(motion: &Kinematics) {
+fn check_derivatives(sand: fn() -> SoilParams, motion: &Kinematics) {
     let at = |change: &dyn Fn(&mut SoilParams)| {
         let mut params = sand();
         change(&mut params);

@@ -368,17 +368,8 @@ mod tests {
         }
         let laws = &mut params.laws;
         laws.slip_norm = [SlipNorm::Greater, SlipNorm::Root][stream.below(2)];
-        laws.slip_sinkage = [
-            SlipSinkage::InPlane,
-            SlipSinkage::Whole,
-            SlipSinkage::Saturating,
-        ][stream.below(3)];
-        laws.stress_position = [
-            StressPosition::InPlane,
-            StressPosition::Magnitude,
-            StressPosition::Whole,
-            StressPosition::Sliding,
-        ][stream.below(4)];
+        laws.slip_sinkage = SlipSinkage::ALL[stream.below(4)];
+        laws.stress_position = StressPosition::ALL[stream.below(5)];
         laws.shear = [
             None,
             Some(ShearLaw::SlipVelocity),

@@ -21,6 +21,13 @@ impl Taped<'_> {
         }
     }
 
+    /// x (1 − x/2).
+    fn level_off(&mut self, x: Node) -> Node {
+        let (one, half) = (self.tape.constant(1.0), self.times(0.5, x));
+        let rest = self.sub(one, half);
+        self.mul(x, rest)
+    }
+
     /// n(s).
     pub(super) fn exponent(&mut self, slip: Node, velocity: Node) -> Option<Node> {
         let (n_0, n_1) = (
@@ -35,10 +42,9 @@ impl Taped<'_> {
                 let size = self.tape.unary(Unary::Abs, n_1);
                 self.mul(size, velocity)
             }
-            SlipSinkage::Saturating => {
-                let (one, half) = (self.tape.constant(1.0), self.times(0.5, velocity));
-                let rest = self.sub(one, half);
-                let level = self.mul(velocity, rest);
+            // straight ahead a driving wheel does not plough
+            SlipSinkage::Saturating | SlipSinkage::Ploughing => {
+                let level = self.level_off(velocity);
                 let size = self.tape.unary(Unary::Abs, n_1);
                 self.mul(size, level)
             }
@@ -51,6 +57,7 @@ impl Taped<'_> {
     pub(super) fn position(&mut self, slip: Node, velocity: Node) -> Option<Node> {
         let moved_by = match self.fixed.laws().stress_position {
             StressPosition::InPlane | StressPosition::Magnitude => slip,
+            StressPosition::Saturating => self.level_off(velocity),
             _ => velocity,
         };
         let (c_1, c_2) = (self.get(Parameter::C1)?, self.get(Parameter::C2)?);

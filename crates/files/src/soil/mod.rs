@@ -15,8 +15,8 @@
 //! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
 //! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad,
 //! # rear_driving, rear_drift, transport_layer_m, sideways_support, and the laws that these numbers were identified with:
-//! # slip_sinkage = "in-plane", "whole" or "saturating", slip_norm = "greater" or "root",
-//! # stress_position = "in-plane", "magnitude", "whole" or "sliding",
+//! # slip_sinkage = "in-plane", "whole", "saturating" or "ploughing", slip_norm = "greater" or "root",
+//! # stress_position = "in-plane", "magnitude", "whole", "sliding" or "saturating",
 //! # shear = "coupled", "slip-velocity", "independent",
 //! # "slip-velocity-regular", "towed-restart" or "towed-wong-reece",
 //! # bulldozing = "scaled", "full", "chord", "disc" or "off"
@@ -188,24 +188,13 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
         slip_sinkage: root
             .optional_choice(
                 "slip_sinkage",
-                &[
-                    SlipSinkage::InPlane,
-                    SlipSinkage::Whole,
-                    SlipSinkage::Saturating,
-                ]
-                .map(|law| (law.key(), law)),
+                &SlipSinkage::ALL.map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.slip_sinkage),
         stress_position: root
             .optional_choice(
                 "stress_position",
-                &[
-                    StressPosition::InPlane,
-                    StressPosition::Magnitude,
-                    StressPosition::Whole,
-                    StressPosition::Sliding,
-                ]
-                .map(|law| (law.key(), law)),
+                &StressPosition::ALL.map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.stress_position),
         shear: root.optional_choice("shear", &ShearLaw::ALL.map(|law| (law.key(), law)))?,

@@ -3,6 +3,7 @@
 use grouser_real::Scalar;
 
 use super::Motion;
+use crate::pressure::level_off;
 use crate::slip_velocity::SlipNorm;
 
 /// Which slip enters θ_m = (c_1 + c_2 s) θ_1 \[WR67\].
@@ -29,6 +30,22 @@ pub enum StressPosition {
     /// Source: ours. With [`SlipNorm::Root`](crate::SlipNorm) it is smooth in the rim's speed wherever the wheel
     /// drifts; [`StressPosition::Whole`] has an edge where rω = V and another where rω cos β = V.
     Sliding,
+    /// f(hypot(s_x, s_y)) with f(x) = x (1 − x/2): as `Sliding`, levelling off towards full sliding
+    /// ([`level_off`](crate::level_off)).
+    ///
+    /// Source: ours, on measured wheels that stand where `Sliding` buries them: locked, and at s = 0.9. No further number.
+    Saturating,
+}
+
+impl StressPosition {
+    /// Every law.
+    pub const ALL: [Self; 5] = [
+        Self::InPlane,
+        Self::Magnitude,
+        Self::Whole,
+        Self::Sliding,
+        Self::Saturating,
+    ];
 }
 
 impl StressPosition {
@@ -40,6 +57,7 @@ impl StressPosition {
             Self::Magnitude => "magnitude",
             Self::Whole => "whole",
             Self::Sliding => "sliding",
+            Self::Saturating => "saturating",
         }
     }
 
@@ -50,6 +68,7 @@ impl StressPosition {
             Self::Magnitude => motion.slip.abs(),
             Self::Whole => motion.slip_velocity_by(norm).working(),
             Self::Sliding => motion.slip_velocity_by(norm).sliding(),
+            Self::Saturating => level_off(motion.slip_velocity_by(norm).sliding()),
         }
     }
 }

@@ -11,7 +11,7 @@ use grouser_real::Real;
 
 pub use bekker::Bekker;
 pub use reece::Reece;
-pub use slip_sinkage::{SinkageExponent, SlipSinkage};
+pub use slip_sinkage::{SinkageExponent, SlipSinkage, level_off};
 pub(crate) use soil_transport::share_left;
 pub use soil_transport::transport_depth_reece;
 
