@@ -75,6 +75,43 @@ fn assert_split(rows: &[Row], bracket: &str) {
     }
 }
 
+/// Ding's lugged wheel, from the numbers of the smooth one.
+fn assert_ding_lugs(data: &Path, rows: &[Row]) {
+    if data.join(ding::LUGGED).is_file() {
+        for (quantity, limit) in [
+            (Quantity::Pull, 2.7),
+            (Quantity::Torque, 0.45),
+            (Quantity::Sinkage, 2.5),
+        ] {
+            let key = ("ding-2011", "grouser", 0.0, quantity);
+            assert!(
+                rmse(rows, key, ModelName::Grouser, "all six slips") < limit,
+                "{key:?}"
+            );
+        }
+    }
+}
+
+/// Wheels that spin nearly on the spot and locked ones.
+fn assert_ends(rows: &[Row]) {
+    // nearly spinning and locked, fitted at |s| ≤ 0.75: nothing is buried; sinkage, and the side force of locked wheels
+    for row in rows.iter().filter(|row| {
+        row.model == ModelName::Grouser
+            && row.data_set == "cmu-wheel"
+            && row.slips != SlipGroup::Steady
+            && row.slip_angle_deg <= 60.0
+    }) {
+        assert_eq!(row.hub_buried, 0, "{row:?}");
+        let limit = match (row.quantity, row.slips, row.slip_angle_deg < 60.0) {
+            (Quantity::Sinkage, SlipGroup::Spinning, true) => 3.7,
+            (Quantity::Sinkage, SlipGroup::Spinning, false) => 5.8,
+            (Quantity::Sinkage, _, _) | (Quantity::Side, SlipGroup::Locked, _) => 4.5,
+            _ => continue,
+        };
+        assert!(row.score.bias.abs() < limit, "{row:?}");
+    }
+}
+
 /// The figures of the published model to beat, at most twice those as prediction, half of the error of plain
 /// Wong-Reece, and the laws of lugs and of drift from the smooth wheel straight ahead.
 #[test]
@@ -132,32 +169,8 @@ fn measured_wheels_are_predicted() {
             );
         }
     }
-    if data.join(ding::LUGGED).is_file() {
-        for (quantity, limit) in [
-            (Quantity::Pull, 2.7),
-            (Quantity::Torque, 0.45),
-            (Quantity::Sinkage, 2.5),
-        ] {
-            let key = ("ding-2011", "grouser", 0.0, quantity);
-            assert!(ours(key, "all six slips") < limit, "{key:?}");
-        }
-    }
-    // nearly spinning and locked, fitted at |s| ≤ 0.75: nothing is buried; sinkage, and the side force of locked wheels
-    for row in validation.rows.iter().filter(|row| {
-        row.model == ModelName::Grouser
-            && row.data_set == "cmu-wheel"
-            && row.slips != SlipGroup::Steady
-            && row.slip_angle_deg <= 60.0
-    }) {
-        assert_eq!(row.hub_buried, 0, "{row:?}");
-        let limit = match (row.quantity, row.slips, row.slip_angle_deg < 60.0) {
-            (Quantity::Sinkage, SlipGroup::Spinning, true) => 3.7,
-            (Quantity::Sinkage, SlipGroup::Spinning, false) => 5.8,
-            (Quantity::Sinkage, _, _) | (Quantity::Side, SlipGroup::Locked, _) => 4.5,
-            _ => continue,
-        };
-        assert!(row.score.bias.abs() < limit, "{row:?}");
-    }
+    assert_ding_lugs(&data, &validation.rows);
+    assert_ends(&validation.rows);
     for angle in [15.0, 30.0, 60.0] {
         for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {
             let (here, there) = (
@@ -196,7 +209,7 @@ fn assert_written_soil(data: &Path, validation: &Validation) {
     let (file, remarks) = validation.soil_file().unwrap();
     let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
     let text = soil::to_toml(&file, &remarks).unwrap();
-    let document = Document::from_text("soil.toml", text.into()).unwrap();
+    let document = Document::from_text("soil.toml", text).unwrap();
     let read = soil::parse(&document).unwrap();
     let wheel = cmu::smooth_wheel().unwrap();
     let complete = read.completed(&catalogue::Completion::default()).unwrap();
