@@ -52,7 +52,7 @@ impl Recipe {
         intervals.draw(&self.soil.soil, self.soil_draws.into(), self.seed)
     }
 
-    /// The maker of maps, and a map of two by two cells that tells what is the same for all of them.
+    /// The maker of maps, and a map of two by two cells that has what is the same for all of them.
     fn maker(&self) -> terrain::Result<(terrain::MapMaker, MapLayout)> {
         let headings = Headings::new(self.headings)?;
         let model = RobotModel::read(&self.robot)?;

@@ -1,4 +1,4 @@
-// Colours and dashes of curves: told apart by colour-blind readers, and by the dash alone.
+// Colours and dashes of curves: distinct for colour-blind readers, and by the dash alone.
 
 /** Custom properties of the style sheet, so that both themes have their own shade. */
 export const CURVES = [

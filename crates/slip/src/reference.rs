@@ -1,6 +1,6 @@
 //! The sensors that can measure how fast the robot travels.
 
-/// What tells how fast the robot travels.
+/// What measures the robot's speed.
 ///
 /// ```
 /// use grouser_slip::Reference;

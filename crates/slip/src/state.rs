@@ -106,7 +106,7 @@ pub enum Degraded {
 pub enum Invalid {
     /// The wheel's sensor has fallen silent.
     Dropout,
-    /// Nothing tells how fast the robot travels.
+    /// No reference measures the robot's speed.
     NoReference,
     /// The wheel's sensor contradicts the others: stuck, or turning the other way.
     Inconsistent,

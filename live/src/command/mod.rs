@@ -162,7 +162,7 @@ impl CommandPath {
         })
     }
 
-    /// The first publisher of commands tells their type.
+    /// The first publisher of commands decides their type.
     fn look(&self, outputs: &mut Outputs, inbox: &Inbox) -> Result<Option<OpenTopics>> {
         let graph = outputs.transport.graph();
         let is_command = |type_name: &str| {

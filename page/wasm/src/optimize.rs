@@ -17,7 +17,7 @@ pub(crate) fn solve(
     let document = Document::from_text("problem.toml", request.text("problem")?.to_owned())
         .map_err(Problem::of)?;
     let design = parse(&document).map_err(Problem::of)?;
-    let mut told = None;
+    let mut reported = None;
     let callback = &mut |progress: &grouser_opt::Progress<'_>| {
         let now = match progress.stage {
             Stage::Starts { done, of } => ("starts", done, Some(of)),
@@ -25,8 +25,8 @@ pub(crate) fn solve(
             Stage::Polishing { done, of } => ("points made exact", done, Some(of)),
             _ => ("iterations", progress.iteration, None),
         };
-        if told != Some(now) {
-            told = Some(now);
+        if reported != Some(now) {
+            reported = Some(now);
             let (stage, done, of) = now;
             let part = json!({ "stage": stage, "done": done, "of": of });
             take(part.to_string().into_bytes());

@@ -56,7 +56,7 @@ impl Referee {
         self.way
     }
 
-    /// Looks; tells the end if this is it.
+    /// Observes the drive; returns its end if this is it.
     pub(super) fn look(&mut self, time: f64, place: Vector, tilt: f64) -> Option<Outcome> {
         self.way += (place - self.last).length();
         self.last = place;

@@ -411,7 +411,7 @@ impl Scenario {
         }
     }
 
-    /// Checks what no single number tells.
+    /// Checks the numbers against each other.
     ///
     /// # Errors
     /// [`Error::Missing`], [`Error::OutOfRange`].

@@ -27,7 +27,7 @@ const MAX_BYTES: u64 = 1 << 28;
 /// A terrain file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightFile {
-    /// The file; its ending tells its kind: png, asc, txt or grd, tif or tiff.
+    /// The file; its ending names its kind: png, asc, txt or grd, tif or tiff.
     pub path: PathBuf,
     /// Distance of its cells, m; needed where the file does not say it in metres.
     pub cell: Option<f64>,

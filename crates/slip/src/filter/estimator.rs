@@ -270,7 +270,7 @@ impl Core {
         for (i, wheel) in self.wheels.iter().enumerate() {
             let SlipPrior { mean, sigma } = settings.own_slip_prior(wheel.free);
             state.reset(own_slip(i), mean, square(sigma));
-            // A larger radius and a smaller slip cannot be told apart: the radius is not estimated.
+            // A larger radius and a smaller slip cannot be distinguished: the radius is not estimated.
             state.set_considered(radius(i), true);
             let sigma = if wheel.free {
                 FREE_RADIUS_SIGMA

@@ -83,7 +83,7 @@ impl PulseCheck {
         *self = Self::new(self.tick, self.turn);
     }
 
-    /// The share of pulses that is missed at random, as far as this counter alone tells; `None` where it is not known.
+    /// The share of pulses that is missed at random, as far as this counter alone shows; `None` where it is not known.
     pub(super) fn share(&self) -> Option<f64> {
         (self.seen >= LOSS_KNOWN_TIME_S).then_some(self.share)
     }

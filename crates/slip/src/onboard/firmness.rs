@@ -100,8 +100,9 @@ impl Wheel {
     fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>, multiple: f64) -> Option<f64> {
         let (torque, slip) = (torque.filter(|torque| torque.is_finite())?, slip?);
         let expected = self.expected_at(slip);
-        let tells = slip >= MIN_SLIP && multiple * expected >= MIN_TORQUE_SHARE * self.max_torque;
-        tells.then(|| torque.abs() / expected)
+        let is_informative =
+            slip >= MIN_SLIP && multiple * expected >= MIN_TORQUE_SHARE * self.max_torque;
+        is_informative.then(|| torque.abs() / expected)
     }
 
     fn expected_at(&self, slip: f64) -> f64 {

@@ -81,7 +81,7 @@ pub struct OnBoardSettings {
 }
 
 impl OnBoardSettings {
-    /// Settings for `robot` with what its description tells of the wheels: rigid, without steering, on unknown soil.
+    /// Settings for `robot` with what its description has of the wheels: rigid, without steering, on unknown soil.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let wheels = robot.wheels().iter().map(|wheel| WheelSetup {

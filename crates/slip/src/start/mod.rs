@@ -227,7 +227,7 @@ impl StartCheck {
                 }
             }
         }
-        // the robot's own speed where a free wheel tells it
+        // the robot's own speed where a free wheel measures it
         let speed = free.or(all);
         if let (Some(now), Some(before)) = (speed, self.before)
             && let [Some(forward), Some(left)] = force

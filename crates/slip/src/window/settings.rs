@@ -9,7 +9,7 @@ use crate::wheel_track::TrackSettings;
 /// Settings of the [`WindowEstimator`](super::WindowEstimator).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowSettings {
-    /// What tells how fast the robot travels.
+    /// What measures the robot's speed.
     pub reference: Reference,
     /// Speeds are means over this time, s.
     pub window: f64,

@@ -1,4 +1,4 @@
-//! What `curve` tells: text, a table, JSON.
+//! What `curve` reports: text, a table, JSON.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail

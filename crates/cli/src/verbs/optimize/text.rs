@@ -1,4 +1,4 @@
-//! What `optimize` tells people: the compromise, what binds it, the trade-off in words.
+//! What `optimize` prints: the compromise, what binds it, the trade-off in words.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 

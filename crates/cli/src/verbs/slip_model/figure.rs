@@ -98,7 +98,7 @@ fn contact(point: &Point) -> Option<bool> {
     point.slip().map(|slip| slip.in_contact)
 }
 
-/// What tells this run from the others.
+/// What distinguishes this run from the others.
 fn label(axes: &Axes, run: &[Point], touches: bool) -> String {
     let Some(point) = run.first() else {
         return String::new();
