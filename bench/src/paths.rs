@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use grouser_real::Dual;
 use grouser_terra::{
-    Accuracy, Angle, DualInputs, Kinematics, Pressure, RigidWheel, Settings, ShearLaw, Slip, Soil,
-    SoilParams, WheelOnSoil, WheelSize, catalogue, entry_angle,
+    Accuracy, Angle, BatchKernel, DualInputs, Kinematics, Pressure, RigidWheel, Settings, ShearLaw,
+    Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil, WheelSize, catalogue,
+    entry_angle,
 };
 
 /// Median time of `job`, ns, over rounds that last long enough to be measured.
@@ -177,6 +178,53 @@ pub fn run() {
         );
     }
     derivatives(wheel);
+    slip_demands(wheel);
+}
+
+/// The slips that hold 4096 slopes, from the level to a little beyond the steepest that is held: on lanes, and one by one.
+fn slip_demands(wheel: RigidWheel) {
+    const COUNT: usize = 4096;
+    let soil = Soil::new(sand()).expect("a soil");
+    let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
+    let weight = 80.0;
+    let steepest = on_soil.gradeability(weight).expect("a search");
+    let steepest = 1.1 * steepest.expect("it pulls on the level").rad();
+    let slope: Vec<f64> = (0..COUNT)
+        .map(|i| steepest * (i as f64 + 0.5) / COUNT as f64)
+        .collect();
+    let kernel = BatchKernel::new(soil);
+    let (mut slip, mut status) = (vec![0.0; COUNT], vec![SolveStatus::default(); COUNT]);
+    let mut times: Vec<f64> = (0..15)
+        .map(|_| {
+            let start = Instant::now();
+            kernel
+                .slip_demand(&wheel, weight, black_box(&slope), &mut slip, &mut status)
+                .expect("columns of one length");
+            start.elapsed().as_secs_f64() * 1e6 / COUNT as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    let start = Instant::now();
+    let mut worst = 0.0_f64;
+    let mut differ = 0;
+    for i in (0..COUNT).step_by(16) {
+        let outcome = on_soil
+            .slip_demand(weight, Angle::from_rad(slope[i]))
+            .expect("a search");
+        match outcome {
+            SlopeOutcome::Holds { slip: alone } => {
+                worst = worst.max((alone.value() - slip[i]).abs())
+            }
+            _ => differ += usize::from(status[i] != SolveStatus::NoSolution),
+        }
+    }
+    let alone = start.elapsed().as_secs_f64() * 1e6 / (COUNT / 16) as f64;
+    let lanes = times[times.len() / 2];
+    println!(
+        "slip demand of a slope: {lanes:.1} us on lanes, {alone:.0} us one by one ({:.0} x); slips differ by {worst:.1e}, \
+         {differ} outcomes differ",
+        alone / lanes
+    );
 }
 
 /// Three forces by nine inputs (r, b, z, s, c, φ, K, k_phi, n) in dual numbers, against the value by the

@@ -7,51 +7,96 @@ use crate::error::Result;
 /// How closely a root is found: far below what forces at standard accuracy can tell.
 pub(crate) const ROOT_PRECISION: f64 = 1e-13;
 
-/// The root of `f` between two points of opposite sign, to `precision`, where it is not negative: the secant with
-/// Illinois' weight, which moves both ends, and a bisection now and then; a point where `f` has no value counts as below.
+/// The search for the root of a function between two points of opposite sign, one slip after the other: the secant with
+/// Illinois' weight, which moves both ends, and a bisection now and then. A slip at which the function has no value counts as
+/// below the root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RootSearch {
+    low: (f64, f64),
+    high: (f64, f64),
+    precision: f64,
+    moved_high: Option<bool>,
+    steps: u32,
+    slip: f64,
+}
+
+impl RootSearch {
+    pub(crate) const fn new(low: (f64, f64), high: (f64, f64), precision: f64) -> Self {
+        Self {
+            low,
+            high,
+            precision,
+            moved_high: None,
+            steps: 0,
+            slip: high.0,
+        }
+    }
+
+    /// The slip at which the function is wanted next; `None` where the root is known.
+    pub(crate) fn next_slip(&mut self) -> Option<f64> {
+        let ((a, f_a), (b, f_b)) = (self.low, self.high);
+        self.steps += 1;
+        if self.steps >= 200 || b - a <= self.precision || f_b == 0.0 {
+            return None;
+        }
+        let secant = b - f_b * (b - a) / (f_b - f_a);
+        // past the root by less than the precision, so that the last step moves the other end
+        let past = if self.moved_high == Some(true) {
+            -1.0
+        } else {
+            1.0
+        };
+        let secant = secant + past * 0.4 * self.precision;
+        self.slip = if self.steps % 6 > 0 && secant > a && secant < b {
+            secant
+        } else {
+            0.5 * (a + b)
+        };
+        Some(self.slip)
+    }
+
+    /// Takes the function's value at that slip.
+    pub(crate) fn feed(&mut self, value: Option<f64>) {
+        match value {
+            Some(value) if value >= 0.0 => {
+                if self.moved_high == Some(true) {
+                    self.low.1 *= 0.5;
+                }
+                self.moved_high = Some(true);
+                self.high = (self.slip, value);
+            }
+            Some(value) => {
+                if self.moved_high == Some(false) {
+                    self.high.1 *= 0.5;
+                }
+                self.moved_high = Some(false);
+                self.low = (self.slip, value);
+            }
+            None => {
+                self.moved_high = None;
+                self.low.0 = self.slip;
+            }
+        }
+    }
+
+    /// The end of the bracket at which the function is not negative.
+    pub(crate) const fn root(&self) -> f64 {
+        self.high.0
+    }
+}
+
+/// The root of `f` between two points of opposite sign, to `precision`, where it is not negative ([`RootSearch`]).
 pub(crate) fn root(
     low: (f64, f64),
     high: (f64, f64),
     precision: f64,
     f: impl Fn(f64) -> Result<Option<f64>>,
 ) -> Result<f64> {
-    let ((mut a, mut f_a), (mut b, mut f_b)) = (low, high);
-    let mut moved_b = None;
-    for i in 1..200 {
-        if b - a <= precision || f_b == 0.0 {
-            break;
-        }
-        let secant = b - f_b * (b - a) / (f_b - f_a);
-        // past the root by less than the precision, so that the last step moves the other end
-        let past = if moved_b == Some(true) { -1.0 } else { 1.0 };
-        let secant = secant + past * 0.4 * precision;
-        let c = if i % 6 > 0 && secant > a && secant < b {
-            secant
-        } else {
-            0.5 * (a + b)
-        };
-        match f(c)? {
-            Some(f_c) if f_c >= 0.0 => {
-                if moved_b == Some(true) {
-                    f_a *= 0.5;
-                }
-                moved_b = Some(true);
-                (b, f_b) = (c, f_c);
-            }
-            Some(f_c) => {
-                if moved_b == Some(false) {
-                    f_b *= 0.5;
-                }
-                moved_b = Some(false);
-                (a, f_a) = (c, f_c);
-            }
-            None => {
-                moved_b = None;
-                a = c;
-            }
-        }
+    let mut search = RootSearch::new(low, high, precision);
+    while let Some(slip) = search.next_slip() {
+        search.feed(f(slip)?);
     }
-    Ok(b)
+    Ok(search.root())
 }
 
 /// The greatest value of `f` over slips within `reach` of `near` and in [0, 1], and where: Brent's method, parabolas through

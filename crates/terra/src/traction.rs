@@ -13,7 +13,7 @@ use crate::slip_search::{ROOT_PRECISION, maximum, root, root_near};
 use crate::wheel_on_soil::WheelOnSoil;
 
 /// Slips at which a curve is sampled before its optimum or its root is refined.
-const SAMPLES: u32 = 33;
+pub(crate) const SAMPLES: u32 = 33;
 
 /// Relative precision of a refined slip: an optimum is flat, so that its place is known to about the root
 /// of the precision of its height.

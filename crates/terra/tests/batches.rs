@@ -1,8 +1,9 @@
 //! Lanes against one at a time, and a lane against its neighbours (faults D13 and D14).
 
 use grouser_terra::{
-    Accuracy, BatchColumns, BatchInput, BatchKernel, BatchPoints, Error, Kinematics, RigidWheel,
-    Settings, Slip, Soil, SoilParams, SolveStatus, WheelOnSoil, catalogue,
+    Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, Error, Kinematics,
+    RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil,
+    catalogue,
 };
 use proptest::prelude::*;
 
@@ -420,6 +421,94 @@ fn a_narrow_front_deep_in_the_ground_is_as_exact_on_lanes() {
                 (a - b).abs() <= 1e-9 * size,
                 "c_2 {c_2}: {a:e} {b:e} of {size:e}"
             );
+        }
+    }
+}
+
+/// A wheel on a soil, weights and slopes (rad).
+fn slopes() -> impl Strategy<Value = (Soil, RigidWheel, Vec<(f64, f64)>)> {
+    let point = (0.0..4.0_f64, -0.2..0.7_f64)
+        .prop_map(|(log_weight, slope)| (10_f64.powf(log_weight), slope));
+    let wheel = (0.02..0.6_f64, 0.02..0.5_f64)
+        .prop_map(|(radius, width)| RigidWheel::new(radius, width).unwrap());
+    let rebound = prop_oneof![4 => Just(0.0), 1 => 0.0..1.0_f64];
+    let soil = (soil(), rebound).prop_map(|(soil, rebound)| soil.with_rebound(rebound).unwrap());
+    (soil, wheel, proptest::collection::vec(point, 1..40))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Slip demands on lanes are those of the general search: the same points are held, by slips that give the same pull.
+    #[test]
+    fn slip_demands_are_those_of_the_general_search((soil, wheel, points) in slopes()) {
+        let (weight, slope): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let n = points.len();
+        let (mut slip, mut status) = (vec![0.0; n], vec![SolveStatus::default(); n]);
+        let kernel = BatchKernel::new(soil);
+        kernel.slip_demand(&wheel, &weight, &slope, &mut slip, &mut status).unwrap();
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        for (i, (weight, slope)) in points.into_iter().enumerate() {
+            let what = format!("{weight} N on {slope} rad: {} {:?}", slip[i], status[i]);
+            let required = weight * slope.sin();
+            let pull = |slip: f64| {
+                let motion = Kinematics::straight(Slip::new(slip).unwrap());
+                let solved = on_soil.under_load(weight * slope.cos(), &motion).unwrap();
+                solved.point().map(|point| point.forces.drawbar_pull)
+            };
+            match on_soil.slip_demand(weight, Angle::from_rad(slope)).unwrap() {
+                SlopeOutcome::Holds { slip: expected } => {
+                    prop_assert_eq!(status[i], SolveStatus::Solved, "{} {:?}", what, expected);
+                    let apart = (slip[i] - expected.value()).abs();
+                    let off = (pull(slip[i]).unwrap() - required).abs() / weight;
+                    prop_assert!(apart < 1e-9 || off < 1e-9, "{what} {expected:?} {off:e}");
+                }
+                SlopeOutcome::Immobilised { max_pull, .. } => {
+                    let near = max_pull.is_some_and(|pull| (pull - required).abs() < 1e-9 * weight);
+                    prop_assert!(near || (status[i] == SolveStatus::NoSolution && slip[i].is_nan()), "{what} {max_pull:?}");
+                }
+                other => prop_assert!(false, "{other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_slope_that_is_none_and_columns_of_unequal_length() {
+    let kernel = BatchKernel::new(catalogue::find("dry-sand").unwrap().soil().unwrap());
+    let wheel = RigidWheel::new(0.125, 0.1).unwrap();
+    let slope = [0.1, f64::NAN, 1.6, -1.6, 0.1];
+    let weight = [80.0, 80.0, 80.0, 80.0, -1.0];
+    let (mut slip, mut status) = ([0.0; 5], [SolveStatus::default(); 5]);
+    kernel
+        .slip_demand(&wheel, &weight, &slope, &mut slip, &mut status)
+        .unwrap();
+    assert_eq!(status[0], SolveStatus::Solved);
+    assert_eq!(status[1..], [SolveStatus::BadInput; 4]);
+    assert!(slip[0] > 0.0 && slip[1..].iter().all(|slip| slip.is_nan()));
+    let short = kernel.slip_demand(&wheel, &weight, &slope[..4], &mut slip, &mut status);
+    assert!(matches!(short, Err(Error::Lengths { .. })));
+}
+
+/// At the steepest slope itself the samples decide nothing: a hair less is held, a hair more is not.
+#[test]
+fn slopes_at_the_limit_are_decided_as_one_by_one() {
+    for key in ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"] {
+        let soil = catalogue::find(key).unwrap().soil().unwrap();
+        let wheel = RigidWheel::new(0.15, 0.1).unwrap();
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let kernel = BatchKernel::new(soil);
+        for weight in [10.0, 80.0, 300.0] {
+            let Some(limit) = on_soil.gradeability(weight).unwrap() else {
+                continue;
+            };
+            let slope = [1.0 - 1e-3, 1.0 - 1e-7, 1.0 + 1e-7, 1.0 + 1e-3].map(|x| x * limit.rad());
+            let (mut slip, mut status) = ([0.0; 4], [SolveStatus::default(); 4]);
+            kernel
+                .slip_demand(&wheel, weight, &slope, &mut slip, &mut status)
+                .unwrap();
+            let (held, not) = (SolveStatus::Solved, SolveStatus::NoSolution);
+            assert_eq!(status, [held, held, not, not], "{key} {weight} N");
         }
     }
 }

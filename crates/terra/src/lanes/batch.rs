@@ -101,6 +101,11 @@ impl BatchKernel {
         self.level.name()
     }
 
+    /// Does any point of this soil run on lanes?
+    pub(super) const fn has_lanes(&self) -> bool {
+        self.prepared.is_some()
+    }
+
     /// The soil.
     #[must_use]
     pub const fn soil(&self) -> &Soil {

@@ -14,6 +14,24 @@ pub enum BatchInput<'a> {
     Column(&'a [f64]),
 }
 
+impl BatchInput<'_> {
+    /// The number of a point.
+    pub(super) fn at(&self, i: usize) -> f64 {
+        match self {
+            Self::Constant(x) => *x,
+            Self::Column(column) => column[i],
+        }
+    }
+
+    /// Is it good for `n` points?
+    pub(super) fn check_length(&self, n: usize) -> Result<()> {
+        match self {
+            Self::Constant(_) => Ok(()),
+            Self::Column(column) => Error::check_length(column.len(), n),
+        }
+    }
+}
+
 impl From<f64> for BatchInput<'_> {
     fn from(x: f64) -> Self {
         Self::Constant(x)

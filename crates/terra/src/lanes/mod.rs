@@ -10,6 +10,7 @@ mod nodes;
 mod plan;
 mod portable;
 mod sheet;
+mod slope;
 mod vector;
 
 pub use batch::{BatchKernel, instructions};
