@@ -53,7 +53,7 @@ fn check_length(found: usize, expected: usize) -> PyResult<()> {
     raised(Err(grouser::terra::Error::Lengths { expected, found }))
 }
 
-fn part<'a>(input: BatchInput<'a>, from: usize, to: usize) -> BatchInput<'a> {
+pub(crate) fn part<'a>(input: BatchInput<'a>, from: usize, to: usize) -> BatchInput<'a> {
     match input {
         BatchInput::Column(column) => BatchInput::Column(&column[from..to]),
         constant => constant,
@@ -130,7 +130,7 @@ impl Batch<'_> {
     }
 }
 
-fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
+pub(crate) fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
     for (code, status) in codes.iter_mut().zip(statuses) {
         *code = status.code();
     }

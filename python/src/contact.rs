@@ -3,15 +3,15 @@
 use grouser::real::Dual;
 use grouser::terra;
 use grouser::terra::{
-    Accuracy, Angle, Bulldozing, DualInputs, Kinematics, LoadOutcome, Settings, ShearLaw, Slip,
-    SlopeOutcome, SolveStatus, WheelOnSoil as Contact,
+    Accuracy, Angle, BatchKernel, Bulldozing, DualInputs, Kinematics, LoadOutcome, Settings,
+    ShearLaw, Slip, SlopeOutcome, SolveStatus, WheelOnSoil as Contact,
 };
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
 use crate::argument;
-use crate::batch::Column;
+use crate::batch::{Column, part, write_codes};
 use crate::error::{Details, input_error, raised};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -251,6 +251,9 @@ fn at(column: terra::BatchInput<'_>, i: usize) -> f64 {
         terra::BatchInput::Column(values) => values[i],
     }
 }
+
+/// Slopes between two looks at signals: a millisecond or two on lanes, a second one by one.
+const SLOPES_PER_BLOCK: usize = 512;
 
 /// Columns of the same length, computed point by point on threads.
 fn rows<const N: usize>(
@@ -503,15 +506,57 @@ impl WheelOnSoil {
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
         let [weight, slope] = inputs(&columns)?;
         check_lengths(&[weight, slope], points)?;
-        let (status, numbers) = rows(py, points, threads, |i| {
-            let slope = Angle::from_deg(at(slope, i));
-            match self.contact.slip_demand(at(weight, i), slope) {
-                Err(_) => (BAD, [f64::NAN]),
-                Ok(SlopeOutcome::Holds { slip }) => (SolveStatus::Solved.code(), [slip.value()]),
-                Ok(_) => (SolveStatus::NoSolution.code(), [f64::NAN]),
+        let slope: Vec<f64> = (0..points).map(|i| at(slope, i).to_radians()).collect();
+        let mut codes = filled(0, points)?;
+        let mut slips = filled(f64::NAN, points)?;
+        // with other settings than the batch's each slope is a block of its own, one by one
+        let is_usual = *self.contact.settings() == Settings::default();
+        let kernel = BatchKernel::new(*self.contact.soil());
+        let threads = workers::count(threads, points.saturating_mul(64));
+        let mut from = 0;
+        for (codes, slips) in codes
+            .chunks_mut(SLOPES_PER_BLOCK * threads)
+            .zip(slips.chunks_mut(SLOPES_PER_BLOCK * threads))
+        {
+            let n = codes.len();
+            let jobs = codes
+                .chunks_mut(SLOPES_PER_BLOCK)
+                .zip(slips.chunks_mut(SLOPES_PER_BLOCK))
+                .enumerate()
+                .map(|(k, (codes, slips))| {
+                    let begin = from + k * SLOPES_PER_BLOCK;
+                    let weight = part(weight, begin, begin + codes.len());
+                    let slope = &slope[begin..begin + codes.len()];
+                    let (kernel, contact) = (&kernel, &self.contact);
+                    move || {
+                        if is_usual {
+                            let mut status = vec![SolveStatus::default(); codes.len()];
+                            let wheel = contact.wheel();
+                            kernel.slip_demand(wheel, weight, slope, slips, &mut status)?;
+                            write_codes(codes, &status);
+                        } else {
+                            for (i, (code, slip)) in codes.iter_mut().zip(slips).enumerate() {
+                                let slope = Angle::from_rad(slope[i]);
+                                (*code, *slip) = match contact.slip_demand(at(weight, i), slope) {
+                                    Err(_) => (BAD, f64::NAN),
+                                    Ok(SlopeOutcome::Holds { slip }) => {
+                                        (SolveStatus::Solved.code(), slip.value())
+                                    }
+                                    Ok(_) => (SolveStatus::NoSolution.code(), f64::NAN),
+                                };
+                            }
+                        }
+                        Ok(())
+                    }
+                })
+                .collect();
+            from += n;
+            for result in workers::run(py, jobs) {
+                raised::<_, terra::Error>(result)?;
             }
-        })?;
-        Ok((status.into_pyarray(py), column(py, &numbers, 0)))
+            py.check_signals()?;
+        }
+        Ok((codes.into_pyarray(py), slips.into_pyarray(py)))
     }
 
     /// Columns (load, slip) to derivatives: status, and for each point the values of sinkage, drawbar pull and torque,

@@ -210,6 +210,17 @@ def test_a_slip_demand_holds_its_slope() -> None:
         assert point.drawbar_pull_n == pytest.approx(80.0 * np.sin(alpha), abs=1e-6)
 
 
+def test_slip_demands_on_lanes_and_one_by_one_agree() -> None:
+    slope = np.linspace(-5.0, 25.0, 1200)  # more than a block, with slopes that nothing holds
+    size = wheel.Wheel(**SIZE)
+    lanes = wheel.slip_demand(wheel.WheelOnSoil(size, SAND), weight_n=80.0, slope_deg=slope, threads=2)
+    exact = wheel.WheelOnSoil(size, SAND, reference_accuracy=True)
+    alone = wheel.slip_demand(exact, weight_n=80.0, slope_deg=slope[::40])
+    assert lanes.status[::40].tolist() == alone.status.tolist()
+    assert {0, 1} == set(alone.status.tolist())
+    np.testing.assert_allclose(lanes.slip[::40], alone.slip, atol=1e-7)
+
+
 def test_a_drifting_wheel_is_pushed_against_its_drift() -> None:
     contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), soils.find("lunar", unit_weight_n_per_m3=2700.0))
     points = wheel.operating_points(contact, load_n=65.0, slip=0.2, slip_angle_deg=[-20.0, 0.0, 20.0, 95.0])

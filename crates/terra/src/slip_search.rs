@@ -47,7 +47,7 @@ impl RootSearch {
             1.0
         };
         let secant = secant + past * 0.4 * self.precision;
-        self.slip = if self.steps % 6 > 0 && secant > a && secant < b {
+        self.slip = if !self.steps.is_multiple_of(6) && secant > a && secant < b {
             secant
         } else {
             0.5 * (a + b)

@@ -13,7 +13,9 @@ use crate::wheel_on_soil::WheelOnSoil;
 
 use super::batch::BatchKernel;
 use super::columns::{BatchColumns, BatchInput, BatchPoints};
-use super::plan::CHUNK;
+
+/// Searches at a time: a few full groups of lanes, on a stack that is not large.
+const SEARCHES: usize = 64;
 
 impl BatchKernel {
     /// The smallest slip at which a wheel of each `weight` (N) holds each slope (rad): W cos α is carried and the drawbar pull
@@ -54,7 +56,7 @@ impl BatchKernel {
         let lanes = self.has_lanes() && wheel.grousers().is_none();
         let mut rounds = Rounds::new(self, &on_soil);
         let mut waiting = 0..n;
-        let mut searches = [const { None }; CHUNK];
+        let mut searches = [const { None }; SEARCHES];
         loop {
             for place in &mut searches {
                 while place.is_none()
@@ -77,7 +79,7 @@ impl BatchKernel {
                     None => continue,
                     Some(End::Holds(found)) => (slip[i], status[i]) = (found, SolveStatus::Solved),
                     Some(End::TooSteep) => {
-                        (slip[i], status[i]) = (f64::NAN, SolveStatus::NoSolution)
+                        (slip[i], status[i]) = (f64::NAN, SolveStatus::NoSolution);
                     }
                     Some(End::Unsure) => {
                         (slip[i], status[i]) = alone(&on_soil, weight.at(i), slope.at(i));
@@ -102,10 +104,10 @@ fn alone(on_soil: &WheelOnSoil, weight: f64, slope: f64) -> (f64, SolveStatus) {
 struct Rounds<'a> {
     kernel: &'a BatchKernel,
     on_soil: &'a WheelOnSoil,
-    slip: [f64; CHUNK],
-    load: [f64; CHUNK],
-    out: [[f64; CHUNK]; 4],
-    status: [SolveStatus; CHUNK],
+    slip: [f64; SEARCHES],
+    load: [f64; SEARCHES],
+    out: [[f64; SEARCHES]; 4],
+    status: [SolveStatus; SEARCHES],
 }
 
 impl<'a> Rounds<'a> {
@@ -113,15 +115,15 @@ impl<'a> Rounds<'a> {
         Self {
             kernel,
             on_soil,
-            slip: [0.0; CHUNK],
-            load: [0.0; CHUNK],
-            out: [[0.0; CHUNK]; 4],
-            status: [SolveStatus::NotConverged; CHUNK],
+            slip: [0.0; SEARCHES],
+            load: [0.0; SEARCHES],
+            out: [[0.0; SEARCHES]; 4],
+            status: [SolveStatus::NotConverged; SEARCHES],
         }
     }
 
     /// Evaluates the next slip of every search; false where there is none.
-    fn run(&mut self, searches: &mut [Option<Search>; CHUNK]) -> Result<bool> {
+    fn run(&mut self, searches: &mut [Option<Search>; SEARCHES]) -> Result<bool> {
         let mut count = 0;
         for search in searches.iter().flatten() {
             (self.slip[count], self.load[count]) = (search.slip, search.load);
@@ -158,6 +160,11 @@ impl<'a> Rounds<'a> {
     }
 }
 
+/// Samples are made finer by this factor about the best one, at most so often: what is left undecided then is the general
+/// search's, which takes a millisecond.
+const FINER: u32 = 16;
+const MAX_FINER: u32 = 3;
+
 /// How a search ended.
 #[derive(Clone, Copy)]
 enum End {
@@ -167,6 +174,23 @@ enum End {
     Unsure,
 }
 
+/// Samples of the pull, at equal steps of the slip.
+struct Samples {
+    /// Slip of the first one, and the step.
+    from: f64,
+    step: f64,
+    /// How many were taken, and how many there are.
+    taken: u32,
+    count: u32,
+    /// Slip and surplus (pull less what is required, N) of the last two, where the load was carried.
+    last: [Option<(f64, f64)>; 2],
+    /// Slip and surplus of the best.
+    best: (f64, f64),
+    /// By how much the pull changed at most between two samples beside the best one, N.
+    change: f64,
+    is_after_best: bool,
+}
+
 /// The search of one point, as [`WheelOnSoil::slip_demand`] makes it from slip 0 on.
 struct Search {
     point: usize,
@@ -174,15 +198,68 @@ struct Search {
     required: f64,
     /// The slip to be evaluated next.
     slip: f64,
-    /// Samples so far, and the last two and the best of them: pull less what is required, N.
-    samples: u32,
-    last: [Option<f64>; 2],
-    best: f64,
-    /// By how much the pull changed at most between two samples beside the best one, N.
-    change: f64,
-    is_after_best: bool,
+    samples: Samples,
+    /// How often the samples were made finer about the best one.
+    finer: u32,
     root: Option<RootSearch>,
     end: Option<End>,
+}
+
+impl Samples {
+    const fn new(from: f64, step: f64, count: u32) -> Self {
+        Self {
+            from,
+            step,
+            taken: 0,
+            count,
+            last: [None; 2],
+            best: (from, f64::NEG_INFINITY),
+            change: 0.0,
+            is_after_best: false,
+        }
+    }
+
+    /// Takes the next sample.
+    fn take(&mut self, slip: f64, surplus: Option<f64>) {
+        self.taken += 1;
+        let now = surplus.map(|surplus| (slip, surplus));
+        let change = |one: Option<(f64, f64)>, two: Option<(f64, f64)>| match (one, two) {
+            (Some(one), Some(two)) => (one.1 - two.1).abs(),
+            _ => 0.0,
+        };
+        if let Some(now) = now {
+            let latest = change(self.last[0], Some(now));
+            if now.1 > self.best.1 {
+                self.best = now;
+                self.change = latest.max(change(self.last[1], self.last[0]));
+                self.is_after_best = true;
+            } else if self.is_after_best {
+                self.change = self.change.max(latest);
+                self.is_after_best = false;
+            }
+            self.last = [Some(now), self.last[0]];
+        } else {
+            self.last = [None, None];
+        }
+    }
+
+    /// The slip of the next sample; `None` after the last one.
+    fn next_slip(&self) -> Option<f64> {
+        (self.taken < self.count)
+            .then(|| (self.from + f64::from(self.taken) * self.step).clamp(0.0, 1.0))
+    }
+
+    /// May the pull reach what is required between the samples? One with a single maximum exceeds the best sample by no more
+    /// than it changes beside it.
+    fn may_reach(&self) -> bool {
+        self.best.1 + 2.0 * self.change >= 0.0
+    }
+
+    /// Finer samples about the best one.
+    fn finer(&self) -> Self {
+        let from = self.best.0 - self.step;
+        Self::new(from, self.step / f64::from(FINER), 2 * FINER + 1)
+    }
 }
 
 impl Search {
@@ -195,11 +272,8 @@ impl Search {
             load: weight * Real::cos(slope),
             required: weight * Real::sin(slope),
             slip: 0.0,
-            samples: 0,
-            last: [None; 2],
-            best: f64::NEG_INFINITY,
-            change: 0.0,
-            is_after_best: false,
+            samples: Samples::new(0.0, 1.0 / f64::from(SAMPLES), SAMPLES + 1),
+            finer: 0,
             root: None,
             end: None,
         })
@@ -217,43 +291,27 @@ impl Search {
     }
 
     fn sample(&mut self, surplus: Option<f64>) {
-        let step = 1.0 / f64::from(SAMPLES);
-        match surplus {
-            Some(now) if now >= 0.0 => {
-                // from slip 0 on: a braked wheel that pulls this much is the general search's
-                let Some(before) = self.last[0] else {
-                    self.end = Some(End::Unsure);
-                    return;
-                };
-                let low = f64::from(self.samples - 1) * step;
-                let root = RootSearch::new((low, before), (self.slip, now), ROOT_PRECISION);
-                self.root = Some(root);
-                self.refine();
+        match (surplus, self.samples.last[0]) {
+            (Some(now), Some(before)) if now >= 0.0 => {
+                self.root = Some(RootSearch::new(before, (self.slip, now), ROOT_PRECISION));
+                return self.refine();
+            }
+            // a wheel that pulls this much at slip 0 may do so braked
+            (Some(now), None) if now >= 0.0 => {
+                self.end = Some(End::Unsure);
                 return;
             }
-            Some(now) => {
-                let change = self.last[0].map_or(0.0, |before| (now - before).abs());
-                if now > self.best {
-                    let earlier = match self.last {
-                        [Some(one), Some(two)] => (one - two).abs(),
-                        _ => 0.0,
-                    };
-                    (self.best, self.change) = (now, change.max(earlier));
-                    self.is_after_best = true;
-                } else if self.is_after_best {
-                    self.change = self.change.max(change);
-                    self.is_after_best = false;
-                }
-                self.last = [surplus, self.last[0]];
-            }
-            None => self.last = [None, None],
+            _ => self.samples.take(self.slip, surplus),
         }
-        self.samples += 1;
-        self.slip = f64::from(self.samples) * step;
-        if self.samples > SAMPLES {
-            // between samples a pull with one maximum exceeds the best by no more than it changes beside it
-            let is_near = self.best + 2.0 * self.change >= 0.0;
-            self.end = Some(if is_near { End::Unsure } else { End::TooSteep });
+        match self.samples.next_slip() {
+            Some(slip) => self.slip = slip,
+            None if !self.samples.may_reach() => self.end = Some(End::TooSteep),
+            None if self.finer < MAX_FINER => {
+                self.finer += 1;
+                self.samples = self.samples.finer();
+                self.slip = self.samples.next_slip().unwrap_or(0.0);
+            }
+            None => self.end = Some(End::Unsure),
         }
     }
 
