@@ -133,8 +133,9 @@ impl<R: Scalar> SinkageExponent<R> {
     ///
     /// Source: ours, on measured wheels. Driving, the sinkage levels off; pushed forwards without turning, a wheel sinks
     /// faster and faster until it is locked; and a wheel that drifts ploughs over each metre that it travels however fast its
-    /// rim turns, where |v_y|/m would vanish. The cube root lies between both (|v_y|/m and |v_y|/V); it and g were chosen on
-    /// trials at 0 and 60°, straight locked wheels among them, and tried at 15 and 30°. No further number.
+    /// rim turns, where |v_y|/m would vanish. The cube root lies between both (|v_y|/m and |v_y|/V); it and g were chosen with
+    /// the trials at 0, 15, 30 and 60° in view, locked wheels among them, so that these angles are no test of them. No
+    /// further number.
     /// Assumes: as [`SinkageExponent::at_whole`]. Valid range: dry sand, slip angles of 0-60°; at 90° see
     /// [`Bulldozing::Disc`](crate::Bulldozing::Disc).
     ///
