@@ -2,6 +2,7 @@
 
 use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::filter::Learnt;
+use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
@@ -94,6 +95,14 @@ enum Slips {
 }
 
 impl Slips {
+    /// What is learnt of the soil so far.
+    fn soil(&self) -> Option<SoilEstimate> {
+        match self {
+            Self::Filter(fusion, _) => fusion.soil(),
+            Self::Window(_) => None,
+        }
+    }
+
     fn update(&mut self, sample: Sample) {
         // A refused sample is counted; its wheel still gets its row.
         match self {
@@ -402,6 +411,7 @@ impl Engine {
                 wheels: &moment.wheels,
                 side_slip_angles: &self.angles,
                 odometry,
+                soil: self.slips.soil(),
             })?;
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use grouser_log::message::{Value, build};
 use grouser_slip::detect::{Change, Event};
+use grouser_slip::onboard::{SoilEstimate, SoilInterval};
 use grouser_slip::{Health, WheelEstimate};
 
 pub use crate::markers::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
@@ -37,6 +38,20 @@ pub fn wheel_slip(header: Value, names: &[String], wheels: &[WheelEstimate]) -> 
 
 fn motion(wheel: &WheelEstimate) -> &'static str {
     wheel.motion.map_or("", grouser_slip::Motion::name)
+}
+
+/// `grouser_msgs/Soil`: what is learnt of the soil.
+#[must_use]
+pub fn soil_message(header: Value, soil: &SoilEstimate) -> Value {
+    let interval = |of: SoilInterval| build::numbers(&[of.mean, of.low, of.high]);
+    build::message([
+        ("header", header),
+        ("strength", interval(soil.strength)),
+        ("stiffness", interval(soil.stiffness)),
+        ("friction_angle", interval(soil.friction_angle)),
+        ("readings", Value::UInt(soil.readings.into())),
+        ("changes", Value::UInt(soil.changes.into())),
+    ])
 }
 
 /// `nav_msgs/Odometry` of the robot's frame `child_frame` in the frame of the header, the doubt of slip in its covariance.

@@ -2,10 +2,11 @@
 
 use std::io;
 
+use grouser_slip::detect::Change;
+use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, WheelEstimate};
 
 use crate::odometry::Odometry;
-use grouser_slip::detect::Change;
 
 /// One wheel at one time, as a row of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,8 @@ pub struct Step<'a> {
     pub side_slip_angles: &'a [Option<f64>],
     /// Where the robot is and how it moves, corrected for slip; `None` where nothing new is known of it.
     pub odometry: Option<Odometry>,
+    /// What is learnt of the soil so far, with [`Options::learn_soil`](crate::Options).
+    pub soil: Option<SoilEstimate>,
 }
 
 /// Where a run's output goes.

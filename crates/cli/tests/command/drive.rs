@@ -450,6 +450,15 @@ fn sinkages_are_learnt_from_in_the_drive_and_from_its_logs() {
                 found["wheels"][wheel]["median"]
             );
         }
+        let output = folder.path("learnt.mcap").display().to_string();
+        let arguments = ["estimate", log, "--robot", robot, "-o", &output];
+        grouser(arguments.into_iter().chain(soil)).assert_done();
+        let topics = grouser(["log", "info", &output, "--json"]).assert_done();
+        assert!(
+            topics.json().to_string().contains("/grouser/soil"),
+            "{topics:?}"
+        );
+        std::fs::remove_file(&output).unwrap();
         let soil = found["soil"].clone();
         assert!(soil["contact_readings"].as_u64().unwrap() >= 3, "{soil}");
         learnt.push(soil["stiffness"].as_f64().unwrap());

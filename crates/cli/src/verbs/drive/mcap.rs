@@ -26,9 +26,10 @@ use std::io;
 
 use grouser_log::message::{Value, build, known};
 use grouser_log::write::{McapWriter, Topic};
-use grouser_replay::messages::{DrawnWheel, RutMarkers, WayMarkers, WheelPoints, robot_markers};
+use grouser_replay::messages::{
+    DrawnWheel, RutMarkers, WayMarkers, WheelPoints, robot_markers, soil_message,
+};
 use grouser_rover::drive::{Frame, Scenario, WheelFrame};
-use grouser_slip::onboard::{SoilEstimate, SoilInterval};
 use grouser_slip::{Counter, Health, Measurement};
 
 use crate::output::OutputFile;
@@ -302,8 +303,11 @@ impl Recording {
         });
         self.writer.send(&mut self.seen, now_ns, &seen)?;
         if let (Some(topic), Some(soil)) = (&mut self.soil, &frame.soil) {
-            self.writer
-                .send(topic, now_ns, &soil_message(now_ns, soil))?;
+            self.writer.send(
+                topic,
+                now_ns,
+                &soil_message(build::header(now_ns, "base_link"), soil),
+            )?;
         }
         Ok(())
     }
@@ -383,19 +387,6 @@ impl Recording {
             ("health", build::texts(&healths)),
         ])
     }
-}
-
-/// `grouser_msgs/Soil`.
-fn soil_message(now_ns: i64, soil: &SoilEstimate) -> Value {
-    let interval = |of: SoilInterval| build::numbers(&[of.mean, of.low, of.high]);
-    build::message([
-        ("header", build::header(now_ns, "base_link")),
-        ("strength", interval(soil.strength)),
-        ("stiffness", interval(soil.stiffness)),
-        ("friction_angle", interval(soil.friction_angle)),
-        ("readings", Value::UInt(soil.readings.into())),
-        ("changes", Value::UInt(soil.changes.into())),
-    ])
 }
 
 /// `sensor_msgs/Imu` without an orientation; how good the rest is, is not said.

@@ -8,6 +8,7 @@
 //! | `/grouser/robot` | `visualization_msgs/MarkerArray`, body and wheels coloured by slip | five times a second |
 //! | `/grouser/pose` | `geometry_msgs/PoseStamped` | with it |
 //! | `/grouser/points` | `sensor_msgs/PointCloud2`, where wheels touched the ground, with slips | every second of motion |
+//! | `/grouser/soil` | `grouser_msgs/Soil`, what is learnt with `--learn-soil` | every second |
 //! | `/diagnostics` | `diagnostic_msgs/DiagnosticArray` | every second |
 
 use std::io;
@@ -16,7 +17,8 @@ use std::path::Path;
 use grouser_log::message::{build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_replay::messages::{
-    DrawnWheel, WayMarkers, WheelPoints, diagnostics, odometry_message, robot_markers, wheel_slip,
+    DrawnWheel, WayMarkers, WheelPoints, diagnostics, odometry_message, robot_markers,
+    soil_message, wheel_slip,
 };
 use grouser_replay::{Odometry, Step};
 use grouser_slip::{Wheel, WheelEstimate};
@@ -42,12 +44,14 @@ pub(super) struct Recording {
     pose: Topic,
     points: Topic,
     diagnostics: Topic,
+    /// From the first soil that was learnt.
+    soil: Option<Topic>,
     markers: WayMarkers,
     wheel_points: WheelPoints,
     wheels: Vec<Wheel>,
     names: Vec<String>,
     drawn_ns: Option<i64>,
-    told_ns: Option<i64>,
+    reported_ns: Option<i64>,
     path: std::path::PathBuf,
 }
 
@@ -68,11 +72,12 @@ impl Recording {
             markers: WayMarkers::default(),
             wheel_points: WheelPoints::new(wheels.len()),
             diagnostics: topic("/diagnostics", "diagnostic_msgs/DiagnosticArray")?,
+            soil: None,
             writer,
             wheels: wheels.to_vec(),
             names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
             drawn_ns: None,
-            told_ns: None,
+            reported_ns: None,
             path: path.to_owned(),
         })
     }
@@ -116,10 +121,19 @@ impl Recording {
             }
         }
         let due = |last: i64| time_ns.saturating_sub(last) >= DIAGNOSTICS_NS;
-        if self.told_ns.is_none_or(due) {
-            self.told_ns = Some(time_ns);
+        if self.reported_ns.is_none_or(due) {
+            self.reported_ns = Some(time_ns);
             let message = diagnostics(header(""), &self.names, wheels);
             self.writer.send(&mut self.diagnostics, time_ns, &message)?;
+            if let Some(soil) = &step.soil {
+                if self.soil.is_none() {
+                    self.soil = Some(self.writer.topic("/grouser/soil", known::SOIL)?);
+                }
+                if let Some(topic) = &mut self.soil {
+                    let message = soil_message(header("base_link"), soil);
+                    self.writer.send(topic, time_ns, &message)?;
+                }
+            }
         }
         Ok(())
     }
