@@ -37,16 +37,34 @@ pub(crate) fn start() {
     let _ = builder.spawn_handler(hand_over).build_global();
 }
 
-/// Threads that wait for their work, `requested` of them or as many as the system starts.
+/// Memory that a thread takes before it can report an error, with its stack: where the system grants less (`ulimit -v`), the
+/// standard library ends the process as it starts the thread.
+const ROOM_FOR_A_THREAD: usize = 4 << 20;
+
+/// Does the system grant the memory that another thread takes?
+pub(crate) fn has_room() -> bool {
+    Vec::<u8>::new()
+        .try_reserve_exact(ROOM_FOR_A_THREAD)
+        .is_ok()
+}
+
+/// Threads that wait for their work, `requested` of them or as many as the system starts. One has begun before the next one
+/// is started, so that the memory it took counts.
 fn waiting_threads(requested: usize) -> Vec<Sender<ThreadBuilder>> {
     let start_one = |_| {
         let (send, receive) = channel::<ThreadBuilder>();
+        let (begun, begins) = channel();
         let wait = move || {
+            let _ = begun.send(());
             if let Ok(work) = receive.recv() {
                 work.run();
             }
         };
-        thread::Builder::new().spawn(wait).ok().map(|_| send)
+        if !has_room() {
+            return None;
+        }
+        thread::Builder::new().spawn(wait).ok()?;
+        begins.recv().ok().map(|()| send)
     };
     (0..requested).map_while(start_one).collect()
 }

@@ -13,6 +13,7 @@ use grouser_log::csv;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
+use crate::thread_pool::has_room;
 
 /// Rows of a chunk at most.
 const CHUNK_ROWS: usize = 1024;
@@ -89,6 +90,9 @@ pub(super) fn solve_lines<T: Send>(
         let start_one = |_| {
             let answer = answer.clone();
             let work = move || solve_chunks(chunks, solve, &answer);
+            if !has_room() {
+                return None;
+            }
             thread::Builder::new().spawn_scoped(scope, work).ok()
         };
         let threads = (0..wanted).map_while(start_one).count();
@@ -96,6 +100,7 @@ pub(super) fn solve_lines<T: Send>(
         let work = move || read(&mut held(), &permits, &send);
         let reader = match threads {
             0 => None,
+            _ if !has_room() => None,
             _ => thread::Builder::new().spawn_scoped(scope, work).ok(),
         };
         let Some(reader) = reader else {
