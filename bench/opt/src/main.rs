@@ -41,7 +41,8 @@ fn microseconds(mut job: impl FnMut()) -> f64 {
 fn front(name: &str, (problem, settings): (Problem<'_>, ParetoSettings)) {
     let reference = vec![1.1; problem.objectives().len()];
     let measure = |polish: bool| {
-        let mut settings = settings.clone();settings.polish = polish;
+        let mut settings = settings.clone();
+        settings.polish = polish;
         let front = pareto(&problem, &settings).expect("valid settings");
         let mut seconds = f64::INFINITY;
         for _ in 0..5 {
