@@ -1,7 +1,7 @@
 // The explorer in a real browser, from a file.
 
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -204,7 +204,9 @@ test('copies for Rust, Python and TOML carry the numbers of the sliders', async 
     const python = await copied(page, 'Python');
     assert.match(python, /grouser_height_m=0\.01, grouser_count=12, grouser_thickness_m=0\.002/);
     // where a Python with the package is at hand, the program's numbers
-    if (process.env.GROUSER_PYTHON) prints(execFileSync(process.env.GROUSER_PYTHON, ['-'], { input: python, encoding: 'utf8' }));
+    const interpreter = process.env.GROUSER_PYTHON;
+    const hasPackage = interpreter && spawnSync(interpreter, ['-c', 'import grouser']).status === 0;
+    if (hasPackage) prints(execFileSync(interpreter, ['-'], { input: python, encoding: 'utf8' }));
     // the Rust program, built with the crates of this folder
     const folder = mkdtempSync(join(tmpdir(), 'grouser-copied-'));
     mkdirSync(join(folder, 'src'));
