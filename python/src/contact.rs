@@ -6,206 +6,19 @@ use grouser::terra::{
     Accuracy, Angle, BatchKernel, Bulldozing, DualInputs, Kinematics, LoadOutcome, Settings,
     ShearLaw, Slip, SlopeOutcome, SolveStatus, WheelOnSoil as Contact,
 };
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyMemoryError;
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::argument;
 use crate::batch::{Column, part, write_codes};
 use crate::error::{Details, input_error, raised};
+use crate::operating_point::{Given, OperatingPoint};
+use crate::rows::{BAD, Codes, Floats, at, blocks, column, rows};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
-use crate::workers;
 
-type Floats<'py> = Bound<'py, PyArray1<f64>>;
-/// A pickled operating point: contact, load (N), sinkage (m), slip, slip angle (degrees).
-type State<'py> = (Bound<'py, WheelOnSoil>, Option<f64>, f64, f64, f64);
-type Codes<'py> = Bound<'py, PyArray1<u8>>;
-
-/// A wheel at one sinkage and one motion: geometry, forces and how far to trust them.
-///
-/// Lengths in m, forces in N (vertical upwards, drawbar pull forwards, side force to the left), torque in
-/// N m (positive where a motor drives), angles in degrees.
-#[pyclass(frozen, module = "grouser._core")]
-#[derive(Debug)]
-pub(crate) struct OperatingPoint {
-    point: terra::OperatingPoint,
-    /// What it was computed from; pickled instead of it.
-    made: (Py<WheelOnSoil>, Given),
-}
-
-/// Load (N) or sinkage (m), slip and slip angle (degrees).
-#[derive(Clone, Copy, Debug)]
-struct Given {
-    load_n: Option<f64>,
-    sinkage_m: f64,
-    slip: f64,
-    slip_angle_deg: f64,
-}
-
-impl OperatingPoint {
-    fn solved(contact: &Bound<'_, WheelOnSoil>, given: Given) -> PyResult<Option<Self>> {
-        let motion = raised(kinematics(given.slip, given.slip_angle_deg))?;
-        let own = &contact.get().contact;
-        let point = match given.load_n {
-            Some(load) => raised(own.under_load(load, &motion))?.point(),
-            None => Some(raised(own.at_sinkage(given.sinkage_m, &motion))?),
-        };
-        let made = (contact.clone().unbind(), given);
-        Ok(point.map(|point| Self { point, made }))
-    }
-}
-
-#[pymethods]
-impl OperatingPoint {
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, State<'py>)> {
-        let (contact, given) = &slf.get().made;
-        let state = (
-            contact.bind(slf.py()).clone(),
-            given.load_n,
-            given.sinkage_m,
-            given.slip,
-            given.slip_angle_deg,
-        );
-        Ok((slf.get_type().getattr("_again")?, state))
-    }
-
-    #[staticmethod]
-    fn _again(
-        contact: &Bound<'_, WheelOnSoil>,
-        load_n: Option<f64>,
-        sinkage_m: f64,
-        slip: f64,
-        slip_angle_deg: f64,
-    ) -> PyResult<Option<Self>> {
-        let given = Given {
-            load_n,
-            sinkage_m,
-            slip,
-            slip_angle_deg,
-        };
-        Self::solved(contact, given)
-    }
-
-    /// Slip: positive where the wheel drives, negative where it brakes.
-    #[getter]
-    fn slip(&self) -> f64 {
-        self.point.kinematics.slip().value()
-    }
-
-    /// Sinkage, m.
-    #[getter]
-    fn sinkage_m(&self) -> f64 {
-        self.point.sinkage
-    }
-
-    /// Entry angle, degrees.
-    #[getter]
-    fn theta_1_deg(&self) -> f64 {
-        self.point.angles.theta_1.to_degrees()
-    }
-
-    /// Exit angle, degrees.
-    #[getter]
-    fn theta_2_deg(&self) -> f64 {
-        self.point.angles.theta_2.to_degrees()
-    }
-
-    /// Angle of the greatest normal stress, degrees.
-    #[getter]
-    fn theta_m_deg(&self) -> f64 {
-        self.point.angles.theta_m.to_degrees()
-    }
-
-    /// Vertical force, N.
-    #[getter]
-    fn vertical_force_n(&self) -> f64 {
-        self.point.forces.vertical_force
-    }
-
-    /// Drawbar pull, N.
-    #[getter]
-    fn drawbar_pull_n(&self) -> f64 {
-        self.point.forces.drawbar_pull
-    }
-
-    /// Side force, N.
-    #[getter]
-    fn side_force_n(&self) -> f64 {
-        self.point.side_force
-    }
-
-    /// Torque, N m.
-    #[getter]
-    fn torque_nm(&self) -> f64 {
-        self.point.forces.torque
-    }
-
-    /// Compaction resistance, N.
-    #[getter]
-    fn compaction_resistance_n(&self) -> f64 {
-        self.point.forces.compaction_resistance
-    }
-
-    /// The share of the motor's work that pulls; `None` unless the wheel is driven and pulls.
-    #[getter]
-    fn tractive_efficiency(&self) -> Option<f64> {
-        self.point.tractive_efficiency()
-    }
-
-    /// Energy per metre of travel, J/m; `None` for a wheel that spins on the spot.
-    #[getter]
-    fn energy_j_per_m(&self) -> Option<f64> {
-        self.point.energy_per_metre()
-    }
-
-    /// Drawbar pull over vertical force; `None` where nothing is carried.
-    #[getter]
-    fn pull_coefficient(&self) -> Option<f64> {
-        self.point.pull_coefficient()
-    }
-
-    /// The error of the integrals at most, N.
-    #[getter]
-    fn error_estimate_n(&self) -> f64 {
-        self.point.error_estimate
-    }
-
-    /// What to keep in mind, by the keys that the command prints.
-    #[getter]
-    fn cautions(&self) -> Vec<&'static str> {
-        self.point
-            .cautions
-            .iter()
-            .map(terra::Caution::key)
-            .collect()
-    }
-
-    /// Normal stress at an angle (degrees from the vertical, towards the front), Pa.
-    fn normal_stress_pa(&self, #[pyo3(from_py_with = argument::number)] theta_deg: f64) -> f64 {
-        self.point.normal_stress(theta_deg.to_radians())
-    }
-
-    /// Shear stress along and across the wheel at an angle (degrees), Pa.
-    fn shear_stress_pa(
-        &self,
-        #[pyo3(from_py_with = argument::number)] theta_deg: f64,
-    ) -> (f64, f64) {
-        self.point.shear_stress(theta_deg.to_radians())
-    }
-
-    fn __repr__(&self) -> String {
-        format!(
-            "OperatingPoint(slip={}, sinkage_m={}, vertical_force_n={}, drawbar_pull_n={}, torque_nm={}, cautions={:?})",
-            self.slip(),
-            self.sinkage_m(),
-            self.vertical_force_n(),
-            self.drawbar_pull_n(),
-            self.torque_nm(),
-            self.cautions()
-        )
-    }
-}
+/// Slopes between two looks at signals: a millisecond or two on lanes.
+const SLOPE_BLOCK: usize = 512;
 
 /// A wheel on a soil.
 ///
@@ -237,79 +50,13 @@ pub(crate) struct WheelOnSoil {
     soil: Soil,
 }
 
-fn kinematics(slip: f64, slip_angle_deg: f64) -> terra::Result<Kinematics> {
+pub(crate) fn kinematics(slip: f64, slip_angle_deg: f64) -> terra::Result<Kinematics> {
     let slip = Slip::new(slip)?;
     if slip_angle_deg == 0.0 {
         return Ok(Kinematics::straight(slip));
     }
     Kinematics::with_slip_angle(slip, Angle::from_deg(slip_angle_deg))
 }
-
-fn at(column: terra::BatchInput<'_>, i: usize) -> f64 {
-    match column {
-        terra::BatchInput::Constant(x) => x,
-        terra::BatchInput::Column(values) => values[i],
-    }
-}
-
-/// Slopes between two looks at signals: a millisecond or two on lanes, a second one by one.
-const SLOPES_PER_BLOCK: usize = 512;
-
-/// Columns of the same length, computed point by point on threads.
-fn rows<const N: usize>(
-    py: Python<'_>,
-    points: usize,
-    threads: usize,
-    compute: impl Fn(usize) -> (u8, [f64; N]) + Sync,
-) -> PyResult<(Vec<u8>, Vec<[f64; N]>)> {
-    /// Points between two looks at signals: one takes some 10 µs, a slip demand a millisecond.
-    const BLOCK: usize = 64;
-    let mut status = filled(0, points)?;
-    let mut numbers = filled([f64::NAN; N], points)?;
-    // a point costs some hundred times one of a batch: threads pay from a few dozen on
-    let threads = workers::count(threads, points.saturating_mul(256));
-    let mut from = 0;
-    for (status, numbers) in status
-        .chunks_mut(BLOCK * threads)
-        .zip(numbers.chunks_mut(BLOCK * threads))
-    {
-        let n = status.len();
-        let jobs = status
-            .chunks_mut(BLOCK)
-            .zip(numbers.chunks_mut(BLOCK))
-            .enumerate()
-            .map(|(k, (status, numbers))| {
-                let compute = &compute;
-                move || {
-                    for (j, (status, numbers)) in status.iter_mut().zip(numbers).enumerate() {
-                        (*status, *numbers) = compute(from + k * BLOCK + j);
-                    }
-                }
-            })
-            .collect();
-        workers::run(py, jobs);
-        py.check_signals()?;
-        from += n;
-    }
-    Ok((status, numbers))
-}
-
-/// `points` times `value`; a `MemoryError` where there is no room for them.
-fn filled<T: Clone>(value: T, points: usize) -> PyResult<Vec<T>> {
-    let mut column = Vec::new();
-    column
-        .try_reserve_exact(points)
-        .map_err(|_| PyMemoryError::new_err(format!("no memory for {points} points")))?;
-    column.resize(points, value);
-    Ok(column)
-}
-
-fn column<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]], k: usize) -> Floats<'py> {
-    let column: Vec<f64> = rows.iter().map(|row| row[k]).collect();
-    column.into_pyarray(py)
-}
-
-const BAD: u8 = SolveStatus::BadInput.code();
 
 #[pymethods]
 impl WheelOnSoil {
@@ -506,57 +253,36 @@ impl WheelOnSoil {
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
         let [weight, slope] = inputs(&columns)?;
         check_lengths(&[weight, slope], points)?;
-        let slope: Vec<f64> = (0..points).map(|i| at(slope, i).to_radians()).collect();
-        let mut codes = filled(0, points)?;
-        let mut slips = filled(f64::NAN, points)?;
-        // with other settings than the batch's each slope is a block of its own, one by one
-        let is_usual = *self.contact.settings() == Settings::default();
-        let kernel = BatchKernel::new(*self.contact.soil());
-        let threads = workers::count(threads, points.saturating_mul(64));
-        let mut from = 0;
-        for (codes, slips) in codes
-            .chunks_mut(SLOPES_PER_BLOCK * threads)
-            .zip(slips.chunks_mut(SLOPES_PER_BLOCK * threads))
-        {
-            let n = codes.len();
-            let jobs = codes
-                .chunks_mut(SLOPES_PER_BLOCK)
-                .zip(slips.chunks_mut(SLOPES_PER_BLOCK))
-                .enumerate()
-                .map(|(k, (codes, slips))| {
-                    let begin = from + k * SLOPES_PER_BLOCK;
-                    let weight = part(weight, begin, begin + codes.len());
-                    let slope = &slope[begin..begin + codes.len()];
-                    let (kernel, contact) = (&kernel, &self.contact);
-                    move || {
-                        if is_usual {
-                            let mut status = vec![SolveStatus::default(); codes.len()];
-                            let wheel = contact.wheel();
-                            kernel.slip_demand(wheel, weight, slope, slips, &mut status)?;
-                            write_codes(codes, &status);
-                        } else {
-                            for (i, (code, slip)) in codes.iter_mut().zip(slips).enumerate() {
-                                let slope = Angle::from_rad(slope[i]);
-                                (*code, *slip) = match contact.slip_demand(at(weight, i), slope) {
-                                    Err(_) => (BAD, f64::NAN),
-                                    Ok(SlopeOutcome::Holds { slip }) => {
-                                        (SolveStatus::Solved.code(), slip.value())
-                                    }
-                                    Ok(_) => (SolveStatus::NoSolution.code(), f64::NAN),
-                                };
-                            }
-                        }
-                        Ok(())
-                    }
-                })
-                .collect();
-            from += n;
-            for result in workers::run(py, jobs) {
-                raised::<_, terra::Error>(result)?;
-            }
-            py.check_signals()?;
-        }
-        Ok((codes.into_pyarray(py), slips.into_pyarray(py)))
+        let (status, slips) = if *self.contact.settings() == Settings::default() {
+            let slope: Vec<f64> = (0..points).map(|i| at(slope, i).to_radians()).collect();
+            let kernel = BatchKernel::new(*self.contact.soil());
+            blocks(py, points, (threads, SLOPE_BLOCK), |from, codes, slips| {
+                let own = from..from + codes.len();
+                let weight = part(weight, own.start, own.end);
+                let mut status = vec![SolveStatus::BadInput; codes.len()];
+                // columns of one length, and a wheel that is on this soil already
+                let _ = kernel.slip_demand(
+                    self.contact.wheel(),
+                    weight,
+                    &slope[own],
+                    slips,
+                    &mut status,
+                );
+                write_codes(codes, &status);
+            })?
+        } else {
+            rows(py, points, threads, |i| {
+                match self
+                    .contact
+                    .slip_demand(at(weight, i), Angle::from_deg(at(slope, i)))
+                {
+                    Err(_) => (BAD, f64::NAN),
+                    Ok(SlopeOutcome::Holds { slip }) => (SolveStatus::Solved.code(), slip.value()),
+                    Ok(_) => (SolveStatus::NoSolution.code(), f64::NAN),
+                }
+            })?
+        };
+        Ok((status.into_pyarray(py), slips.into_pyarray(py)))
     }
 
     /// Columns (load, slip) to derivatives: status, and for each point the values of sinkage, drawbar pull and torque,

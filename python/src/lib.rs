@@ -16,11 +16,14 @@ mod figure;
 mod fleet;
 mod identify;
 mod logs;
+mod operating_point;
 mod optimize;
 mod robot;
+mod rows;
 mod sample;
 mod settings_text;
 mod slip;
+mod slip_map;
 mod soil;
 mod terrain;
 mod wheel;
@@ -32,18 +35,20 @@ mod _core {
     use super::{
         batch::{instructions, solve_at_sinkage, solve_curve, solve_under_load},
         command::run_command,
-        contact::{OperatingPoint, WheelOnSoil, slips_from_speeds},
+        contact::{WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},
         figure::chart_svg,
         fleet::Fleet,
         identify::identify,
         logs::{Engine, estimate, read_samples},
+        operating_point::OperatingPoint,
         optimize::{solve, solve_file, solve_front, solve_many},
         robot::Robot,
         sample::Sample,
         slip::{OnBoard, SlipFilter},
+        slip_map::SlipMap,
         soil::{Soil, catalogue_keys},
-        terrain::{SlipMap, SlipMapper},
+        terrain::SlipMapper,
         wheel::Wheel,
     };
 }
