@@ -7,7 +7,7 @@
 //! Topic choice, codec and estimator are those of recorded logs (`grouser_log::Preview`, `Intake`, `grouser_replay::Engine`):
 //! a bag that is replayed through a transport gives the bits of `grouser estimate`.
 //!
-//! The primary types are [`Node`](node::Node) and the trait [`Transport`](transport::Transport).
+//! The entry is [`run`](run::run); the primary type is the trait [`Transport`](transport::Transport).
 #![forbid(unsafe_code)]
 
 pub mod arguments;
@@ -16,10 +16,11 @@ mod environment;
 mod error;
 mod latency;
 mod look;
-pub mod node;
+mod node;
 mod outputs;
 mod print;
 mod recorder;
+pub mod run;
 mod screen;
 mod senders;
 mod state_file;

@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use grouser_live::arguments::Arguments;
-use grouser_live::node;
+use grouser_live::run;
 
 fn main() -> ExitCode {
-    match node::run(&Arguments::parse()) {
+    match run::run(&Arguments::parse()) {
         Ok(outcome) => ExitCode::from(outcome.exit_code()),
         Err(error) => {
             grouser_live::complain(&error.to_string());

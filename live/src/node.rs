@@ -1,30 +1,26 @@
-//! The node: from the first message to the summary.
+//! A running node: messages in, slips out, to the summary.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use grouser_files::robot::{self, RobotFile};
 use grouser_log::Intake;
 use grouser_log::container::Channel;
 use grouser_replay::messages::diagnostic_status;
-use grouser_replay::{Engine, Inputs, Options, RobotSamples, Status};
-use grouser_slip::Reference;
+use grouser_replay::{Engine, RobotSamples, Status};
 
 use crate::arguments::Arguments;
 use crate::command::{self, CommandPath};
-use crate::environment::Environment;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::latency::Latency;
-use crate::look::{Subscriptions, look};
-use crate::outputs::{Frames, Outputs, record};
-use crate::print::{SCREEN_IS_OPEN, complain, event_line, say, say_choice, summary_line, warn};
+use crate::look::Subscriptions;
+use crate::outputs::{Outputs, record};
+use crate::print::{SCREEN_IS_OPEN, event_line, say, summary_line, warn};
 use crate::recorder::Recorder;
 use crate::screen::{MAX_EVENTS, Screen, Snapshot};
 use crate::senders::Senders;
 use crate::state_file;
-use crate::transport::{self, Arrival, Inbox, Transport};
+use crate::transport::{Arrival, Inbox};
 
 /// The loop looks at least this often whether it is to end.
 const TURN: Duration = Duration::from_millis(50);
@@ -60,187 +56,8 @@ impl Outcome {
     }
 }
 
-/// Runs the node until Ctrl-C, SIGTERM, or the end of its time.
-///
-/// # Errors
-/// Bad options, files and topics; a transport that does not open.
-pub fn run(arguments: &Arguments) -> Result<Outcome> {
-    let environment = Environment::read()?;
-    let kind = arguments.transport.unwrap_or(environment.transport);
-    // before anything is opened
-    #[cfg(feature = "zenoh")]
-    if kind == transport::Kind::Zenoh {
-        transport::run_zenoh_on_one_thread();
-    }
-    let mut robot = robot::read(&arguments.robot)?;
-    let (look_for, hold, duration) = (arguments.look()?, arguments.hold()?, arguments.duration()?);
-    let learnt = match &arguments.state {
-        Some(path) => state_file::read(path, &robot.robot)?,
-        None => None,
-    };
-    let recorder = arguments
-        .record
-        .as_deref()
-        .map(Recorder::create)
-        .transpose()?;
-    let own_name = arguments.full_name("grouser")?;
-    let mut command = command_path(arguments, &robot)?;
-    if let Some(path) = &command {
-        // a requested speed is no measured one
-        robot.topics.ignore.push(path.topic().to_owned());
-    }
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // without a handler, Ctrl-C ends the process at once
-    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
-    let ends = duration.map(|duration| Instant::now() + duration);
-    let stop =
-        || interrupted.load(Ordering::Relaxed) || ends.is_some_and(|end| Instant::now() >= end);
-
-    let mut transport = transport::open(kind, &environment, &own_name)?;
-    let (inbox, arrivals) = transport::inbox();
-    let mut subscriptions = Subscriptions::new(&robot);
-    if !arguments.quiet {
-        say(&format!(
-            "{own_name} listens on {}, domain {}",
-            kind.name(),
-            environment.domain
-        ));
-    }
-    let queue = (&inbox, &arrivals);
-    let looked = look(
-        transport.as_mut(),
-        (&robot, look_for),
-        queue,
-        &mut subscriptions,
-        &stop,
-    )?;
-    let Some(looked) = looked else {
-        transport.close();
-        complain("it ended before any topic was chosen");
-        return Ok(Outcome::NoSlip);
-    };
-    warn_of_others(transport.as_mut(), &arguments.full_name("grouser/slip")?);
-    let hold = hold.unwrap_or(looked.hold);
-    let intake = looked.intake.with_hold(hold);
-    let inputs = Inputs::of(&intake, &robot, &Options::default())?;
-    let samples = RobotSamples::new(&intake, &robot)?;
-    let mut engine = Engine::new(&robot, inputs, &Options::default())?;
-    if let Some(learnt) = &learnt {
-        engine.restore(learnt)?;
-    }
-    if !arguments.quiet {
-        say_choice(&intake, &inputs, hold);
-    }
-    check_reference(command.as_ref(), arguments, &inputs)?;
-    let outputs = announce(transport, wheel_names(&robot), arguments, recorder)?;
-    let mut node = Node::new(looked.channels, intake, (samples, engine), outputs, inbox);
-    node.hold = hold;
-    node.is_quiet = arguments.quiet;
-    node.subscriptions = Some(subscriptions);
-    node.command = command.take();
-    node.title = format!(
-        "{own_name} on {}, domain {}",
-        kind.name(),
-        environment.domain
-    );
-    if arguments.screen {
-        node.is_quiet = true;
-        node.screen = Some((Screen::open(Arc::clone(&interrupted))?, Instant::now()));
-        SCREEN_IS_OPEN.store(true, Ordering::Relaxed);
-    }
-    for arrival in looked.backlog {
-        node.take(&arrival, false)?;
-    }
-    // what arrived meanwhile waited for these, not for the node's work
-    while let Ok(arrival) = arrivals.try_recv() {
-        node.take(&arrival, false)?;
-    }
-    node.turn(&arrivals, &stop)?;
-    node.finish(arguments, &robot.robot)
-}
-
-fn wheel_names(robot: &RobotFile) -> Vec<String> {
-    let wheels = robot.robot.wheels().iter();
-    wheels.map(|wheel| wheel.name.clone()).collect()
-}
-
-/// Announces the node's topics.
-fn announce(
-    transport: Box<dyn Transport>,
-    names: Vec<String>,
-    arguments: &Arguments,
-    recorder: Option<Recorder>,
-) -> Result<Outputs> {
-    let frames = Frames {
-        base: arguments.base_frame.clone(),
-        odom: arguments.odom_frame.clone(),
-    };
-    let full_name = |name: &str| arguments.full_name(name);
-    let publishes_tf = arguments.publish_tf;
-    let mut outputs = Outputs::announce(transport, names, frames, publishes_tf, full_name)?;
-    outputs.recorder = recorder;
-    Ok(outputs)
-}
-
-/// The command path, where one is requested.
-fn command_path(arguments: &Arguments, robot: &RobotFile) -> Result<Option<CommandPath>> {
-    let Some(topic) = &arguments.command else {
-        return Ok(None);
-    };
-    let topics = (
-        arguments.topic("--command", topic)?,
-        arguments.topic("--command-out", &arguments.command_out)?,
-    );
-    if topics.0 == topics.1 {
-        return Err(Error::Option {
-            name: "--command-out",
-            value: topics.1,
-            wanted: "another topic than --command".to_owned(),
-        });
-    }
-    let described = (&robot.robot, robot.steering.is_some());
-    let limits = arguments.command_limits()?;
-    CommandPath::new(topics, arguments.base_frame.clone(), described, limits).map(Some)
-}
-
-/// Commands are limited only where something measures the robot's speed over ground.
-fn check_reference(
-    command: Option<&CommandPath>,
-    arguments: &Arguments,
-    inputs: &Inputs,
-) -> Result<()> {
-    let Some(path) = command else { return Ok(()) };
-    if inputs.reference == Reference::Grip {
-        return Err(Error::Option {
-            name: "--command",
-            value: path.topic().to_owned(),
-            wanted: "left out: nothing measures the robot's speed over ground, so that a slip of all wheels is not \
-                     observable"
-                .to_owned(),
-        });
-    }
-    if !arguments.quiet {
-        say(&path.choice());
-    }
-    Ok(())
-}
-
-/// Another node that publishes `slip` would be mixed up with this one.
-fn warn_of_others(transport: &mut dyn Transport, slip: &str) {
-    let others = transport.graph().endpoints;
-    if others
-        .iter()
-        .any(|other| other.is_publisher && other.topic == slip)
-    {
-        warn(&format!(
-            "another node publishes `{slip}` too; `--namespace` separates the two"
-        ));
-    }
-}
-
 /// The parts of a running node.
-struct Node {
+pub(crate) struct Node {
     channels: Vec<Channel>,
     /// By channel: its number in the intake, where it is used.
     numbers: Vec<Option<usize>>,
@@ -252,30 +69,30 @@ struct Node {
     engine: Engine,
     outputs: Outputs,
     inbox: Inbox,
-    hold: Duration,
+    pub(crate) hold: Duration,
     latency: Latency,
     messages: u64,
     /// What was wrong when the diagnostics were last made.
     problems: Vec<String>,
-    is_quiet: bool,
+    pub(crate) is_quiet: bool,
     names: Vec<String>,
     /// `None` where nothing but the first topics is used.
-    subscriptions: Option<Subscriptions>,
-    command: Option<CommandPath>,
+    pub(crate) subscriptions: Option<Subscriptions>,
+    pub(crate) command: Option<CommandPath>,
     /// How long every topic is silent before the transport is renewed next.
     renewal_time: Duration,
     /// Messages that were not sent until the last diagnostics.
     unsent: u64,
     /// With the time of the next snapshot.
-    screen: Option<(Screen, Instant)>,
-    title: String,
+    pub(crate) screen: Option<(Screen, Instant)>,
+    pub(crate) title: String,
     /// Events for the screen, the newest last.
     events: Vec<String>,
 }
 
 impl Node {
     /// A node with its channels, without options.
-    fn new(
+    pub(crate) fn new(
         channels: Vec<Channel>,
         mut intake: Intake,
         (samples, engine): (RobotSamples, Engine),
@@ -313,7 +130,7 @@ impl Node {
     }
 
     /// Uses a message; `is_timed` where its latency counts: not where it waited for the choice of topics.
-    fn take(&mut self, arrival: &Arrival, is_timed: bool) -> Result<()> {
+    pub(crate) fn take(&mut self, arrival: &Arrival, is_timed: bool) -> Result<()> {
         if arrival.subscription == command::SUBSCRIPTION {
             if let Some(path) = &mut self.command {
                 path.take(arrival, &mut self.outputs);
@@ -375,7 +192,11 @@ impl Node {
     }
 
     /// The loop.
-    fn turn(&mut self, arrivals: &Receiver<Arrival>, stop: &dyn Fn() -> bool) -> Result<()> {
+    pub(crate) fn turn(
+        &mut self,
+        arrivals: &Receiver<Arrival>,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<()> {
         let mut diagnostics_due = Instant::now() + DIAGNOSTICS_PERIOD;
         while !stop() {
             let wait = if self.hold.is_zero() {
@@ -571,7 +392,11 @@ impl Node {
         }
     }
 
-    fn finish(mut self, arguments: &Arguments, robot: &grouser_slip::Robot) -> Result<Outcome> {
+    pub(crate) fn finish(
+        mut self,
+        arguments: &Arguments,
+        robot: &grouser_slip::Robot,
+    ) -> Result<Outcome> {
         // the terminal is given back before anything is printed
         self.screen = None;
         SCREEN_IS_OPEN.store(false, Ordering::Relaxed);

@@ -12,11 +12,15 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use grouser_files::Document;
+use grouser_files::robot::{self, RobotFile};
 use grouser_log::Preview;
 use grouser_log::message::{Definition, build, known};
+use grouser_replay::{Inputs, Options};
 
 use super::*;
-use crate::transport::{Endpoint, Graph, inbox};
+use crate::outputs::Frames;
+use crate::run::wheel_names;
+use crate::transport::{Endpoint, Graph, Transport, inbox};
 
 const WHEELS: usize = 8;
 const PERIOD_NS: i64 = 5_000_000;
