@@ -21,9 +21,9 @@ impl BatchKernel {
     /// The smallest slip at which a wheel of each `weight` (N) holds each slope (rad): W cos α is carried and the drawbar pull
     /// is W sin α. Where no slip holds it, `slip` is NaN and the status [`SolveStatus::NoSolution`].
     ///
-    /// On lanes are smooth wheels on slopes that need a pull, whose slip is looked for in [0, 1]; every other point, and one
-    /// that lacks less than the pull may have between two samples, is searched by [`WheelOnSoil::slip_demand`]. The slips of
-    /// both agree to the accuracy of the forces.
+    /// On lanes are smooth wheels on slopes that need a pull, whose slip is looked for in [0, 1]. Every other point is searched
+    /// by [`WheelOnSoil::slip_demand`], and so is one that lacks less than the pull may have between two samples, or whose pull
+    /// falls from slip 0 on. The slips of both agree to the accuracy of the forces.
     ///
     /// ```
     /// use grouser_terra::{BatchKernel, RigidWheel, SolveStatus, catalogue};
@@ -305,6 +305,8 @@ impl Search {
         }
         match self.samples.next_slip() {
             Some(slip) => self.slip = slip,
+            // a pull that falls from slip 0 on has its maximum below
+            None if self.samples.best.0 == 0.0 => self.end = Some(End::Unsure),
             None if !self.samples.may_reach() => self.end = Some(End::TooSteep),
             None if self.finer < MAX_FINER => {
                 self.finer += 1;
