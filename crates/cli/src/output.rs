@@ -129,6 +129,15 @@ impl OutputFile {
     pub(crate) fn path(&self) -> &Path {
         &self.target
     }
+
+    /// How this file names another one: from where it will stand, if the other lies in its folder or below, else in full.
+    pub(crate) fn reaches(&self, other: &Path) -> PathBuf {
+        let absolute = std::path::absolute(other).unwrap_or_else(|_| other.to_owned());
+        let folder = self.target.parent();
+        let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
+        let near = folder.and_then(|folder| Some(absolute.strip_prefix(folder).ok()?.to_owned()));
+        near.unwrap_or(absolute)
+    }
 }
 
 /// Where the links of `path` lead, also where nothing is there yet: a link stays a link.

@@ -4,6 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use grouser_files::Document;
+use grouser_files::soil::names_file;
 use grouser_terra::catalogue::{self, Completion, Entry};
 use grouser_terra::{Error as LawError, Soil};
 
@@ -105,7 +106,7 @@ impl Chosen {
 /// The soil of a key or a file, completed.
 pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
     let completion = overrides.completion();
-    if is_path(name) {
+    if names_file(name) {
         let document = Document::read(Path::new(name))?;
         let file = grouser_files::soil::parse(&document)?;
         let name = document.name().to_owned();
@@ -131,13 +132,6 @@ pub(crate) fn choose(name: &OsStr, overrides: &Overrides) -> Result<Chosen> {
         soil,
         document: None,
     })
-}
-
-/// A name with a slash or a dot in it is a file's.
-pub(crate) fn is_path(name: &OsStr) -> bool {
-    name.as_encoded_bytes()
-        .iter()
-        .any(|byte| matches!(byte, b'/' | b'.'))
 }
 
 /// The entry of a key, or the nearest one as a hint.

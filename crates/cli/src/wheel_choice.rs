@@ -88,6 +88,11 @@ impl GravityArgument {
         Ok(self.given.unwrap_or(EARTH_GRAVITY_M_PER_S2))
     }
 
+    /// The gravity that was given, m/s².
+    pub(crate) const fn given(self) -> Option<f64> {
+        self.given
+    }
+
     /// The robot under the gravity that was given, else under its own.
     pub(crate) fn of(self, model: RobotModel) -> RobotModel {
         match self.given {

@@ -19,4 +19,5 @@ mod mission;
 mod quantities;
 mod refuted;
 mod soil_box;
+mod written_missions;
 mod written_problems;

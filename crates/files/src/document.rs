@@ -1,6 +1,6 @@
 //! The text of a TOML file, and places in it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Place, Result};
 use crate::regular;
@@ -67,6 +67,21 @@ impl Document {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// A file that it names, which lies beside it unless its path is absolute.
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("field/job.toml", "format = 1\n".into())?;
+    /// assert_eq!(document.beside("sand.toml"), std::path::Path::new("field/sand.toml"));
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
+    #[must_use]
+    pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
+        let folder = Path::new(&self.name).parent();
+        folder.unwrap_or_else(|| Path::new("")).join(file)
     }
 
     pub(crate) fn place(&self, offset: usize) -> Place {

@@ -260,6 +260,42 @@ impl<'a> Section<'a> {
             .map_err(|_| self.wrong_type(key, value, "a whole number of at most 64 bits"))
     }
 
+    /// A whole number within limits, which `T` holds. `None` when absent.
+    ///
+    /// # Errors
+    /// As [`Section::optional_integer`]; [`Error::OutOfRange`].
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let document = Document::from_text("a.toml", "format = 1\nstarts = -5\n".into())?;
+    /// let starts = document.parse(|root| root.optional_whole::<usize>("starts", (1, 1000)));
+    /// assert!(starts.is_err_and(|error| error.to_string().contains("-5")));
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
+    pub fn optional_whole<T: TryFrom<i64>>(
+        &self,
+        key: &'static str,
+        (low, high): (i64, i64),
+    ) -> Result<Option<T>> {
+        let Some(value) = self.optional_integer(key)? else {
+            return Ok(None);
+        };
+        match T::try_from(value) {
+            Ok(whole) if (low..=high).contains(&value) => Ok(Some(whole)),
+            _ => Err(self.out_of_range(key, value as f64, (low as f64, high as f64))),
+        }
+    }
+
+    /// A whole number within limits, which `T` holds.
+    ///
+    /// # Errors
+    /// As [`Section::optional_whole`]; [`Error::MissingKey`].
+    pub fn whole<T: TryFrom<i64>>(&self, key: &'static str, limits: (i64, i64)) -> Result<T> {
+        self.optional_whole(key, limits)?
+            .ok_or_else(|| self.missing(key))
+    }
+
     /// A whole number.
     ///
     /// # Errors

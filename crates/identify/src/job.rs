@@ -60,14 +60,14 @@ use crate::wheel::Scatter;
 /// cohesion_kpa = 0.0
 /// phi_deg = 29.0
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Job {
     /// The soil's name.
     pub name: String,
     /// Its key, if it has one.
     pub key: Option<String>,
-    /// What is known besides; NaN where nothing is.
+    /// What is known besides, and the laws to identify with.
     pub soil: OpenSoil,
     /// Plate tests.
     pub plates: Vec<PlateSource>,
@@ -80,7 +80,7 @@ pub struct Job {
 }
 
 /// The source of a plate test.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum PlateSource {
     /// In a table.
     Table(PathBuf),
@@ -89,7 +89,7 @@ pub enum PlateSource {
 }
 
 /// A plate test in a bag and a text file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BagTest {
     /// Its name.
@@ -103,7 +103,7 @@ pub struct BagTest {
 }
 
 /// Wheel tests and the numbers to be found from them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WheelJob {
     /// The table.
@@ -122,21 +122,78 @@ pub struct WheelJob {
     pub starts: StartSettings,
 }
 
+impl BagTest {
+    /// A test of a plate, its force in `source` and its depth in `depth`.
+    #[must_use]
+    pub fn new(
+        name: impl Into<String>,
+        plate: Plate,
+        source: BagSource,
+        depth: DepthColumn,
+    ) -> Self {
+        let name = name.into();
+        Self {
+            name,
+            plate,
+            source,
+            depth,
+        }
+    }
+}
+
+impl WheelJob {
+    /// The tests of `table` with `wheel`, and what they are to tell; scatter, loss and starts are the usual ones.
+    #[must_use]
+    pub fn new(table: impl Into<PathBuf>, wheel: RigidWheel, parameters: Vec<Parameter>) -> Self {
+        Self {
+            table: table.into(),
+            wheel,
+            parameters,
+            scatter: Scatter::default(),
+            loss: Loss::default(),
+            profile: false,
+            starts: StartSettings::default(),
+        }
+    }
+}
+
 impl Job {
+    /// A job without a test, of a soil of which nothing is known.
+    ///
+    /// ```
+    /// use grouser_identify::{Job, PlateSource, identify};
+    ///
+    /// let mut job = Job::new("Sand of our test bed");
+    /// job.plates = vec![PlateSource::Table("../../examples/bevameter/plates.csv".into())];
+    /// let found = identify(&job)?;
+    /// assert!(found.missing().contains(&"cohesion"));
+    /// # Ok::<(), grouser_identify::Error>(())
+    /// ```
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            key: None,
+            soil: OpenSoil::default(),
+            plates: Vec::new(),
+            plate_settings: PlateSettings::default(),
+            shear: None,
+            wheel: None,
+        }
+    }
+
     /// Reads a job; paths in it are beside its file.
     ///
     /// # Errors
     /// What is missing or wrong in the file, with its place.
     pub fn read(document: &Document) -> Result<Self> {
-        let beside = Path::new(document.name())
-            .parent()
-            .unwrap_or_else(|| Path::new(""));
+        let beside = &|name: &str| document.beside(name);
         let job = document.parse(|root| -> std::result::Result<Self, grouser_files::Error> {
             let soil = root.section("soil", soil::read_open)?;
             let plates = root.sections("plate", |section| read_plate(section, beside))?;
             let plate_settings = root.section("plate_fit", read_plate_settings)?;
             let shear = root.section("shear", |section| {
-                Ok::<_, grouser_files::Error>(beside.join(section.text("table")?))
+                Ok::<_, grouser_files::Error>(beside(section.text("table")?))
             })?;
             Ok(Self {
                 name: root.text("name")?.to_owned(),
@@ -178,33 +235,31 @@ impl Job {
 
 type Read<T> = std::result::Result<T, grouser_files::Error>;
 
-const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
-const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-const SIZE: (f64, f64) = (1e-3, 100.0);
+/// A file that the job names.
+type Beside<'a> = &'a dyn Fn(&str) -> PathBuf;
 
-fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
+pub(crate) const LENGTHS: [(&str, f64); 4] =
+    [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
+pub(crate) const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+const SIZE: (f64, f64) = (1e-3, 100.0);
+/// Fields of a line, counted from 1.
+const FIELDS: (i64, i64) = (1, 1000);
+
+fn read_plate(section: &Section<'_>, beside: Beside<'_>) -> Read<PlateSource> {
     if let Some(table) = section.optional_text("table")? {
-        return Ok(PlateSource::Table(beside.join(table)));
+        return Ok(PlateSource::Table(beside(table)));
     }
-    let field = |key| -> Read<usize> {
-        let number = section.number(key, (1.0, 1000.0))?;
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "held in [1, 1000] above"
-        )]
-        Ok(number as usize)
-    };
-    let bag = beside.join(section.text("bag")?);
+    let field = |key| section.optional_whole(key, FIELDS);
+    let required = |key| section.whole(key, FIELDS);
+    let bag = beside(section.text("bag")?);
     let name = section.optional_text("name")?;
     let diameter = section.number("diameter_m", SIZE)?;
-    let controller = match section.optional_number("controller_field", (1.0, 1000.0))? {
-        Some(_) => Some((
-            field("controller_field")?,
-            section.choice("controller_unit", &TIMES)?,
-        )),
+    let controller = match field("controller_field")? {
+        Some(field) => Some((field, section.choice("controller_unit", &TIMES)?)),
         None => None,
     };
+    let plate =
+        Plate::disc(diameter).map_err(|_| section.out_of_range("diameter_m", diameter, SIZE))?;
     Ok(PlateSource::Bag(Box::new(BagTest {
         name: name.map_or_else(
             || {
@@ -213,11 +268,7 @@ fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
             },
             Into::into,
         ),
-        // a diameter within its limits makes a plate
-        plate: Plate::disc(diameter).unwrap_or(Plate {
-            area: f64::NAN,
-            width: f64::NAN,
-        }),
+        plate,
         source: BagSource {
             bag,
             topic: section.optional_text("topic")?.map(Into::into),
@@ -229,10 +280,10 @@ fn read_plate(section: &Section<'_>, beside: &Path) -> Read<PlateSource> {
                 .signum(),
         },
         depth: DepthColumn {
-            file: beside.join(section.text("depth_file")?),
-            height: field("height_field")?,
+            file: beside(section.text("depth_file")?),
+            height: required("height_field")?,
             height_unit: section.choice("height_unit", &LENGTHS)?,
-            clock: field("clock_field")?,
+            clock: required("clock_field")?,
             controller,
             surface: section.optional_number("surface_m", (-1e3, 1e3))?,
         },
@@ -255,7 +306,7 @@ fn read_loss(section: &Section<'_>) -> Read<Loss> {
     Ok(threshold.map_or(Loss::Squares, |threshold| Loss::Huber { threshold }))
 }
 
-fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
+fn read_wheel(section: &Section<'_>, beside: Beside<'_>) -> Read<WheelJob> {
     let (radius, width) = (
         section.number("radius_m", SIZE)?,
         section.number("width_m", SIZE)?,
@@ -287,29 +338,29 @@ fn read_wheel(section: &Section<'_>, beside: &Path) -> Read<WheelJob> {
             .optional_number(key, (1e-12, 1e12))?
             .unwrap_or(usual))
     };
+    let noise = Scatter::default();
     let usual = StartSettings::default();
-    let whole = |key, usual: u64| -> Read<u64> {
-        let number = section.optional_integer(key)?;
-        Ok(number.and_then(|n| u64::try_from(n).ok()).unwrap_or(usual))
-    };
     Ok(WheelJob {
-        table: beside.join(section.text("table")?),
+        table: beside(section.text("table")?),
         wheel,
         parameters,
         scatter: Scatter {
-            pull: scatter("pull_scatter_n", 1.0)?,
-            side: scatter("side_scatter_n", 1.0)?,
-            torque: scatter("torque_scatter_nm", 0.1)?,
-            sinkage: scatter("sinkage_scatter_m", 1e-3)?,
+            pull: scatter("pull_scatter_n", noise.pull)?,
+            side: scatter("side_scatter_n", noise.side)?,
+            torque: scatter("torque_scatter_nm", noise.torque)?,
+            sinkage: scatter("sinkage_scatter_m", noise.sinkage)?,
         },
         loss: read_loss(section)?,
         profile: section
             .optional_choice("intervals", &[("profile", true), ("linear", false)])?
             .unwrap_or(false),
         starts: StartSettings {
-            starts: usize::try_from(whole("starts", usual.starts as u64)?.clamp(1, 1000))
+            starts: section
+                .optional_whole("starts", (1, 1000))?
                 .unwrap_or(usual.starts),
-            seed: whole("seed", usual.seed)?,
+            seed: section
+                .optional_whole("seed", (0, i64::MAX))?
+                .unwrap_or(usual.seed),
         },
     })
 }

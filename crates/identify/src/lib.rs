@@ -17,6 +17,7 @@ pub mod plate;
 pub mod shear;
 pub mod table;
 pub mod wheel;
+mod write;
 
 pub use error::{Error, Result};
 pub use identification::{
@@ -25,3 +26,4 @@ pub use identification::{
 pub use identified::IdentifiedNumber;
 pub use job::{BagTest, Job, PlateSource, WheelJob};
 pub use parameter::Parameter;
+pub use write::to_toml;

@@ -7,3 +7,4 @@
 )]
 
 mod nist_strd;
+mod written_jobs;

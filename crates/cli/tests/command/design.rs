@@ -123,6 +123,63 @@ fn a_mission_file_is_the_flags() {
     }
 }
 
+/// A mission that is written finds the same front from another folder: its soil file lies beside it, where it was or in full.
+#[test]
+fn a_written_mission_finds_the_same_wheels() {
+    let folder = Folder::new();
+    let soil = folder.path("own.toml");
+    let made = grouser(["init", "soil", "-o", soil.to_str().unwrap()]);
+    made.assert_done();
+    let elsewhere = Folder::new();
+    for file in [folder.path("day.toml"), elsewhere.path("day.toml")] {
+        let file = file.to_str().unwrap();
+        let soil = soil.to_str().unwrap();
+        let flags = [
+            "design",
+            ROBOT,
+            "--soil",
+            soil,
+            "--slope-deg",
+            "0=0.75,4=0.25",
+        ];
+        let flags = flags
+            .into_iter()
+            .chain(["--points", "3", "--width-m", "0.08:0.2", "--json"]);
+        let by_flags = grouser(flags.chain(["--write-mission", file]))
+            .assert_done()
+            .json();
+        let by_file = grouser(["design", ROBOT, "--mission", file, "--json"])
+            .assert_done()
+            .json();
+        assert_eq!(by_file["front"], by_flags["front"]);
+        let text = std::fs::read_to_string(file).unwrap();
+        let is_near = file.starts_with(folder.path("").to_str().unwrap());
+        assert_eq!(text.contains("soil = \"own.toml\""), is_near, "{text}");
+    }
+    let unsaid = folder.path("no.toml");
+    let flags = [
+        "design",
+        ROBOT,
+        "--soil",
+        "dry-sand",
+        "--slope-deg",
+        "0",
+        "--k-shear-m",
+        "0.02",
+    ];
+    let refused = grouser(
+        flags
+            .into_iter()
+            .chain(["--write-mission", unsaid.to_str().unwrap()]),
+    );
+    refused.assert_refused("--write-mission beside --k-shear-m");
+    assert!(
+        refused.err.contains("`--k-shear-m`") && !unsaid.exists(),
+        "{}",
+        refused.err
+    );
+}
+
 #[test]
 fn what_makes_no_mission_is_refused() {
     let refused = |flags: &[&str], says: &str| {

@@ -43,8 +43,8 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
     root.optional_text("note")?;
     builder.task = root.choice("method", &Task::ALL)?;
     let absolute = root.flag("absolute")?;
-    let starts = whole(root, "starts", 0, (1, 1_000_000))?;
-    builder.seed = root.optional_integer("seed")?.unwrap_or(1).unsigned_abs();
+    let starts = root.optional_whole("starts", (1, 1_000_000))?.unwrap_or(0);
+    builder.seed = root.optional_whole("seed", (0, i64::MAX))?.unwrap_or(1);
     root.section("variables", |section| read_variables(section, &mut builder))?;
     read_fixed(root, &mut builder)?;
     read_worlds(root, &mut builder)?;
@@ -69,23 +69,6 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
     builder.build()
 }
 
-fn whole(
-    section: &Section<'_>,
-    key: &'static str,
-    default: usize,
-    (low, high): (i64, i64),
-) -> Result<usize> {
-    let Some(given) = section.optional_integer(key)? else {
-        return Ok(default);
-    };
-    match usize::try_from(given) {
-        Ok(count) if given >= low && given <= high => Ok(count),
-        _ => Err(section
-            .out_of_range(key, given as f64, (low as f64, high as f64))
-            .into()),
-    }
-}
-
 fn read_settings(section: &Section<'_>) -> Result<Settings> {
     let mut settings = Settings::default();
     let tolerance = |key, default| {
@@ -98,32 +81,26 @@ fn read_settings(section: &Section<'_>) -> Result<Settings> {
     settings.constraint_tolerance =
         tolerance("constraint_tolerance", settings.constraint_tolerance)?;
     settings.step_tolerance = tolerance("step_tolerance", settings.step_tolerance)?;
-    let iterations = settings.max_iterations;
-    settings.max_iterations = whole(section, "max_iterations", iterations, (0, 1_000_000_000))?;
-    settings.max_values = whole(
-        section,
-        "max_values",
-        settings.max_values,
-        (1, 1_000_000_000),
-    )?;
+    let whole = |key, low, default| -> Result<usize> {
+        let given = section.optional_whole(key, (low, 1_000_000_000))?;
+        Ok(given.unwrap_or(default))
+    };
+    settings.max_iterations = whole("max_iterations", 0, settings.max_iterations)?;
+    settings.max_values = whole("max_values", 1, settings.max_values)?;
     Ok(settings)
 }
 
 fn read_pareto(section: &Section<'_>) -> Result<ParetoSettings> {
     let mut settings = ParetoSettings::default();
     let algorithms = [("nsga2", Algorithm::NsgaII), ("nsga3", Algorithm::NsgaIII)];
-    settings.divisions = match section.optional_integer("divisions")? {
-        Some(_) => Some(whole(section, "divisions", 1, (1, 1000))?),
-        None => None,
-    };
+    settings.divisions = section.optional_whole("divisions", (1, 1000))?;
     settings.algorithm = section.optional_choice("algorithm", &algorithms)?;
-    settings.population = whole(
-        section,
-        "population",
-        settings.population,
-        (4, i64::from(MAX_POPULATION)),
-    )?;
-    settings.generations = whole(section, "generations", settings.generations, (0, 1_000_000))?;
+    let whole = |key, limits, default| -> Result<usize> {
+        Ok(section.optional_whole(key, limits)?.unwrap_or(default))
+    };
+    let most = i64::from(MAX_POPULATION);
+    settings.population = whole("population", (4, most), settings.population)?;
+    settings.generations = whole("generations", (0, 1_000_000), settings.generations)?;
     settings.polish = !section.flag("keep_unpolished")?;
     Ok(settings)
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use grouser_files::gravity::read_gravity;
+use grouser_files::soil::names_file;
 use grouser_files::{Document, Section};
 
 use super::SoilMeasure;
@@ -27,7 +28,7 @@ pub struct MissionFile {
     pub title: Option<String>,
     /// Gravity, m/s².
     pub gravity: Option<f64>,
-    /// Keys of the catalogue or soil files, each with its share of the way.
+    /// Keys of the catalogue, or soil files ([`names_file`]), each with its share of the way.
     pub soils: Vec<(String, Option<f64>)>,
     /// Slopes in degrees, each with its share of the way.
     pub slopes: Vec<(f64, Option<f64>)>,
@@ -56,6 +57,39 @@ pub(super) const CHOICES: [(&str, Choice); 3] = [
     ("least-energy", Choice::LeastEnergy),
 ];
 
+impl MissionFile {
+    /// This mission, and `behind` where it is silent. A mission's soils are those of one file, and so are its slopes.
+    #[must_use]
+    pub fn or(self, behind: Self) -> Self {
+        let mut wheel = self.wheel;
+        for (own, other) in wheel.iter_mut().zip(behind.wheel) {
+            *own = own.or(other);
+        }
+        Self {
+            title: self.title.or(behind.title),
+            gravity: self.gravity.or(behind.gravity),
+            soils: if self.soils.is_empty() {
+                behind.soils
+            } else {
+                self.soils
+            },
+            slopes: if self.slopes.is_empty() {
+                behind.slopes
+            } else {
+                self.slopes
+            },
+            wheel,
+            wheel_mass: self.wheel_mass.or(behind.wheel_mass),
+            measure: self.measure.or(behind.measure),
+            min_reserve: self.min_reserve.or(behind.min_reserve),
+            max_slip: self.max_slip.or(behind.max_slip),
+            points: self.points.or(behind.points),
+            seed: self.seed.or(behind.seed),
+            choice: self.choice.or(behind.choice),
+        }
+    }
+}
+
 impl Choice {
     /// The choice of this name.
     #[must_use]
@@ -65,7 +99,7 @@ impl Choice {
     }
 }
 
-/// Reads a mission file.
+/// Reads a mission file. Soil files that it names lie beside it.
 ///
 /// # Errors
 /// What cannot be read, an unknown key, a number outside its limits.
@@ -78,24 +112,13 @@ pub fn read(path: &Path) -> Result<MissionFile> {
 /// # Errors
 /// As [`read`].
 pub fn parse(document: &Document) -> Result<MissionFile> {
-    document.parse_or_format(1, of_section)
-}
-
-/// A whole number within limits.
-fn whole<T: TryFrom<i64>>(
-    root: &Section<'_>,
-    key: &'static str,
-    (low, high): (i64, i64),
-) -> Result<Option<T>> {
-    let Some(value) = root.optional_integer(key)? else {
-        return Ok(None);
-    };
-    match T::try_from(value) {
-        Ok(whole) if (low..=high).contains(&value) => Ok(Some(whole)),
-        _ => Err(root
-            .out_of_range(key, value as f64, (low as f64, high as f64))
-            .into()),
+    let mut file: MissionFile = document.parse_or_format(1, of_section)?;
+    for (name, _) in &mut file.soils {
+        if names_file(name.as_ref()) {
+            *name = document.beside(&*name).display().to_string();
+        }
     }
+    Ok(file)
 }
 
 const SHARES: (f64, f64) = (0.0, 1.0);
@@ -108,8 +131,8 @@ fn of_section(root: &Section<'_>) -> Result<MissionFile> {
         measure: root.optional_choice("soil_measure", &SoilMeasure::ALL)?,
         min_reserve: root.optional_number("min_reserve", (0.0, 1.0))?,
         max_slip: root.optional_number("max_slip", (0.01, 0.95))?,
-        points: whole(root, "points", (2, 200))?,
-        seed: whole(root, "seed", (0, i64::MAX))?,
+        points: root.optional_whole("points", (2, 200))?,
+        seed: root.optional_whole("seed", (0, i64::MAX))?,
         choice: root.optional_choice("choice", &CHOICES)?,
         ..MissionFile::default()
     };

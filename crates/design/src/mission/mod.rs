@@ -40,6 +40,7 @@ mod profile;
 mod stance;
 mod station;
 mod wheel;
+mod write;
 
 use grouser_real::OutOfRange;
 use grouser_terra::{RigidWheel, Settings, WheelOnSoil};
@@ -56,6 +57,7 @@ pub use front::{Choice, FrontProgress, FrontSettings, MissionFront};
 pub use profile::{MAX_SLOPE_DEG, SlopeShare, SoilShare};
 pub use stance::Standing;
 pub use wheel::{WheelDesign, WheelRanges};
+pub use write::to_toml;
 
 /// The mass of a wheel where the user has no formula, kg: rim and one disc of aluminium sheet of 2 mm (2700 kg/m³), and solid
 /// lugs of the same metal. It stands for no real wheel: hub, gear and stiffeners are not in it.

@@ -376,11 +376,7 @@ fn single_byte(section: &Section<'_>, key: &'static str, text: &str) -> Result<u
 }
 
 fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Result<usize> {
-    match section.optional_integer(key)? {
-        None => Ok(default),
-        Some(lines @ 1..=1000) => Ok(usize::try_from(lines).unwrap_or(default)),
-        Some(lines) => Err(section.out_of_range(key, lines as f64, (1.0, 1000.0))),
-    }
+    Ok(section.optional_whole(key, (1, 1000))?.unwrap_or(default))
 }
 
 fn read_column(section: &Section<'_>) -> Result<Column> {

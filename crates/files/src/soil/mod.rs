@@ -30,6 +30,7 @@
 mod number;
 mod write;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
@@ -43,7 +44,20 @@ use crate::error::{Error, Result};
 use crate::section::Section;
 
 pub use number::SoilNumber;
-pub use write::to_toml;
+pub use write::{to_toml, write_open};
+
+/// Is a soil's name that of a file, not a key of the catalogue: is there a slash or a dot in it?
+///
+/// ```
+/// use grouser_files::soil::names_file;
+///
+/// assert!(names_file("sand.toml".as_ref()) && !names_file("dry-sand".as_ref()));
+/// ```
+#[must_use]
+pub fn names_file(name: &OsStr) -> bool {
+    let bytes = name.as_encoded_bytes();
+    bytes.iter().any(|byte| matches!(byte, b'/' | b'.'))
+}
 
 /// Any finite number; the soil itself checks more closely.
 const FINITE: (f64, f64) = (f64::MIN, f64::MAX);

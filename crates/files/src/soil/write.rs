@@ -1,11 +1,12 @@
 //! A soil as the text of a soil file.
 
-use grouser_terra::{LawChoice, Pressure};
+use grouser_terra::{LawChoice, OpenSoil, Pressure};
 
 use super::SoilFile;
 use crate::toml_text::TomlText;
 
-/// The text of a soil file that reads back to the same numbers, bit for bit.
+/// The text of a soil file that reads back to the same numbers, bit for bit; a stress or an angle that no number of kPa or degrees
+/// gives is written to the nearest one.
 ///
 /// `remarks` stand above it as comments, one line each: what the numbers were identified from. A number that is open is left
 /// out, and so are keys whose value is the usual one.
@@ -24,19 +25,43 @@ use crate::toml_text::TomlText;
 /// # Errors
 /// [`grouser_terra::Error::Missing`] for Reece's moduli, for which soil files have no keys.
 pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terra::Error> {
-    let params = &file.soil;
-    let Pressure::Bekker(modulus) = params.pressure else {
-        return Err(grouser_terra::Error::Missing {
-            field: "k_phi",
-            needed_by: "a soil file",
-        });
-    };
     let mut out = TomlText::new(remarks);
     out.optional_text("key", file.key.as_deref());
     out.text("name", &file.name);
     for (key, value) in [("source", &file.source), ("note", &file.note)] {
         out.optional_text(key, (!value.is_empty()).then_some(value));
     }
+    write_open(&mut out, &file.soil, "[fitted]")?;
+    Ok(out.finish())
+}
+
+/// The keys of a soil of which some numbers may be open, as [`read_open`](super::read_open) reads them; `fitted` is the header
+/// of the table of its tests, which comes last.
+///
+/// ```
+/// use grouser_files::{TomlText, soil};
+/// use grouser_terra::{Angle, OpenSoil};
+///
+/// let mut out = TomlText::new(&[]);
+/// out.header("[soil]");
+/// soil::write_open(&mut out, &OpenSoil::default().phi(Angle::from_deg(29.0)), "[soil.fitted]")?;
+/// assert_eq!(out.finish(), "format = 1\n\n[soil]\nphi_deg = 29.0\n");
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`to_toml`].
+pub fn write_open(
+    out: &mut TomlText,
+    params: &OpenSoil,
+    fitted: &str,
+) -> Result<(), grouser_terra::Error> {
+    let Pressure::Bekker(modulus) = params.pressure else {
+        return Err(grouser_terra::Error::Missing {
+            field: "k_phi",
+            needed_by: "a soil file",
+        });
+    };
     out.optional_number("n", params.n);
     for (key, value) in [
         ("k_c_kn_per_m_n1", modulus.k_c),
@@ -73,23 +98,23 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
     out.optional_number("sideways_support", (support != 1.0).then_some(support));
     out.optional_number("k_shear_side_m", params.k_shear_side);
     out.optional_number("unit_weight_n_per_m3", params.unit_weight);
-    laws(&mut out, params.laws);
-    if let Some(fitted) = params.fitted {
-        out.header("[fitted]");
-        out.degrees("slip_angle_min_deg", fitted.slip_angle.0);
-        out.degrees("slip_angle_max_deg", fitted.slip_angle.1);
+    laws(out, params.laws);
+    if let Some(range) = params.fitted {
+        out.header(fitted);
+        out.degrees("slip_angle_min_deg", range.slip_angle.0);
+        out.degrees("slip_angle_max_deg", range.slip_angle.1);
         for (key, value) in [
-            ("slip_min", fitted.slip.0),
-            ("slip_max", fitted.slip.1),
-            ("width_min_m", fitted.width.0),
-            ("width_max_m", fitted.width.1),
-            ("load_min_n", fitted.load.0),
-            ("load_max_n", fitted.load.1),
+            ("slip_min", range.slip.0),
+            ("slip_max", range.slip.1),
+            ("width_min_m", range.width.0),
+            ("width_max_m", range.width.1),
+            ("load_min_n", range.load.0),
+            ("load_max_n", range.load.1),
         ] {
             out.number(key, value);
         }
     }
-    Ok(out.finish())
+    Ok(())
 }
 
 fn laws(out: &mut TomlText, laws: LawChoice) {

@@ -164,6 +164,18 @@ pub struct Scatter {
     pub sinkage: f64,
 }
 
+/// That of a bench with a load cell of a newton and a scale of millimetres.
+impl Default for Scatter {
+    fn default() -> Self {
+        Self {
+            pull: 1.0,
+            side: 1.0,
+            torque: 0.1,
+            sinkage: 1e-3,
+        }
+    }
+}
+
 impl Scatter {
     /// That of `quantity`.
     #[must_use]

@@ -11,7 +11,6 @@ use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 use crate::error::{Error, Result, shown};
 use crate::law_error::Names;
-use crate::wheel_choice::GravityArgument;
 
 /// A robot and the wheels of it that are designed.
 pub(super) struct Carrier {
@@ -26,15 +25,14 @@ pub(super) struct Carrier {
 }
 
 impl Carrier {
-    /// The robot of a file under a mission's gravity (m/s²), which a flag precedes. All powered wheels that are like the first
-    /// powered one are designed.
-    pub(super) fn new(path: &Path, gravity: Option<f64>, flag: GravityArgument) -> Result<Self> {
+    /// The robot of a file under a mission's gravity (m/s²). All powered wheels that are like the first powered one are
+    /// designed.
+    pub(super) fn new(path: &Path, gravity: Option<f64>) -> Result<Self> {
         let mut file = robot::read(path)?;
         let mut model = RobotModel::new(&file)?;
         if let Some(gravity) = gravity {
             model = model.under_gravity(gravity);
         }
-        model = flag.of(model);
         let usual = file.gravity.unwrap_or(EARTH_GRAVITY_M_PER_S2);
         if model.gravity() != usual {
             file.gravity = Some(model.gravity());

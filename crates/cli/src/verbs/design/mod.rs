@@ -13,7 +13,7 @@ mod text;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use grouser_design::mission::{FrontSettings, MissionParams, MissionProfile};
+use grouser_design::mission::{Choice, FrontSettings, MissionFront, MissionParams, MissionProfile};
 use grouser_report::number::{parse_finite, shown};
 
 use crate::error::Result;
@@ -31,7 +31,7 @@ use crate::wheel_choice::GravityArgument;
 use carrier::Carrier;
 use check::{Checked, MAX_DIFFERENCE};
 use object::Designed;
-use request::{Bounds, ChoiceName, MeasureName, Shared};
+use request::{Bounds, ChoiceName, MeasureName, Request, Shared};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -102,6 +102,9 @@ pub(crate) struct Arguments {
     /// Seed of the starts [default: 1]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Write the mission that flags and mission file give together
+    #[arg(long, value_name = "FILE.toml")]
+    write_mission: Option<PathBuf>,
     /// Write the robot with the chosen wheel
     #[arg(long, value_name = "FILE.toml")]
     write_robot: Option<PathBuf>,
@@ -121,8 +124,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let create = |path: &Option<PathBuf>| path.as_deref().map(OutputFile::create).transpose();
     let (robot_output, problem_output) =
         (create(&arguments.write_robot)?, create(&arguments.problem)?);
+    let mission_output = create(&arguments.write_mission)?;
     let request = request::read(arguments, session)?;
-    let carrier = Carrier::new(&arguments.robot, request.gravity, arguments.gravity)?;
+    let mission_text = mission_output
+        .as_ref()
+        .map(|file| request.toml(&arguments.overrides, file))
+        .transpose()?;
+    let carrier = Carrier::new(&arguments.robot, request.file.gravity)?;
     session.used_file(&arguments.robot)?;
     let ranges = request.ranges(&carrier)?;
     let mut params = MissionParams::new(
@@ -172,7 +180,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         || table::csv(&front),
         || Ok(figure::draw(&designed)),
     )?);
-    let mut warnings = designed.warnings(request::Request::touching_radius(&carrier, &ranges));
+    let mut warnings = designed.warnings(Request::touching_radius(&carrier, &ranges));
+    if let (Some(file), Some(mission)) = (mission_output, mission_text) {
+        text.push_str(&file.write_whole(mission.as_bytes())?);
+    }
     if let Some(chosen) = designed.chosen() {
         if let Some(file) = robot_output {
             let robot = carrier.robot(&chosen.wheel, chosen.wheel_mass)?;
@@ -183,15 +194,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             text.push_str(&file.write_whole(problem.as_bytes())?);
         }
     }
-    let holds = designed.chosen().is_some();
-    let failure = (!holds && !front.stopped).then(|| match settings.choice {
-        grouser_design::mission::Choice::MaxMass(limit) if !front.points.is_empty() => format!(
-            "no wheel of at most {} kg holds every slope with the reserve; the lightest that does has {} kg",
-            shown(limit),
-            shown(front.points[0].wheel_mass)
-        ),
-        _ => "no wheel within the bounds holds every slope on every soil with the reserve; the nearest one is printed".to_owned(),
-    });
+    let failure = match designed.chosen() {
+        None if !front.stopped => Some(why_no_wheel(&front, settings.choice)),
+        _ => None,
+    };
     if front.stopped {
         warnings.push("interrupted: these are the wheels that were found so far".to_owned());
     }
@@ -210,6 +216,18 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure,
         warnings,
     })
+}
+
+/// Why no wheel is chosen.
+fn why_no_wheel(front: &MissionFront, choice: Choice) -> String {
+    match (choice, front.points.first()) {
+        (Choice::MaxMass(limit), Some(lightest)) => format!(
+            "no wheel of at most {} kg holds every slope with the reserve; the lightest that does has {} kg",
+            shown(limit),
+            shown(lightest.wheel_mass)
+        ),
+        _ => "no wheel within the bounds holds every slope on every soil with the reserve; the nearest one is printed".to_owned(),
+    }
 }
 
 /// The JSON schema.

@@ -8,13 +8,15 @@ use grouser_design::mission::{
     WheelRanges,
 };
 use grouser_files::Document;
+use grouser_files::soil::names_file;
 use grouser_report::number::parse_finite;
 
 use super::Arguments;
 use super::carrier::Carrier;
 use crate::error::{Error, Result};
+use crate::output::OutputFile;
 use crate::session::Session;
-use crate::soil_choice;
+use crate::soil_choice::{self, Overrides};
 
 /// Bounds of the radius and of the width where none are given, over the present size.
 const RADIUS_FACTORS: (f64, f64) = (0.6, 1.5);
@@ -84,40 +86,67 @@ pub(crate) enum ChoiceName {
 }
 
 /// A mission, read but not yet put together with its robot.
-pub(super) struct Request<'a> {
-    arguments: &'a Arguments,
-    file: MissionFile,
-    /// Gravity of the mission file, m/s².
-    pub(super) gravity: Option<f64>,
+pub(super) struct Request {
+    /// What flags and the mission file give.
+    pub(super) file: MissionFile,
     pub(super) soils: Vec<SoilShare>,
     /// Where the numbers of each soil come from.
     pub(super) sources: Vec<String>,
     pub(super) slopes: Vec<SlopeShare>,
 }
 
-pub(super) fn read<'a>(arguments: &'a Arguments, session: &mut Session) -> Result<Request<'a>> {
-    let file = match &arguments.mission {
-        None => MissionFile::default(),
-        Some(path) => {
-            let document = Document::read(path)?;
-            session.used_document(&document);
-            mission::parse(&document)?
-        }
-    };
-    let soils = if arguments.soil.is_empty() {
-        file.soils.clone()
-    } else {
-        let given = arguments.soil.iter();
-        given.map(|soil| (soil.0.clone(), soil.1)).collect()
-    };
-    let slopes = if arguments.slope_deg.is_empty() {
-        file.slopes.clone()
-    } else {
-        arguments.slope_deg.iter().map(|s| (s.0, s.1)).collect()
-    };
+/// What the flags give.
+fn flags(arguments: &Arguments) -> MissionFile {
+    let mut given = MissionFile::default();
+    given.gravity = arguments.gravity.given();
+    given.soils = arguments
+        .soil
+        .iter()
+        .map(|soil| (soil.0.clone(), soil.1))
+        .collect();
+    given.slopes = arguments
+        .slope_deg
+        .iter()
+        .map(|slope| (slope.0, slope.1))
+        .collect();
+    given.wheel = [
+        arguments.radius_m,
+        arguments.width_m,
+        arguments.grouser_height_m,
+        arguments.grouser_count,
+        arguments
+            .grouser_thickness_m
+            .map(|fixed| Bounds(fixed, fixed)),
+    ]
+    .map(|bounds| bounds.map(|Bounds(low, high)| (low, high)));
+    given.wheel_mass.clone_from(&arguments.wheel_mass_kg);
+    given.measure = arguments.soil_measure.map(|measure| match measure {
+        MeasureName::Worst => SoilMeasure::Worst,
+        MeasureName::Mean => SoilMeasure::Mean,
+    });
+    given.min_reserve = arguments.min_reserve;
+    given.max_slip = arguments.max_slip;
+    given.points = arguments.points.map(usize::from);
+    given.seed = arguments.seed;
+    let choice = arguments.choice.map(|choice| match choice {
+        ChoiceName::Knee => Choice::Knee,
+        ChoiceName::Lightest => Choice::Lightest,
+        ChoiceName::LeastEnergy => Choice::LeastEnergy,
+    });
+    given.choice = arguments.max_wheel_mass_kg.map(Choice::MaxMass).or(choice);
+    given
+}
+
+pub(super) fn read(arguments: &Arguments, session: &mut Session) -> Result<Request> {
+    let mut file = flags(arguments);
+    if let Some(path) = &arguments.mission {
+        let document = Document::read(path)?;
+        session.used_document(&document);
+        file = file.or(mission::parse(&document)?);
+    }
     for (is_missing, what, flag) in [
-        (soils.is_empty(), "soil", "--soil KEY"),
-        (slopes.is_empty(), "slope", "--slope-deg DEG"),
+        (file.soils.is_empty(), "soil", "--soil KEY"),
+        (file.slopes.is_empty(), "slope", "--slope-deg DEG"),
     ] {
         if is_missing {
             return Err(Error::usage(
@@ -127,8 +156,8 @@ pub(super) fn read<'a>(arguments: &'a Arguments, session: &mut Session) -> Resul
         }
     }
     let (mut chosen, mut sources) = (Vec::new(), Vec::new());
-    let is_single = soils.len() == 1;
-    for (name, share) in mission::shares("soils", soils)? {
+    let is_single = file.soils.len() == 1;
+    for (name, share) in mission::shares("soils", file.soils.clone())? {
         let one = soil_choice::choose(OsStr::new(&name), &arguments.overrides)?;
         // The provenance has room for one soil; several are listed with their sources in the result.
         if is_single {
@@ -143,10 +172,8 @@ pub(super) fn read<'a>(arguments: &'a Arguments, session: &mut Session) -> Resul
             share,
         });
     }
-    let slopes = mission::shares("slopes", slopes)?;
+    let slopes = mission::shares("slopes", file.slopes.clone())?;
     Ok(Request {
-        arguments,
-        gravity: file.gravity,
         soils: chosen,
         sources,
         slopes: slopes
@@ -157,26 +184,41 @@ pub(super) fn read<'a>(arguments: &'a Arguments, session: &mut Session) -> Resul
     })
 }
 
-impl Request<'_> {
+impl Request {
+    /// The mission's text, as `output` will hold it.
+    ///
+    /// # Errors
+    /// Where flags complete a soil, which a mission file does not hold.
+    pub(super) fn toml(&self, overrides: &Overrides, output: &OutputFile) -> Result<String> {
+        if let Some((flag, _)) = overrides.given().next() {
+            return Err(Error::usage(
+                format!(
+                    "a mission file holds no soil that `--{}` completes",
+                    flag.replace('_', "-")
+                ),
+                "write the whole soil to a file and name that: `grouser init soil -o soil.toml`",
+            ));
+        }
+        let mut file = self.file.clone();
+        for (name, _) in &mut file.soils {
+            if names_file(name.as_ref()) {
+                *name = output.reaches(name.as_ref()).display().to_string();
+            }
+        }
+        Ok(mission::to_toml(&file, &[]))
+    }
+
     /// The bounds of the wheel: flags, the mission file, or around the present one.
     pub(super) fn ranges(&self, carrier: &Carrier) -> Result<WheelRanges> {
-        let (arguments, present) = (self.arguments, &carrier.present);
-        let given = |place: usize, flag: Option<Bounds>| {
-            let flag = flag.map(|Bounds(low, high)| (low, high));
-            flag.or(self.file.wheel[place])
-        };
-        let height = given(2, arguments.grouser_height_m);
-        let count = given(3, arguments.grouser_count);
-        let thickness = arguments.grouser_thickness_m.map(|t| (t, t));
+        let present = &carrier.present;
+        let [radius, width, height, count, thickness] = self.file.wheel;
         let mut ranges = WheelRanges::fixed(present);
         ranges.grouser_height = height.unwrap_or(ranges.grouser_height);
         ranges.grouser_count = count.unwrap_or(ranges.grouser_count);
         if ranges.grouser_count.1 > 0.0 && present.grouser_count == 0.0 {
             ranges.grouser_thickness = (LUG_THICKNESS_M, LUG_THICKNESS_M);
         }
-        ranges.grouser_thickness = thickness
-            .or(self.file.wheel[4])
-            .unwrap_or(ranges.grouser_thickness);
+        ranges.grouser_thickness = thickness.unwrap_or(ranges.grouser_thickness);
         if ranges.grouser_count.1 == 0.0 {
             if ranges.grouser_height.1 > 0.0 && height.is_some() {
                 return Err(Error::usage(
@@ -187,12 +229,12 @@ impl Request<'_> {
             (ranges.grouser_height, ranges.grouser_thickness) = ((0.0, 0.0), (0.0, 0.0));
         }
         let room = CLEARANCE_SHARE * carrier.touching_radius(ranges.grouser_height.1);
-        ranges.radius = given(0, arguments.radius_m).unwrap_or_else(|| {
+        ranges.radius = radius.unwrap_or_else(|| {
             let high = (RADIUS_FACTORS.1 * present.radius).min(room);
             let low = RADIUS_FACTORS.0 * present.radius;
             (low.min(high), high)
         });
-        ranges.width = given(1, arguments.width_m).unwrap_or((
+        ranges.width = width.unwrap_or((
             WIDTH_FACTORS.0 * present.width,
             WIDTH_FACTORS.1 * present.width,
         ));
@@ -206,37 +248,20 @@ impl Request<'_> {
     }
 
     pub(super) fn complete(&self, params: &mut MissionParams) {
-        let (arguments, file) = (self.arguments, &self.file);
-        if let Some(formula) = &arguments.wheel_mass_kg {
+        let file = &self.file;
+        if let Some(formula) = &file.wheel_mass {
             params.mass_formula.clone_from(formula);
-            "--wheel-mass-kg".clone_into(&mut params.mass_place);
-        } else if let Some(formula) = &file.wheel_mass {
-            params.mass_formula.clone_from(formula);
-            "wheel_mass_kg of the mission file".clone_into(&mut params.mass_place);
+            "wheel_mass_kg".clone_into(&mut params.mass_place);
         }
-        let measure = arguments.soil_measure.map(|measure| match measure {
-            MeasureName::Worst => SoilMeasure::Worst,
-            MeasureName::Mean => SoilMeasure::Mean,
-        });
-        params.measure = measure.or(file.measure).unwrap_or(params.measure);
-        let reserve = arguments.min_reserve.or(file.min_reserve);
-        params.min_reserve = reserve.unwrap_or(params.min_reserve);
-        let slip = arguments.max_slip.or(file.max_slip);
-        params.max_slip = slip.unwrap_or(params.max_slip);
+        params.measure = file.measure.unwrap_or(params.measure);
+        params.min_reserve = file.min_reserve.unwrap_or(params.min_reserve);
+        params.max_slip = file.max_slip.unwrap_or(params.max_slip);
     }
 
     pub(super) fn settings(&self, settings: &mut FrontSettings) {
-        let (arguments, file) = (self.arguments, &self.file);
-        let choice = arguments.choice.map(|choice| match choice {
-            ChoiceName::Knee => Choice::Knee,
-            ChoiceName::Lightest => Choice::Lightest,
-            ChoiceName::LeastEnergy => Choice::LeastEnergy,
-        });
-        let limit = arguments.max_wheel_mass_kg.map(Choice::MaxMass);
-        let chosen = limit.or(choice).or(file.choice);
-        settings.choice = chosen.unwrap_or(settings.choice);
-        let points = arguments.points.map(usize::from).or(file.points);
-        settings.points = points.unwrap_or(settings.points);
-        settings.seed = arguments.seed.or(file.seed).unwrap_or(settings.seed);
+        let file = &self.file;
+        settings.choice = file.choice.unwrap_or(settings.choice);
+        settings.points = file.points.unwrap_or(settings.points);
+        settings.seed = file.seed.unwrap_or(settings.seed);
     }
 }

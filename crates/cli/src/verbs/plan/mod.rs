@@ -153,13 +153,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let (Some(file), Some(dem), Some(robot), Some(soil)) =
         (scenario, &arguments.dem, &arguments.robot, &arguments.soil)
     {
-        let names = scenario::Names {
-            beside: file.path().parent(),
-            dem,
-            robot,
-            soil,
-        };
-        let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s)?;
+        let names = scenario::Names { dem, robot, soil };
+        let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s, &file)?;
         text.push_str(&file.write_whole(content.as_bytes())?);
     }
     let mut warnings = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_files::soil::names_file;
 use grouser_rover::drive::{
     GroundShape, GroundSpec, Leg, Scenario, SoilChanges, SoilOrigin, SoilSpec, to_toml,
 };
@@ -9,22 +10,20 @@ use grouser_rover::ground::HeightFile;
 use grouser_rover::robot::RobotModel;
 use grouser_terrain::plan::{PlanMap, Route};
 
-use crate::soil_choice::is_path;
+use crate::output::OutputFile;
 
 /// The drive may take this much longer than the plan.
 const TIME_FACTOR: f64 = 3.0;
 
 /// What a scenario takes besides the way.
 pub(super) struct Names<'a> {
-    /// Where the scenario itself will lie.
-    pub(super) beside: Option<&'a Path>,
     pub(super) dem: &'a Path,
     pub(super) robot: &'a Path,
     /// A key of the catalogue or a soil file, as `--soil` takes it elsewhere.
     pub(super) soil: &'a str,
 }
 
-/// The scenario's text: one leg for each straight.
+/// The scenario's text, as `file` will hold it: one leg for each straight.
 ///
 /// A scenario's ground has x = 0 in its first column and y = 0 in its middle row.
 pub(super) fn toml(
@@ -32,6 +31,7 @@ pub(super) fn toml(
     route: &Route,
     names: &Names<'_>,
     speed: f64,
+    file: &OutputFile,
 ) -> grouser_rover::Result<String> {
     let layout = &map.layout;
     let columns = layout.columns as usize;
@@ -43,7 +43,7 @@ pub(super) fn toml(
             (middle - row as f64) * layout.cell,
         ]
     };
-    let reachable = |file: &Path| reachable(file, names.beside);
+    let reachable = |name: &Path| file.reaches(name);
     let shape = GroundShape::File(HeightFile::new(reachable(names.dem), Some(layout.cell)));
     let ground = GroundSpec::new(shape, soil(names.soil, reachable)?);
     let robot = RobotModel::read(names.robot)?.under_gravity(layout.gravity);
@@ -71,7 +71,7 @@ pub(super) fn toml(
 
 /// The soil, from the catalogue or from a file.
 fn soil(name: &str, reachable: impl Fn(&Path) -> PathBuf) -> grouser_rover::Result<SoilSpec> {
-    if !is_path(name.as_ref()) {
+    if !names_file(name.as_ref()) {
         let origin = SoilOrigin::Catalogue(name.to_owned());
         return SoilSpec::new(name, origin, SoilChanges::default());
     }
@@ -96,14 +96,4 @@ fn straights(route: &Route) -> Vec<(usize, usize, usize)> {
         }
     }
     out
-}
-
-/// A file's name as a scenario in another folder reaches it.
-fn reachable(file: &Path, beside: Option<&Path>) -> PathBuf {
-    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-    let folder = beside.and_then(|folder| std::path::absolute(folder).ok());
-    let near = folder
-        .as_deref()
-        .and_then(|folder| absolute.strip_prefix(folder).ok());
-    near.unwrap_or(&absolute).to_owned()
 }
