@@ -166,7 +166,7 @@ impl Job {
     /// let mut job = Job::new("Sand of our test bed");
     /// job.plates = vec![PlateSource::Table("../../examples/bevameter/plates.csv".into())];
     /// let found = identify(&job)?;
-    /// assert!(found.missing().contains(&"cohesion"));
+    /// assert!(found.missing().contains(&"cohesion_kpa"));
     /// # Ok::<(), grouser_identify::Error>(())
     /// ```
     #[must_use]

@@ -7,4 +7,5 @@
 )]
 
 mod nist_strd;
+mod wheel_derivatives;
 mod written_jobs;

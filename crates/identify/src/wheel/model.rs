@@ -62,6 +62,9 @@ impl Prediction {
     }
 }
 
+/// Parameters of one run: each other number of them would be the whole stress model once more in the program.
+const DIRECTIONS: usize = 9;
+
 impl<'a> WheelModel<'a> {
     /// Of `tests`, as functions of `parameters`.
     #[must_use]
@@ -98,20 +101,29 @@ impl<'a> WheelModel<'a> {
         WheelOnSoil::new(self.fixed.wheel, soil, Settings::default()).ok()
     }
 
-    /// Fills values and, for each row, its gradient in the first N parameters.
-    fn run<const N: usize>(&self, x: &[f64], mut row_of: impl FnMut(Option<Dual<N>>)) {
+    /// Each row with its gradient in N parameters, those from `first` on.
+    fn run<const N: usize>(
+        &self,
+        x: &[f64],
+        first: usize,
+        mut row_of: impl FnMut(Option<Dual<N>>),
+    ) {
         let contact = self.contact_at(x);
+        let number = |value: f64, index: usize| match index.checked_sub(first) {
+            Some(direction) if direction < N => Dual::<N>::variable(value, direction),
+            _ => Dual::constant(value),
+        };
         let mut offsets = [Dual::<N>::constant(0.0); 3];
         for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
             if let Some(slot) = nuisance(*parameter) {
-                offsets[slot] = Dual::variable(*value, index);
+                offsets[slot] = number(*value, index);
             }
         }
         for test in self.tests {
             let solved = contact.as_ref().and_then(|contact| {
                 let mut inputs = DualInputs::<N>::new(contact, &test.kinematics);
                 for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
-                    parameter.put_dual(&mut inputs.soil, Dual::variable(*value, index));
+                    parameter.put_dual(&mut inputs.soil, number(*value, index));
                 }
                 solve(&inputs, contact, test)
             });
@@ -177,7 +189,7 @@ fn solve<const N: usize>(
 impl Model for WheelModel<'_> {
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let mut slots = values.iter_mut();
-        self.run::<0>(x, |row| {
+        self.run::<0>(x, 0, |row| {
             if let Some(slot) = slots.next() {
                 *slot = row.map_or(f64::NAN, |dual| dual.value);
             }
@@ -185,29 +197,21 @@ impl Model for WheelModel<'_> {
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        // two sizes: each is the whole stress model once more in the program
-        if x.len() <= 9 {
-            self.derive::<9>(x, values, jacobian);
-        } else {
-            self.derive::<18>(x, values, jacobian);
-        }
-    }
-}
-
-impl WheelModel<'_> {
-    fn derive<const N: usize>(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        let mut index = 0;
-        self.run::<N>(x, |row| {
-            let row = row.unwrap_or(Dual {
-                value: f64::NAN,
-                gradient: [f64::NAN; N],
+        for first in (0..x.len().max(1)).step_by(DIRECTIONS) {
+            let mut index = 0;
+            self.run::<DIRECTIONS>(x, first, |row| {
+                let row = row.unwrap_or(Dual {
+                    value: f64::NAN,
+                    gradient: [f64::NAN; DIRECTIONS],
+                });
+                values[index] = row.value;
+                let slots = jacobian.row_mut(index).iter_mut().skip(first);
+                for (slot, slope) in slots.zip(row.gradient) {
+                    *slot = slope;
+                }
+                index += 1;
             });
-            values[index] = row.value;
-            for (slot, slope) in jacobian.row_mut(index).iter_mut().zip(row.gradient) {
-                *slot = slope;
-            }
-            index += 1;
-        });
+        }
     }
 }
 
