@@ -103,9 +103,13 @@ learnt-soil seeds="2":
 attack cases="6000" first="0":
     GROUSER_ATTACK_CASES={{cases}} GROUSER_ATTACK_FIRST={{first}} cargo test --package grouser --test attack -- --nocapture
 
-# the bill of materials of a release, CycloneDX in JSON (needs `cargo install cargo-cyclonedx`)
-sbom:
-    cargo cyclonedx --format json --manifest-path crates/cli/Cargo.toml --target all
+# what a release consists of, in target/release-files: static programs for two machines, wheels, bill of materials, checksums; an hour
+release:
+    release/make
+
+# `grouser` from two folders: the same bytes
+reproducible:
+    release/make --check
 
 # the Python package: build the wheel, install it in a fresh environment, run its tests
 python:
