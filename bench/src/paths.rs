@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use grouser_real::Dual;
 use grouser_terra::{
-    Accuracy, Angle, BatchKernel, DualInputs, Kinematics, Pressure, RigidWheel, Settings, ShearLaw,
-    Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil, WheelSize, catalogue,
-    entry_angle,
+    Accuracy, Angle, BatchKernel, BestOf, BestSlipColumns, DualInputs, Kinematics, Pressure,
+    RigidWheel, Settings, ShearLaw, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil,
+    WheelSize, catalogue, entry_angle,
 };
 
 /// Median time of `job`, ns, over rounds that last long enough to be measured.
@@ -179,6 +179,8 @@ pub fn run() {
     }
     derivatives(wheel);
     slip_demands(wheel);
+    best_slips(wheel);
+    skids();
 }
 
 /// The slips that hold 4096 slopes, from the level to a little beyond the steepest that is held: on lanes, and one by one.
@@ -224,6 +226,84 @@ fn slip_demands(wheel: RigidWheel) {
         "slip demand of a slope: {lanes:.1} us on lanes, {alone:.0} us one by one ({:.0} x); slips differ by {worst:.1e}, \
          {differ} outcomes differ",
         alone / lanes
+    );
+}
+
+/// The slips of greatest pull and efficiency under 4096 loads: on lanes, and one by one.
+fn best_slips(wheel: RigidWheel) {
+    const COUNT: usize = 4096;
+    let soil = Soil::new(sand()).expect("a soil");
+    let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
+    let kernel = BatchKernel::new(soil);
+    let load: Vec<f64> = (0..COUNT)
+        .map(|i| 10.0 + 100.0 * i as f64 / COUNT as f64)
+        .collect();
+    for (name, of) in [("pull", BestOf::Pull), ("efficiency", BestOf::Efficiency)] {
+        let (mut slip, mut value) = (vec![0.0; COUNT], vec![0.0; COUNT]);
+        let mut status = vec![SolveStatus::default(); COUNT];
+        let mut times: Vec<f64> = (0..15)
+            .map(|_| {
+                let mut columns = BestSlipColumns {
+                    slip: &mut slip,
+                    value: &mut value,
+                    status: &mut status,
+                };
+                let start = Instant::now();
+                kernel
+                    .best_slip(&wheel, of, black_box(&load), &mut columns)
+                    .expect("columns of one length");
+                start.elapsed().as_secs_f64() * 1e6 / COUNT as f64
+            })
+            .collect();
+        times.sort_by(f64::total_cmp);
+        let start = Instant::now();
+        let (mut worst, mut differ) = (0.0_f64, 0);
+        for i in (0..COUNT).step_by(16) {
+            let alone = match of {
+                BestOf::Pull => on_soil.slip_of_maximum_pull(load[i]),
+                BestOf::Efficiency => on_soil.slip_of_maximum_efficiency(load[i]),
+            };
+            match alone.expect("a search") {
+                Some(alone) => worst = worst.max((alone.value / value[i] - 1.0).abs()),
+                None => differ += usize::from(status[i] != SolveStatus::NoSolution),
+            }
+        }
+        let alone = start.elapsed().as_secs_f64() * 1e6 / (COUNT / 16) as f64;
+        let lanes = times[times.len() / 2];
+        println!(
+            "slip of the greatest {name}: {lanes:.1} us on lanes, {alone:.0} us one by one ({:.0} x); values differ by {worst:.1e}, \
+             {differ} outcomes differ",
+            alone / lanes
+        );
+    }
+}
+
+/// The skids of a free wheel under 256 loads.
+fn skids() {
+    const COUNT: usize = 256;
+    let kernel = BatchKernel::new(Soil::new(sand()).expect("a soil"));
+    let wheel = RigidWheel::new(0.05, 0.03).expect("a wheel");
+    let load: Vec<f64> = (0..COUNT)
+        .map(|i| 2.0 + 8.0 * i as f64 / COUNT as f64)
+        .collect();
+    let (mut slip, mut status) = (vec![0.0; COUNT], vec![SolveStatus::default(); COUNT]);
+    let mut times: Vec<f64> = (0..15)
+        .map(|_| {
+            let start = Instant::now();
+            kernel
+                .free_wheel_skid(&wheel, black_box(&load), 0.0, &mut slip, &mut status)
+                .expect("columns of one length");
+            start.elapsed().as_secs_f64() * 1e6 / COUNT as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    println!(
+        "skid of a free wheel: {:.0} us ({} of {COUNT} turn)",
+        times[times.len() / 2],
+        status
+            .iter()
+            .filter(|&&status| status == SolveStatus::Solved)
+            .count()
     );
 }
 

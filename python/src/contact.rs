@@ -3,8 +3,8 @@
 use grouser::real::Dual;
 use grouser::terra;
 use grouser::terra::{
-    Accuracy, Angle, BatchKernel, Bulldozing, DualInputs, Kinematics, LoadOutcome, Settings,
-    ShearLaw, Slip, SlopeOutcome, SolveStatus, WheelOnSoil as Contact,
+    Accuracy, Angle, BatchKernel, BestOf, BestSlipColumns, Bulldozing, DualInputs, Kinematics,
+    LoadOutcome, Settings, ShearLaw, Slip, SlopeOutcome, SolveStatus, WheelOnSoil as Contact,
 };
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use crate::rows::{BAD, Codes, Floats, at, blocks, column, rows};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// Slopes between two looks at signals: a millisecond or two on lanes.
+/// Slopes or loads between two looks at signals: some milliseconds on lanes.
 const SLOPE_BLOCK: usize = 512;
 
 /// A wheel on a soil.
@@ -282,6 +282,86 @@ impl WheelOnSoil {
                 }
             })?
         };
+        Ok((status.into_pyarray(py), slips.into_pyarray(py)))
+    }
+
+    /// A column of loads to best slips: status, slip and value. The public functions are
+    /// `grouser.wheel.slip_of_maximum_pull` and `slip_of_maximum_efficiency`.
+    fn _best_slip<'py>(
+        &self,
+        py: Python<'py>,
+        of_pull: bool,
+        columns: [Column<'py>; 1],
+        points: usize,
+        threads: usize,
+    ) -> PyResult<(Codes<'py>, [Floats<'py>; 2])> {
+        let [load] = inputs(&columns)?;
+        check_lengths(&[load], points)?;
+        let (status, best) = if *self.contact.settings() == Settings::default() {
+            let kernel = BatchKernel::new(*self.contact.soil());
+            let of = if of_pull {
+                BestOf::Pull
+            } else {
+                BestOf::Efficiency
+            };
+            blocks(py, points, (threads, SLOPE_BLOCK), |from, codes, best| {
+                let n = codes.len();
+                let (mut slip, mut value) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+                let mut status = vec![SolveStatus::BadInput; n];
+                let mut columns = BestSlipColumns {
+                    slip: &mut slip,
+                    value: &mut value,
+                    status: &mut status,
+                };
+                // columns of one length, and a wheel that is on this soil already
+                let _ = kernel.best_slip(
+                    self.contact.wheel(),
+                    of,
+                    part(load, from, from + n),
+                    &mut columns,
+                );
+                write_codes(codes, &status);
+                for (best, pair) in best.iter_mut().zip(slip.into_iter().zip(value)) {
+                    *best = pair.into();
+                }
+            })?
+        } else {
+            rows(py, points, threads, |i| {
+                let best = if of_pull {
+                    self.contact.slip_of_maximum_pull(at(load, i))
+                } else {
+                    self.contact.slip_of_maximum_efficiency(at(load, i))
+                };
+                match best {
+                    Err(_) => (BAD, [f64::NAN; 2]),
+                    Ok(Some(best)) => (SolveStatus::Solved.code(), [best.slip.value(), best.value]),
+                    Ok(None) => (SolveStatus::NoSolution.code(), [f64::NAN; 2]),
+                }
+            })?
+        };
+        Ok((
+            status.into_pyarray(py),
+            std::array::from_fn(|k| column(py, &best, k)),
+        ))
+    }
+
+    /// Columns (load, friction of the bearing) to skids: status and slip. The public function is `grouser.wheel.free_slip`.
+    fn _free_slip<'py>(
+        &self,
+        py: Python<'py>,
+        columns: [Column<'py>; 2],
+        points: usize,
+        threads: usize,
+    ) -> PyResult<(Codes<'py>, Floats<'py>)> {
+        let [load, bearing] = inputs(&columns)?;
+        check_lengths(&[load, bearing], points)?;
+        let (status, slips) = rows(py, points, threads, |i| {
+            match self.contact.free_slip(at(load, i), at(bearing, i)) {
+                Err(_) => (BAD, f64::NAN),
+                Ok(Some(slip)) => (SolveStatus::Solved.code(), slip.value()),
+                Ok(None) => (SolveStatus::NoSolution.code(), f64::NAN),
+            }
+        })?;
         Ok((status.into_pyarray(py), slips.into_pyarray(py)))
     }
 

@@ -221,6 +221,32 @@ def test_slip_demands_on_lanes_and_one_by_one_agree() -> None:
     np.testing.assert_allclose(lanes.slip[::40], alone.slip, atol=1e-7)
 
 
+@pytest.mark.parametrize("of", ["pull", "efficiency"])
+def test_best_slips_of_many_loads_are_those_one_by_one(of: str) -> None:
+    load = np.append(np.linspace(5.0, 120.0, 1200), [np.nan, -1.0, 1e9])  # more than a block
+    contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND)
+    found = getattr(wheel, f"slip_of_maximum_{of}")(contact, load_n=load, threads=2)
+    assert found.status[-3:].tolist() == [3, 3, 1] and np.isnan(found.slip[-3:]).all()
+    for i in range(0, 1200, 100):
+        slip, value = getattr(contact, f"slip_of_maximum_{of}")(load_n=load[i])
+        assert found.status[i] == 0
+        assert found.value[i] == pytest.approx(value, abs=1e-9 * max(1.0, load[i]))
+        assert found.slip[i] == pytest.approx(slip, abs=1e-4)
+    exact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), SAND, reference_accuracy=True)
+    reference = getattr(wheel, f"slip_of_maximum_{of}")(exact, load_n=load[:1200:100])
+    np.testing.assert_allclose(found.value[:1200:100], reference.value, atol=1e-7)
+
+
+def test_skids_of_many_loads_are_those_one_by_one() -> None:
+    contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.05, width_m=0.03), SAND)
+    skid = wheel.free_slip(contact, load_n=[[2.0], [5.0]], bearing_torque_nm=[0.0, 0.01, 1.0, -1.0])
+    assert skid.slip.shape == (2, 4)
+    assert skid.status.tolist() == [[0, 0, 1, 3], [0, 0, 1, 3]]
+    for i, load in enumerate([2.0, 5.0]):
+        for j, bearing in enumerate([0.0, 0.01]):
+            assert skid.slip[i, j] == contact.free_slip(load_n=load, bearing_torque_nm=bearing)
+
+
 def test_a_drifting_wheel_is_pushed_against_its_drift() -> None:
     contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), soils.find("lunar", unit_weight_n_per_m3=2700.0))
     points = wheel.operating_points(contact, load_n=65.0, slip=0.2, slip_angle_deg=[-20.0, 0.0, 20.0, 95.0])

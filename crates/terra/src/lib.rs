@@ -70,7 +70,8 @@ pub use gravity::{
 pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{
-    BatchColumns, BatchInput, BatchKernel, BatchPoints, LaneMask, Lanes, instructions,
+    BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns, LaneMask, Lanes,
+    instructions,
 };
 pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};

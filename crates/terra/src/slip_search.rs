@@ -99,98 +99,302 @@ pub(crate) fn root(
     Ok(search.root())
 }
 
-/// The greatest value of `f` over slips within `reach` of `near` and in [0, 1], and where: Brent's method, parabolas through
-/// the best three points and golden section where they do not serve. Where the best lies at an end of the reach that is no
-/// end of [0, 1], the reach moves on.
+/// The search for the greatest value of a function over slips within `reach` of a first one and in [0, 1], one slip after the
+/// other: Brent's method, parabolas through the best three points and golden section where they do not serve. Where the best
+/// lies at an end of the reach that is no end of [0, 1], the reach moves on. A slip without a value is never the best.
 ///
 /// Source: Brent, *Algorithms for Minimization without Derivatives* (1973), chapter 5.
-pub(crate) fn maximum(
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MaximumSearch {
     near: f64,
-    (reach, precision): (f64, f64),
-    f: impl Fn(f64) -> Result<Option<f64>>,
-) -> Result<(f64, f64)> {
-    let value = |slip: f64| -> Result<f64> { Ok(f(slip)?.unwrap_or(f64::NEG_INFINITY)) };
-    let golden = 0.5 * (3.0 - Real::sqrt(5.0_f64));
-    let (mut a, mut b) = ((near - reach).max(0.0), (near + reach).min(1.0));
-    // best, second and third point
-    let mut x = (near, value(near)?);
-    let (mut w, mut v) = (x, x);
-    let (mut step, mut before) = (0.0_f64, 0.0_f64);
-    for _ in 0..60 {
-        let middle = 0.5 * (a + b);
-        let least = 0.3 * precision;
-        if (x.0 - middle).abs() <= 2.0 * least - 0.5 * (b - a) {
-            let end = if x.0 > middle { b } else { a };
-            let is_at_end = (x.0 - end).abs() <= 3.0 * least;
-            let was_reach = end > 0.0 && end < 1.0 && ((end - near).abs() - reach).abs() < 1e-12;
-            if is_at_end && was_reach {
-                // the maximum lies further on
-                return maximum(x.0, (2.0 * reach, precision), f);
-            }
-            break;
+    reach: f64,
+    precision: f64,
+    /// The search also ends where the best three values differ by less than this share.
+    flat: f64,
+    bracket: (f64, f64),
+    /// Best, second and third point.
+    best: [(f64, f64); 3],
+    step: f64,
+    before: f64,
+    steps: u32,
+    phase: Phase,
+    slip: f64,
+}
+
+/// What a search for a maximum does next.
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    Inside,
+    /// A maximum at an end of all slips is approached by golden section only: the ends themselves, 0 and 1.
+    AtLow,
+    AtHigh,
+    Done,
+}
+
+const MAXIMUM_STEPS: u32 = 60;
+
+impl MaximumSearch {
+    /// A search that starts at a slip and its value.
+    pub(crate) fn new(start: (f64, f64), (reach, precision): (f64, f64), flat: f64) -> Self {
+        let near = start.0;
+        Self {
+            near,
+            reach,
+            precision,
+            flat,
+            bracket: ((near - reach).max(0.0), (near + reach).min(1.0)),
+            best: [start; 3],
+            step: 0.0,
+            before: 0.0,
+            steps: 0,
+            phase: Phase::Inside,
+            slip: near,
         }
+    }
+
+    /// The slip at which the function is wanted next; `None` where the maximum is known.
+    pub(crate) fn next_slip(&mut self) -> Option<f64> {
+        loop {
+            let (phase, end) = match self.phase {
+                Phase::Inside if self.steps >= MAXIMUM_STEPS => {
+                    self.phase = Phase::AtLow;
+                    continue;
+                }
+                Phase::Inside if !self.is_enclosed() => {
+                    self.steps += 1;
+                    self.slip = self.next_inside();
+                    return Some(self.slip.clamp(0.0, 1.0));
+                }
+                Phase::Inside => {
+                    self.phase = Phase::AtLow;
+                    if self.is_at_reach() {
+                        // the maximum lies further on
+                        let further = (2.0 * self.reach, self.precision);
+                        *self = Self::new(self.best[0], further, self.flat);
+                    }
+                    continue;
+                }
+                Phase::AtLow => (Phase::AtHigh, 0.0),
+                Phase::AtHigh => (Phase::Done, 1.0),
+                Phase::Done => return None,
+            };
+            self.phase = phase;
+            if (self.best[0].0 - end).abs() <= self.precision {
+                self.slip = end;
+                return Some(end);
+            }
+        }
+    }
+
+    /// Takes the function's value at that slip.
+    pub(crate) fn feed(&mut self, value: Option<f64>) {
+        let u = (self.slip, value.unwrap_or(f64::NEG_INFINITY));
+        let [x, w, v] = &mut self.best;
+        let (a, b) = &mut self.bracket;
+        if !matches!(self.phase, Phase::Inside) {
+            if u.1 >= x.1 {
+                *x = u;
+            }
+        } else if u.1 >= x.1 {
+            if u.0 >= x.0 {
+                *a = x.0;
+            } else {
+                *b = x.0;
+            }
+            (*v, *w, *x) = (*w, *x, u);
+        } else {
+            if u.0 < x.0 {
+                *a = u.0;
+            } else {
+                *b = u.0;
+            }
+            if u.1 >= w.1 || w.0 == x.0 {
+                (*v, *w) = (*w, u);
+            } else if u.1 >= v.1 || v.0 == x.0 || v.0 == w.0 {
+                *v = u;
+            }
+        }
+    }
+
+    /// The slip of the greatest value, and that value.
+    pub(crate) const fn best(&self) -> (f64, f64) {
+        (self.best[0].0.clamp(0.0, 1.0), self.best[0].1)
+    }
+
+    /// The least step.
+    const fn least(&self) -> f64 {
+        0.3 * self.precision
+    }
+
+    fn is_enclosed(&self) -> bool {
+        let ([x, w, v], (a, b)) = (self.best, self.bracket);
+        let is_flat = x.0 != w.0 && w.0 != v.0 && x.1 - v.1.min(w.1) < self.flat * x.1.abs();
+        is_flat || (x.0 - 0.5 * (a + b)).abs() <= 2.0 * self.least() - 0.5 * (b - a)
+    }
+
+    /// Does the best lie at an end of the reach that is no end of [0, 1]?
+    fn is_at_reach(&self) -> bool {
+        let (x, (a, b)) = (self.best[0].0, self.bracket);
+        let end = if x > 0.5 * (a + b) { b } else { a };
+        let is_at_end = (x - end).abs() <= 3.0 * self.least();
+        let was_reach = ((end - self.near).abs() - self.reach).abs() < 1e-12;
+        is_at_end && end > 0.0 && end < 1.0 && was_reach
+    }
+
+    /// The next slip inside the bracket: a parabola's, or golden section's.
+    fn next_inside(&mut self) -> f64 {
+        let ([x, w, v], (a, b), least) = (self.best, self.bracket, self.least());
         let mut parabola = None;
-        if before.abs() > least {
+        if self.before.abs() > least {
             let r = (x.0 - w.0) * (x.1 - v.1);
             let q = (x.0 - v.0) * (x.1 - w.1);
             let p = (x.0 - v.0) * q - (x.0 - w.0) * r;
             let q = 2.0 * (q - r);
             let wish = if q == 0.0 { f64::NAN } else { -p / q };
             let inside = x.0 + wish > a && x.0 + wish < b;
-            if inside && wish.abs() < 0.5 * before.abs() {
+            if inside && wish.abs() < 0.5 * self.before.abs() {
                 parabola = Some(wish);
             }
         }
-        (before, step) = if let Some(wish) = parabola {
-            (step, wish)
+        let golden = 0.5 * (3.0 - Real::sqrt(5.0_f64));
+        (self.before, self.step) = if let Some(wish) = parabola {
+            (self.step, wish)
         } else {
-            let side = if x.0 < middle { b - x.0 } else { a - x.0 };
+            let side = if x.0 < 0.5 * (a + b) {
+                b - x.0
+            } else {
+                a - x.0
+            };
             (side, golden * side)
         };
-        let moved = if step.abs() >= least {
-            step
-        } else if step < 0.0 {
+        let moved = if self.step.abs() >= least {
+            self.step
+        } else if self.step < 0.0 {
             -least
         } else {
             least
         };
-        let u = x.0 + moved;
-        let u = (u, value(u.clamp(0.0, 1.0))?);
-        if u.1 >= x.1 {
-            if u.0 >= x.0 {
-                a = x.0;
-            } else {
-                b = x.0;
-            }
-            (v, w, x) = (w, x, u);
-        } else {
-            if u.0 < x.0 {
-                a = u.0;
-            } else {
-                b = u.0;
-            }
-            if u.1 >= w.1 || w.0 == x.0 {
-                (v, w) = (w, u);
-            } else if u.1 >= v.1 || v.0 == x.0 || v.0 == w.0 {
-                v = u;
-            }
-        }
+        x.0 + moved
     }
-    // a maximum at the end of all slips is approached by golden section only
-    for end in [0.0, 1.0] {
-        if (x.0 - end).abs() <= precision {
-            let there = value(end)?;
-            if there >= x.1 {
-                x = (end, there);
-            }
-        }
-    }
-    Ok((x.0.clamp(0.0, 1.0), x.1))
 }
 
-/// The root of a growing `f` beside a slip that is nearly right; `None` where there is none within a few tenths.
-pub(crate) fn root_near(near: f64, f: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<f64>> {
-    for reach in [0.02, 0.06, 0.2] {
+/// Slips at which a curve is sampled before its optimum or its root is refined.
+pub(crate) const SAMPLES: u32 = 33;
+
+/// Precision of the place of an optimum, and the share by which the best values differ at least: forces have rounding errors
+/// of that size, so that the place is known to about its root.
+const BEST_PRECISION: f64 = 1e-9;
+const BEST_FLAT: f64 = 1e-13;
+
+/// The search for the greatest value of a function over all slips in [0, 1], one slip after the other: samples, then
+/// [`MaximumSearch`] about each that may have the greatest value beside it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BestSearch {
+    taken: usize,
+    values: [f64; SAMPLES as usize],
+    best: (f64, f64),
+    /// The samples before this one have been looked at.
+    looked_at: usize,
+    refined: Option<MaximumSearch>,
+}
+
+impl BestSearch {
+    pub(crate) const fn new() -> Self {
+        Self {
+            taken: 0,
+            values: [f64::NEG_INFINITY; SAMPLES as usize],
+            best: (0.0, f64::NEG_INFINITY),
+            looked_at: 0,
+            refined: None,
+        }
+    }
+
+    const STEP: f64 = 1.0 / (SAMPLES - 1) as f64;
+
+    /// The slip at which the function is wanted next; `None` where the best is known.
+    pub(crate) fn next_slip(&mut self) -> Option<f64> {
+        if self.taken < self.values.len() {
+            return Some(self.taken as f64 * Self::STEP);
+        }
+        loop {
+            if let Some(refined) = &mut self.refined {
+                if let Some(slip) = refined.next_slip() {
+                    return Some(slip);
+                }
+                let found = refined.best();
+                if found.1 > self.best.1 {
+                    self.best = found;
+                }
+                self.refined = None;
+            }
+            let k = self.looked_at;
+            let &value = self.values.get(k)?;
+            self.looked_at += 1;
+            if self.may_be_best(k) {
+                let start = (k as f64 * Self::STEP, value);
+                let search = MaximumSearch::new(start, (Self::STEP, BEST_PRECISION), BEST_FLAT);
+                self.refined = Some(search);
+            }
+        }
+    }
+
+    /// Is a sample greater than its neighbours, and may the function be greatest beside it? One with a single maximum there
+    /// exceeds it by no more than it changes to its neighbours.
+    fn may_be_best(&self, k: usize) -> bool {
+        let value = self.values[k];
+        let before = k.checked_sub(1).map(|k| self.values[k]);
+        let after = self.values.get(k + 1).copied();
+        let is_peak =
+            before.is_none_or(|before| value > before) && after.is_none_or(|after| value >= after);
+        let change = |other: Option<f64>| other.map_or(0.0, |other| value - other);
+        is_peak
+            && value > f64::NEG_INFINITY
+            && value + change(before).max(change(after)) >= self.best.1
+    }
+
+    /// Takes the function's value at that slip.
+    pub(crate) fn feed(&mut self, value: Option<f64>) {
+        if let Some(refined) = &mut self.refined {
+            return refined.feed(value);
+        }
+        let value = value.unwrap_or(f64::NEG_INFINITY);
+        if value > self.best.1 {
+            self.best = (self.taken as f64 * Self::STEP, value);
+        }
+        if let Some(sample) = self.values.get_mut(self.taken) {
+            *sample = value;
+        }
+        self.taken += 1;
+    }
+
+    /// Slip and value of the best; `None` where the function has no value at any sample.
+    pub(crate) fn best(&self) -> Option<(f64, f64)> {
+        (self.best.1 > f64::NEG_INFINITY).then_some(self.best)
+    }
+}
+
+/// The greatest value of `f` over slips within `reach` of `near` and in [0, 1], and where ([`MaximumSearch`]).
+pub(crate) fn maximum(
+    near: f64,
+    (reach, precision): (f64, f64),
+    f: impl Fn(f64) -> Result<Option<f64>>,
+) -> Result<(f64, f64)> {
+    let start = (near, f(near)?.unwrap_or(f64::NEG_INFINITY));
+    let mut search = MaximumSearch::new(start, (reach, precision), 0.0);
+    while let Some(slip) = search.next_slip() {
+        search.feed(f(slip)?);
+    }
+    Ok(search.best())
+}
+
+/// The root of a growing `f` beside a slip that is nearly right, within one of some reaches, the least first; `None` where there
+/// is none.
+pub(crate) fn root_near(
+    near: f64,
+    reaches: &[f64],
+    f: impl Fn(f64) -> Result<Option<f64>>,
+) -> Result<Option<f64>> {
+    for reach in reaches {
         let (low, high) = ((near - reach).max(-1.0), (near + reach).min(1.0));
         if let (Some(at_low), Some(at_high)) = (f(low)?, f(high)?)
             && at_low < 0.0

@@ -1,23 +1,13 @@
 //! What a loaded wheel can pull, at which slip, and which slope it holds.
 
-use grouser_real::Real;
-
 use crate::angle::Angle;
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
-use crate::operating_point::OperatingPoint;
 use crate::settings::Accuracy;
 use crate::slip::Slip;
-use crate::slip_search::{ROOT_PRECISION, maximum, root, root_near};
+use crate::slip_search::{BestSearch, ROOT_PRECISION, SAMPLES, maximum, root, root_near};
 use crate::wheel_on_soil::WheelOnSoil;
-
-/// Slips at which a curve is sampled before its optimum or its root is refined.
-pub(crate) const SAMPLES: u32 = 33;
-
-/// Relative precision of a refined slip: an optimum is flat, so that its place is known to about the root
-/// of the precision of its height.
-const SLIP_PRECISION: f64 = 1e-9;
 
 /// Samples of the pull over slip before the steepest slope is sought, less one: the pull has one maximum, or rises to slip 1.
 const SCAN_STEPS: u32 = 8;
@@ -30,6 +20,13 @@ const LAST_ROUND: (f64, f64, f64) = (0.02, 1e-5, ROOT_PRECISION);
 
 /// What a slope of the first round may lack beside its precision: ten times what forces to 1e-6 tell, rad.
 const ROUGH_RAD: f64 = 1e-5;
+
+/// Precision of a root of forces to 1e-6, and how far beside it the root of exact forces is looked for.
+const ROUGH_SLIP: f64 = 1e-7;
+const ROUGH_REACHES: [f64; 3] = [1e-6, 1e-5, 1e-3];
+
+/// How far beside a slip that is nearly right the root is looked for.
+const NEAR_REACHES: [f64; 3] = [0.02, 0.06, 0.2];
 
 /// Slope and slip are found in turn at most so often; two rounds are enough.
 const SLOPE_ROUNDS: u32 = 12;
@@ -100,10 +97,12 @@ impl WheelOnSoil {
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
     pub fn slip_of_maximum_efficiency(&self, load: f64) -> Result<Option<BestSlip>> {
+        let radius = self.wheel().radius();
         Self::best_slip(|slip| {
-            let solution = self.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
-            let point = solution.point();
-            Ok(point.as_ref().and_then(OperatingPoint::tractive_efficiency))
+            let found = self.forces_under(load, slip, |f| {
+                efficiency(slip, radius, f.drawbar_pull, f.torque)
+            })?;
+            Ok(found.flatten())
         })
     }
 
@@ -187,7 +186,10 @@ impl WheelOnSoil {
     pub fn free_slip(&self, load: f64, bearing_torque: f64) -> Result<Option<Slip>> {
         Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
         let surplus = |slip| self.forces_under(load, slip, |f| f.torque + bearing_torque);
-        // Torque rises with slip: from the first sample at which it suffices, look back.
+        if let Some(slip) = self.free_slip_where_torque_rises(load, bearing_torque)? {
+            return Slip::new(slip).map(Some);
+        }
+        // From the first sample at which the torque suffices, look back.
         let mut before: Option<(f64, f64)> = None;
         for i in 0..=SAMPLES {
             let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
@@ -206,6 +208,37 @@ impl WheelOnSoil {
             before = Some((slip, now));
         }
         Ok(None)
+    }
+
+    /// The skid where the torque rises with slip, as it does on most soils: a few samples and a root of the forces to 1e-6, then
+    /// the root beside it. `None` where the samples do not rise from below the root to above it.
+    fn free_slip_where_torque_rises(&self, load: f64, bearing_torque: f64) -> Result<Option<f64>> {
+        let quick = self.with_accuracy(Accuracy::Simulation);
+        let surplus_of = |on_soil: &Self, slip: f64| {
+            on_soil.forces_under(load, slip, |f| f.torque + bearing_torque)
+        };
+        let mut before: Option<(f64, f64)> = None;
+        let mut bracket = None;
+        for i in 0..=SCAN_STEPS {
+            let slip = f64::from(i) * SCAN_STEP - 1.0;
+            let Some(now) = surplus_of(&quick, slip)? else {
+                return Ok(None);
+            };
+            if let Some(low) = before {
+                if now <= low.1 {
+                    return Ok(None);
+                }
+                if low.1 < 0.0 && now >= 0.0 {
+                    bracket = Some((low, (slip, now)));
+                }
+            }
+            before = Some((slip, now));
+        }
+        let Some((low, high)) = bracket else {
+            return Ok(None);
+        };
+        let near = root(low, high, ROUGH_SLIP, |slip| surplus_of(&quick, slip))?;
+        root_near(near, &ROUGH_REACHES, |slip| surplus_of(self, slip))
     }
 
     /// [`WheelOnSoil::slip_demand`] where a slip is known that is nearly right, of a neighbouring soil or slope: the root
@@ -230,7 +263,7 @@ impl WheelOnSoil {
         let (load, required) = (weight * slope.cos(), weight * slope.sin());
         if load >= 0.0 && required.is_finite() {
             let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
-            if let Some(slip) = root_near(near.value(), surplus)? {
+            if let Some(slip) = root_near(near.value(), &NEAR_REACHES, surplus)? {
                 return Ok(SlopeOutcome::Holds {
                     slip: Slip::new(slip)?,
                 });
@@ -262,19 +295,19 @@ impl WheelOnSoil {
     ) -> Result<Option<Slip>> {
         Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
         let surplus = |slip| self.forces_under(load, slip, |f| f.torque + bearing_torque);
-        match root_near(near.value(), surplus)? {
+        match root_near(near.value(), &NEAR_REACHES, surplus)? {
             Some(slip) => Slip::new(slip).map(Some),
             None => self.free_slip(load, bearing_torque),
         }
     }
 
-    /// A number of the forces straight ahead under a load; `None` where nothing carries it.
-    fn forces_under(
+    /// What `of` makes of the forces straight ahead under a load; `None` where nothing carries it.
+    fn forces_under<T>(
         &self,
         load: f64,
         slip: f64,
-        of: impl Fn(&Forces) -> f64,
-    ) -> Result<Option<f64>> {
+        of: impl Fn(&Forces) -> T,
+    ) -> Result<Option<T>> {
         let motion = Kinematics::straight(Slip::new(slip)?);
         let Some(found) = self.sinkage_under(load, &motion)?.outcome.solved() else {
             return Ok(None);
@@ -408,42 +441,23 @@ impl WheelOnSoil {
         Ok(best)
     }
 
-    /// The greatest of `quantity` over slip in [0, 1] by samples and golden section.
+    /// The greatest of `quantity` over slip in [0, 1].
     fn best_slip(quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
-        let at = |slip: f64| -> Result<f64> { Ok(quantity(slip)?.unwrap_or(f64::NEG_INFINITY)) };
-        let step = 1.0 / f64::from(SAMPLES - 1);
-        let mut best = (0.0, f64::NEG_INFINITY);
-        for i in 0..SAMPLES {
-            let slip = f64::from(i) * step;
-            let value = at(slip)?;
-            if value > best.1 {
-                best = (slip, value);
-            }
+        let mut search = BestSearch::new();
+        while let Some(slip) = search.next_slip() {
+            search.feed(quantity(slip)?);
         }
-        if best.1 == f64::NEG_INFINITY {
+        let Some((slip, value)) = search.best() else {
             return Ok(None);
-        }
-        let (mut a, mut b) = ((best.0 - step).max(0.0), (best.0 + step).min(1.0));
-        let golden = 0.5 * (Real::sqrt(5.0_f64) - 1.0);
-        let mut c = b - golden * (b - a);
-        let mut d = a + golden * (b - a);
-        let (mut f_c, mut f_d) = (at(c)?, at(d)?);
-        while b - a > SLIP_PRECISION {
-            if f_c > f_d {
-                (b, d, f_d) = (d, c, f_c);
-                c = b - golden * (b - a);
-                f_c = at(c)?;
-            } else {
-                (a, c, f_c) = (c, d, f_d);
-                d = a + golden * (b - a);
-                f_d = at(d)?;
-            }
-        }
-        let refined = if f_c > f_d { (c, f_c) } else { (d, f_d) };
-        let (slip, value) = if refined.1 > best.1 { refined } else { best };
+        };
         Ok(Some(BestSlip {
             slip: Slip::new(slip)?,
             value,
         }))
     }
+}
+
+/// Tractive efficiency η = DP q r/T of a driving wheel at a slip in [0, 1]; `None` unless it is driven and pulls.
+pub(crate) fn efficiency(slip: f64, radius: f64, pull: f64, torque: f64) -> Option<f64> {
+    (torque > 0.0 && pull > 0.0).then(|| pull * (1.0 - slip) * radius / torque)
 }

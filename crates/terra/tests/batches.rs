@@ -1,9 +1,9 @@
 //! Lanes against one at a time, and a lane against its neighbours (faults D13 and D14).
 
 use grouser_terra::{
-    Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, Error, Kinematics,
-    RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil,
-    catalogue,
+    Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns,
+    Error, Kinematics, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus,
+    WheelOnSoil, catalogue,
 };
 use proptest::prelude::*;
 
@@ -471,6 +471,161 @@ proptest! {
             }
         }
     }
+}
+
+/// A wheel on a soil, loads and frictions of its bearing (N m).
+fn loads() -> impl Strategy<Value = (Soil, RigidWheel, Vec<(f64, f64)>)> {
+    let point = (
+        0.0..4.0_f64,
+        prop_oneof![Just(0.0), -3.0..-0.5_f64],
+        0.0..1.0_f64,
+    )
+        .prop_map(|(log_load, log_share, _)| {
+            let load = 10_f64.powf(log_load);
+            let share = if log_share == 0.0 {
+                0.0
+            } else {
+                10_f64.powf(log_share)
+            };
+            (load, share * load)
+        });
+    slopes().prop_flat_map(move |(soil, wheel, _)| {
+        (
+            Just(soil),
+            Just(wheel),
+            proptest::collection::vec(point.clone(), 1..20),
+        )
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Best slips on lanes are those of the general search: equally good, and as good as any of a hundred samples.
+    #[test]
+    fn best_slips_are_those_of_the_general_search((soil, wheel, points) in loads()) {
+        let load: Vec<f64> = points.iter().map(|point| point.0).collect();
+        let n = load.len();
+        let kernel = BatchKernel::new(soil);
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        for of in [BestOf::Pull, BestOf::Efficiency] {
+            let (mut slip, mut value) = (vec![0.0; n], vec![0.0; n]);
+            let mut status = vec![SolveStatus::default(); n];
+            let mut columns = BestSlipColumns { slip: &mut slip, value: &mut value, status: &mut status };
+            kernel.best_slip(&wheel, of, &load, &mut columns).unwrap();
+            for (i, &load) in load.iter().enumerate() {
+                let what = format!("{of:?} {load} N: {} {} {:?}", slip[i], value[i], status[i]);
+                let at = |slip: f64| {
+                    let motion = Kinematics::straight(Slip::new(slip).unwrap());
+                    let solved = on_soil.under_load(load, &motion).unwrap();
+                    match (solved.point(), of) {
+                        (Some(point), BestOf::Pull) => Some(point.forces.drawbar_pull),
+                        (Some(point), BestOf::Efficiency) => point.tractive_efficiency(),
+                        (None, _) => None,
+                    }
+                };
+                let (alone, size) = match of {
+                    BestOf::Pull => (on_soil.slip_of_maximum_pull(load).unwrap(), load),
+                    BestOf::Efficiency => (on_soil.slip_of_maximum_efficiency(load).unwrap(), 1.0),
+                };
+                let Some(alone) = alone else {
+                    prop_assert!(status[i] == SolveStatus::NoSolution && slip[i].is_nan(), "{what}");
+                    continue;
+                };
+                prop_assert_eq!(status[i], SolveStatus::Solved, "{} {:?}", what, alone);
+                // a light wheel may pull more than it carries
+                let size = size.max(alone.value);
+                prop_assert!((value[i] - alone.value).abs() < 1e-9 * size, "{what} {alone:?}");
+                // the place is as good as its value, and better than any other
+                let there = at(slip[i]).unwrap();
+                prop_assert!((there - value[i]).abs() < 1e-9 * size, "{what} {there}");
+                for k in (0..=100).step_by(5) {
+                    let other = at(f64::from(k) / 100.0).unwrap_or(f64::NEG_INFINITY);
+                    prop_assert!(other <= value[i] + 1e-9 * size, "{what} {other} at {k}");
+                }
+            }
+        }
+    }
+
+    /// The skids of free wheels are the first slips from −1 at which the soil turns the wheel.
+    #[test]
+    fn skids_are_where_the_torque_first_suffices((soil, wheel, points) in loads()) {
+        let (load, bearing): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let n = points.len();
+        let (mut slip, mut status) = (vec![0.0; n], vec![SolveStatus::default(); n]);
+        let kernel = BatchKernel::new(soil);
+        kernel.free_wheel_skid(&wheel, &load, &bearing, &mut slip, &mut status).unwrap();
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        for (i, (load, bearing)) in points.into_iter().enumerate() {
+            let surplus = |slip: f64| {
+                let motion = Kinematics::straight(Slip::new(slip).unwrap());
+                let solved = on_soil.under_load(load, &motion).unwrap();
+                solved.point().map(|point| point.forces.torque + bearing)
+            };
+            let samples: Vec<_> = (0..=33)
+                .map(|k| f64::from(k) / 33.0 - 1.0)
+                .filter_map(|slip| surplus(slip).map(|surplus| (slip, surplus)))
+                .collect();
+            let first = samples.iter().position(|sample| sample.1 >= 0.0);
+            let what = format!("{load} N, {bearing} N m: {} {:?} {first:?}", slip[i], status[i]);
+            match first {
+                None | Some(0) => prop_assert!(status[i] == SolveStatus::NoSolution && slip[i].is_nan(), "{what}"),
+                Some(first) => {
+                    prop_assert_eq!(status[i], SolveStatus::Solved, "{}", what);
+                    let (mut low, mut high) = (samples[first - 1].0, samples[first].0);
+                    prop_assert!(low <= slip[i] && slip[i] <= high, "{what} {low} {high}");
+                    // halving, as another way to the root
+                    while high - low > 1e-14 {
+                        let middle = 0.5 * (low + high);
+                        if surplus(middle).is_some_and(|surplus| surplus >= 0.0) {
+                            high = middle;
+                        } else {
+                            low = middle;
+                        }
+                        if middle == low && middle == high {
+                            break;
+                        }
+                    }
+                    let off = surplus(slip[i]).unwrap() / (load * wheel.radius());
+                    prop_assert!((slip[i] - high).abs() < 1e-9 || off.abs() < 1e-11, "{what} {high} {off:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn best_slips_of_bad_loads_and_columns_of_unequal_length() {
+    let kernel = BatchKernel::new(catalogue::find("dry-sand").unwrap().soil().unwrap());
+    let wheel = RigidWheel::new(0.125, 0.1).unwrap();
+    let load = [80.0, f64::NAN, -1.0, 2e12, 1e9];
+    let (mut slip, mut value, mut status) = ([0.0; 5], [0.0; 5], [SolveStatus::default(); 5]);
+    let mut columns = BestSlipColumns {
+        slip: &mut slip,
+        value: &mut value,
+        status: &mut status,
+    };
+    kernel
+        .best_slip(&wheel, BestOf::Pull, &load, &mut columns)
+        .unwrap();
+    let short = kernel.best_slip(&wheel, BestOf::Pull, &load[..4], &mut columns);
+    assert!(matches!(short, Err(Error::Lengths { .. })));
+    let bad = SolveStatus::BadInput;
+    assert_eq!(status[1..4], [bad; 3]);
+    assert_eq!(
+        (status[0], status[4]),
+        (SolveStatus::Solved, SolveStatus::NoSolution)
+    );
+    assert!(slip[0] > 0.3 && slip[1..].iter().chain(&value[1..]).all(|x| x.is_nan()));
+
+    let bearing = [0.0, 0.0, 0.0, 0.0, -1.0];
+    let (mut slip, mut status) = ([0.0; 5], [SolveStatus::default(); 5]);
+    kernel
+        .free_wheel_skid(&wheel, 80.0, &bearing, &mut slip, &mut status)
+        .unwrap();
+    assert_eq!((status[0], status[4]), (SolveStatus::Solved, bad));
+    let short = kernel.free_wheel_skid(&wheel, 80.0, &bearing[..4], &mut slip, &mut status);
+    assert!(matches!(short, Err(Error::Lengths { .. })));
 }
 
 #[test]

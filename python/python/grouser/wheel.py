@@ -41,20 +41,25 @@ from ._core import OperatingPoint, Soil, Wheel, WheelOnSoil
 from ._errors import InputError
 
 __all__ = [
+    "BestSlip",
     "Derivatives",
     "Demand",
     "OperatingPoint",
     "OperatingPoints",
     "Points",
+    "Skid",
     "Wheel",
     "WheelOnSoil",
     "at_sinkage",
     "curve",
+    "free_slip",
     "instructions",
     "jacobian",
     "operating_points",
     "slip_demand",
     "slip_from_speeds",
+    "slip_of_maximum_efficiency",
+    "slip_of_maximum_pull",
     "under_load",
 ]
 
@@ -100,6 +105,26 @@ class Demand(NamedTuple):
     """How each point ended (uint8): 0 holds, 1 immobilised, 3 bad input."""
     slip: Any
     """The smallest slip that holds the slope; negative downhill."""
+
+
+class BestSlip(NamedTuple):
+    """The slip at which a pull or an efficiency is greatest; NaN where the status is not 0."""
+
+    status: Any
+    """How each point ended (uint8): 0 found, 1 no slip carries the load or pulls, 3 bad input."""
+    slip: Any
+    """The slip, 0 to 1."""
+    value: Any
+    """The greatest pull, N, or efficiency."""
+
+
+class Skid(NamedTuple):
+    """The skid of a free wheel; NaN where the status is not 0."""
+
+    status: Any
+    """How each point ended (uint8): 0 turns, 1 locked or not carried, 3 bad input."""
+    slip: Any
+    """The slip, negative."""
 
 
 class Derivatives(NamedTuple):
@@ -305,6 +330,88 @@ def slip_demand(
     shape, points, flat = columns(weight_n=weight_n, slope_deg=slope_deg)
     status, slips = contact._slip_demand(flat, points, threads_of(threads))
     return Demand(shaped(shape, status), shaped(shape, slips))
+
+
+def slip_of_maximum_pull(
+    contact: WheelOnSoil, *, load_n: Any, threads: int | None = None
+) -> BestSlip:
+    """The slip in [0, 1] of the greatest drawbar pull under each load, and that pull, N.
+
+    Parameters
+    ----------
+    contact : WheelOnSoil
+    load_n : array_like
+        Load, N.
+    threads : int, optional
+        Threads of this call.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), soils.find("dry-sand"))
+    >>> wheel.slip_of_maximum_pull(contact, load_n=[20.0, 40.0, 80.0]).status
+    array([0, 0, 0], dtype=uint8)
+    """
+    return _best_slip(contact, True, load_n, threads)
+
+
+def slip_of_maximum_efficiency(
+    contact: WheelOnSoil, *, load_n: Any, threads: int | None = None
+) -> BestSlip:
+    """The slip in [0, 1] of the greatest tractive efficiency under each load, and that efficiency.
+
+    Parameters
+    ----------
+    contact : WheelOnSoil
+    load_n : array_like
+        Load, N.
+    threads : int, optional
+        Threads of this call.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), soils.find("dry-sand"))
+    >>> best = wheel.slip_of_maximum_efficiency(contact, load_n=[20.0, 40.0])
+    >>> bool(best.value[1] < best.value[0])
+    True
+    """
+    return _best_slip(contact, False, load_n, threads)
+
+
+def _best_slip(contact: WheelOnSoil, of_pull: bool, load_n: Any, threads: int | None) -> BestSlip:
+    check_kind("contact", contact, WheelOnSoil)
+    shape, points, flat = columns(load_n=load_n)
+    status, results = contact._best_slip(of_pull, flat, points, threads_of(threads))
+    return BestSlip(shaped(shape, status), *(shaped(shape, column) for column in results))
+
+
+def free_slip(
+    contact: WheelOnSoil, *, load_n: Any, bearing_torque_nm: Any = 0.0, threads: int | None = None
+) -> Skid:
+    """The skid of a free wheel: the (negative) slip at which the soil turns it against its bearing's friction.
+
+    Parameters
+    ----------
+    contact : WheelOnSoil
+    load_n : array_like
+        Load, N.
+    bearing_torque_nm : array_like
+        Friction of the bearing, N m, not negative.
+    threads : int, optional
+        Threads of this call.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.05, width_m=0.03), soils.find("dry-sand"))
+    >>> wheel.free_slip(contact, load_n=5.0, bearing_torque_nm=[0.0, 0.01]).slip.round(3)
+    array([-0.095, -0.145])
+    """
+    check_kind("contact", contact, WheelOnSoil)
+    shape, points, flat = columns(load_n=load_n, bearing_torque_nm=bearing_torque_nm)
+    status, slips = contact._free_slip(flat, points, threads_of(threads))
+    return Skid(shaped(shape, status), shaped(shape, slips))
 
 
 def jacobian(

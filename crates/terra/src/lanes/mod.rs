@@ -1,6 +1,7 @@
 //! Many operating points at once: eight lanes of f64.
 
 mod batch;
+mod best;
 mod columns;
 mod curve;
 mod forces;
@@ -9,11 +10,13 @@ mod machine;
 mod nodes;
 mod plan;
 mod portable;
+mod searches;
 mod sheet;
 mod slope;
 mod vector;
 
 pub use batch::{BatchKernel, instructions};
+pub use best::{BestOf, BestSlipColumns};
 pub use columns::{BatchColumns, BatchInput, BatchPoints};
 pub(crate) use nodes::EightNodes;
 pub use portable::{LaneMask, Lanes};

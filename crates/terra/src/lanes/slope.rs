@@ -1,21 +1,19 @@
-//! Slip demands of many slopes: every point brings its own search, all searches take their next slip at the same time.
+//! Slip demands of many slopes.
 
 use grouser_real::Real;
 
 use crate::angle::Angle;
 use crate::error::{Error, Result};
 use crate::settings::Settings;
-use crate::slip_search::{ROOT_PRECISION, RootSearch};
+use crate::slip_search::{ROOT_PRECISION, RootSearch, SAMPLES};
 use crate::status::SolveStatus;
-use crate::traction::{SAMPLES, SlopeOutcome};
+use crate::traction::SlopeOutcome;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
 use super::batch::BatchKernel;
-use super::columns::{BatchColumns, BatchInput, BatchPoints};
-
-/// Searches at a time: a few full groups of lanes, on a stack that is not large.
-const SEARCHES: usize = 64;
+use super::columns::BatchInput;
+use super::searches::{End, SlipSearch, Traction};
 
 impl BatchKernel {
     /// The smallest slip at which a wheel of each `weight` (N) holds each slope (rad): W cos α is carried and the drawbar pull
@@ -53,41 +51,14 @@ impl BatchKernel {
         weight.check_length(n)?;
         slope.check_length(n)?;
         let on_soil = WheelOnSoil::new(*wheel, *self.soil(), Settings::default())?;
-        let lanes = self.has_lanes() && wheel.grousers().is_none();
-        let mut rounds = Rounds::new(self, &on_soil);
-        let mut waiting = 0..n;
-        let mut searches = [const { None }; SEARCHES];
-        loop {
-            for place in &mut searches {
-                while place.is_none()
-                    && let Some(i) = waiting.next()
-                {
-                    let (weight, slope) = (weight.at(i), slope.at(i));
-                    *place = Search::new(i, weight, slope).filter(|_| lanes);
-                    if place.is_none() {
-                        (slip[i], status[i]) = alone(&on_soil, weight, slope);
-                    }
-                }
-            }
-            if !rounds.run(&mut searches)? {
-                return Ok(());
-            }
-            for place in &mut searches {
-                let Some(search) = place else { continue };
-                let i = search.point;
-                match search.end {
-                    None => continue,
-                    Some(End::Holds(found)) => (slip[i], status[i]) = (found, SolveStatus::Solved),
-                    Some(End::TooSteep) => {
-                        (slip[i], status[i]) = (f64::NAN, SolveStatus::NoSolution);
-                    }
-                    Some(End::Unsure) => {
-                        (slip[i], status[i]) = alone(&on_soil, weight.at(i), slope.at(i));
-                    }
-                }
-                *place = None;
-            }
-        }
+        let begin = |i| Search::new(weight.at(i), slope.at(i));
+        self.searches(&on_soil, n, begin, |i, end| {
+            (slip[i], status[i]) = match end {
+                End::Found(found) => (found, SolveStatus::Solved),
+                End::NoSolution => (f64::NAN, SolveStatus::NoSolution),
+                End::Unsure => alone(&on_soil, weight.at(i), slope.at(i)),
+            };
+        })
     }
 }
 
@@ -100,79 +71,10 @@ fn alone(on_soil: &WheelOnSoil, weight: f64, slope: f64) -> (f64, SolveStatus) {
     }
 }
 
-/// The columns of one round: a slip and a load for each search.
-struct Rounds<'a> {
-    kernel: &'a BatchKernel,
-    on_soil: &'a WheelOnSoil,
-    slip: [f64; SEARCHES],
-    load: [f64; SEARCHES],
-    out: [[f64; SEARCHES]; 4],
-    status: [SolveStatus; SEARCHES],
-}
-
-impl<'a> Rounds<'a> {
-    const fn new(kernel: &'a BatchKernel, on_soil: &'a WheelOnSoil) -> Self {
-        Self {
-            kernel,
-            on_soil,
-            slip: [0.0; SEARCHES],
-            load: [0.0; SEARCHES],
-            out: [[0.0; SEARCHES]; 4],
-            status: [SolveStatus::NotConverged; SEARCHES],
-        }
-    }
-
-    /// Evaluates the next slip of every search; false where there is none.
-    fn run(&mut self, searches: &mut [Option<Search>; SEARCHES]) -> Result<bool> {
-        let mut count = 0;
-        for search in searches.iter().flatten() {
-            (self.slip[count], self.load[count]) = (search.slip, search.load);
-            count += 1;
-        }
-        if count == 0 {
-            return Ok(false);
-        }
-        let wheel = self.on_soil.wheel();
-        let points = BatchPoints {
-            radius: wheel.radius().into(),
-            width: wheel.width().into(),
-            rebound: self.kernel.soil().params().rebound.into(),
-            slip: (&self.slip[..count]).into(),
-        };
-        let [sinkage, vertical_force, drawbar_pull, torque] = &mut self.out;
-        let mut columns = BatchColumns {
-            sinkage: &mut sinkage[..count],
-            vertical_force: &mut vertical_force[..count],
-            drawbar_pull: &mut drawbar_pull[..count],
-            torque: &mut torque[..count],
-            status: &mut self.status[..count],
-        };
-        self.kernel
-            .under_load(&points, &self.load[..count], &mut columns)?;
-        for (k, search) in searches.iter_mut().flatten().enumerate() {
-            match self.status[k] {
-                SolveStatus::Solved => search.feed(Some(self.out[2][k])),
-                SolveStatus::NoSolution => search.feed(None),
-                _ => search.end = Some(End::Unsure),
-            }
-        }
-        Ok(true)
-    }
-}
-
 /// Samples are made finer by this factor about the best one, at most so often: what is left undecided then is the general
 /// search's, which takes a millisecond.
 const FINER: u32 = 16;
 const MAX_FINER: u32 = 3;
-
-/// How a search ended.
-#[derive(Clone, Copy)]
-enum End {
-    Holds(f64),
-    TooSteep,
-    /// The general search decides.
-    Unsure,
-}
 
 /// Samples of the pull, at equal steps of the slip.
 struct Samples {
@@ -193,7 +95,6 @@ struct Samples {
 
 /// The search of one point, as [`WheelOnSoil::slip_demand`] makes it from slip 0 on.
 struct Search {
-    point: usize,
     load: f64,
     required: f64,
     /// The slip to be evaluated next.
@@ -202,7 +103,7 @@ struct Search {
     /// How often the samples were made finer about the best one.
     finer: u32,
     root: Option<RootSearch>,
-    end: Option<End>,
+    end: Option<End<f64>>,
 }
 
 impl Samples {
@@ -262,13 +163,34 @@ impl Samples {
     }
 }
 
+impl SlipSearch for Search {
+    type Found = f64;
+
+    fn next(&self) -> (f64, f64) {
+        (self.slip, self.load)
+    }
+
+    fn feed(&mut self, found: Option<Traction>) {
+        let surplus = found.map(|found| found.drawbar_pull - self.required);
+        if let Some(root) = &mut self.root {
+            root.feed(surplus);
+            self.refine();
+        } else {
+            self.sample(surplus);
+        }
+    }
+
+    fn end(&self) -> Option<End<f64>> {
+        self.end
+    }
+}
+
 impl Search {
     /// The search of a point on lanes; `None` for one that needs the general search.
-    fn new(point: usize, weight: f64, slope: f64) -> Option<Self> {
+    fn new(weight: f64, slope: f64) -> Option<Self> {
         let is_uphill = slope > 0.0 && slope < 89.9_f64.to_radians();
         let is_legal = weight > 0.0 && weight <= 1e12;
         (is_uphill && is_legal).then(|| Self {
-            point,
             load: weight * Real::cos(slope),
             required: weight * Real::sin(slope),
             slip: 0.0,
@@ -277,17 +199,6 @@ impl Search {
             root: None,
             end: None,
         })
-    }
-
-    /// Takes the pull at the slip that was evaluated, N; `None` where the load is not carried.
-    fn feed(&mut self, pull: Option<f64>) {
-        let surplus = pull.map(|pull| pull - self.required);
-        if let Some(root) = &mut self.root {
-            root.feed(surplus);
-            self.refine();
-        } else {
-            self.sample(surplus);
-        }
     }
 
     fn sample(&mut self, surplus: Option<f64>) {
@@ -307,7 +218,7 @@ impl Search {
             Some(slip) => self.slip = slip,
             // a pull that falls from slip 0 on has its maximum below
             None if self.samples.best.0 == 0.0 => self.end = Some(End::Unsure),
-            None if !self.samples.may_reach() => self.end = Some(End::TooSteep),
+            None if !self.samples.may_reach() => self.end = Some(End::NoSolution),
             None if self.finer < MAX_FINER => {
                 self.finer += 1;
                 self.samples = self.samples.finer();
@@ -321,7 +232,7 @@ impl Search {
         if let Some(root) = &mut self.root {
             match root.next_slip() {
                 Some(slip) => self.slip = slip,
-                None => self.end = Some(End::Holds(root.root())),
+                None => self.end = Some(End::Found(root.root())),
             }
         }
     }
