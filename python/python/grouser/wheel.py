@@ -406,7 +406,7 @@ def free_slip(
     >>> from grouser import soils, wheel
     >>> contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.05, width_m=0.03), soils.find("dry-sand"))
     >>> wheel.free_slip(contact, load_n=5.0, bearing_torque_nm=[0.0, 0.01]).slip.round(3)
-    array([-0.095, -0.145])
+    array([-0.095, -0.155])
     """
     check_kind("contact", contact, WheelOnSoil)
     shape, points, flat = columns(load_n=load_n, bearing_torque_nm=bearing_torque_nm)
