@@ -231,6 +231,8 @@ def _long_calls() -> dict[str, Callable[[], object]]:
     return {
         "operating_points": lambda: wheel.operating_points(contact, load_n=80.0, slip=slope / 10.0, slip_angle_deg=5.0),
         "slip_demand": lambda: wheel.slip_demand(contact, weight_n=80.0, slope_deg=slope),
+        "slip_of_maximum_pull": lambda: wheel.slip_of_maximum_pull(contact, load_n=np.linspace(1.0, 100.0, 2_000_000)),
+        "free_slip": lambda: wheel.free_slip(contact, load_n=np.linspace(1.0, 100.0, 200_000)),
         "jacobian": lambda: wheel.jacobian(contact, load_n=80.0, slip=slope / 10.0),
         "curve": lambda: wheel.curve(SAND, wheel.Wheel(**SIZE), load_n=80.0, slip=np.linspace(0.0, 0.9, 20_000_000)),
         "solve_file": lambda: optimize.solve_file(EXAMPLES / "problems" / "robust-wheel.toml"),
