@@ -1,17 +1,14 @@
 #!/usr/bin/env python3
 """Checks a proof log of `grouser optimize --certify` with interval arithmetic of its own: check.py LOG.jsonl ...
-The log claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. The checker replays every
-line: the boxes cover the whole box, each leaf's bound follows from its multipliers, and the point has the level. It shares no code with
-the program. It relies on IEEE 754 and on elementary functions of Python's math module that are within ULPS units in the last place.
-Exit codes: 0 the log proves what it claims, 1 it does not, 2 it cannot be read. """
+The log claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. Every line is replayed: the boxes
+cover the whole box, each leaf's bound follows from its multipliers, the point has the level; of a front also how its proofs are joined. No code is
+the program's; functions of Python's math module must be within ULPS units in the last place. Exit codes: 0 proved, 1 not proved, 2 not readable."""
 import fractions, functools, itertools, json, math, sys
 INF, ULPS, point, reduce = math.inf, 4, lambda x: (x, x), functools.reduce
-# an interval is (low, high), or None where a function has no value
-ALL, ZERO, ONE, TWO = (-INF, INF), point(0.0), point(1.0), point(2.0)
+ALL, ZERO, ONE, TWO = (-INF, INF), point(0.0), point(1.0), point(2.0)  # an interval is (low, high), or None where a function has no value
 Refused = type("Refused", (Exception,), {"__doc__": "The log does not prove what it claims."})
 def need(condition, reason):
-    if not condition:
-        raise Refused(reason)
+    if not condition: raise Refused(reason)
 down, up = lambda x: math.nextafter(x, -INF), lambda x: math.nextafter(x, INF)
 def add(a, b):  # a sum that is exact is not rounded
     low, high = a[0] + b[0], a[1] + b[1]
@@ -19,9 +16,7 @@ def add(a, b):  # a sum that is exact is not rounded
     high = high if high - a[1] == b[1] and high - b[1] == a[1] else up(high)
     return (-INF if low != low else low, INF if high != high else high)
 neg, sub = lambda a: a and (-a[1], -a[0]), lambda a, b: add(a, neg(b))
-def mul(a, b):
-    p = [0.0 if x == 0 or y == 0 else x * y for x in a for y in b]
-    return ZERO if a == ZERO or b == ZERO else (down(min(p)), up(max(p)))
+mul = lambda a, b: ZERO if ZERO in (a, b) else (down(min(p := [0.0 if x == 0 or y == 0 else x * y for x in a for y in b])), up(max(p)))
 def div(a, b):
     if b == ZERO or b[0] > 0 or b[1] < 0:
         p = [0.0 if math.isinf(y) else x / (y or 1.0) for x in a for y in b]
@@ -57,80 +52,63 @@ def sinc_slopes(a, v):  # -x/3 + x^3/30 - x^5/840 + x^7/45360 - ..., an odd func
     slope = (series(a[1])[0], series(a[0])[1]) if size(a) <= 2 else within(div(sub(cos(a), v), a), -0.4363, 0.4363)
     return slope, within(sub(neg(v), mul(TWO, div(slope, a) or ALL)), -0.334, 0.334)
 def powi(a, n):
-    if n <= 1:
-        return a if n == 1 else div(ONE, powi(a, -n)) if n else ONE
+    if n <= 1: return a if n == 1 else div(ONE, powi(a, -n)) if n else ONE
     low, high = (reduce(mul, [point(x)] * n) for x in (absolute(a) if n % 2 == 0 else a))
     return (max(low[0], 0.0) if n % 2 == 0 else low[0], high[1])
-def power(a, b):
-    p = [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]
-    return ALL if a[0] < 0 else wide(min(p), max(p), 0.0)
+power = lambda a, b: ALL if a[0] < 0 else wide(
+    min(p := [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]), max(p), 0.0)
 def power_by_exponent(x, y, value):  # x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)
     whole = mul(value, logarithm(math.log, x) or ALL)
     least = -INF if y[0] <= 0 else down(down(-1 / (2.718281828459045 * y[0])))
     return whole if x[0] > 0 else (least, whole[1] if x[1] > 1 else 0.0) if y[0] > 0 else ALL
 crosses = lambda y, x: x[0] <= 0 and y[0] <= 0 <= y[1]  # may the angle jump by a turn?
-atan2 = lambda y, x: (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(
-    min(p := [math.atan2(a, b) for a in y for b in x]), max(p))
-def quotient(a, b, v):
-    share, cross = div(ONE, b), neg(powi(b, -2))
-    return [share, neg(div(v, b))], [(0, 1, cross), (1, 0, cross), (1, 1, div(mul(TWO, v), powi(b, 2)))]
+atan2 = lambda y, x: (-up(math.pi), up(math.pi)) if crosses(y, x) else wide(min(p := [math.atan2(a, b) for a in y for b in x]), max(p))
+quotient = lambda a, b, v: ([div(ONE, b), neg(div(v, b))], [
+    (0, 1, cross := neg(powi(b, -2))), (1, 0, cross), (1, 1, div(mul(TWO, v), powi(b, 2)))])
 def power_slopes(a, b, v):
     ln, less = logarithm(math.log, a) or ALL, power(a, sub(b, ONE))
     mixed = mul(less, add(ONE, mul(b, ln)))
     bends = [(0, 0, mul(mul(b, sub(b, ONE)), power(a, sub(b, TWO)))), (0, 1, mixed), (1, 0, mixed), (1, 1, mul(v, powi(ln, 2)))]
     return [mul(b, less), power_by_exponent(a, b, v)], bends
-def arc(x, sign):
-    slope = div(sign, root(sub(ONE, powi(x, 2))))
-    return slope, mul(x, mul(sign, powi(slope, 3)))
-def either(first, second):  # the slopes of a choice: certain, or between 0 and 1 with a kink
-    known = first or second
-    return [(ONE if first else ZERO), (ZERO if first else ONE)] if known else [(0.0, 1.0)] * 2, [] if known else [(0, 0, ALL), (1, 1, ALL)]
+arc = lambda x, sign: (slope := div(sign, root(sub(ONE, powi(x, 2)))), mul(x, mul(sign, powi(slope, 3))))
+either = lambda first, second: (  # the slopes of a choice: certain, or between 0 and 1 with a kink
+    [(ONE if first else ZERO), (ZERO if first else ONE)], []) if first or second else ([(0.0, 1.0)] * 2, [(0, 0, ALL), (1, 1, ALL)])
 LN10, always = wide(math.log(10.0), math.log(10.0)), lambda *_: True
 # name: value; is it defined and continuous over the whole interval?; by the arguments and the value the first and the second
 # derivative, of two arguments as a list and as triples with the numbers of the arguments (unbounded where there is none)
 TABLE = {
-    "neg": (neg, always, lambda x, v: (point(-1.0), ZERO)),
     "abs": (absolute, always, lambda x, v: (ONE, ZERO) if x[0] >= 0 else (point(-1.0), ZERO) if x[1] <= 0 else ((-1.0, 1.0), ALL)),
     "sqrt": (root, lambda x: x[0] >= 0, lambda x, v: (div(ONE, mul(TWO, v)), div(point(-0.25), mul(x, v)))),
-    "exp": (lambda x: rising(math.exp, x, 0.0), always, lambda x, v: (v, v)),
-    "expm1": (lambda x: rising(math.expm1, x, -1.0), always, lambda x, v: (add(v, ONE), add(v, ONE))),
+    "exp": (lambda x: rising(math.exp, x, 0.0), always, lambda x, v: (v, v)), "sin": (sin, always, lambda x, v: (cos(x), neg(v))), "sinc": (sinc, always, sinc_slopes),
+    "expm1": (lambda x: rising(math.expm1, x, -1.0), always, lambda x, v: (add(v, ONE),) * 2), "neg": (neg, always, lambda x, v: (point(-1.0), ZERO)),
     "ln": (lambda x: logarithm(math.log, x), lambda x: x[0] > 0, lambda x, v: (div(ONE, x), neg(powi(x, -2)))),
     "ln1p": (lambda x: logarithm(math.log1p, x, -1.0), lambda x: x[0] > -1, lambda x, v: (div(ONE, add(ONE, x)), neg(powi(add(ONE, x), -2)))),
     "log10": (lambda x: (ln := logarithm(math.log, x)) and div(ln, LN10), lambda x: x[0] > 0, lambda x, v: (
         s := div(ONE, mul(x, LN10)), neg(div(s, x)))),
-    "sin": (sin, always, lambda x, v: (cos(x), neg(v))),
-    "cos": (cos, always, lambda x, v: (neg(sin(x)), neg(v))),
+    "cos": (cos, always, lambda x, v: (neg(sin(x)), neg(v))), "sinh": (sinh, always, lambda x, v: (cosh(x), v)),
     "tan": (lambda x: ALL if turns(x, 1) else rising(math.tan, x), lambda x: not turns(x, 1), lambda x, v: (
         s := add(ONE, powi(v, 2)), mul(mul(TWO, v), s))),
     "asin": (lambda x: rising(math.asin, x, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: arc(x, ONE)),
     "acos": (lambda x: rising(lambda y: math.acos(-y), neg(x), 0.0, domain=(-1.0, 1.0)), lambda x: size(x) <= 1, lambda x, v: arc(x, point(-1.0))),
     "atan": (lambda x: rising(math.atan, x), always, lambda x, v: (s := div(ONE, add(ONE, powi(x, 2))), mul(mul(point(-2.0), x), powi(s, 2)))),
-    "sinh": (sinh, always, lambda x, v: (cosh(x), v)),
-    "cosh": (cosh, always, lambda x, v: (sinh(x), v)),
+    "cosh": (cosh, always, lambda x, v: (sinh(x), v)), "sub": (sub, always, lambda a, b, v: ([ONE, point(-1.0)], [])),
     "tanh": (lambda x: rising(math.tanh, x, -1.0, 1.0), always, lambda x, v: (s := sub(ONE, powi(v, 2)), mul(mul(point(-2.0), v), s))),
-    "sinc": (sinc, always, sinc_slopes),
     "powi": (powi, lambda x, n: n >= 0 or not x[0] <= 0 <= x[1], lambda x, n, v: (
         mul(point(float(n)), powi(x, n - 1)), mul(point(float(n * (n - 1))), powi(x, n - 2)) if n not in (0, 1) else ZERO)),
-    "add": (add, always, lambda a, b, v: ([ONE, ONE], [])),
-    "sub": (sub, always, lambda a, b, v: ([ONE, point(-1.0)], [])),
-    "mul": (mul, always, lambda a, b, v: ([b, a], [(0, 1, ONE), (1, 0, ONE)])),
-    "div": (div, lambda a, b: not b[0] <= 0 <= b[1], quotient),
-    "pow": (power, lambda a, b: a[0] > 0 or a[0] == 0 < b[0], power_slopes),
+    "add": (add, always, lambda a, b, v: ([ONE, ONE], [])), "div": (div, lambda a, b: not b[0] <= 0 <= b[1], quotient),
+    "mul": (mul, always, lambda a, b, v: ([b, a], [(0, 1, ONE), (1, 0, ONE)])), "pow": (power, lambda a, b: a[0] > 0 or a[0] == 0 < b[0], power_slopes),
     "min": (lambda a, b: (min(a[0], b[0]), min(a[1], b[1])), always, lambda a, b, v: either(a[1] < b[0], b[1] < a[0])),
     "max": (lambda a, b: (max(a[0], b[0]), max(a[1], b[1])), always, lambda a, b, v: either(b[1] < a[0], a[1] < b[0])),
     "atan2": (atan2, lambda a, b: not crosses(a, b), lambda a, b, v: (
-        [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))], [(0, 0, ALL), (1, 1, ALL)])),
-}
+        [div(b, add(powi(a, 2), powi(b, 2))), neg(div(a, add(powi(a, 2), powi(b, 2))))], [(0, 0, ALL), (1, 1, ALL)]))}
 TWO_ARGUMENTS = ("add", "sub", "mul", "div", "pow", "min", "max", "atan2")
 TABLE |= {name: (value, regular, lambda *x, slopes=slopes: [[part] if k == 0 else [(0, 0, part)] for k, part in enumerate(slopes(*x))])
           for name, (value, regular, slopes) in TABLE.items() if name not in TWO_ARGUMENTS}
 operands = lambda op: [] if op[0] in ("const", "var") else op[1:2] if op[0] == "powi" else op[1:]
-def needed(ops, node):  # the operations that a row needs, in order
-    return sorted(reduce(lambda known, at: known.union(operands(ops[at])) if at in known else known, range(node, -1, -1), {node}))
+needed = lambda ops, node: sorted(reduce(lambda known, at: known.union(operands(ops[at])) if at in known else known, range(node, -1, -1), {node}))
 def collect(terms):  # the sums of the products by key
     sums = {}
-    for key, factor, part in terms:
-        sums[key] = add(sums.get(key, ZERO), part if factor == ONE else mul(factor or ALL, part))
+    for key, factor, part in terms: sums[key] = add(sums.get(key, ZERO), part if factor == ONE else mul(factor or ALL, part))
     return sums
 def forward(ops, order, box):  # over a box: operations' arguments, their values (None: nowhere), and which are defined and continuous
     taken, value, regular = {}, {}, {}
@@ -152,8 +130,7 @@ def backward(ops, order, seeds, own):  # passes the shares of a weighted sum on 
     share = dict(seeds)
     for at in reversed(order):
         parts = [] if (mine := share.get(at, ZERO)) == ZERO else passed_on(ops, at, mine)
-        for a, part in own(at, mine) if parts is None else parts:
-            share[a] = add(share.get(a, ZERO), part)
+        for a, part in own(at, mine) if parts is None else parts: share[a] = add(share.get(a, ZERO), part)
 def total(ops, rows, weights, box, depth):
     """The weighted sum of rows over a box: its value, and to this depth its slopes and curvatures where the mean value theorem applies.
     None also where a row has no value. Sums are taken apart, so that what rows have in common counts once."""
@@ -161,15 +138,13 @@ def total(ops, rows, weights, box, depth):
     taken, value, regular = forward(ops, order, box)
     derivatives = lambda at: TABLE[ops[at][0]][2](*taken[at], value[at]) if taken[at] else ([], [])
     seeds, terms, jumps, slopes, bend, gradient = collect((rows[row][1][-1], ONE, point(w)) for row, w in weights), [ZERO], [], {}, {}, {}
-    if any(value[node] is None for node in seeds):
-        return None, None, None
+    if any(value[node] is None for node in seeds): return None, None, None
     backward(ops, order, seeds, lambda at, share: terms.append(mul(share, value[at])) or [])
     def by_operands(at, share):
         (slopes if ops[at][0] == "var" else {})[ops[at][1]] = share
         jumps.extend([] if regular[at] else [at])
         return [(a, mul(share, f or ALL)) for f, a in zip(derivatives(at)[0] if regular[at] else [], operands(ops[at]))]
-    if depth > 0:
-        backward(ops, order, seeds, by_operands)
+    if depth > 0: backward(ops, order, seeds, by_operands)
     for at in order if depth > 1 and all(regular.values()) else []:
         inner, (first, second) = operands(ops[at]), derivatives(at)
         gradient[at] = {ops[at][1]: ONE} if ops[at][0] == "var" else collect((d, f, x) for f, a in zip(first, inner) for d, x in gradient[a].items())
@@ -187,10 +162,8 @@ def is_curved(bend, half, curvature):  # is `bend` less `curvature` positive def
     return all(0 < rest[d, d][0] <= rest[d, d][1] < INF for d in half)
 def centre(x, slope):  # where the mean value form is best; any point of the box would do
     low, high = slope
-    return x[0] if low >= 0 or high == INF else x[1] if high <= 0 or low == -INF else (
-        min(x[1], max(x[0], (x[1] * high - x[0] * low) / (high - low))))
-def bound(ops, rows, weights, tangent, box):
-    """The greatest level that the multipliers prove for the box; infinite where it holds no feasible point."""
+    return x[0] if low >= 0 or high == INF else x[1] if high <= 0 or low == -INF else (min(x[1], max(x[0], (x[1] * high - x[0] * low) / (high - low))))
+def bound(ops, rows, weights, tangent, box):  # the greatest level that the multipliers prove for the box; infinite where it holds no feasible point
     natural, slopes, bend = total(ops, rows, weights, box, 2 if tangent else 1)
     low, forms = natural[0] if natural else INF, [] if slopes is None else [([centre(x, slopes.get(d, ZERO)) for d, x in enumerate(box)], slopes, {})]
     if tangent and bend is not None:
@@ -198,8 +171,7 @@ def bound(ops, rows, weights, tangent, box):
         curvature = {d: point(tangent[1] / h[0] ** 2) for d, h in half.items()}
         at = [min(max(p, x[0]), x[1]) for p, x in zip(tangent[0], box, strict=True)]
         steep = total(ops, rows, weights, [*map(point, at)], 1)[1]
-        if steep is not None and is_curved(bend, half, curvature):
-            forms.append((at, steep, curvature))
+        if steep is not None and is_curved(bend, half, curvature): forms.append((at, steep, curvature))
     for at, slopes, curvature in forms:
         form = total(ops, rows, weights, [*map(point, at)], 0)[0] or ALL
         for d, step in enumerate(sub(x, point(p)) for x, p in zip(box, at)):
@@ -212,12 +184,10 @@ def push(ops, *op):  # the place of an operation, which is listed once
     return ops.index(op) if op in ops else ops.append(op) or len(ops) - 1
 def fraction(ops, at, one):  # a row as numerator and denominator
     name, *given = ops[at]
-    if name not in ("neg", "add", "sub", "mul", "div"):
-        return at, one
+    if name not in ("neg", "add", "sub", "mul", "div"): return at, one
     times = lambda a, b: b if a == one else a if b == one else push(ops, "mul", a, b)
     (n, d), (m, e) = (fraction(ops, a, one) for a in [*given, given[0]][:2])
-    if name in ("mul", "div"):
-        return (times(n, m), times(d, e)) if name == "mul" else (times(n, e), times(d, m))
+    if name in ("mul", "div"): return (times(n, m), times(d, e)) if name == "mul" else (times(n, e), times(d, m))
     n, m, d = (n, m, d) if d == e else (times(n, e), times(m, d), times(d, e))
     return push(ops, "neg", n) if name == "neg" else push(ops, name, n, m), d
 def cleared(ops, rows, level):  # what rows mean at a level, the last variable: where N/D and -N/D are both rows, N - level |D| <= 0
@@ -252,15 +222,12 @@ def check_point(box, ops, rows, last):  # the point has the level and the violat
         most, limit = size(value) if kind == "equal" else value[1], last["upper" if kind == "objective" else "violation"]
         need(most <= limit + 1e-12 * (1 + abs(most)), f"the point exceeds what is claimed: {most} > {limit}")
     return True
-def check(lines):  # replays a log; returns what it proves
-    box, ops, rows = read_problem(head := json.loads(next(lines)))
-    pending, seen, lowest, leaves, last, without = {0: box}, {0}, INF, 0, None, None
+def check(lines, head):  # replays a log; returns what it proves: how it ended, its bounds, its leaves
+    box, ops, rows = read_problem(head)
+    pending, seen, lowest, leaves, last, without = {0: box}, {0}, INF, 0, {}, None
     for entry in map(json.loads, lines):
-        if "end" in entry:
-            last = entry
-            break
-        need(entry["box"] in pending, f"box {entry['box']} is not open")
-        mine = pending.pop(entry["box"])
+        if "end" in (last := entry): break
+        need((mine := pending.pop(entry["box"], None)) is not None, f"box {entry['box']} is not open")
         if "divide" in entry:
             d, at = entry["divide"], entry["at"]
             need(d in range(len(box)) and is_number(at) and mine[d][0] < at < mine[d][1], f"box {entry['box']} is not divided inside")
@@ -278,23 +245,56 @@ def check(lines):  # replays a log; returns what it proves
         proved = bound(*here[:2], entry["weights"], tangent if at else None, here[2])
         need(claimed <= proved, f"box {entry['box']}: {claimed} is claimed, {proved} is proved")
         lowest, leaves = min(lowest, claimed), leaves + 1
-    need(last is not None and not pending, f"the log has no end, or {len(pending)} boxes are not covered")
+    need("end" in last and not pending, f"the log has no end, or {len(pending)} boxes are not covered")
     status, lower, upper = (last[key] for key in ("end", "lower", "upper"))
     need((status == "infeasible") == (lowest == INF), "whether there are feasible points is not what is claimed")
     need(lower is None or lower <= lowest, f"the lower bound {lower} is claimed, {lowest} is proved")
     need(upper is None or check_point(box, ops, rows, last), "the point is not checked")
     need(status != "proved" or upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
-    return f"{status}: lower {lower}, upper {upper}, {leaves} leaves"
+    return status, lower, upper, leaves
+def numbered(known, head):  # the rows of a log by what they compute, numbered alike in all logs of a front
+    ids = []
+    for name, *given in head["ops"]:
+        own = given if name in ("const", "var") else [*(ids[a] for a in operands([name, *given])), *(given[1:] if name == "powi" else [])]
+        ids.append(known.setdefault((name, *own), len(known)))
+    return sorted((kind, ids[node]) for kind, node, _ in head["rows"])
+def check_front(lines):
+    """Replays how the proofs of a front are joined. Every feasible point lies above a corner in both objectives. A corner is cut where one objective
+    is `at`: points beyond lie above the corner moved there, the others above the least value of the other objective, which a proof follows for."""
+    known, bases, corners, end = {}, [], None, {}
+    finite, put = lambda list: tuple(-INF if x is None else x for x in list), lambda c, k, x: (c[0], x) if k else (x, c[1])
+    for entry in map(json.loads, lines):
+        if "front" in (end := entry): break
+        k, at, head = entry["least"], entry["at"], json.loads(next(lines))
+        (status, lower, *_), rows, read = check(lines, head), numbered(known, head), read_problem(head)
+        lower = INF if status == "infeasible" else finite([lower])[0]
+        mine, rest = ([row for row in rows if (row[0] == "objective") == own] for own in (True, False))
+        if at is None:  # the least value of one objective alone
+            need(k == len(bases) and all((base[1], base[2][0]) == (rest, read[0]) for base in bases), "the first proofs do not belong together")
+            bases.append((mine, rest, read, lower))
+            corners = [] if INF in (base[3] for base in bases) else [tuple(base[3] for base in bases)]
+            continue
+        limits = [("at_most", known.get(("sub", f, known.get(("const", at))), -1) if at else f) for _, f in bases[1 - k][0]]
+        same = (mine, rest, read[0]) == (bases[k][0], sorted(limits + bases[0][1]), bases[0][2][0])
+        need(same and (corner := finite(entry["corner"])) in corners and len(bases) == 2, "a cut is about another problem, or there is no such corner")
+        corners = [*(c for c in corners if c != corner), put(corner, 1 - k, at), *([put(corner, k, max(corner[k], lower))] if lower < INF else [])]
+    claimed, ends, open_by = [*map(finite, end["corners"])], end["points"], end["tolerance"]
+    need(all(any(c[0] <= r[0] and c[1] <= r[1] for c in claimed) for r in corners), "what lies above a corner is not covered")
+    need((end["front"] == "infeasible") == (not corners), "whether there are feasible points is not what is claimed")
+    need(all(check_point(*base[2], {**end, "x": x, "upper": level}) for x, levels in ends for base, level in zip(bases, levels, strict=True)), "a point is not checked")
+    near = lambda c, p: all(v <= low + t + 1e-12 * (1 + abs(v)) for v, low, t in zip(p, c, open_by))
+    is_open = end["front"] != "proved" and None in open_by
+    need(is_open or all(any(near(c, p) for _, p in ends) for c in claimed), "a corner leaves more open than the tolerance")
+    return f"{end['front']}: {len(claimed)} corners, {len(ends)} points, off by at most {open_by}"
 def verdict(path):  # the exit code of one log, and a line about it
     try:
         with open(path, encoding="utf-8") as log:
-            said = [check(itertools.chain([first], log)) for first in log]  # of a front: one log after the other
-            return 0, "accepted: " + "; ".join(said or [check(log)])
+            if (head := json.loads(next(log))) == {"format": "grouser-front", "version": 1}: return 0, "accepted: " + check_front(log)
+            return 0, "accepted: {}: lower {}, upper {}, {} leaves".format(*check(log, head))
     except Refused as reason:
         return 1, f"refused: {reason}"
     except (OSError, ArithmeticError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
         return 2, f"refused: not a proof log: {type(reason).__name__}: {reason}"
 if __name__ == "__main__":
     verdicts = [verdict(path) for path in sys.argv[1:]] or [(2, __doc__)]
-    print("\n".join(line for _, line in verdicts))
-    sys.exit(max(verdicts)[0])
+    sys.exit(print("\n".join(line for _, line in verdicts)) or max(verdicts)[0])

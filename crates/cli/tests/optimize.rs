@@ -339,6 +339,7 @@ fn a_certificate_is_proved_refused_or_doubtful() {
     assert_eq!(running.status.code(), Some(0));
     assert_eq!(json(&running)["certificate"]["status"], "proved");
     assert_eq!(json(&running)["certificate"]["remainder"], 1e-8);
+    assert_eq!(json(&running)["certificate"]["remainder_is_proved"], true);
 
     let over_slip = folder.file(
         "over_slip.toml",

@@ -19,9 +19,9 @@ use crate::quantity::{
 use crate::solve::Answer;
 
 /// The greatest entry angle, rad: the hub is at the surface.
-const MAX_ENTRY_RAD: f64 = std::f64::consts::FRAC_PI_2;
+pub(crate) const MAX_ENTRY_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// The least entry angle that is examined, rad: the sinkage is 5e-7 of the radius there.
-const MIN_ENTRY_RAD: f64 = 1e-3;
+pub(crate) const MIN_ENTRY_RAD: f64 = 1e-3;
 
 impl Design {
     /// Why there are no bounds over a box: the first quantity without them, in the first world that has such a one.
@@ -89,7 +89,7 @@ impl Design {
                 return Ok(None);
             };
             rows.push(nodes);
-            balances.push(balance);
+            balances.push(balance.balance);
             let entry = 0.25 * (MIN_ENTRY_RAD + MAX_ENTRY_RAD);
             let name = |what: &str| format!("{what} {index}");
             params.variables.push(Variable::bounded(
@@ -162,21 +162,7 @@ impl Design {
         Some(point)
     }
 
-    /// What the rule of integration in a certificate may leave out, as a share of a force: measured against the kernel,
-    /// not proved. `None` where no wheel carries a load.
-    ///
-    /// ```
-    /// let design = grouser_design::read("../../examples/problems/running-slip.toml".as_ref())?;
-    /// assert_eq!(design.force_remainder(), Some(1e-8));
-    /// # Ok::<(), grouser_design::Error>(())
-    /// ```
-    #[must_use]
-    pub fn force_remainder(&self) -> Option<f64> {
-        self.has_loaded_wheels()
-            .then_some(QUADRATURE_REMAINDER_SHARE)
-    }
-
-    fn has_loaded_wheels(&self) -> bool {
+    pub(crate) fn has_loaded_wheels(&self) -> bool {
         !self.program.quantities.is_empty() && self.program.scope.is_loaded(&self.worlds[0].fixed)
     }
 

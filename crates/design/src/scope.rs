@@ -6,7 +6,9 @@ use grouser_opt::{Node, Tape, Variable};
 use grouser_real::Scalar;
 
 use crate::formula::{Formula, Names};
-use crate::quantity::{Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity, Taped};
+use crate::quantity::{
+    ContactShape, Evaluation, Fixed, Inputs, NoValue, Parameter, Quantity, Taped,
+};
 
 /// Variables first, then all parameters, then all quantities: the numbers that formulas are compiled to.
 #[derive(Clone, Debug)]
@@ -14,6 +16,16 @@ pub(crate) struct Scope {
     variables: Vec<String>,
     /// The variable that replaces a parameter.
     replaced: [Option<usize>; Parameter::COUNT],
+}
+
+/// A loaded wheel on a tape.
+pub(crate) struct Carried {
+    /// What must be 0 for the load to be carried.
+    pub(crate) balance: Node,
+    /// The load at right angles to the ground, N.
+    pub(crate) load: Node,
+    /// What the error of the rule of integration depends on; `None` with rebound.
+    pub(crate) shape: Option<ContactShape<Node>>,
 }
 
 impl Scope {
@@ -95,14 +107,14 @@ impl Scope {
 
     /// The nodes of the same numbers on a tape; `None` for what is not given or is no formula. With `contact`, the
     /// first of the variables that a wheel under a load adds, forces have nodes too, and the second result is what
-    /// must be 0 for the load to be carried.
+    /// must be 0 for the load to be carried, with what the error of the rule of integration depends on.
     pub(crate) fn taped(
         &self,
         tape: &mut Tape,
         fixed: &Fixed,
         quantities: &[Quantity],
         contact: Option<usize>,
-    ) -> (Vec<Option<Node>>, Option<Node>) {
+    ) -> (Vec<Option<Node>>, Option<Carried>) {
         let count = self.count();
         let fixed = &fixed.without(|parameter| self.is_replaced(parameter));
         let mut numbers: Vec<Option<Node>> = (0..count).map(|i| Some(tape.variable(i))).collect();
@@ -123,8 +135,12 @@ impl Scope {
         for &quantity in quantities {
             numbers[self.place(quantity)] = taped.quantity(quantity);
         }
-        let balance = taped.contact.map(|contact| taped.balance(&contact));
-        (numbers, balance)
+        let carried = taped.contact.map(|contact| Carried {
+            balance: taped.balance(&contact),
+            load: contact.load,
+            shape: contact.shape,
+        });
+        (numbers, carried)
     }
 
     /// Whether the load is given, so that the sinkage solves an equation.

@@ -22,6 +22,8 @@ const GAP_SHARE: f64 = 0.5;
 pub struct SlopeProof {
     /// No slip from 0 to the greatest holds the slope.
     pub is_proved: bool,
+    /// The error of the rule of integration behind it is proved; else it is measured.
+    pub is_rule_proved: bool,
     /// The pull that is missing at the best slip that was found, N; negative where that slip holds the slope.
     pub shortage: f64,
     /// The bound behind it: no slip leaves less of a shortage than `lower`, N. `None` where a slip holds the slope.
@@ -32,8 +34,8 @@ pub struct SlopeProof {
 /// `time_limit_s`.
 ///
 /// The pull at a slip is W sin α at least where the wheel holds the slope and carries W cos α. With several sinkages that carry the load
-/// each counts. The forces come from a fixed rule of integration whose error (1e-8 of each force) is measured and not proved: the proof
-/// covers every error up to that size.
+/// each counts. The forces come from a fixed rule of integration, and the proof covers every error up to 1e-8 of each force; that
+/// there is no larger one is proved too, but with rebound.
 ///
 /// # Errors
 /// [`Error::NoCertificate`](crate::Error::NoCertificate) for a law without bounds over a box, as [`Design::certify`].
@@ -46,7 +48,7 @@ pub struct SlopeProof {
 /// let wheel = RigidWheel::new(0.15, 0.12)?;
 /// // The steepest slope that this wheel holds up to a slip of 0.9 is 15.0 degrees.
 /// let proof = prove_no_slip_holds(&wheel, &soil, 40.0, 16.0, 0.9, 60.0)?;
-/// assert!(proof.is_proved && proof.shortage > 0.0);
+/// assert!(proof.is_proved && proof.is_rule_proved && proof.shortage > 0.0);
 /// let held = prove_no_slip_holds(&wheel, &soil, 40.0, 14.5, 0.9, 60.0)?;
 /// assert!(!held.is_proved && held.shortage < 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -70,6 +72,7 @@ pub fn prove_no_slip_holds(
         .build()?;
     let mut proof = SlopeProof {
         is_proved: false,
+        is_rule_proved: false,
         shortage: f64::NAN,
         certificate: None,
     };
@@ -88,6 +91,7 @@ pub fn prove_no_slip_holds(
     settings.time_limit_s = Some(time_limit_s);
     let certificate = design.certify(&settings, &mut |_| ControlFlow::Continue(()), None)?;
     proof.is_proved = certificate.lower > 0.0;
+    proof.is_rule_proved = design.force_remainder().is_some_and(|r| r.is_proved);
     proof.certificate = Some(certificate);
     Ok(proof)
 }

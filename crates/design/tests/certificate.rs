@@ -226,3 +226,26 @@ fn the_checker_accepts_the_proof_of_a_wheel() {
     println!("{text}");
     assert!(text.starts_with("accepted"), "{text}");
 }
+
+/// The rule of integration is proved over the boxes of all shipped problems whose wheels carry a load.
+#[test]
+fn the_rule_of_integration_is_proved_for_shipped_problems() {
+    for name in [
+        "running-slip",
+        "dry-sand-wheel",
+        "robust-wheel",
+        "soil-box",
+        "lug-height",
+        "pull-against-torque",
+    ] {
+        let path = format!("../../examples/problems/{name}.toml");
+        let design = grouser_design::read(path.as_ref()).unwrap();
+        let began = std::time::Instant::now();
+        let remainder = design.force_remainder().unwrap();
+        println!(
+            "{name}: {remainder:?}, {:.2} s",
+            began.elapsed().as_secs_f64()
+        );
+        assert!(remainder.is_proved, "{name}");
+    }
+}

@@ -37,7 +37,7 @@ impl Functions for Zdt3 {
 }
 
 /// Binh and Korn 1997, with two constraints.
-struct BinhKorn;
+pub(crate) struct BinhKorn;
 impl Functions for BinhKorn {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         let c = R::from_f64;
@@ -49,7 +49,7 @@ impl Functions for BinhKorn {
 }
 
 /// The greater of two functions against a third, as for designs on two soils: groups of objectives.
-struct Grouped;
+pub(crate) struct Grouped;
 impl Functions for Grouped {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         let c = R::from_f64;
@@ -59,7 +59,7 @@ impl Functions for Grouped {
     }
 }
 
-fn boxed(
+pub(crate) fn boxed(
     model: impl Functions + 'static,
     sides: &[(f64, f64)],
     m: usize,
@@ -72,7 +72,7 @@ fn boxed(
     )
 }
 
-fn certified(
+pub(crate) fn certified(
     problem: &Problem<'_>,
     groups: &[usize],
     share: f64,
@@ -201,7 +201,7 @@ fn no_front_and_no_time_are_told_apart() {
 }
 
 /// x_0 ≤ −1 in a box of x_0 ≥ 0.
-struct Nowhere;
+pub(crate) struct Nowhere;
 impl Functions for Nowhere {
     fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
         (f[0], f[1], f[2]) = (x[0], x[1], x[0].exp());

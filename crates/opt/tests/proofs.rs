@@ -16,6 +16,7 @@ use grouser_opt::{
 };
 use grouser_real::Scalar;
 
+use crate::certified_fronts::{BinhKorn, Grouped, Nowhere, boxed, certified};
 use crate::random_starts::Stream;
 
 /// Charalambous & Conn 1978.
@@ -302,4 +303,134 @@ fn the_checker_refuses_mutilated_logs() {
         "100 of 100 mutilated logs refused, of {:?} lines",
         originals.iter().map(|o| o.1.len()).collect::<Vec<_>>()
     );
+}
+
+/// Logs of fronts: with constraints, with a group of objectives, without a feasible point.
+fn fronts() -> Vec<Vec<String>> {
+    let binh_korn = boxed(BinhKorn, &[(0.0, 5.0), (0.0, 3.0)], 2)
+        .inequalities(["first".to_owned(), "second".to_owned()]);
+    let grouped = boxed(Grouped, &[(-1.0, 3.0), (-2.0, 2.0)], 3);
+    let nowhere = boxed(Nowhere, &[(0.0, 1.0); 2], 2).inequalities(["never".to_owned()]);
+    let cases = [
+        (binh_korn, vec![0, 1]),
+        (grouped, vec![0, 0, 1]),
+        (nowhere, vec![0, 1]),
+    ];
+    let logs = cases.into_iter().map(|(params, groups)| {
+        let mut log = Vec::new();
+        certified(&Problem::new(params).unwrap(), &groups, 0.1, &mut log);
+        log
+    });
+    logs.collect()
+}
+
+/// The joining of a front's proofs changed so that it proves less than it claims.
+fn unjoined(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<String>> {
+    let mut lines = log.to_vec();
+    let begins: Vec<usize> = (0..log.len())
+        .filter(|at| log[*at].starts_with("{\"least\""))
+        .collect();
+    let last = log.len() - 1;
+    let pick = |stream: &mut Stream, count: usize| (stream.next() * count as f64) as usize;
+    // a cut, and where the next one begins
+    let cut = 2 + pick(stream, begins.len() - 2);
+    let ends = |cut: usize| begins.get(cut + 1).copied().unwrap_or(last);
+    let (first, end) = (begins[cut], ends(cut));
+    let size = 0.01 + stream.next();
+    match kind {
+        // a cut is missing, or one of the first two proofs
+        0 => drop(lines.drain(first..end)),
+        1 => drop(lines.drain(begins[cut % 2]..ends(cut % 2))),
+        // the announcement of a cut is missing, or its proof
+        2 => drop(lines.remove(first)),
+        3 => drop(lines.drain(first + 1..end)),
+        // a cut at another value, of another objective, of a corner that is none
+        4 => lines[first] = with_number(&log[first], "\"at\":", |at| at + size)?,
+        5 if log[first].contains("\"least\":0") => {
+            lines[first] = log[first].replacen("\"least\":0", "\"least\":1", 1);
+        }
+        5 => lines[first] = log[first].replacen("\"least\":1", "\"least\":0", 1),
+        6 => lines[first] = with_number(&log[first], "\"corner\":[", |c| c - size)?,
+        // the proof of another cut
+        7 => {
+            let other = 2 + (cut - 1) % (begins.len() - 2);
+            let proof = log[begins[other] + 1..ends(other)].to_vec();
+            drop(lines.splice(first + 1..end, proof));
+        }
+        // the proof of one objective alone, which has no limit
+        8 => {
+            let proof = log[begins[1] + 1..ends(1)].to_vec();
+            drop(lines.splice(first + 1..end, proof));
+        }
+        // a cut is said to be of the whole problem
+        9 => {
+            let least = &log[first][..log[first].find(",\"corner\"")?];
+            lines[first] = format!("{least},\"corner\":null,\"at\":null}}");
+        }
+        // the proof of a cut without a constraint, in another box
+        10 => lines[first + 1] = log[first + 1].replacen("[\"at_most\"", "[\"objective\"", 1),
+        11 => {
+            lines[first + 1] = with_number(&log[first + 1], "\"lower\":[", |low| low + 0.1 * size)?;
+        }
+        // the end: a corner is missing, or higher than what is proved
+        12 => {
+            let start = log[last].find("\"corners\":[")? + 11;
+            let rest = &log[last][start + 1..];
+            let next = rest.find("],[")? + 2;
+            lines[last] = format!("{}{}", &log[last][..start], &rest[next..]);
+        }
+        13 => lines[last] = with_number(&log[last], "\"corners\":[[", |c| c + 1e-3 * size)?,
+        // a point that is better than it can be, or elsewhere, or missing
+        14 => lines[last] = with_number(&log[last], "],[", |level| level - 1e-3 * size)?,
+        15 => lines[last] = with_number(&log[last], "\"points\":[[[", |x| x + 0.1 * size)?,
+        16 => {
+            let (start, end) = (
+                log[last].find("\"points\":")?,
+                log[last].find(",\"corners\"")?,
+            );
+            lines[last] = format!("{}\"points\":[]{}", &log[last][..start], &log[last][end..]);
+        }
+        // a smaller tolerance
+        17 => lines[last] = with_number(&log[last], "\"tolerance\":[", |t| 0.5 * t)?,
+        // no end, no beginning
+        18 => drop(lines.pop()),
+        19 => drop(lines.remove(0)),
+        // another end
+        _ => lines[last] = log[last].replacen("\"proved\"", "\"infeasible\"", 1),
+    }
+    (lines != log).then_some(lines)
+}
+
+#[test]
+fn the_checker_replays_how_the_proofs_of_a_front_are_joined() {
+    if !python() {
+        return;
+    }
+    let originals = fronts();
+    let count = originals.len();
+    let mut stream = Stream(2012);
+    let mut logs = originals.clone();
+    let mut kinds = Vec::new();
+    for (kind, log) in (0..21).cycle().zip(originals[..2].iter().cycle()) {
+        if logs.len() >= 100 + count {
+            break;
+        }
+        if let Some(lines) = (0..50).find_map(|_| unjoined(log, kind, &mut stream)) {
+            logs.push(lines);
+            kinds.push(kind);
+        }
+    }
+    let verdicts = verdicts(&folder("fronts"), &logs);
+    assert_eq!(verdicts.len(), 100 + count);
+    for verdict in &verdicts[..count] {
+        println!("{verdict}");
+        assert!(verdict.starts_with("accepted"), "{verdict}");
+    }
+    for (verdict, kind) in verdicts[count..].iter().zip(&kinds) {
+        println!("{kind}: {verdict}");
+        assert!(
+            verdict.starts_with("refused"),
+            "mutilation {kind}: {verdict}"
+        );
+    }
 }

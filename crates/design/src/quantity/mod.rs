@@ -4,6 +4,7 @@ mod fixed;
 mod inputs;
 mod parameter;
 mod point;
+mod rule_error;
 mod taped;
 mod taped_contact;
 mod taped_laws;
@@ -15,8 +16,9 @@ pub(crate) use fixed::Fixed;
 pub(crate) use inputs::Inputs;
 pub use parameter::{Parameter, Place};
 pub(crate) use point::NoValue;
+pub(crate) use rule_error::{ContactShape, RuleError, log_width};
 pub(crate) use taped::Taped;
-pub(crate) use taped_contact::{CONTACT_VARIABLES, QUADRATURE_REMAINDER_SHARE};
+pub(crate) use taped_contact::{CONTACT_VARIABLES, QUADRATURE_REMAINDER_SHARE, rule};
 
 use point::{Point, efficiency};
 

@@ -9,15 +9,14 @@
 use grouser_opt::{Binary, Node, Unary};
 use grouser_real::Real;
 
+use super::rule_error::ContactShape;
 use super::taped::Taped;
 use super::{Parameter, Quantity};
 
 /// Nodes of the rule on each piece.
-const NODES: usize = 10;
-/// With rebound, or where soil is carried away: such wheels stand deeper, and their contact is longer.
-const NODES_DEEP: usize = 13;
-/// What the rule may leave out of an integral, as a share of it. The test `taped_forces_are_those_of_the_kernel`
-/// compares it with the kernel's reference mode over random wheels and soils.
+const NODES: usize = 13;
+/// What the rule may leave out of an integral, as a share of it. `Design::force_remainder` proves it over the box of a
+/// problem; the test `taped_forces_are_those_of_the_kernel` compares it with the kernel over random wheels and soils.
 pub(crate) const QUADRATURE_REMAINDER_SHARE: f64 = 1e-8;
 
 /// What a contact adds to the variables of a problem: the entry angle, then one remainder per integral.
@@ -33,23 +32,25 @@ pub(crate) struct TapedContact {
     theta_m: Node,
     slip: Node,
     pub(super) radius: Node,
-    load: Node,
+    pub(crate) load: Node,
     vertical_force: Node,
     thrust: Node,
     compaction_resistance: Node,
     torque: Node,
+    /// What the error of the rule depends on; `None` with rebound.
+    pub(crate) shape: Option<ContactShape<Node>>,
 }
 
 /// Nodes and weights of the Gauss-Legendre rule on [0, 1], by Newton's method on the polynomial.
-fn legendre(nodes: usize) -> Vec<(f64, f64)> {
-    let n = nodes as f64;
-    (0..nodes)
+fn legendre() -> Vec<(f64, f64)> {
+    let n = NODES as f64;
+    (0..NODES)
         .map(|i| {
             let mut x = Real::cos(std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5));
             let mut slope = 1.0;
             for _ in 0..50 {
                 let (mut p, mut before) = (1.0, 0.0);
-                for k in 0..nodes {
+                for k in 0..NODES {
                     let k = k as f64;
                     (p, before) = (((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0), p);
                 }
@@ -59,6 +60,12 @@ fn legendre(nodes: usize) -> Vec<(f64, f64)> {
             (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
         })
         .collect()
+}
+
+/// The rule in t: shares of a piece's arc from its end without stress, with their weights.
+pub(crate) fn rule() -> Vec<(f64, f64)> {
+    let in_t = |(v, weight): (f64, f64)| (v * v * v, weight * 3.0 * v * v);
+    legendre().into_iter().map(in_t).collect()
 }
 
 impl Taped<'_> {
@@ -77,6 +84,13 @@ impl Taped<'_> {
     pub(super) fn times(&mut self, factor: f64, a: Node) -> Node {
         let factor = self.tape.constant(factor);
         self.tape.binary(Binary::Mul, factor, a)
+    }
+
+    fn sin_cos(&mut self, x: Node) -> (Node, Node) {
+        (
+            self.tape.unary(Unary::Sin, x),
+            self.tape.unary(Unary::Cos, x),
+        )
     }
 
     /// sin of a share of θ_1.
@@ -139,7 +153,6 @@ impl Taped<'_> {
         if let Some(left) = left {
             amplitude = self.mul(amplitude, left);
         }
-        let is_deep = exit.is_some() || left.is_some();
         let cohesion = self.cohesion()?;
         let tan_phi = self.tan_phi()?;
         let k_shear = self.get(Parameter::KShear)?;
@@ -150,8 +163,7 @@ impl Taped<'_> {
         // of an integral whose parts before and behind the axle have different signs
         let mut resisted = zero;
         // every angle is a share of θ_1 between 0 and 1, so that nothing changes its sign over a wide box
-        for (v, weight) in legendre(if is_deep { NODES_DEEP } else { NODES }) {
-            let (t, weight) = (v * v * v, weight * 3.0 * v * v);
+        for (t, weight) in rule() {
             let ahead_arc = self.times(t, rest);
             let ahead = self.sub(one, ahead_arc);
             let along = self.times(t, rear_share);
@@ -168,10 +180,7 @@ impl Taped<'_> {
             }
             for (share, arc, length) in [(ahead, ahead_arc, front), (behind, behind_arc, rear)] {
                 let theta = self.mul(share, theta_1);
-                let (sin, cos) = (
-                    self.tape.unary(Unary::Sin, theta),
-                    self.tape.unary(Unary::Cos, theta),
-                );
+                let (sin, cos) = self.sin_cos(theta);
                 let displacement = self.displacement(theta_1, q, share, arc);
                 let ratio = self.mul(stiffness, displacement);
                 let falling = self.tape.unary(Unary::Neg, ratio);
@@ -213,6 +222,15 @@ impl Taped<'_> {
             thrust: sums[1],
             compaction_resistance: sums[COMPACTION],
             torque,
+            shape: exit.is_none().then_some(ContactShape {
+                theta_1,
+                position,
+                q,
+                stiffness,
+                n,
+                amplitude,
+                area,
+            }),
         })
     }
 
@@ -410,7 +428,7 @@ mod tests {
                 };
                 let mut x = [Interval::ZERO; CONTACT_VARIABLES];
                 x[0] = Interval::point(degrees.to_radians());
-                let excess = tape.enclose(&x, balance.unwrap());
+                let excess = tape.enclose(&x, balance.unwrap().balance);
                 worst = worst.max(excess.magnitude());
                 for quantity in quantities {
                     let node = numbers[scope.place(quantity)].unwrap();

@@ -9,6 +9,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use super::proof::{number, numbers};
 use super::rows::Rows;
 use super::{
     Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink,
@@ -141,6 +142,7 @@ pub fn certify_front(
     for candidate in &settings.candidates {
         search.list(candidate);
     }
+    search.log("{\"format\":\"grouser-front\",\"version\":1}");
     search.run()
 }
 
@@ -209,7 +211,32 @@ impl FrontSearch<'_, '_> {
             Some(status) => status,
             None => self.cut_all(&mut corners)?,
         };
-        Ok(self.certificate(status, &corners))
+        let log_of = |front: &FrontCertificate, tolerance: f64| {
+            let points: Vec<String> = front
+                .points
+                .iter()
+                .map(|p| {
+                    format!(
+                        "[{},{}]",
+                        numbers(p.x.iter().copied()),
+                        numbers(p.objectives)
+                    )
+                })
+                .collect();
+            let corners: Vec<String> = front.corners.iter().map(|c| numbers(*c)).collect();
+            format!(
+                "{{\"front\":\"{}\",\"tolerance\":{},\"violation\":{},\"points\":[{}],\"corners\":[{}]}}",
+                front.status.name(),
+                numbers(front.tolerance),
+                number(tolerance),
+                points.join(","),
+                corners.join(",")
+            )
+        };
+        let front = self.certificate(status, &corners);
+        let line = log_of(&front, self.settings.solve.constraint_tolerance);
+        self.log(&line);
+        Ok(front)
     }
 
     /// Cuts corners until none leaves more open than the tolerance.
@@ -240,7 +267,7 @@ impl FrontSearch<'_, '_> {
                 corners[place].is_stuck = true;
                 continue;
             };
-            let proof = self.prove(1 - axis, Some(limit), true)?;
+            let proof = self.prove(1 - axis, Some((at, limit)), true)?;
             let mut below = at;
             below[1 - axis] = below[1 - axis].max(proof.lower);
             corners[place].at[axis] = limit;
@@ -294,19 +321,35 @@ impl FrontSearch<'_, '_> {
         self.points.iter().map(share).fold(f64::INFINITY, f64::min)
     }
 
+    /// A line of the proof between the logs of the proofs that it joins.
+    fn log(&mut self, line: &str) {
+        if let Some(sink) = &mut self.watch.proof {
+            // a sink that refuses a line refuses the next proof's first one too, which ends the search
+            let _ = sink(line);
+        }
+    }
+
     fn seconds_left(&self) -> Option<f64> {
         let limit = self.settings.time_limit_s?;
         Some(limit - self.began.elapsed().as_secs_f64())
     }
 
-    /// The least value of one objective, where the other one is at most a limit.
+    /// The least value of one objective; where a corner is cut, of the points whose other objective is at most a limit.
     fn prove(
         &mut self,
         axis: usize,
-        limit: Option<f64>,
+        cut: Option<([f64; 2], f64)>,
         is_range_known: bool,
     ) -> Result<Certificate, CertifyError> {
-        let method = least_of(self.groups, axis, limit);
+        let method = least_of(self.groups, axis, cut.map(|(_, limit)| limit));
+        self.log(&match cut {
+            None => format!("{{\"least\":{axis},\"corner\":null,\"at\":null}}"),
+            Some((corner, limit)) => format!(
+                "{{\"least\":{axis},\"corner\":{},\"at\":{}}}",
+                numbers(corner),
+                number(limit)
+            ),
+        });
         let mut settings = self.settings.clone();
         settings.candidates = self.points.iter().map(|p| p.x.clone()).collect();
         settings.candidates.extend((self.watch.suggest)(&method));
@@ -379,7 +422,7 @@ impl FrontSearch<'_, '_> {
         }
     }
 
-    fn certificate(self, status: CertifyStatus, corners: &[Corner]) -> FrontCertificate {
+    fn certificate(&self, status: CertifyStatus, corners: &[Corner]) -> FrontCertificate {
         let share = corners
             .iter()
             .map(|corner| self.open_share(corner.at))
@@ -401,7 +444,7 @@ impl FrontSearch<'_, '_> {
             proofs: self.proofs,
             boxes: self.boxes,
             seconds: self.began.elapsed().as_secs_f64(),
-            points: self.points,
+            points: self.points.clone(),
         }
     }
 }

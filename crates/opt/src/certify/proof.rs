@@ -24,12 +24,16 @@ pub(super) struct Proof<'a, 's> {
     pub(super) broken: bool,
 }
 
-/// A finite number as JSON reads it back without loss.
-fn number(x: f64) -> String {
-    format!("{x:?}")
+/// A number as JSON reads it back without loss; `null` where it is not finite.
+pub(super) fn number(x: f64) -> String {
+    if x.is_finite() {
+        format!("{x:?}")
+    } else {
+        "null".to_owned()
+    }
 }
 
-fn numbers(list: impl IntoIterator<Item = f64>) -> String {
+pub(super) fn numbers(list: impl IntoIterator<Item = f64>) -> String {
     let list: Vec<String> = list.into_iter().map(number).collect();
     format!("[{}]", list.join(","))
 }
@@ -152,18 +156,11 @@ impl Proof<'_, '_> {
         if self.sink.is_none() {
             return;
         }
-        let or_null = |x: f64| {
-            if x.is_finite() {
-                number(x)
-            } else {
-                "null".to_owned()
-            }
-        };
         self.line(&format!(
             "{{\"end\":{},\"lower\":{},\"upper\":{},\"x\":{},\"violation\":{}}}",
             text(status),
-            or_null(lower),
-            or_null(upper),
+            number(lower),
+            number(upper),
             numbers(x.iter().copied()),
             number(violation)
         ));

@@ -62,10 +62,15 @@ impl Proved {
                 "not proved: that no slip holds {slope}° could not be shown in {TIME_LIMIT_S} s\n"
             );
         }
+        let how = if self.proof.is_rule_proved {
+            "proved too"
+        } else {
+            "measured, not proved"
+        };
         let lower = self.proof.certificate.as_ref().map_or(0.0, |c| c.lower);
         format!(
-            "proved: no slip from 0 to {MAX_SLIP} holds {slope}°; at least {} N of pull are missing (a rule of integration that is off by up to \
-             1e-8 of each force is measured, not proved)\n",
+            "proved: no slip from 0 to {MAX_SLIP} holds {slope}°; at least {} N of pull are missing (that the rule of integration is off \
+             by at most 1e-8 of each force is {how})\n",
             shown(lower)
         )
     }
@@ -76,6 +81,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Proved> {
         "slope_deg" "the slope of the proof" = of.slope_deg;
         "max_slip" "slips from 0 to this are covered" = MAX_SLIP;
         "is_proved" "no such slip holds the slope" = of.proof.is_proved;
+        "rule_is_proved" "the error of the rule of integration is proved; else it is measured" = of.proof.is_rule_proved;
         "shortage_n" "pull that is missing at the best slip that was found" = of.proof.shortage;
         "proved_shortage_n" "pull that is missing at least at every slip" =
             of.proof.certificate.as_ref().map(|c| c.lower).filter(|lower| lower.is_finite());

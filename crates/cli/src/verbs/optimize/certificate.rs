@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use grouser_design::{Answer, Design, FrontProof, Task};
+use grouser_design::{Answer, Design, ForceRemainder, FrontProof, Task};
 use grouser_opt::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
 use grouser_report::number::shown;
 
@@ -56,8 +56,8 @@ pub(super) struct Certified {
     pub(super) gap: f64,
     /// A better answer than the search from the starts found.
     pub(super) better: Option<Answer>,
-    /// What the rule of integration may leave out, as a share of a force, where wheels carry loads.
-    pub(super) remainder: Option<f64>,
+    /// What the rule of integration may leave out, where wheels carry loads.
+    pub(super) remainder: Option<ForceRemainder>,
     /// The line that names the log.
     written: Option<String>,
     /// What a lone maximised objective is called, and its scale: its bounds are then of its own sign.
@@ -249,8 +249,13 @@ impl Certified {
         if let Some(remainder) = self.remainder {
             let _ = writeln!(
                 text,
-                "forces: a rule of integration that is off by up to {} of each force (measured, not proved)",
-                shown(remainder)
+                "forces: a rule of integration that is off by at most {} of each force ({})",
+                shown(remainder.share),
+                if remainder.is_proved {
+                    "proved"
+                } else {
+                    "measured, not proved"
+                }
             );
         }
         if let Some(written) = &self.written {

@@ -193,7 +193,8 @@ fn certificate<'a>() -> Fields<'a, (&'a Certified, &'a Certificate)> {
         "upper" "the utility of the best point, rounded up" = finite(of.1.upper);
         "gap" "upper - lower" = finite(of.1.gap());
         "violation" "by how much the best point violates a constraint at most" = of.1.violation;
-        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" = of.0.remainder;
+        "remainder" "share of a force that the rule of integration may leave out" = of.0.remainder.map(|r| r.share);
+        "remainder_is_proved" "that share is proved over the whole box; else it is measured" = of.0.remainder.map(|r| r.is_proved);
         "boxes" "boxes examined" = of.1.boxes;
         "seconds" "time taken, s" = of.1.seconds;
     }
@@ -211,7 +212,8 @@ fn front_certificate<'a>() -> Fields<'a, ProvedFront<'a>> {
             of.2.points.iter().map(move |part| Part { design: of.0, part });
         "corners" "every feasible point is no better than one of these in both objectives" rows(corner()) =
             of.2.corners.iter().map(move |at| (of.0, at.as_slice()));
-        "remainder" "share of a force that the rule of integration may leave out: measured, not proved" = of.1.remainder;
+        "remainder" "share of a force that the rule of integration may leave out" = of.1.remainder.map(|r| r.share);
+        "remainder_is_proved" "that share is proved over the whole box; else it is measured" = of.1.remainder.map(|r| r.is_proved);
         "proofs" "proofs by branch and bound" = of.2.proofs;
         "boxes" "boxes examined" = of.2.boxes;
         "seconds" "time taken, s" = of.2.seconds;
