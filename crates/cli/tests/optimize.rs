@@ -341,6 +341,15 @@ fn a_certificate_is_proved_refused_or_doubtful() {
     assert_eq!(json(&running)["certificate"]["remainder"], 1e-8);
     assert_eq!(json(&running)["certificate"]["remainder_is_proved"], true);
 
+    // a kink stops the local search at a point that the proof shows to be the best
+    let kinky = "crates/design/tests/problems/kinky4.toml";
+    let stalled = grouser(&["optimize", kinky, "--json"]);
+    assert_eq!(stalled.status.code(), Some(1));
+    assert_eq!(json(&stalled)["status"], "stalled");
+    let proved = grouser(&["optimize", kinky, "--certify", "--json"]);
+    assert_eq!(proved.status.code(), Some(0));
+    assert_eq!(json(&proved)["certificate"]["status"], "proved");
+
     let over_slip = folder.file(
         "over_slip.toml",
         "format = 1\nmethod = \"minimax\"\n[variables]\n\

@@ -14,6 +14,7 @@ mod certificate;
 mod files;
 mod formulas;
 mod fronts;
+mod further_problems;
 mod hock_schittkowski;
 mod mission;
 mod quantities;

@@ -221,6 +221,16 @@ impl Certified {
         }
     }
 
+    /// Is the answer the optimum by the proof, however the local search ended?
+    pub(super) fn proves(&self, design: &Design, answer: &Answer) -> bool {
+        let (Proof::Optimum(c), Answer::Optimum(optimum)) = (&self.proof, answer) else {
+            return false;
+        };
+        c.status == CertifyStatus::Proved
+            && optimum.kkt.violation <= design.settings.constraint_tolerance
+            && optimum.utility <= c.upper + self.gap * (1.0 + c.upper.abs())
+    }
+
     pub(super) fn is_interrupted(&self) -> bool {
         self.status() == CertifyStatus::Stopped
     }

@@ -85,8 +85,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(better) = certified.as_mut().and_then(|c| c.better.take()) {
         answer = better;
     }
+    let is_proved = certified
+        .as_ref()
+        .is_some_and(|certified| certified.proves(&design, &answer));
     let failure = match &answer {
-        Answer::Optimum(optimum) if optimum.status == Status::Stopped => None,
+        Answer::Optimum(optimum) if optimum.status == Status::Stopped || is_proved => None,
         Answer::Optimum(optimum) => complaint(&design, optimum),
         Answer::Trade(trade) => no_front(trade),
         _ => None,
@@ -202,7 +205,7 @@ fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
             Some("the objective falls without limit; a bound or a constraint is missing".to_owned())
         }
         Status::Stalled => Some(
-            "no step improves on the point, yet it is no optimum: a function has a kink there"
+            "no step improves on the point, which is not known to be an optimum: a function has a kink there"
                 .to_owned(),
         ),
         _ => Some("the solve was stopped".to_owned()),
