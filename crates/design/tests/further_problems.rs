@@ -11,7 +11,7 @@ const PROBLEMS: [(&str, f64); 9] = [
     ("goldstein-price", 3.0),
     ("hartmann3", -3.862_782),
     ("shekel5", -10.153_2),
-    ("g06", -6961.813_88),
+    ("g06", -6_961.813_88),
     ("haverly", -4.0),
     ("exp-rational", f64::NAN),
     ("drop-wave-disc", f64::NAN),
