@@ -9,8 +9,13 @@ fn shown(true_count: i128, bits: u32) -> u64 {
 }
 
 fn follow(bits: u32, counts: &[i128]) {
-    let mut counter = Counter::new(CounterWidth::new(bits).unwrap());
+    let width = CounterWidth::new(bits).unwrap();
+    let mut counter = Counter::new(width);
+    let mut last = counts[0];
     for &count in counts {
+        let step = i128::from(width.step(shown(last, bits), shown(count, bits)));
+        assert_eq!(step, count - last, "{bits} bits from {last} to {count}");
+        last = count;
         counter.advance(shown(count, bits));
         assert_eq!(counter.total(), count - counts[0], "{bits} bits at {count}");
     }

@@ -115,10 +115,15 @@ fn r3_a_gap_of_any_length_costs_one_update() {
     }
     let start = std::time::Instant::now();
     for row in 0..100_i64 {
-        say(&mut filter, (row + 1) * 90_000_000_000_000_000);
+        // the second sample after a gap shows that the clock was set, and is followed
+        for after_ns in [0, 10_000_000] {
+            say(&mut filter, (row + 1) * 90_000_000_000_000_000 + after_ns);
+        }
     }
-    // a loop over the gap would take 1e11 steps
+    // a loop over the gaps would take 1e12 steps
     assert!(start.elapsed().as_secs_f64() < 1.0);
+    assert_eq!(filter.latest().rejected.total(), 100);
+    assert_eq!(filter.latest().clock_steps, 100);
 }
 
 #[test]
