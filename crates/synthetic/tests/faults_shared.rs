@@ -59,16 +59,6 @@ fn a_camera_keeps_the_others_ok_beside_a_free_wheel_that_misses_pulses() {
 }
 
 #[test]
-fn powered_wheels_that_all_miss_pulses_are_not_ok() {
-    let (runs, _) = silent("all powered wheels miss 0.2", |seed| {
-        (0..FREE).fold(Trial::new(seed), |trial, wheel| {
-            trial.fault(Fault::PulsesLost(wheel, 0.2), 9.0, END_S)
-        })
-    });
-    assert_eq!(runs, 0);
-}
-
-#[test]
 fn a_wheel_with_a_fast_clock_is_not_ok() {
     for wheel in [1, FREE] {
         let what = format!("wheel {wheel}'s clock is 10 % fast");
@@ -77,6 +67,30 @@ fn a_wheel_with_a_fast_clock_is_not_ok() {
         });
         assert_eq!(runs, 0, "{what}");
     }
+}
+
+/// Pulses that all powered wheels miss are not found either: the page lists it. The slips are so noisy that none is more than
+/// four sigma off for a second without a gap, so that their share is measured.
+#[test]
+fn powered_wheels_that_all_miss_pulses_are_what_the_page_lists() {
+    let wrong = |trial: &dyn Fn(u64) -> Trial| {
+        let shares = (0..SEEDS).map(|seed| trial(seed).run().share_wrong(9.0, 19.0));
+        100.0 * shares.sum::<f64>() / SEEDS as f64
+    };
+    let missed = wrong(&|seed| {
+        (0..FREE).fold(Trial::new(seed), |trial, wheel| {
+            trial.fault(Fault::PulsesLost(wheel, 0.2), 9.0, END_S)
+        })
+    });
+    let none = wrong(&Trial::new);
+    println!(
+        "all powered wheels miss 0.2: {missed:.1} % of slips Ok and wrong, {none:.1} % without a fault"
+    );
+    assert!(none < 0.5, "{none:.1} %");
+    assert!(
+        missed > 10.0,
+        "{missed:.1} %: found, so it goes from the page"
+    );
 }
 
 /// What no sensor of the robot shows, or the filter does not find. The page lists it (docs/online.md); what is found one

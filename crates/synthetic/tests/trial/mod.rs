@@ -273,6 +273,23 @@ impl Outcome {
         worst
     }
 
+    /// Share of the powered wheels' slips from `from` to `to` (s) that are Ok and more than four sigma off. Unlike
+    /// [`Outcome::silence`] it counts a noisy slip that is within four sigma now and then.
+    pub(crate) fn share_wrong(&self, from: f64, to: f64) -> f64 {
+        let (mut wrong, mut count) = (0.0, 0.0);
+        for moment in self.between(from, to) {
+            for wheel in 0..FREE {
+                let is_wrong = moment.wheels[wheel].health == Health::Ok
+                    && moment
+                        .error(wheel)
+                        .is_some_and(|(error, sigma)| error.abs() > 4.0 * sigma);
+                wrong += f64::from(u8::from(is_wrong));
+                count += 1.0;
+            }
+        }
+        wrong / count
+    }
+
     /// Seconds from `from` until `wheel` first has a health for which `is` holds; `None` if never before `to`.
     pub(crate) fn delay(
         &self,
