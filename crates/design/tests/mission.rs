@@ -43,7 +43,7 @@ fn mission(measure: SoilMeasure, ranges: WheelRanges) -> MissionProfile {
     let mut params = MissionParams::new(wheels, soils.to_vec(), SLOPES.to_vec(), ranges);
     MASS.clone_into(&mut params.mass_formula);
     params.measure = measure;
-    MissionProfile::new(params, |_, mass| {
+    MissionProfile::new(params, |_, mass, _| {
         let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY_M_PER_S2 * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = SLOPES.iter().map(|slope| vec![carried(slope); WHEELS]);
@@ -204,6 +204,7 @@ fn lugs_are_whole_and_hold_the_slopes() {
         grouser_height: (0.004, 0.015),
         grouser_count: (6.0, 30.0),
         grouser_thickness: (0.002, 0.002),
+        mass_shift: (0.0, 0.0),
     };
     let mission = mission(SoilMeasure::Worst, ranges);
     let front = front(&mission, Choice::Lightest, 3);
@@ -222,7 +223,7 @@ fn what_no_wheel_holds_is_said_with_the_nearest() {
     let mut params = mission(SoilMeasure::Worst, smooth()).params().clone();
     params.slopes[1].slope_deg = 35.0;
     let slopes = params.slopes.clone();
-    let mission = MissionProfile::new(params, |_, mass| {
+    let mission = MissionProfile::new(params, |_, mass, _| {
         let weight = BARE_WEIGHT + WHEELS as f64 * GRAVITY_M_PER_S2 * mass;
         let carried = |slope: &SlopeShare| weight * slope.slope_deg.to_radians().cos() / 4.0;
         let loads = slopes.iter().map(|slope| vec![carried(slope); WHEELS]);
@@ -262,7 +263,7 @@ fn what_a_mission_cannot_mean_is_refused() {
     let refused = |change: &dyn Fn(&mut MissionParams)| {
         let mut params = good.clone();
         change(&mut params);
-        let stand = |_: f64, _: f64| -> Result<Standing, Error> {
+        let stand = |_: f64, _: f64, _: f64| -> Result<Standing, Error> {
             Ok(Standing {
                 weight: 100.0,
                 loads: vec![vec![25.0; WHEELS]; 2],

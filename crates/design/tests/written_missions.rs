@@ -27,6 +27,7 @@ prop_compose! {
         soils in prop::collection::vec(("[a-z][a-z0-9/.-]{0,9}", share()), 0..4),
         slopes in prop::collection::vec((0.0..=60.0_f64, share()), 0..4),
         wheel in [bounds(), bounds(), bounds(), bounds(), bounds()],
+        mass_shift in bounds(),
         wheel_mass in prop::option::of("[ -~]{0,20}"),
         measure in prop::sample::select(vec![None, Some(SoilMeasure::Worst), Some(SoilMeasure::Mean)]),
         (min_reserve, max_slip) in (share(), prop::option::of(0.01..=0.95_f64)),
@@ -40,6 +41,7 @@ prop_compose! {
         let mut file = MissionFile::default();
         (file.title, file.gravity) = (title, gravity);
         (file.soils, file.slopes) = (soils, slopes);
+        file.mass_shift = mass_shift.map(|(low, high)| (low - 0.5, high - 0.5));
         (file.wheel, file.wheel_mass, file.measure) = (wheel, wheel_mass, measure);
         (file.min_reserve, file.max_slip) = (min_reserve, max_slip);
         (file.points, file.seed, file.choice) = (points, seed, choice);

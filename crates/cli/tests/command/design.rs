@@ -123,6 +123,87 @@ fn a_mission_file_is_the_flags() {
     }
 }
 
+/// The load is shared out by where the chassis' mass lies: no fixed place has less energy, the loads are those of the lever, and
+/// `climb` finds the same on the written robot.
+#[test]
+fn the_mass_is_shifted_to_where_the_energy_is_least() {
+    let folder = Folder::new();
+    let robot = folder.path("new.toml");
+    let energy_at = |shift: &str, width: &str| {
+        let flags = [
+            "design",
+            ROBOT,
+            "--soil",
+            "dry-sand",
+            "--slope-deg",
+            "0=0.3,8=0.7",
+            "--points",
+            "2",
+        ];
+        let rest = [
+            "--radius-m",
+            "0.15",
+            "--width-m",
+            width,
+            "--choice",
+            "least-energy",
+            "--json",
+        ];
+        let written = [
+            "--mass-shift-m",
+            shift,
+            "--write-robot",
+            robot.to_str().unwrap(),
+        ];
+        let run = grouser(flags.into_iter().chain(rest).chain(written));
+        let made = run.assert_done().json();
+        assert!(number(&made, "difference") < 1e-6, "{made}");
+        made["chosen"].clone()
+    };
+    let best = energy_at("-0.1:0.1", "0.08:0.12");
+    let shift = number(&best, "mass_shift_m");
+    assert!(shift > 0.02 && shift < 0.06, "{shift}");
+    // 12 kg on a wheelbase of 0.44 m; the two front wheels share what is shifted
+    let load = |name: &str| number(&best["loads_n"], name);
+    let lever = 12.0 * 9.806_65 * shift / 0.44;
+    assert!(
+        (load("front_left") - load("rear_left") - lever).abs() < 1e-6,
+        "{best}"
+    );
+    let climbed = grouser([
+        "climb",
+        "--robot",
+        robot.to_str().unwrap(),
+        "--soil",
+        "dry-sand",
+        "--json",
+    ]);
+    let climbed = climbed.assert_done().json();
+    let level = number(&climbed["steps"][0], "energy_j_per_m");
+    assert!((level / number(&best["stations"][0], "energy_j_per_m") - 1.0).abs() < 1e-6);
+    let energies: Vec<f64> = ["-0.1", "0", "0.02", "0.06", "0.1"]
+        .map(|fixed| number(&energy_at(fixed, "0.119:0.12"), "energy_j_per_m"))
+        .to_vec();
+    let least = number(&best, "energy_j_per_m");
+    assert!(
+        energies.iter().all(|energy| *energy > least),
+        "{least} {energies:?}"
+    );
+    assert!(energies[0] > 1.01 * least, "{least} {energies:?}");
+    let beyond = grouser([
+        "design",
+        ROBOT,
+        "--soil",
+        "dry-sand",
+        "--slope-deg",
+        "0",
+        "--mass-shift-m",
+        "0:0.3",
+    ]);
+    beyond.assert_refused("a mass in front of the wheels");
+    assert!(beyond.err.contains("0.22"), "{}", beyond.err);
+}
+
 /// A mission that is written finds the same front from another folder: its soil file lies beside it, where it was or in full.
 #[test]
 fn a_written_mission_finds_the_same_wheels() {

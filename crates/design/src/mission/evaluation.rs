@@ -5,7 +5,7 @@ use grouser_real::Scalar;
 use grouser_terra::{Settings, WheelOnSoil};
 
 use super::station::{Axle, Station, StationState};
-use super::wheel::{PARAMETERS, SIZES};
+use super::wheel::{PARAMETERS, SHIFT, SIZES};
 use super::{MissionProfile, SoilMeasure, WheelDesign};
 use crate::error::{Error, Result};
 use crate::quantity::{Inputs, NoValue};
@@ -39,6 +39,8 @@ pub struct DesignPoint {
     pub energy: Option<f64>,
     /// Energy per metre over the way on each soil, J/m.
     pub soil_energies: Vec<Option<f64>>,
+    /// What each wheel of the robot carries on the mission's first slope, N.
+    pub loads: Vec<f64>,
     /// By soil, then by slope.
     pub stations: Vec<Vec<StationResult>>,
     /// What keeps the wheel where it is: limits that it meets exactly. Empty for a wheel that was not searched for.
@@ -71,7 +73,12 @@ impl MissionProfile {
     /// [`Error::OutOfRange`] for a radius outside the bounds, [`Error::Mission`] where the laws have no value for the wheel.
     pub fn evaluate(&self, wheel: &WheelDesign) -> Result<DesignPoint> {
         let (low, high) = self.stance.radii;
+        let (back, front) = self.stance.shifts;
         grouser_real::OutOfRange::check("radius_m", wheel.radius, (low, high), "m")
+            .and_then(|()| {
+                let limits = (back.min(0.0), front.max(0.0));
+                grouser_real::OutOfRange::check("mass_shift_m", wheel.mass_shift, limits, "m")
+            })
             .map_err(Error::OutOfRange)?;
         let sizes = wheel.sizes();
         let mass = self.mass.evaluate(&sizes);
@@ -115,6 +122,12 @@ impl MissionProfile {
                 }
             }),
             soil_energies,
+            loads: (0..self.params.wheels.len())
+                .map(|place| {
+                    self.stance
+                        .load(0, place, (wheel.radius, mass, wheel.mass_shift))
+                })
+                .collect(),
             stations,
             held_by: Vec::new(),
             energy_per_mass: None,
@@ -152,7 +165,7 @@ impl MissionProfile {
                 .map(|(group, inputs)| Axle {
                     inputs: *inputs,
                     wheel_on_soil: group.kept_on_soil[soil].as_ref().unwrap_or(&designed),
-                    load: self.stance.load(index, group.wheel, sizes[0], mass),
+                    load: (self.stance).load(index, group.wheel, (sizes[0], mass, sizes[SHIFT])),
                     count: group.count,
                     bearing: group.bearing,
                 })

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use grouser_files::gravity::read_gravity;
 use grouser_files::soil::names_file;
-use grouser_files::{Document, Section};
+use grouser_files::{Document, Entry, Section};
 
-use super::SoilMeasure;
 use super::front::Choice;
 use super::profile::MAX_SLOPE_DEG;
+use super::wheel::SHIFT;
+use super::{SoilMeasure, WheelDesign};
 use crate::error::{Error, Result};
 
 /// What a mission file holds; everything may be left out.
@@ -32,8 +33,10 @@ pub struct MissionFile {
     pub soils: Vec<(String, Option<f64>)>,
     /// Slopes in degrees, each with its share of the way.
     pub slopes: Vec<(f64, Option<f64>)>,
-    /// Bounds of the sizes, in the order of [`WheelDesign::NAMES`](super::WheelDesign::NAMES).
+    /// Bounds of the sizes, in the order of [`WheelDesign::NAMES`](super::WheelDesign::NAMES), whose last is no size.
     pub wheel: [Option<(f64, f64)>; 5],
+    /// Bounds of the shift of the chassis' mass forwards, m.
+    pub mass_shift: Option<(f64, f64)>,
     /// The formula of the mass of one wheel, kg.
     pub wheel_mass: Option<String>,
     /// How the soils are joined.
@@ -79,6 +82,7 @@ impl MissionFile {
                 self.slopes
             },
             wheel,
+            mass_shift: self.mass_shift.or(behind.mass_shift),
             wheel_mass: self.wheel_mass.or(behind.wheel_mass),
             measure: self.measure.or(behind.measure),
             min_reserve: self.min_reserve.or(behind.min_reserve),
@@ -149,7 +153,7 @@ fn of_section(root: &Section<'_>) -> Result<MissionFile> {
     })?;
     root.section("wheel", |wheel| {
         for entry in wheel.entries() {
-            let names = super::WheelDesign::NAMES;
+            let names = &WheelDesign::NAMES[..WheelDesign::SIZES];
             let Some(place) = names.iter().position(|name| *name == entry.name()) else {
                 return Err(Error::Name {
                     at: entry.place().clone(),
@@ -158,14 +162,33 @@ fn of_section(root: &Section<'_>) -> Result<MissionFile> {
                     reason: "the sizes are radius_m, width_m, grouser_height_m, grouser_count and grouser_thickness_m",
                 });
             };
-            file.wheel[place] = Some(match entry.number((f64::MIN, f64::MAX)) {
-                Ok(fixed) => (fixed, fixed),
-                Err(_) => entry.range()?,
-            });
+            file.wheel[place] = Some(bounds(&entry)?);
+        }
+        Ok(())
+    })?;
+    root.section("chassis", |chassis| {
+        for entry in chassis.entries() {
+            if entry.name() != WheelDesign::NAMES[SHIFT] {
+                return Err(Error::Name {
+                    at: entry.place().clone(),
+                    name: entry.name().chars().take(64).collect(),
+                    what: "number of the chassis",
+                    reason: "mass_shift_m is the only one",
+                });
+            }
+            file.mass_shift = Some(bounds(&entry)?);
         }
         Ok(())
     })?;
     Ok(file)
+}
+
+/// Two numbers, or one that fixes both.
+fn bounds(entry: &Entry<'_, '_>) -> Result<(f64, f64)> {
+    match entry.number((f64::MIN, f64::MAX)) {
+        Ok(fixed) => Ok((fixed, fixed)),
+        Err(_) => Ok(entry.range()?),
+    }
 }
 
 /// Shares as they are written; equal ones where none is.

@@ -212,15 +212,16 @@ mod tests {
             grouser_height: (0.004, 0.012),
             grouser_count: (8.0, 24.0),
             grouser_thickness: (0.002, 0.002),
+            mass_shift: (-0.05, 0.1),
         };
         let soils = vec![soil("dry-sand"), soil("lunar")];
         let mission = MissionProfile::new(
             MissionParams::new(wheels, soils, slopes.to_vec(), ranges),
-            |radius, mass| {
+            |radius, mass, ahead| {
                 let weight = 60.0 + 9.81 * mass * 2.0;
                 let loads = slopes.iter().map(|slope| {
                     let (sin, cos) = slope.slope_deg.to_radians().sin_cos();
-                    let shift = weight * sin * (0.1 + radius) / 0.4;
+                    let shift = weight * sin * (0.1 + radius) / 0.4 - 60.0 * cos * ahead / 0.4;
                     let half = 0.5 * (weight * cos - 2.0);
                     vec![half - shift, half + shift, 2.0]
                 });
@@ -239,9 +240,13 @@ mod tests {
             Aim::Shortage,
         ] {
             let task = Task::new(&mission, aim);
-            assert_eq!(task.free.len(), 4);
+            assert_eq!(task.free.len(), 5);
             let problem = task.problem(&task.base).unwrap();
-            for x in [[0.5; 4], [0.1, 0.9, 0.3, 0.8], [0.9, 0.2, 0.7, 0.1]] {
+            for x in [
+                [0.5; 5],
+                [0.1, 0.9, 0.3, 0.8, 0.7],
+                [0.9, 0.2, 0.7, 0.1, 0.2],
+            ] {
                 let check = check_derivatives(&problem, &x, 1e-5).unwrap();
                 assert!(check.wrong.is_empty(), "{aim:?} {x:?} {check:?}");
             }

@@ -19,7 +19,7 @@
 //!     WheelRanges { width: (0.05, 0.2), ..WheelRanges::fixed(&present) },
 //! );
 //! params.mass_formula = "40 * radius_m * width_m".into();
-//! let mission = MissionProfile::new(params, |_, mass| {
+//! let mission = MissionProfile::new(params, |_, mass, _| {
 //!     let weight = 160.0 + 4.0 * 9.81 * mass;
 //!     let loads = slopes.iter().map(|s| vec![weight / 4.0 * s.slope_deg.to_radians().cos(); 4]);
 //!     Ok::<_, grouser_design::Error>(Standing { weight, loads: loads.collect() })
@@ -198,22 +198,22 @@ pub struct MissionProfile {
 const MAX_LOAD_ERROR: f64 = 1e-6;
 
 impl MissionProfile {
-    /// Checks everything, and samples what the wheels carry: `stand` gives it for a radius (m) and a mass (kg) of the new wheel, by
-    /// slope and by wheel in the order of the parameters.
+    /// Checks everything, and samples what the wheels carry: `stand` gives it for a radius (m) and a mass (kg) of the new wheel and a shift of the
+    /// chassis' mass forwards (m), by slope and by wheel in the order of the parameters.
     ///
     /// # Errors
     /// A share, bound, slope or limit out of its range, a wrong formula, wheels that the laws refuse, no designed wheel; what
     /// `stand` returns.
     pub fn new<E: From<Error>>(
         params: MissionParams,
-        stand: impl FnMut(f64, f64) -> std::result::Result<Standing, E>,
+        stand: impl FnMut(f64, f64, f64) -> std::result::Result<Standing, E>,
     ) -> std::result::Result<Self, E> {
         params.check()?;
         if let Some(radius) = params.also_radius {
             OutOfRange::check("also_radius", radius, (1e-3, 1e2), "m")
                 .map_err(Error::OutOfRange)?;
         }
-        let names = VariableNames::new(WheelDesign::NAMES);
+        let names = VariableNames::new(WheelDesign::NAMES.into_iter().take(WheelDesign::SIZES));
         let mass =
             Formula::parse(&params.mass_formula, &names).map_err(|source| Error::Formula {
                 at: grouser_files::Place {
@@ -226,7 +226,8 @@ impl MissionProfile {
             })?;
         let (low, high) = params.ranges.radius;
         let also = params.also_radius.unwrap_or(low);
-        let stance = Stance::sample((low.min(also), high.max(also)), stand)?;
+        let radii = (low.min(also), high.max(also));
+        let stance = Stance::sample(radii, params.ranges.mass_shift, stand)?;
         if stance.wheels() != params.wheels.len() {
             return Err(Error::Mission(format!(
                 "{} wheels have loads, but the mission has {}",
@@ -237,8 +238,8 @@ impl MissionProfile {
         }
         if !(stance.error <= MAX_LOAD_ERROR) {
             return Err(Error::Mission(format!(
-                "the wheels' loads are interpolated over the radius with an error of {:.1e} of the weight, but must be within \
-                 {MAX_LOAD_ERROR:e}: narrow the bounds of radius_m",
+                "the wheels' loads are interpolated with an error of {:.1e} of the weight, but must be within \
+                 {MAX_LOAD_ERROR:e}: narrow the bounds of radius_m and mass_shift_m",
                 stance.error
             ))
             .into());

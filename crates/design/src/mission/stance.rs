@@ -1,7 +1,8 @@
-//! What the wheels carry on each slope, as functions of the radius and the mass of the new wheel.
+//! What the wheels carry on each slope, as functions of the radius and the mass of the new wheel and of where the chassis' mass
+//! lies.
 //!
 //! A larger wheel raises the chassis, so that loads shift further on a slope; a heavier one adds weight. Loads are
-//! linear in the mass and smooth in the radius: they are sampled at Chebyshev points and interpolated, so that they
+//! linear in the mass and in the shift of the chassis' mass, and smooth in the radius: they are sampled at Chebyshev points and interpolated, so that they
 //! have exact derivatives without a linkage over dual numbers.
 
 use grouser_real::Real;
@@ -64,17 +65,19 @@ fn nodes((low, high): (f64, f64)) -> Vec<f64> {
         .collect()
 }
 
-/// A number that is linear in the mass: at no mass, and per kg.
+/// A number that is linear in mass and shift: at none of both, per kg, and per m.
 #[derive(Clone, Debug, PartialEq)]
 struct Affine {
     bare: Polynomial,
     per_mass: Polynomial,
+    per_shift: Polynomial,
 }
 
-/// Loads over radius and mass.
+/// Loads over radius, mass and shift.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stance {
     pub(super) radii: (f64, f64),
+    pub(super) shifts: (f64, f64),
     weight: f64,
     weight_per_mass: f64,
     /// By slope, then by wheel.
@@ -84,47 +87,67 @@ pub(super) struct Stance {
 }
 
 impl Stance {
-    /// From samples of `stand` (radius in m, mass of a new wheel in kg).
+    /// From samples of `stand` (radius in m, mass of a new wheel in kg, shift of the chassis' mass forwards in m).
     pub(super) fn sample<E>(
         radii: (f64, f64),
-        mut stand: impl FnMut(f64, f64) -> Result<Standing, E>,
+        shifts: (f64, f64),
+        mut stand: impl FnMut(f64, f64, f64) -> Result<Standing, E>,
     ) -> Result<Self, E> {
         let at = nodes(radii);
-        let mut pairs = Vec::with_capacity(at.len());
+        let mut samples = Vec::with_capacity(at.len());
+        // the bound that is further away; what no shift gives is 0
+        let shift = if shifts.0.abs() > shifts.1.abs() {
+            shifts.0
+        } else {
+            shifts.1
+        };
         for radius in &at {
-            pairs.push((stand(*radius, 0.0)?, stand(*radius, 1.0)?));
+            let bare = stand(*radius, 0.0, 0.0)?;
+            let heavy = stand(*radius, 1.0, 0.0)?;
+            let shifted = if shift == 0.0 {
+                bare.clone()
+            } else {
+                stand(*radius, 0.0, shift)?
+            };
+            samples.push([bare, heavy, shifted]);
         }
-        let first = &pairs[0];
+        let first = &samples[0];
+        let per = if shift == 0.0 { 0.0 } else { 1.0 / shift };
         let affine = |slope: usize, wheel: usize| {
-            let bare: Vec<f64> = pairs.iter().map(|(b, _)| b.loads[slope][wheel]).collect();
-            let per_mass: Vec<f64> = pairs
-                .iter()
-                .map(|(b, m)| m.loads[slope][wheel] - b.loads[slope][wheel])
-                .collect();
+            let over = |which: usize, scale: f64, base: f64| {
+                let all = samples.iter().map(|sample| {
+                    let load = |of: &Standing| of.loads[slope][wheel];
+                    scale * (load(&sample[which]) - base * load(&sample[0]))
+                });
+                Polynomial::through(&all.collect::<Vec<f64>>())
+            };
             Affine {
-                bare: Polynomial::through(&bare),
-                per_mass: Polynomial::through(&per_mass),
+                bare: over(0, 1.0, 0.0),
+                per_mass: over(1, 1.0, 1.0),
+                per_shift: over(2, per, 1.0),
             }
         };
-        let loads = (0..first.0.loads.len())
+        let loads = (0..first[0].loads.len())
             .map(|slope| {
-                let wheels = first.0.loads[slope].len();
+                let wheels = first[0].loads[slope].len();
                 (0..wheels).map(|wheel| affine(slope, wheel)).collect()
             })
             .collect();
         let mut stance = Self {
             radii,
-            weight: first.0.weight,
-            weight_per_mass: first.1.weight - first.0.weight,
+            shifts,
+            weight: first[0].weight,
+            weight_per_mass: first[1].weight - first[0].weight,
             loads,
             error: 0.0,
         };
         for share in [0.0, 0.3, 0.62, 1.0] {
             let radius = radii.0 + share * (radii.1 - radii.0);
-            let exact = stand(radius, 0.7)?;
+            let shift = shifts.0 + (0.8 - 0.6 * share) * (shifts.1 - shifts.0);
+            let exact = stand(radius, 0.7, shift)?;
             for (slope, row) in exact.loads.iter().enumerate() {
                 for (wheel, load) in row.iter().enumerate() {
-                    let off = (stance.load(slope, wheel, radius, 0.7) - load).abs();
+                    let off = (stance.load(slope, wheel, (radius, 0.7, shift)) - load).abs();
                     stance.error = stance.error.max(off / exact.weight);
                 }
             }
@@ -141,16 +164,25 @@ impl Stance {
         R::from_f64(self.weight) + mass * R::from_f64(self.weight_per_mass)
     }
 
-    /// N.
-    pub(super) fn load<R: Scalar>(&self, slope: usize, wheel: usize, radius: R, mass: R) -> R {
+    /// N, of a radius (m), mass (kg) and shift (m).
+    pub(super) fn load<R: Scalar>(
+        &self,
+        slope: usize,
+        wheel: usize,
+        (radius, mass, shift): (R, R, R),
+    ) -> R {
         let (low, high) = self.radii;
         let x = if low == high {
             R::ZERO
         } else {
             (radius * R::from_f64(2.0) - R::from_f64(low + high)) * R::from_f64(1.0 / (high - low))
         };
-        let Affine { bare, per_mass } = &self.loads[slope][wheel];
-        bare.at(x) + mass * per_mass.at(x)
+        let Affine {
+            bare,
+            per_mass,
+            per_shift,
+        } = &self.loads[slope][wheel];
+        bare.at(x) + mass * per_mass.at(x) + shift * per_shift.at(x)
     }
 
     /// Do two wheels carry the same on every slope, whatever the new wheel is?
@@ -162,7 +194,10 @@ impl Stance {
                 .all(|(a, b)| (a - b).abs() <= tolerance)
         };
         self.loads.iter().all(|row| {
-            alike(&row[a].bare, &row[b].bare) && alike(&row[a].per_mass, &row[b].per_mass)
+            let (a, b) = (&row[a], &row[b]);
+            alike(&a.bare, &b.bare)
+                && alike(&a.per_mass, &b.per_mass)
+                && alike(&a.per_shift, &b.per_shift)
         })
     }
 }
@@ -174,19 +209,21 @@ mod tests {
     #[test]
     fn interpolated_loads_are_those_of_a_rigid_robot_between_the_nodes() {
         // Two axles at ±0.2 m, centre of gravity 0.1 m above the axle, on a slope of 20°.
-        let stand = |radius: f64, mass: f64| -> Result<Standing, std::convert::Infallible> {
-            let weight = (10.0 + 4.0 * mass) * 9.81;
-            let (sin, cos) = 20f64.to_radians().sin_cos();
-            let height = (10.0 * (0.1 + radius) + 4.0 * mass * radius) / (10.0 + 4.0 * mass);
-            let rear = weight * (0.5 * cos + sin * height / 0.4);
-            let loads = vec![vec![weight * cos - rear, rear]];
-            Ok(Standing { weight, loads })
-        };
-        let stance = Stance::sample((0.05, 0.3), stand).unwrap();
+        let stand =
+            |radius: f64, mass: f64, shift: f64| -> Result<Standing, std::convert::Infallible> {
+                let weight = (10.0 + 4.0 * mass) * 9.81;
+                let (sin, cos) = 20f64.to_radians().sin_cos();
+                let height = (10.0 * (0.1 + radius) + 4.0 * mass * radius) / (10.0 + 4.0 * mass);
+                let rear =
+                    weight * (0.5 * cos + sin * height / 0.4) - 10.0 * 9.81 * cos * shift / 0.4;
+                let loads = vec![vec![weight * cos - rear, rear]];
+                Ok(Standing { weight, loads })
+            };
+        let stance = Stance::sample((0.05, 0.3), (-0.1, 0.05), stand).unwrap();
         assert!(stance.error < 1e-12, "{}", stance.error);
-        let exact = stand(0.217, 1.3).unwrap();
+        let exact = stand(0.217, 1.3, 0.03).unwrap();
         for wheel in 0..2 {
-            let off = stance.load(0, wheel, 0.217, 1.3) - exact.loads[0][wheel];
+            let off = stance.load(0, wheel, (0.217, 1.3, 0.03)) - exact.loads[0][wheel];
             assert!(off.abs() < 1e-9, "{off}");
         }
         assert!(!stance.carry_alike(0, 1) && stance.carry_alike(1, 1));

@@ -1,4 +1,4 @@
-//! The sizes of a wheel that a mission chooses, and their bounds.
+//! What a mission chooses, the sizes of a wheel and where the chassis' mass lies, and their bounds.
 
 use grouser_real::OutOfRange;
 use grouser_terra::{GrouserRule, Grousers, RigidWheel};
@@ -6,11 +6,13 @@ use grouser_terra::{GrouserRule, Grousers, RigidWheel};
 use crate::error::{Error, Result};
 use crate::quantity::Parameter;
 
-/// How many sizes a wheel has.
-pub(super) const SIZES: usize = 5;
+/// How many numbers are chosen.
+pub(super) const SIZES: usize = 6;
+/// The place of the shift of the mass among them.
+pub(super) const SHIFT: usize = 5;
 
 /// The sizes in the order of [`WheelDesign::sizes`], with the parameter that each is.
-pub(super) const PARAMETERS: [Parameter; SIZES] = [
+pub(super) const PARAMETERS: [Parameter; WheelDesign::SIZES] = [
     Parameter::Radius,
     Parameter::Width,
     Parameter::GrouserHeight,
@@ -18,10 +20,13 @@ pub(super) const PARAMETERS: [Parameter; SIZES] = [
     Parameter::GrouserThickness,
 ];
 
+/// No robot is longer.
+const MAX_SHIFT_M: f64 = 100.0;
+
 /// The place of the number of lugs among the sizes.
 pub(super) const COUNT: usize = 3;
 
-/// The sizes of a wheel, in m; smooth with 0 lugs.
+/// The sizes of a wheel, in m, smooth with 0 lugs; and where the mass of the chassis lies.
 ///
 /// ```
 /// use grouser_design::mission::WheelDesign;
@@ -42,6 +47,8 @@ pub struct WheelDesign {
     pub grouser_count: f64,
     /// Thickness of a lug along the rim, m.
     pub grouser_thickness: f64,
+    /// How far the chassis' centre of mass lies in front of its present place, m: it shares the load out between the axles.
+    pub mass_shift: f64,
 }
 
 impl WheelDesign {
@@ -92,7 +99,7 @@ impl WheelDesign {
         })
     }
 
-    /// Its sizes in the order of [`WheelDesign::NAMES`].
+    /// Its numbers in the order of [`WheelDesign::NAMES`].
     #[must_use]
     pub const fn sizes(&self) -> [f64; SIZES] {
         [
@@ -101,16 +108,21 @@ impl WheelDesign {
             self.grouser_height,
             self.grouser_count,
             self.grouser_thickness,
+            self.mass_shift,
         ]
     }
 
-    /// The names of the sizes in files and in the formula of the mass.
+    /// How many of them are sizes of the wheel; they come first.
+    pub const SIZES: usize = 5;
+
+    /// Their names: the five sizes, as in files and in the formula of the mass, and the shift.
     pub const NAMES: [&'static str; SIZES] = [
         "radius_m",
         "width_m",
         "grouser_height_m",
         "grouser_count",
         "grouser_thickness_m",
+        "mass_shift_m",
     ];
 
     pub(super) const fn from_sizes(sizes: [f64; SIZES]) -> Self {
@@ -120,6 +132,7 @@ impl WheelDesign {
             grouser_height,
             grouser_count,
             grouser_thickness,
+            mass_shift,
         ] = sizes;
         Self {
             radius,
@@ -127,6 +140,7 @@ impl WheelDesign {
             grouser_height,
             grouser_count,
             grouser_thickness,
+            mass_shift,
         }
     }
 }
@@ -144,6 +158,8 @@ pub struct WheelRanges {
     pub grouser_count: (f64, f64),
     /// Of the thickness of a lug, m.
     pub grouser_thickness: (f64, f64),
+    /// Of the shift of the chassis' centre of mass forwards, m.
+    pub mass_shift: (f64, f64),
 }
 
 impl WheelRanges {
@@ -163,6 +179,7 @@ impl WheelRanges {
             grouser_height: (wheel.grouser_height, wheel.grouser_height),
             grouser_count: (wheel.grouser_count, wheel.grouser_count),
             grouser_thickness: (wheel.grouser_thickness, wheel.grouser_thickness),
+            mass_shift: (wheel.mass_shift, wheel.mass_shift),
         }
     }
 
@@ -182,6 +199,7 @@ impl WheelRanges {
             self.grouser_height,
             self.grouser_count,
             self.grouser_thickness,
+            self.mass_shift,
         ]
     }
 
@@ -189,12 +207,22 @@ impl WheelRanges {
     pub(super) fn check(&self) -> Result<()> {
         for (name, (low, high)) in WheelDesign::NAMES.into_iter().zip(self.list()) {
             let unit = if name == "grouser_count" { "1" } else { "m" };
-            OutOfRange::check(format!("lower bound of {name}"), low, (0.0, f64::MAX), unit)
-                .and_then(|()| {
-                    let limits = (low, f64::MAX);
-                    OutOfRange::check(format!("upper bound of {name}"), high, limits, unit)
-                })
-                .map_err(Error::OutOfRange)?;
+            let least = if name == WheelDesign::NAMES[SHIFT] {
+                -MAX_SHIFT_M
+            } else {
+                0.0
+            };
+            OutOfRange::check(
+                format!("lower bound of {name}"),
+                low,
+                (least, f64::MAX),
+                unit,
+            )
+            .and_then(|()| {
+                let limits = (low, f64::MAX);
+                OutOfRange::check(format!("upper bound of {name}"), high, limits, unit)
+            })
+            .map_err(Error::OutOfRange)?;
         }
         let (fewest, most) = self.grouser_count;
         if fewest.fract() != 0.0 || most.fract() != 0.0 {
@@ -226,6 +254,7 @@ impl WheelRanges {
                 grouser_height,
                 grouser_count,
                 grouser_thickness: self.grouser_thickness.1,
+                mass_shift: 0.0,
             }
             .rigid()
             .map_err(|source| Error::Law {

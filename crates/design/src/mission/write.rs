@@ -4,6 +4,7 @@ use grouser_files::{TomlText, gravity};
 
 use super::file::{CHOICES, MissionFile};
 use super::front::Choice;
+use super::wheel::SHIFT;
 use super::{SoilMeasure, WheelDesign};
 
 /// The text of a mission file that reads back to the same mission.
@@ -65,11 +66,19 @@ pub fn to_toml(mission: &MissionFile, remarks: &[&str]) -> String {
         out.header("[wheel]");
     }
     for (name, bounds) in WheelDesign::NAMES.iter().zip(mission.wheel) {
-        match bounds {
-            Some((low, high)) if low == high => out.number(name, low),
-            Some((low, high)) => out.line(&format!("{name} = [{low:?}, {high:?}]")),
-            None => {}
-        }
+        write_bounds(&mut out, name, bounds);
+    }
+    if mission.mass_shift.is_some() {
+        out.header("[chassis]");
+        write_bounds(&mut out, WheelDesign::NAMES[SHIFT], mission.mass_shift);
     }
     out.finish()
+}
+
+fn write_bounds(out: &mut TomlText, name: &str, bounds: Option<(f64, f64)>) {
+    match bounds {
+        Some((low, high)) if low == high => out.number(name, low),
+        Some((low, high)) => out.line(&format!("{name} = [{low:?}, {high:?}]")),
+        None => {}
+    }
 }

@@ -84,6 +84,11 @@ impl Carrier {
             .collect()
     }
 
+    /// Names of all wheels.
+    pub(super) fn all_names(&self) -> impl Iterator<Item = String> {
+        self.model.wheels.iter().map(|mount| mount.name.clone())
+    }
+
     pub(super) fn wheels(&self) -> Vec<MissionWheel> {
         let mounts = self.model.wheels.iter().zip(&self.designed);
         mounts
@@ -134,6 +139,7 @@ impl Carrier {
         file.robot = Robot::new(self.file.robot.name().to_owned(), wheels).map_err(refused)?;
         if let Some(body) = &mut file.body {
             body.chassis.centre[2] += rise;
+            body.chassis.centre[0] += wheel.mass_shift;
             for link in &mut body.links {
                 link.pivot[2] += rise;
                 link.mass.centre[2] += rise;
@@ -173,15 +179,28 @@ impl Carrier {
         Ok(robot::to_toml(&file))
     }
 
-    /// What the wheels carry with a wheel of this radius (m) and mass (kg).
+    /// How far the chassis' mass may be shifted, backwards and forwards, before it lies beyond the outermost wheels, m.
+    pub(super) fn shift_limits(&self) -> (f64, f64) {
+        let centre = (self.file.body.as_ref()).map_or(0.0, |body| body.chassis.centre[0]);
+        let places = self
+            .model
+            .wheels
+            .iter()
+            .map(|mount| mount.centre.x - centre);
+        places.fold((0.0, 0.0), |(back, front), place| {
+            (place.min(back), place.max(front))
+        })
+    }
+
+    /// What the wheels carry with a wheel of this radius (m) and mass (kg) where the chassis' mass is shifted forwards (m).
     pub(super) fn standing(
         &self,
-        radius: f64,
-        mass: f64,
+        (radius, mass, mass_shift): (f64, f64, f64),
         slopes: &[SlopeShare],
     ) -> Result<Standing> {
         let wheel = WheelDesign {
             radius,
+            mass_shift,
             ..self.present
         };
         wheel.rigid().map_err(|error| Names::Flags.error(&error))?;

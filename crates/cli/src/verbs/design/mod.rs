@@ -37,7 +37,7 @@ use request::{Bounds, ChoiceName, MeasureName, Request, Shared};
 #[command(
     about = "The wheel of a robot for a mission of slopes and soils: energy per metre against wheel mass",
     long_about = "The wheels of least energy per metre for their mass that hold every slope on every soil with a reserve of pull, and \
-        one of them chosen: radius, width, lugs, and the slip at which it runs.\n\nAll powered wheels share one slip. Loads follow \
+        one of them chosen: radius, width, lugs, where the chassis' mass lies, and the slip at which it runs.\n\nAll powered wheels share one slip. Loads follow \
         the slope, the radius and the mass of the new wheel. Each design is checked by the solver of `grouser climb`, which shares \
         no search with it. The model does not decide strength, wear and life of a wheel, obstacles, turning and ruts.",
     after_help = "Examples:\n  grouser design rover.toml --soil dry-sand=0.7,sandy-loam=0.3 --slope-deg 0=0.8,8=0.2\n  \
@@ -77,6 +77,9 @@ pub(crate) struct Arguments {
     /// Thickness of a lug along the rim in m [default: the present one, or 0.002]
     #[arg(long, value_name = "M", value_parser = parse_finite)]
     grouser_thickness_m: Option<f64>,
+    /// Bounds of how far the chassis' mass may be shifted forwards in m, which shares the load out between the axles [default: 0]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    mass_shift_m: Option<Bounds>,
     /// Mass of one wheel in kg, a formula over `radius_m`, `width_m`, `grouser_height_m`, `grouser_count` and
     /// `grouser_thickness_m` [default: a wheel of aluminium sheet of 2 mm]
     #[arg(long, value_name = "FORMULA")]
@@ -141,8 +144,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     request.complete(&mut params);
     params.also_radius = Some(carrier.present.radius);
-    let mission = MissionProfile::new(params, |radius, mass| {
-        carrier.standing(radius, mass, &request.slopes)
+    let mission = MissionProfile::new(params, |radius, mass, shift| {
+        carrier.standing((radius, mass, shift), &request.slopes)
     })?;
     let mut settings = FrontSettings::default();
     request.settings(&mut settings);

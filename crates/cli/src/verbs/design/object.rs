@@ -33,9 +33,9 @@ impl Designed<'_> {
     }
 }
 
-/// A point with the mission that it is of.
+/// A point with the design that it is of.
 #[derive(Clone, Copy)]
-pub(super) struct Point<'a>(pub(super) &'a DesignPoint, pub(super) &'a MissionProfile);
+pub(super) struct Point<'a>(pub(super) &'a DesignPoint, pub(super) &'a Designed<'a>);
 
 /// A station with the name of its soil.
 #[derive(Clone, Copy)]
@@ -43,7 +43,7 @@ pub(super) struct Station<'a>(pub(super) &'a str, pub(super) &'a StationResult);
 
 impl<'a> Point<'a> {
     pub(super) fn stations(self) -> Vec<Station<'a>> {
-        let soils = self.1.params().soils.iter().zip(&self.0.stations);
+        let soils = self.1.mission.params().soils.iter().zip(&self.0.stations);
         soils
             .flat_map(|(soil, row)| row.iter().map(|one| Station(&soil.name, one)))
             .collect()
@@ -63,12 +63,12 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Designed<'a>> {
         "max_slip" "greatest slip at which a slope counts as held" = of.mission.params().max_slip;
         "wheel_mass_formula" "mass of one wheel in kg" = of.mission.params().mass_formula.as_str();
         "front" "wheels by mass, none of which another beats in mass and energy" rows(point()) =
-            of.front.points.iter().map(|point| Point(point, of.mission));
+            of.front.points.iter().map(|point| Point(point, of));
         "knee" "place of the knee in the front" = of.front.knee;
-        "chosen" "the chosen wheel" group(point()) = of.chosen().map(|point| Point(point, of.mission));
+        "chosen" "the chosen wheel" group(point()) = of.chosen().map(|point| Point(point, of));
         "nearest" "where no wheel has the reserve everywhere: the one whose least reserve is greatest" group(point()) =
-            of.front.nearest.as_ref().map(|point| Point(point, of.mission));
-        "present" "the present wheel, its mass by the formula" group(point()) = Point(of.present, of.mission);
+            of.front.nearest.as_ref().map(|point| Point(point, of));
+        "present" "the present wheel, its mass by the formula" group(point()) = Point(of.present, of);
         "present_mass_kg" "mass of the present wheel by the robot file" = of.carrier.present_mass;
         "difference" "greatest difference of an energy from the solver of climb, share of it" = of.checked.difference;
         "tip_over_deg" "tilt left before the robot with the chosen wheel tips over" = of.checked.tip_over.map(f64::to_degrees);
@@ -98,6 +98,7 @@ pub(super) fn sizes<'a>() -> Fields<'a, &'a WheelDesign> {
         "grouser_height_m" "lug height" .shown("mm") = wheel.grouser_height;
         "grouser_count" "lugs" .shown("") = wheel.grouser_count;
         "grouser_thickness_m" "lug thickness" = wheel.grouser_thickness;
+        "mass_shift_m" "shift of the chassis' mass forwards" = wheel.mass_shift;
     }
 }
 
@@ -110,9 +111,13 @@ pub(super) fn point<'a>() -> Fields<'a, Point<'a>> {
         "energy_saved_j_per_m_kg" "energy saved per kg more" .shown("J/m/kg").digits(3).missing("–") =
             point.0.energy_per_mass;
         "soil_energies_j_per_m" "energy per metre on each soil" values = {
-            let soils = point.1.params().soils.iter().zip(&point.0.soil_energies);
+            let soils = point.1.mission.params().soils.iter().zip(&point.0.soil_energies);
             let known: Option<Vec<(String, f64)>> = soils.map(|(soil, energy)| Some((soil.name.clone(), (*energy)?))).collect();
             known
+        };
+        "loads_n" "load of each wheel on the first slope" values = {
+            let loads = point.0.loads.iter().copied();
+            Some(point.1.carrier.all_names().zip(loads).collect::<Vec<_>>())
         };
         "held_by" "limits that the wheel meets exactly" = point.0.held_by.clone();
         "stations" "every soil and slope" rows(station()) = point.stations();

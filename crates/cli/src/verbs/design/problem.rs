@@ -42,7 +42,8 @@ pub(super) fn toml(
         ))
         .task(Task::Pareto);
     let sizes = WheelDesign::NAMES.into_iter().zip(chosen.wheel.sizes());
-    for ((name, size), (low, high)) in sizes.zip(params.ranges.list()) {
+    let sizes = sizes.zip(params.ranges.list()).take(WheelDesign::SIZES);
+    for ((name, size), (low, high)) in sizes {
         if low < high {
             builder = builder.variable(Variable::bounded(name, size, low, high));
         }

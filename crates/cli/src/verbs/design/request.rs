@@ -9,7 +9,7 @@ use grouser_design::mission::{
 };
 use grouser_files::Document;
 use grouser_files::soil::names_file;
-use grouser_report::number::parse_finite;
+use grouser_report::number::{parse_finite, shown};
 
 use super::Arguments;
 use super::carrier::Carrier;
@@ -119,6 +119,7 @@ fn flags(arguments: &Arguments) -> MissionFile {
             .map(|fixed| Bounds(fixed, fixed)),
     ]
     .map(|bounds| bounds.map(|Bounds(low, high)| (low, high)));
+    given.mass_shift = arguments.mass_shift_m.map(|Bounds(low, high)| (low, high));
     given.wheel_mass.clone_from(&arguments.wheel_mass_kg);
     given.measure = arguments.soil_measure.map(|measure| match measure {
         MeasureName::Worst => SoilMeasure::Worst,
@@ -234,6 +235,20 @@ impl Request {
             let low = RADIUS_FACTORS.0 * present.radius;
             (low.min(high), high)
         });
+        ranges.mass_shift = self.file.mass_shift.unwrap_or((0.0, 0.0));
+        let (back, front) = carrier.shift_limits();
+        if ranges.mass_shift.0 < back || ranges.mass_shift.1 > front {
+            return Err(Error::usage(
+                format!(
+                    "`mass_shift_m` is {} to {} m, but must be within {} to {} m",
+                    shown(ranges.mass_shift.0),
+                    shown(ranges.mass_shift.1),
+                    shown(back),
+                    shown(front)
+                ),
+                "beyond the outermost wheels the robot tips over",
+            ));
+        }
         ranges.width = width.unwrap_or((
             WIDTH_FACTORS.0 * present.width,
             WIDTH_FACTORS.1 * present.width,

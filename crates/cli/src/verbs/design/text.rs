@@ -34,7 +34,15 @@ impl Designed<'_> {
                 None => "The nearest wheel:",
             };
             let _ = writeln!(text, "\n{title}");
-            text.push_str(&station().table(Point(point, self.mission).stations()));
+            text.push_str(&station().table(Point(point, self).stations()));
+            if self.has_shift() {
+                let loads = self.carrier.all_names().zip(&point.loads);
+                let loads: Vec<String> = loads
+                    .map(|(name, load)| format!("{name} {} N", rounded(*load, 3)))
+                    .collect();
+                let slope = self.mission.params().slopes[0].slope_deg;
+                let _ = writeln!(text, "loads at {} deg: {}", shown(slope), loads.join(", "));
+            }
             if !point.held_by.is_empty() {
                 let _ = writeln!(text, "held by: {}", point.held_by.join(", "));
             }
@@ -74,6 +82,10 @@ impl Designed<'_> {
         out
     }
 
+    fn has_shift(&self) -> bool {
+        self.mission.params().ranges.mass_shift != (0.0, 0.0)
+    }
+
     /// The front, the present wheel and, where nothing holds, the nearest.
     fn wheels(&self) -> String {
         let has_lugs = self.mission.params().ranges.grouser_count.1 > 0.0
@@ -81,6 +93,9 @@ impl Designed<'_> {
         let mut table = Table::new().text("").number("radius m").number("width m");
         if has_lugs {
             table = table.number("lug height mm").number("lugs");
+        }
+        if self.has_shift() {
+            table = table.number("mass forwards mm");
         }
         table = table
             .number("mass kg")
@@ -116,6 +131,9 @@ impl Designed<'_> {
             if has_lugs {
                 cells.push(rounded(1e3 * wheel.grouser_height, 3));
                 cells.push(shown(wheel.grouser_count));
+            }
+            if self.has_shift() {
+                cells.push(rounded(1e3 * wheel.mass_shift, 3));
             }
             let or_none = |x: Option<f64>, none: &str, digits| {
                 x.map_or_else(|| none.to_owned(), |x| rounded(x, digits))
