@@ -144,12 +144,13 @@ impl TomlText {
     }
 }
 
-/// Of `guess` and its neighbours the one that `back` takes to `value` exactly, where there is one.
+/// Of `guess` and its neighbours the one of fewest digits that `back` takes to `value` exactly, where there is one.
 fn nearest(guess: f64, back: impl Fn(f64) -> f64, value: f64) -> f64 {
     let (up, down) = (guess.next_up(), guess.next_down());
     [guess, up, down, up.next_up(), down.next_down()]
         .into_iter()
-        .find(|x| back(*x) == value)
+        .filter(|x| back(*x) == value)
+        .min_by_key(|x| format!("{x:?}").len())
         .unwrap_or(guess)
 }
 
