@@ -47,11 +47,12 @@ pub(super) fn not_observable(reference: Reference) -> &'static str {
             "no sensor measures the robot's motion: a slip common to all wheels is not observable"
         }
         Reference::FreeWheel => {
-            "not observable: an even error of the free wheel's counts, radius or skid looks like slip of the others; so does \
-             a counter that shows another's"
+            "not observable: an even error of the free wheel's counts, radius or skid, or of all powered wheels' counts, \
+             looks like slip; so does a counter that shows another's"
         }
         _ => {
-            "not observable: an even error of the reference's scale looks like slip; so does a counter that shows another's"
+            "not observable: an even error of the reference's scale, or of all powered wheels' counts, looks like slip; \
+             so does a counter that shows another's"
         }
     }
 }
