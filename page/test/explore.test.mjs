@@ -277,7 +277,7 @@ test('measured points are laid over the curves, and a bad file is said', async (
     await page.setInputFiles('#measured-file', file('tests.csv', 'slip,drawbar_pull_n,sinkage_m\n0.1,-4,0.018\n0.3,,0.02\n0.5,8.2,0.022\n'));
     await page.waitForFunction(() => document.querySelectorAll('.measured').length === 5);
     await page.setInputFiles('#measured-file', file('bad.csv', 'slip,drawbar_pull_n\n0.1,much\n'));
-    await page.waitForFunction(() => document.querySelector('.compare [role="status"]').textContent.includes('row 2'));
+    await page.waitForFunction(() => document.querySelector('.compare [role="status"]')?.textContent.includes('row 2'));
   });
 });
 

@@ -39,7 +39,7 @@ test('a folder of a web server is the page: explorer, optimiser, drive and figur
       await page.getByRole('button', { name: 'Save as figure' }).click();
       assert.equal((await saved).suggestedFilename(), 'wheel-on-soil.svg');
       await page.click('a[data-view="optimise"]');
-      await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+      await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
       await page.getByRole('button', { name: 'Solve' }).click();
       await page.waitForSelector('.front-dot', { timeout: 60000 });
       await page.click('a[data-view="run"]');

@@ -189,7 +189,7 @@ test('the robot is on its way from the start, and values follow the pointer in a
     const plot = page.locator('[aria-label="Slip of each wheel"] .plot');
     const { x, y, width, height } = await boxOf(plot);
     await page.mouse.move(x + width / 4, y + height / 2);
-    await page.waitForFunction(() => /0\.\d+ ± 0\.\d+.*Driving/.test(document.querySelector('.wheels tbody tr').textContent));
+    await page.waitForFunction(() => /0\.\d+ ± 0\.\d+.*Driving/.test(document.querySelector('.wheels tbody tr')?.textContent));
     assert.match(await torques(), /front_left \d\.\d+/);
     assert.ok(await page.locator('.hover-line').count() >= 3);
     assert.ok(Number(await page.locator('.player input').inputValue()) < 0.1, 'the cursor stays');

@@ -7,9 +7,9 @@ import { assertSame, boxOf, commandJson, ROOT, seriousFindings, withPage } from 
 const answerOf = (page) => page.evaluate(() => window.grouser.views.get('optimise').answer);
 
 async function solve(page, name) {
-  await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+  await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
   await page.selectOption('select[aria-label="Example"]', name);
-  await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+  await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
   await page.waitForTimeout(100);
   await page.getByRole('button', { name: 'Solve' }).click();
   await page.waitForSelector('.optimise .hero', { timeout: 240000 });
@@ -52,7 +52,7 @@ test('a front is shown in linked pictures, and a compromise goes on to the explo
 
 test('a front of three objectives turns in space and is linked with the other pictures', async () => {
   await withPage({ hash: '#optimise' }, async (page) => {
-    await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+    await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
     const text = await page.locator('.problem textarea').inputValue();
     await page.fill('.problem textarea', text.replace('torque    = "torque_nm"', 'torque = "torque_nm"\nsinking = "sinkage_m"').replace('population = 60', 'population = 24').replace('generations = 60', 'generations = 10'));
     await page.getByRole('button', { name: 'Solve' }).click();
@@ -144,13 +144,13 @@ test('a search says how far it is, and a design drives in a scenario', async () 
 
 test('a search is stopped, and the next one runs', async () => {
   await withPage({ hash: '#optimise' }, async (page) => {
-    await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+    await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
     const text = await page.locator('.problem textarea').inputValue();
     await page.fill('.problem textarea', text.replace('generations = 60', 'generations = 5000'));
     await page.getByRole('button', { name: 'Solve' }).click();
-    await page.waitForFunction(() => /generations, \d+ of 5000/.test(document.querySelector('.problem .run-status').textContent));
+    await page.waitForFunction(() => /generations, \d+ of 5000/.test(document.querySelector('.problem .run-status')?.textContent));
     await page.getByRole('button', { name: 'Stop' }).click();
-    await page.waitForFunction(() => document.querySelector('.problem .run-status').textContent === 'stopped');
+    await page.waitForFunction(() => document.querySelector('.problem .run-status')?.textContent === 'stopped');
     await page.fill('.problem textarea', text);
     await page.getByRole('button', { name: 'Solve' }).click();
     await page.waitForSelector('.optimise .hero', { timeout: 60000 });
@@ -159,7 +159,7 @@ test('a search is stopped, and the next one runs', async () => {
 
 test('a problem that is none is refused with its place', async () => {
   await withPage({ hash: '#optimise', width: 390, height: 844 }, async (page) => {
-    await page.waitForFunction(() => document.querySelector('.problem textarea').value.length > 50);
+    await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
     await page.fill('.problem textarea', 'format = 1\nmethod = "minmax"\n');
     await page.getByRole('button', { name: 'Solve' }).click();
     await page.waitForSelector('.problem .is-error');

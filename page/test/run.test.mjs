@@ -32,7 +32,7 @@ test('a log dropped with its robot file gives the rows of the command', async ()
   await withPage({ hash: '#run' }, async (page) => {
     await page.setInputFiles('#run-files', [`${EXAMPLE}/log.csv`, `${EXAMPLE}/robot.toml`, `${EXAMPLE}/columns.toml`]);
     await shown(page);
-    await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('estimated in'), null, { timeout: 240000 });
+    await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.includes('estimated in'), null, { timeout: 240000 });
     const run = await runOf(page);
     const places = new Map(run.time_s.map((time, i) => [time, i]));
     let compared = 0;
@@ -70,7 +70,7 @@ function splitRecording(bytes, count) {
 test('the files of a split recording are one log: chosen, and dropped with their folder', async () => {
   const parts = splitRecording(readFileSync(`${EXAMPLE}/log.mcap`), 11).map((buffer, i) => ({ name: `run_${i}.mcap`, mimeType: 'application/octet-stream', buffer }));
   const robot = { name: 'robot.toml', mimeType: 'text/plain', buffer: readFileSync(`${EXAMPLE}/robot.toml`) };
-  const ended = (page) => page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('estimated in'), null, { timeout: 240000 });
+  const ended = (page) => page.waitForFunction(() => document.querySelector('.run-status')?.textContent.includes('estimated in'), null, { timeout: 240000 });
   const run = (page) => page.evaluate(() => {
     const { time_s, wheels } = window.grouser.views.get('run').run;
     return { time_s: [...time_s], slips: wheels.map(({ slip }) => [...slip].map(String)) };
@@ -131,11 +131,11 @@ test('playing moves the cursor, and a click on the chart sets it', async () => {
     await page.setInputFiles('#run-files', estimates().path);
     await shown(page);
     await page.getByRole('button', { name: 'Play' }).click();
-    await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 0.5);
+    await page.waitForFunction(() => Number(document.querySelector('.player input')?.value) > 0.5);
     await page.getByRole('button', { name: 'Pause' }).click();
     const box = await boxOf(page.locator('.run .plot').first());
     await page.mouse.click(box.x + box.width * 0.8, box.y + box.height * 0.5);
-    await page.waitForFunction(() => Number(document.querySelector('.player input').value) > 25);
+    await page.waitForFunction(() => Number(document.querySelector('.player input')?.value) > 25);
     await page.selectOption('select[aria-label="Time shown"]', '10');
     await page.getByRole('button', { name: 'One chart for each wheel' }).click();
     assert.equal(await page.locator('.run-more .charts .chart:not([hidden])').count(), 5);
@@ -191,7 +191,7 @@ test('a log of two hours is there in seconds, and is scrubbed while it is estima
     assert.match(found.late, /^\S*–––$/, 'not estimated yet');
     assert.ok(found.p95 < 333);
     await page.getByRole('button', { name: 'Stop' }).click();
-    await page.waitForFunction(() => document.querySelector('.run-status').textContent === 'stopped');
+    await page.waitForFunction(() => document.querySelector('.run-status')?.textContent === 'stopped');
   });
 });
 
@@ -262,7 +262,7 @@ test('files that are no runs are refused in words', async () => {
   for (const [files, expected] of cases) {
     await withPage({ hash: '#run' }, async (page) => {
       await page.setInputFiles('#run-files', files);
-      await page.waitForFunction(() => document.querySelector('.run-status').textContent.length > 5 && !document.querySelector('.run-status').textContent.endsWith('…'), null, { timeout: 60000 });
+      await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.length > 5 && !document.querySelector('.run-status')?.textContent.endsWith('…'), null, { timeout: 60000 });
       assert.match(await page.locator('.run-status').textContent(), expected);
       assert.equal(await page.locator('img').count(), 0);
     });
@@ -343,6 +343,6 @@ test('a report that holds no run is refused in words', async () => {
   await withPage({ hash: '#run' }, async (page) => {
     const file = { name: 'bad.json', mimeType: 'application/json', buffer: Buffer.from('{"runs": [{"time_s": [0, 1], "wheels": [{"name": "a", "slip": [0]}]}]}') };
     await page.setInputFiles('#run-files', file);
-    await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('holds no run'));
+    await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.includes('holds no run'));
   });
 });

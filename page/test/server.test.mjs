@@ -125,14 +125,14 @@ test('a table that is still written is shown as it grows, and a chosen time keep
       // four rows are held back, and one whose time may still come
       await until(9.88);
       assert.ok(await last() < 9.99);
-      await page.waitForFunction(() => document.querySelector('.player input').value > 9.8);
+      await page.waitForFunction(() => document.querySelector('.player input')?.value > 9.8);
       // a part of a row waits for its rest
       appendFileSync(log, rows[500].slice(0, 12));
       const started = Date.now();
       appendFileSync(log, `${rows[500].slice(12)}\n`);
       write(501, 800);
       await until(15.88);
-      await page.waitForFunction(() => document.querySelector('.player input').value > 15.8);
+      await page.waitForFunction(() => document.querySelector('.player input')?.value > 15.8);
       assert.ok(Date.now() - started < 5000, `${Date.now() - started} ms`);
       assert.match(await page.locator('.wheels tbody tr').first().textContent(), /0\.\d+ ± 0\.\d+/);
       // a reader who chooses a time keeps it, and the picture
@@ -149,12 +149,12 @@ test('a table that is still written is shown as it grows, and a chosen time keep
       assert.equal(await picture(), before);
       assert.equal(await page.locator('.player input').inputValue(), '12');
       await page.getByRole('button', { name: 'Live' }).click();
-      await page.waitForFunction(() => document.querySelector('.player input').value > 23.8);
+      await page.waitForFunction(() => document.querySelector('.player input')?.value > 23.8);
       assert.notEqual(await picture(), before);
       assert.deepEqual(await seriousFindings(page), []);
       // what is wrong with a row is said in words
       appendFileSync(log, 'x,y\n');
-      await page.waitForFunction(() => document.querySelector('.run-status').textContent.includes('line 1202'), null, { timeout: 20000 });
+      await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.includes('line 1202'), null, { timeout: 20000 });
     });
   }, [log, '--robot', join(folder, 'robot.toml'), '--follow']);
 });
@@ -169,10 +169,10 @@ test('an MCAP file that is still written is shown as it grows, to its end', asyn
       const half = bytes.length >> 1;
       appendFileSync(log, bytes.subarray(0, half));
       await page.waitForFunction(() => window.grouser.views.get('run').run?.time_s.at(-1) >= 15, null, { timeout: 20000 });
-      await page.waitForFunction(() => document.querySelector('.run-status').textContent.startsWith('live to'));
-      await page.waitForFunction(() => document.querySelector('.player input').value > 15);
+      await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.startsWith('live to'));
+      await page.waitForFunction(() => document.querySelector('.player input')?.value > 15);
       appendFileSync(log, bytes.subarray(half));
-      await page.waitForFunction(() => document.querySelector('.run-status').textContent === 'the run has ended', null, { timeout: 20000 });
+      await page.waitForFunction(() => document.querySelector('.run-status')?.textContent === 'the run has ended', null, { timeout: 20000 });
       const theirs = commandJson(`grouser estimate ${EXAMPLE}/log.mcap --robot ${EXAMPLE}/robot.toml`);
       const run = await page.evaluate(() => {
         const { time_s, wheels } = window.grouser.views.get('run').run;
