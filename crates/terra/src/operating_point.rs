@@ -64,7 +64,7 @@ impl OperatingPoint {
             self.mirror(self.forces.drawbar_pull),
             self.mirror(self.forces.torque),
         );
-        (torque > 0.0 && pull > 0.0).then(|| pull * self.q() * self.radius / torque)
+        tractive_efficiency(self.q(), self.radius, pull, torque)
     }
 
     /// Energy that the motor gives per metre of travel, T/(q r), J/m; negative where the wheel brakes a
@@ -104,4 +104,9 @@ impl OperatingPoint {
     fn mirror(&self, x: f64) -> f64 {
         if self.kinematics.is_reversed() { -x } else { x }
     }
+}
+
+/// DP q r/T of a wheel that is driven and pulls; `None` of others.
+pub(crate) fn tractive_efficiency(q: f64, radius: f64, pull: f64, torque: f64) -> Option<f64> {
+    (torque > 0.0 && pull > 0.0).then(|| pull * q * radius / torque)
 }

@@ -309,12 +309,13 @@ impl BestSearch {
         }
     }
 
-    const STEP: f64 = 1.0 / (SAMPLES - 1) as f64;
+    /// Between two samples, which begin at slip 0 and end at slip 1.
+    const SAMPLE_SPACING_SLIP: f64 = 1.0 / (SAMPLES - 1) as f64;
 
     /// The slip at which the function is wanted next; `None` where the best is known.
     pub(crate) fn next_slip(&mut self) -> Option<f64> {
         if self.taken < self.values.len() {
-            return Some(self.taken as f64 * Self::STEP);
+            return Some(self.taken as f64 * Self::SAMPLE_SPACING_SLIP);
         }
         loop {
             if let Some(refined) = &mut self.refined {
@@ -331,8 +332,12 @@ impl BestSearch {
             let &value = self.values.get(k)?;
             self.looked_at += 1;
             if self.may_be_best(k) {
-                let start = (k as f64 * Self::STEP, value);
-                let search = MaximumSearch::new(start, (Self::STEP, BEST_PRECISION), BEST_FLAT);
+                let start = (k as f64 * Self::SAMPLE_SPACING_SLIP, value);
+                let search = MaximumSearch::new(
+                    start,
+                    (Self::SAMPLE_SPACING_SLIP, BEST_PRECISION),
+                    BEST_FLAT,
+                );
                 self.refined = Some(search);
             }
         }
@@ -359,7 +364,7 @@ impl BestSearch {
         }
         let value = value.unwrap_or(f64::NEG_INFINITY);
         if value > self.best.1 {
-            self.best = (self.taken as f64 * Self::STEP, value);
+            self.best = (self.taken as f64 * Self::SAMPLE_SPACING_SLIP, value);
         }
         if let Some(sample) = self.values.get_mut(self.taken) {
             *sample = value;

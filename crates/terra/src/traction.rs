@@ -4,6 +4,7 @@ use crate::angle::Angle;
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
+use crate::operating_point::tractive_efficiency;
 use crate::settings::Accuracy;
 use crate::slip::Slip;
 use crate::slip_search::{BestSearch, ROOT_PRECISION, SAMPLES, maximum, root, root_near};
@@ -100,7 +101,7 @@ impl WheelOnSoil {
         let radius = self.wheel().radius();
         Self::best_slip(|slip| {
             let found = self.forces_under(load, slip, |f| {
-                efficiency(slip, radius, f.drawbar_pull, f.torque)
+                tractive_efficiency(1.0 - slip, radius, f.drawbar_pull, f.torque)
             })?;
             Ok(found.flatten())
         })
@@ -455,9 +456,4 @@ impl WheelOnSoil {
             value,
         }))
     }
-}
-
-/// Tractive efficiency η = DP q r/T of a driving wheel at a slip in [0, 1]; `None` unless it is driven and pulls.
-pub(crate) fn efficiency(slip: f64, radius: f64, pull: f64, torque: f64) -> Option<f64> {
-    (torque > 0.0 && pull > 0.0).then(|| pull * (1.0 - slip) * radius / torque)
 }

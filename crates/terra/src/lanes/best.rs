@@ -1,10 +1,10 @@
 //! Slips of the greatest pull or efficiency of many loads, and the skids of free wheels.
 
 use crate::error::{Error, Result};
+use crate::operating_point::tractive_efficiency;
 use crate::settings::Settings;
 use crate::slip_search::BestSearch;
 use crate::status::SolveStatus;
-use crate::traction::efficiency;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
@@ -188,7 +188,9 @@ impl SlipSearch for Search {
                 self.max_pull = self.max_pull.max(drawbar_pull / size);
                 match self.of {
                     BestOf::Pull => Some(drawbar_pull),
-                    BestOf::Efficiency => efficiency(self.slip, self.radius, drawbar_pull, torque),
+                    BestOf::Efficiency => {
+                        tractive_efficiency(1.0 - self.slip, self.radius, drawbar_pull, torque)
+                    }
                 }
             },
         );
