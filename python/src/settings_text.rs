@@ -26,7 +26,7 @@ pub(crate) fn document(name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult
                     &key,
                 )
             })?;
-            text.integer(&key, integer);
+            text.whole(&key, integer);
         } else {
             text.number(&key, scalar(&key, &value)?);
         }

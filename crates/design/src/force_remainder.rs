@@ -34,9 +34,8 @@ impl Design {
     /// What the rule of integration in a certificate may leave out, and whether that is proved. `None` where no wheel
     /// carries a load.
     ///
-    /// The box of the variables and the entry angle is divided until in every part either the error of the rule is bounded by
-    /// the share, or a constraint is violated or no contact carries the load,
-    /// by what is bounded there. With rebound the share is measured and not proved.
+    /// The box of the variables and the entry angle is divided until in every part the error of the rule is within the share, a
+    /// constraint is violated, or no contact carries the load. With rebound the share is measured and not proved.
     ///
     /// ```
     /// let design = grouser_design::read("../../examples/problems/running-slip.toml".as_ref())?;

@@ -97,19 +97,7 @@ impl<'a> Entry<'_, 'a> {
     /// # Errors
     /// [`Error::WrongType`], [`Error::OutOfRange`].
     pub fn range(&self) -> Result<(f64, f64)> {
-        let wanted = "a list of two numbers";
-        let DeValue::Array(items) = self.value.get_ref() else {
-            return Err(self.section.wrong_type(self.name, self.value, wanted));
-        };
-        let any = (f64::MIN, f64::MAX);
-        match items.iter().collect::<Vec<_>>().as_slice() {
-            [low, high] => {
-                let low = self.section.number_of(self.name, low, any)?;
-                let high = self.section.number_of(self.name, high, (low, f64::MAX))?;
-                Ok((low, high))
-            }
-            _ => Err(self.section.wrong_type(self.name, self.value, wanted)),
-        }
+        self.section.range_of(self.name, self.value)
     }
 
     /// The value as a table, given to `read`; `expected` says what may stand here.

@@ -235,6 +235,22 @@ impl<'a> Section<'a> {
         Ok(number)
     }
 
+    /// `value` as two numbers, the lower one first.
+    pub(crate) fn range_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<(f64, f64)> {
+        let wanted = "a list of two numbers";
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong_type(key, value, wanted));
+        };
+        match items.iter().collect::<Vec<_>>().as_slice() {
+            [low, high] => {
+                let low = self.number_of(key, low, (f64::MIN, f64::MAX))?;
+                let high = self.number_of(key, high, (low, f64::MAX))?;
+                Ok((low, high))
+            }
+            _ => Err(self.wrong_type(key, value, wanted)),
+        }
+    }
+
     /// A number in [low, high].
     ///
     /// # Errors
@@ -242,6 +258,33 @@ impl<'a> Section<'a> {
     pub fn number(&self, key: &'static str, limits: (f64, f64)) -> Result<f64> {
         self.optional_number(key, limits)?
             .ok_or_else(|| self.missing(key))
+    }
+
+    /// Two bounds, the lower one first, or one number that is both. `None` when absent.
+    ///
+    /// # Errors
+    /// As [`Entry::range`](crate::Entry::range).
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    ///
+    /// let text = "format = 1\nradius_m = [0.1, 0.2]\nwidth_m = 0.1\n";
+    /// let document = Document::from_text("a.toml", text.into())?;
+    /// let both = document.parse(|root| {
+    ///     Ok::<_, grouser_files::Error>((root.optional_bounds("radius_m")?, root.optional_bounds("width_m")?))
+    /// })?;
+    /// assert_eq!(both, (Some((0.1, 0.2)), Some((0.1, 0.1))));
+    /// # Ok::<(), grouser_files::Error>(())
+    /// ```
+    pub fn optional_bounds(&self, key: &'static str) -> Result<Option<(f64, f64)>> {
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
+        if let DeValue::Array(_) = value.get_ref() {
+            return self.range_of(key, value).map(Some);
+        }
+        let fixed = self.number_of(key, value, (f64::MIN, f64::MAX))?;
+        Ok(Some((fixed, fixed)))
     }
 
     /// A whole number. `None` when absent.

@@ -31,7 +31,7 @@ impl TomlText {
             let line: String = line.chars().filter(|c| !c.is_control()).collect();
             let _ = writeln!(text.0, "# {line}");
         }
-        text.integer("format", FORMAT);
+        text.whole("format", FORMAT);
         text
     }
 
@@ -45,9 +45,23 @@ impl TomlText {
         let _ = writeln!(self.0, "{line}");
     }
 
-    /// A whole number.
-    pub fn integer(&mut self, key: &str, value: i64) {
-        let _ = writeln!(self.0, "{key} = {value}");
+    /// A whole number, which readers hold in 64 bits with a sign.
+    ///
+    /// ```
+    /// # use grouser_files::TomlText;
+    /// let mut text = TomlText::new(&[]);
+    /// text.whole("starts", 16_usize);
+    /// assert_eq!(text.finish(), "format = 1\nstarts = 16\n");
+    /// ```
+    pub fn whole(&mut self, key: &str, value: impl TryInto<i64>) {
+        let _ = writeln!(self.0, "{key} = {}", value.try_into().unwrap_or(i64::MAX));
+    }
+
+    /// A whole number, if there is one.
+    pub fn optional_whole(&mut self, key: &str, value: Option<impl TryInto<i64>>) {
+        if let Some(value) = value {
+            self.whole(key, value);
+        }
     }
 
     /// A finite number.

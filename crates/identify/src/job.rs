@@ -187,13 +187,12 @@ impl Job {
     /// # Errors
     /// What is missing or wrong in the file, with its place.
     pub fn read(document: &Document) -> Result<Self> {
-        let beside = &|name: &str| document.beside(name);
         let job = document.parse(|root| -> std::result::Result<Self, grouser_files::Error> {
             let soil = root.section("soil", soil::read_open)?;
-            let plates = root.sections("plate", |section| read_plate(section, beside))?;
+            let plates = root.sections("plate", |section| read_plate(section, document))?;
             let plate_settings = root.section("plate_fit", read_plate_settings)?;
             let shear = root.section("shear", |section| {
-                Ok::<_, grouser_files::Error>(beside(section.text("table")?))
+                Ok::<_, grouser_files::Error>(document.beside(section.text("table")?))
             })?;
             Ok(Self {
                 name: root.text("name")?.to_owned(),
@@ -202,7 +201,7 @@ impl Job {
                 plates,
                 plate_settings: plate_settings.unwrap_or_default(),
                 shear,
-                wheel: root.section("wheel", |section| read_wheel(section, beside))?,
+                wheel: root.section("wheel", |section| read_wheel(section, document))?,
             })
         })?;
         if job.plates.is_empty() && job.shear.is_none() && job.wheel.is_none() {
@@ -235,9 +234,6 @@ impl Job {
 
 type Read<T> = std::result::Result<T, grouser_files::Error>;
 
-/// A file that the job names.
-type Beside<'a> = &'a dyn Fn(&str) -> PathBuf;
-
 pub(crate) const LENGTHS: [(&str, f64); 4] =
     [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
 pub(crate) const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
@@ -245,13 +241,13 @@ const SIZE: (f64, f64) = (1e-3, 100.0);
 /// Fields of a line, counted from 1.
 const FIELDS: (i64, i64) = (1, 1000);
 
-fn read_plate(section: &Section<'_>, beside: Beside<'_>) -> Read<PlateSource> {
+fn read_plate(section: &Section<'_>, document: &Document) -> Read<PlateSource> {
     if let Some(table) = section.optional_text("table")? {
-        return Ok(PlateSource::Table(beside(table)));
+        return Ok(PlateSource::Table(document.beside(table)));
     }
     let field = |key| section.optional_whole(key, FIELDS);
     let required = |key| section.whole(key, FIELDS);
-    let bag = beside(section.text("bag")?);
+    let bag = document.beside(section.text("bag")?);
     let name = section.optional_text("name")?;
     let diameter = section.number("diameter_m", SIZE)?;
     let controller = match field("controller_field")? {
@@ -280,7 +276,7 @@ fn read_plate(section: &Section<'_>, beside: Beside<'_>) -> Read<PlateSource> {
                 .signum(),
         },
         depth: DepthColumn {
-            file: beside(section.text("depth_file")?),
+            file: document.beside(section.text("depth_file")?),
             height: required("height_field")?,
             height_unit: section.choice("height_unit", &LENGTHS)?,
             clock: required("clock_field")?,
@@ -306,7 +302,7 @@ fn read_loss(section: &Section<'_>) -> Read<Loss> {
     Ok(threshold.map_or(Loss::Squares, |threshold| Loss::Huber { threshold }))
 }
 
-fn read_wheel(section: &Section<'_>, beside: Beside<'_>) -> Read<WheelJob> {
+fn read_wheel(section: &Section<'_>, document: &Document) -> Read<WheelJob> {
     let (radius, width) = (
         section.number("radius_m", SIZE)?,
         section.number("width_m", SIZE)?,
@@ -341,7 +337,7 @@ fn read_wheel(section: &Section<'_>, beside: Beside<'_>) -> Read<WheelJob> {
     let noise = Scatter::default();
     let usual = StartSettings::default();
     Ok(WheelJob {
-        table: beside(section.text("table")?),
+        table: document.beside(section.text("table")?),
         wheel,
         parameters,
         scatter: Scatter {

@@ -73,11 +73,6 @@ fn unit(out: &mut TomlText, key: &str, value: f64, units: &[(&str, f64)]) -> Res
     Ok(())
 }
 
-/// A whole number of a field or a seed, all of which files hold.
-fn whole(out: &mut TomlText, key: &str, value: u64) {
-    out.integer(key, value.cast_signed());
-}
-
 fn bag_test(out: &mut TomlText, test: &BagTest) -> Result<()> {
     let BagTest {
         name,
@@ -97,11 +92,11 @@ fn bag_test(out: &mut TomlText, test: &BagTest) -> Result<()> {
     out.optional_text("stamp_field", source.stamp.as_deref());
     out.number("force_sign", source.sign);
     path(out, "depth_file", &depth.file);
-    whole(out, "height_field", depth.height as u64);
+    out.whole("height_field", depth.height);
     unit(out, "height_unit", depth.height_unit, &LENGTHS)?;
-    whole(out, "clock_field", depth.clock as u64);
+    out.whole("clock_field", depth.clock);
     if let Some((field, scale)) = depth.controller {
-        whole(out, "controller_field", field as u64);
+        out.whole("controller_field", field);
         unit(out, "controller_unit", scale, &TIMES)?;
     }
     out.optional_number("surface_m", depth.surface);
@@ -138,7 +133,7 @@ fn wheel_job(out: &mut TomlText, job: &WheelJob) -> Result<()> {
     }
     loss(out, job.loss);
     out.text("intervals", if job.profile { "profile" } else { "linear" });
-    whole(out, "starts", job.starts.starts as u64);
-    whole(out, "seed", job.starts.seed);
+    out.whole("starts", job.starts.starts);
+    out.whole("seed", job.starts.seed);
     Ok(())
 }

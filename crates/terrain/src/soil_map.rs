@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_files::soil::names_file;
 use grouser_files::{Document, Section};
 use grouser_rover::ground::Georeference;
 use grouser_terra::Soil;
@@ -75,13 +76,12 @@ impl SoilMap {
     pub fn read(path: &Path) -> Result<Self> {
         let document = Document::read(path)?;
         let (raster, entries) = document.parse(read_legend)?;
-        let beside = path.parent().unwrap_or(Path::new(""));
         let mut files = vec![path.to_owned()];
         let mut soils = Vec::with_capacity(entries.len());
         for entry in entries {
-            soils.push(legend_soil(entry, beside, &mut files)?);
+            soils.push(legend_soil(entry, &document, &mut files)?);
         }
-        let raster = beside.join(raster);
+        let raster = document.beside(raster);
         files.push(raster.clone());
         Self::of_raster(&raster, soils, files)
     }
@@ -212,14 +212,14 @@ fn read_legend(root: &Section<'_>) -> Result<(String, Vec<Entry>)> {
     Ok((raster, entries))
 }
 
-fn legend_soil(entry: Entry, beside: &Path, files: &mut Vec<PathBuf>) -> Result<LegendSoil> {
+fn legend_soil(entry: Entry, legend: &Document, files: &mut Vec<PathBuf>) -> Result<LegendSoil> {
     let of_law = |source| Error::Law {
         of: format!("soil \"{}\"", entry.name),
         source,
     };
     let none = Completion::default();
-    let soil = if entry.soil.contains(['/', '.']) {
-        let path = beside.join(&entry.soil);
+    let soil = if names_file(entry.soil.as_ref()) {
+        let path = legend.beside(&entry.soil);
         let file = grouser_files::soil::read(&path)?;
         files.push(path);
         file.completed(&none).map_err(of_law)?
@@ -236,7 +236,7 @@ fn legend_soil(entry: Entry, beside: &Path, files: &mut Vec<PathBuf>) -> Result<
     };
     let intervals = match &entry.intervals {
         Some(name) => {
-            let path = beside.join(name);
+            let path = legend.beside(name);
             let intervals = SoilIntervals::parse(&Document::read(&path)?)?;
             files.push(path);
             Some(intervals)

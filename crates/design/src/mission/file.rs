@@ -4,7 +4,7 @@ use std::path::Path;
 
 use grouser_files::gravity::read_gravity;
 use grouser_files::soil::names_file;
-use grouser_files::{Document, Entry, Section};
+use grouser_files::{Document, Section};
 
 use super::front::Choice;
 use super::profile::MAX_SLOPE_DEG;
@@ -151,44 +151,17 @@ fn of_section(root: &Section<'_>) -> Result<MissionFile> {
         let degrees = slope.number("slope_deg", (0.0, MAX_SLOPE_DEG))?;
         Ok((degrees, slope.optional_number("share", SHARES)?))
     })?;
-    root.section("wheel", |wheel| {
-        for entry in wheel.entries() {
-            let names = &WheelDesign::NAMES[..WheelDesign::SIZES];
-            let Some(place) = names.iter().position(|name| *name == entry.name()) else {
-                return Err(Error::Name {
-                    at: entry.place().clone(),
-                    name: entry.name().chars().take(64).collect(),
-                    what: "size of the wheel",
-                    reason: "the sizes are radius_m, width_m, grouser_height_m, grouser_count and grouser_thickness_m",
-                });
-            };
-            file.wheel[place] = Some(bounds(&entry)?);
+    root.section("wheel", |wheel| -> Result<()> {
+        for (bounds, name) in file.wheel.iter_mut().zip(WheelDesign::NAMES) {
+            *bounds = wheel.optional_bounds(name)?;
         }
         Ok(())
     })?;
-    root.section("chassis", |chassis| {
-        for entry in chassis.entries() {
-            if entry.name() != WheelDesign::NAMES[SHIFT] {
-                return Err(Error::Name {
-                    at: entry.place().clone(),
-                    name: entry.name().chars().take(64).collect(),
-                    what: "number of the chassis",
-                    reason: "mass_shift_m is the only one",
-                });
-            }
-            file.mass_shift = Some(bounds(&entry)?);
-        }
+    root.section("chassis", |chassis| -> Result<()> {
+        file.mass_shift = chassis.optional_bounds(WheelDesign::NAMES[SHIFT])?;
         Ok(())
     })?;
     Ok(file)
-}
-
-/// Two numbers, or one that fixes both.
-fn bounds(entry: &Entry<'_, '_>) -> Result<(f64, f64)> {
-    match entry.number((f64::MIN, f64::MAX)) {
-        Ok(fixed) => Ok((fixed, fixed)),
-        Err(_) => Ok(entry.range()?),
-    }
 }
 
 /// Shares as they are written; equal ones where none is.

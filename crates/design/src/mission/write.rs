@@ -36,14 +36,8 @@ pub fn to_toml(mission: &MissionFile, remarks: &[&str]) -> String {
     out.optional_text("soil_measure", measure.map(|(name, _)| *name));
     out.optional_number("min_reserve", mission.min_reserve);
     out.optional_number("max_slip", mission.max_slip);
-    for (key, whole) in [
-        ("points", mission.points.map(|points| points as u64)),
-        ("seed", mission.seed),
-    ] {
-        if let Some(whole) = whole.and_then(|whole| i64::try_from(whole).ok()) {
-            out.integer(key, whole);
-        }
-    }
+    out.optional_whole("points", mission.points);
+    out.optional_whole("seed", mission.seed);
     if let Some(Choice::MaxMass(limit)) = mission.choice {
         out.number("max_wheel_mass_kg", limit);
     }

@@ -35,7 +35,7 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
         ("header_lines", table.header_lines),
         ("names_line", table.names_line),
     ] {
-        out.integer(key, i64::try_from(lines).unwrap_or(i64::MAX));
+        out.whole(key, lines);
     }
     out.text("decimal", &char::from(table.decimal).to_string());
     out.texts("missing", &table.missing);

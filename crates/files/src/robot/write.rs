@@ -181,7 +181,7 @@ fn write_wheel(out: &mut TomlText, wheel: &Wheel) {
         out.number("gear", encoder.gear);
     }
     out.optional_number("ticks_per_turn", encoder.ticks_per_turn);
-    out.integer("counter_bits", encoder.counter.bits().into());
+    out.whole("counter_bits", encoder.counter.bits());
     out.flag("reversed", encoder.reversed);
     out.nonzero("rate_step_rad_per_s", encoder.rate_step);
     out.optional_number("width_m", wheel.width);

@@ -37,7 +37,7 @@ pub fn to_toml(scenario: &Scenario, remarks: &[&str]) -> String {
     out.text("title", &scenario.title);
     path(&mut out, "robot", &scenario.robot_file);
     out.number(GRAVITY_KEY, scenario.robot.gravity());
-    out.integer("seed", scenario.seed.cast_signed());
+    out.whole("seed", scenario.seed.cast_signed());
     out.number("duration_s", scenario.duration);
     out.number("step_s", scenario.step);
     out.nonzero("hotel_w", scenario.hotel);
@@ -213,7 +213,7 @@ fn plan(out: &mut TomlText, plan: &PlanSpec) {
     ] {
         out.number(key, value);
     }
-    out.integer("headings", plan.headings.into());
+    out.whole("headings", plan.headings);
 }
 
 fn faults(out: &mut TomlText, faults: &Schedule, robot: &RobotModel) {
