@@ -216,8 +216,7 @@ impl WheelOnSoil {
         points: usize,
         threads: usize,
     ) -> PyResult<(Codes<'py>, [Floats<'py>; 5])> {
-        let [load, slip, angle] = inputs(&columns)?;
-        check_lengths(&[load, slip, angle], points)?;
+        let [load, slip, angle] = inputs(&columns, points)?;
         let (status, numbers) = rows(py, points, threads, |i| {
             let solved = kinematics(at(slip, i), at(angle, i))
                 .and_then(|motion| self.contact.under_load(at(load, i), &motion));
@@ -251,8 +250,7 @@ impl WheelOnSoil {
         points: usize,
         threads: usize,
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
-        let [weight, slope] = inputs(&columns)?;
-        check_lengths(&[weight, slope], points)?;
+        let [weight, slope] = inputs(&columns, points)?;
         let (status, slips) = if *self.contact.settings() == Settings::default() {
             let slope: Vec<f64> = (0..points).map(|i| at(slope, i).to_radians()).collect();
             let kernel = BatchKernel::new(*self.contact.soil());
@@ -295,8 +293,7 @@ impl WheelOnSoil {
         points: usize,
         threads: usize,
     ) -> PyResult<(Codes<'py>, [Floats<'py>; 2])> {
-        let [load] = inputs(&columns)?;
-        check_lengths(&[load], points)?;
+        let [load] = inputs(&columns, points)?;
         let (status, best) = if *self.contact.settings() == Settings::default() {
             let kernel = BatchKernel::new(*self.contact.soil());
             let of = if of_pull {
@@ -353,8 +350,7 @@ impl WheelOnSoil {
         points: usize,
         threads: usize,
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
-        let [load, bearing] = inputs(&columns)?;
-        check_lengths(&[load, bearing], points)?;
+        let [load, bearing] = inputs(&columns, points)?;
         let (status, slips) = rows(py, points, threads, |i| {
             match self.contact.free_slip(at(load, i), at(bearing, i)) {
                 Err(_) => (BAD, f64::NAN),
@@ -375,8 +371,7 @@ impl WheelOnSoil {
         points: usize,
         threads: usize,
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
-        let [load, slip] = inputs(&columns)?;
-        check_lengths(&[load, slip], points)?;
+        let [load, slip] = inputs(&columns, points)?;
         let (status, numbers) = rows(py, points, threads, |i| {
             match derivatives(&self.contact, at(slip, i), at(load, i)) {
                 Err(_) => (BAD, [f64::NAN; 15]),
@@ -431,26 +426,22 @@ fn choice<T: Copy + Default>(
     })
 }
 
+/// Columns of `points` values each, or constants.
 fn inputs<'a, const N: usize>(
     columns: &'a [Column<'_>; N],
+    points: usize,
 ) -> PyResult<[terra::BatchInput<'a>; N]> {
     let mut inputs = [terra::BatchInput::Constant(f64::NAN); N];
     for (input, column) in inputs.iter_mut().zip(columns) {
         *input = column.input()?;
-    }
-    Ok(inputs)
-}
-
-fn check_lengths(columns: &[terra::BatchInput<'_>], expected: usize) -> PyResult<()> {
-    for column in columns {
-        if let terra::BatchInput::Column(values) = column
-            && values.len() != expected
+        if let terra::BatchInput::Column(values) = input
+            && values.len() != points
         {
-            let found = values.len();
+            let (expected, found) = (points, values.len());
             return raised(Err(terra::Error::Lengths { expected, found }));
         }
     }
-    Ok(())
+    Ok(inputs)
 }
 
 /// Three values, and their derivatives in slip, radius, width and load, row by row.
