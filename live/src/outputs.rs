@@ -4,9 +4,9 @@ use std::io;
 use std::time::Instant;
 
 use grouser_log::container::Channel;
-use grouser_log::message::{Definition, Value, build, known};
+use grouser_log::message::{Definition, Header, Value, build, known};
 use grouser_replay::messages::{
-    odometry_message, slip_event, twist_message, wheel_slip, wheel_statuses,
+    slip_event, wheel_statuses, write_odometry, write_transform, write_twist, write_wheel_slip,
 };
 use grouser_replay::{Odometry, Row, Sink, Step};
 use grouser_slip::detect::Change;
@@ -27,6 +27,8 @@ pub(crate) struct Topic {
     publisher: usize,
     channel: Channel,
     definition: Definition,
+    /// The message at hand.
+    pub(crate) bytes: Vec<u8>,
     record: Option<u16>,
     /// Messages that the transport did not take.
     unsent: u64,
@@ -47,9 +49,43 @@ impl Topic {
             publisher: transport.advertise(topic, type_name)?,
             definition: Definition::parse(type_name, &text)?,
             channel,
+            bytes: Vec::new(),
             record: None,
             unsent: 0,
         })
+    }
+
+    /// Encodes, publishes and records a message.
+    fn send(
+        &mut self,
+        transport: &mut dyn Transport,
+        recorder: &mut Option<Recorder>,
+        time_ns: i64,
+        message: &Value,
+    ) -> io::Result<()> {
+        self.bytes = self.definition.encode(message).map_err(io::Error::other)?;
+        self.send_written(transport, recorder, time_ns);
+        Ok(())
+    }
+
+    /// Publishes and records the message at hand. A recording that fails ends, with a warning, and the node goes on.
+    pub(crate) fn send_written(
+        &mut self,
+        transport: &mut dyn Transport,
+        recorder: &mut Option<Recorder>,
+        time_ns: i64,
+    ) {
+        record(
+            recorder,
+            &mut self.record,
+            &self.channel,
+            u64::try_from(time_ns).unwrap_or(0),
+            &self.bytes,
+        );
+        // a reader that does not keep up, or a transport that is busy, does not end the node: the message is lost, and counted
+        if transport.publish(self.publisher, &self.bytes).is_err() {
+            self.unsent += 1;
+        }
     }
 }
 
@@ -140,13 +176,9 @@ impl Outputs {
             ("header", build::header(time_ns, "")),
             ("status", Value::Array(statuses)),
         ]);
-        send(
-            &mut self.diagnostics,
-            &mut self.transport,
-            &mut self.recorder,
-            time_ns,
-            &message,
-        )
+        let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
+        self.diagnostics
+            .send(transport, recorder, time_ns, &message)
     }
 
     /// The wheels are silent: no slip is claimed any more.
@@ -168,15 +200,12 @@ impl Outputs {
         if !self.is_wanted(|own| &own.slip) {
             return Ok(());
         }
-        let header = build::header(time_ns, &self.frames.base);
-        let message = wheel_slip(header, &self.names, &self.latest);
-        send(
-            &mut self.slip,
-            &mut self.transport,
-            &mut self.recorder,
-            time_ns,
-            &message,
-        )
+        let frame = &self.frames.base;
+        let (header, bytes) = (Header { time_ns, frame }, &mut self.slip.bytes);
+        write_wheel_slip(bytes, header, &self.names, &self.latest).map_err(io::Error::other)?;
+        let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
+        self.slip.send_written(transport, recorder, time_ns);
+        Ok(())
     }
 
     fn publish_odometry(&mut self, time_ns: i64, odometry: &Odometry) -> io::Result<()> {
@@ -184,57 +213,24 @@ impl Outputs {
             self.is_wanted(|own| &own.odometry),
             self.is_wanted(|own| &own.twist),
         ];
-        let Frames { base, odom } = &self.frames;
-        let (transport, recorder) = (&mut self.transport, &mut self.recorder);
+        let [base, odom] = [&self.frames.base, &self.frames.odom];
+        let [in_base, in_odom] = [base, odom].map(|frame| Header { time_ns, frame });
+        let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
         if wants[0] {
-            let message = odometry_message(build::header(time_ns, odom), base, odometry);
-            send(&mut self.odometry, transport, recorder, time_ns, &message)?;
+            let bytes = &mut self.odometry.bytes;
+            write_odometry(bytes, in_odom, base, odometry).map_err(io::Error::other)?;
+            self.odometry.send_written(transport, recorder, time_ns);
         }
         if wants[1] {
-            let message = twist_message(build::header(time_ns, base), odometry);
-            send(&mut self.twist, transport, recorder, time_ns, &message)?;
+            write_twist(&mut self.twist.bytes, in_base, odometry).map_err(io::Error::other)?;
+            self.twist.send_written(transport, recorder, time_ns);
         }
         if let Some(topic) = &mut self.transform {
-            let [x, y, yaw] = odometry.pose;
-            let transform = build::message([
-                ("header", build::header(time_ns, odom)),
-                ("child_frame_id", Value::Text(base.clone())),
-                (
-                    "transform",
-                    build::message([
-                        ("translation", build::vector([x, y, 0.0])),
-                        ("rotation", build::turn(yaw)),
-                    ]),
-                ),
-            ]);
-            let message = build::message([("transforms", Value::Array(vec![transform]))]);
-            send(topic, transport, recorder, time_ns, &message)?;
+            write_transform(&mut topic.bytes, in_odom, base, odometry).map_err(io::Error::other)?;
+            topic.send_written(transport, recorder, time_ns);
         }
         Ok(())
     }
-}
-
-/// Encodes, publishes and records a message. A recording that fails ends, with a warning, and the node goes on.
-pub(crate) fn send(
-    topic: &mut Topic,
-    transport: &mut Box<dyn Transport>,
-    recorder: &mut Option<Recorder>,
-    time_ns: i64,
-    message: &Value,
-) -> io::Result<()> {
-    let bytes = topic.definition.encode(message).map_err(io::Error::other)?;
-    record(
-        recorder,
-        &mut topic.record,
-        &topic.channel,
-        u64::try_from(time_ns).unwrap_or(0),
-        &bytes,
-    );
-    // a reader that does not keep up, or a transport that is busy, does not end the node: the message is lost, and counted
-    if transport.publish(topic.publisher, bytes).is_err() {
-        topic.unsent += 1;
-    }
-    Ok(())
 }
 
 /// Records a message; `id` is the channel's number once it is entered.
@@ -284,12 +280,8 @@ impl Sink for Outputs {
         self.changes.push(*change);
         let header = build::header(change.time_ns, &self.frames.base);
         let message = slip_event(header, &self.names, change);
-        send(
-            &mut self.events,
-            &mut self.transport,
-            &mut self.recorder,
-            change.time_ns,
-            &message,
-        )
+        let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
+        self.events
+            .send(transport, recorder, change.time_ns, &message)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 use grouser_log::container::Channel;
-use grouser_log::message::{Decoder, View};
+use grouser_log::message::{Decoder, Elements, View};
 
 use crate::transport::{Arrival, PublisherId};
 
@@ -75,15 +75,15 @@ impl Senders {
             .decoder
             .as_ref()
             .and_then(|decoder| decoder.decode(&arrival.bytes).ok());
-        let joints = match decoded
+        let view = decoded
             .as_ref()
-            .and_then(|value| View::new(type_name, value))
-        {
+            .and_then(|value| View::new(type_name, value));
+        let joints = match view {
             Some(View::JointState(state)) => state.names,
             Some(View::WheelTicks { names, .. }) => names,
-            _ => Vec::new(),
+            _ => Elements::default(),
         };
-        let joints: BTreeSet<String> = joints.into_iter().collect();
+        let joints: BTreeSet<String> = joints.iter().map(str::to_owned).collect();
         let is_used = !self.rivals(&arrival.publisher, &joints, arrival.received);
         self.known.insert(
             arrival.publisher,

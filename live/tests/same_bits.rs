@@ -10,8 +10,8 @@ use std::io;
 use grouser_files::robot;
 use grouser_log::Log;
 use grouser_log::container::{Container, Event};
-use grouser_log::message::{Definition, Value, build, known};
-use grouser_replay::messages::{odometry_message, wheel_slip};
+use grouser_log::message::Header;
+use grouser_replay::messages::{write_odometry, write_wheel_slip};
 use grouser_replay::{Options, Row, Sink, Step, run_into};
 use peers::{Node, Peer, Place, bytes, example, python, read};
 use serde_json::json;
@@ -23,28 +23,22 @@ struct Messages {
     odometry: Vec<Vec<u8>>,
 }
 
-fn encode(type_name: &str, message: &Value) -> Vec<u8> {
-    let definition = Definition::parse(type_name, &known::definition(type_name).unwrap()).unwrap();
-    definition.encode(message).unwrap()
-}
-
 impl Sink for Messages {
     fn row(&mut self, _: &Row<'_>) -> io::Result<()> {
         Ok(())
     }
 
     fn step(&mut self, step: &Step<'_>) -> io::Result<()> {
-        let header = build::header(step.time_ns, "base_link");
-        self.slips.push(encode(
-            known::WHEEL_SLIP,
-            &wheel_slip(header, &self.names, step.wheels),
-        ));
+        let header = |frame| Header {
+            time_ns: step.time_ns,
+            frame,
+        };
+        let mut message = Vec::new();
+        write_wheel_slip(&mut message, header("base_link"), &self.names, step.wheels).unwrap();
+        self.slips.push(message.clone());
         if let Some(odometry) = step.odometry {
-            let header = build::header(step.time_ns, "odom");
-            self.odometry.push(encode(
-                "nav_msgs/Odometry",
-                &odometry_message(header, "base_link", &odometry),
-            ));
+            write_odometry(&mut message, header("odom"), "base_link", &odometry).unwrap();
+            self.odometry.push(message);
         }
         Ok(())
     }

@@ -133,7 +133,7 @@ impl Messages {
 
     /// The view of a message, for the types that have one.
     #[must_use]
-    pub fn view(&self, message: &Stamped) -> Option<View> {
+    pub fn view<'a>(&self, message: &'a Stamped) -> Option<View<'a>> {
         View::new(&self.channels()[message.channel].type_name, &message.value)
     }
 

@@ -8,7 +8,7 @@ use grouser_real::Real;
 use crate::container::{Channel, Container, Damage, Event, Format};
 use crate::error::Result;
 use crate::message::known::TRUTH;
-use crate::message::{Decoders, SharedDecoder, Spare, Value, View, decode};
+use crate::message::{Decoders, Elements, SharedDecoder, Spare, Value, View, decode};
 use crate::messages::stamp_of;
 use crate::recording::{is_command, is_over_ground};
 
@@ -314,15 +314,15 @@ impl Tally {
             }
             Ok(()) if topic.use_for.is_none() => {
                 let view = View::new(&topic.channel.type_name, value);
-                let names = match &view {
-                    Some(View::JointState(joints)) => joints.names.as_slice(),
+                let names = match view {
+                    Some(View::JointState(joints)) => joints.names,
                     Some(View::WheelTicks { names, .. } | View::WheelContacts { names, .. }) => {
-                        names.as_slice()
+                        names
                     }
-                    _ => &[],
+                    _ => Elements::default(),
                 };
                 let names = names.iter().filter(|name| name.len() <= JOINT_NAME);
-                topic.joints = names.take(JOINTS).cloned().collect();
+                topic.joints = names.take(JOINTS).map(str::to_owned).collect();
                 let robots = !topic.channel.topic.starts_with(TRUTH);
                 let name = topic.channel.topic.as_str();
                 let view = view.as_ref().filter(|_| robots);
@@ -369,7 +369,7 @@ fn bin(interval_ns: u64) -> usize {
     (place as usize).min(BINS - 1)
 }
 
-fn use_of(view: &View, topic: &str) -> Option<Use> {
+fn use_of(view: &View<'_>, topic: &str) -> Option<Use> {
     Some(match view {
         View::JointState(_) | View::WheelTicks { .. } => Use::Wheels,
         View::WheelContacts { .. } => Use::Contacts,

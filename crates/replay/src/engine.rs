@@ -83,6 +83,7 @@ pub struct Engine {
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
+    moment: Moment,
     angles: Vec<Option<f64>>,
     /// Cosine and sine of each wheel's heading.
     headings: Vec<(f64, f64)>,
@@ -197,6 +198,7 @@ impl Engine {
             tallies: vec![Tally::new(); robot.wheels().len()],
             ways: Ways::new(settings.low_speed, settings.window),
             clock_offset_s: None,
+            moment: Moment::default(),
             angles: Vec::new(),
             headings: robot
                 .wheels()
@@ -292,8 +294,8 @@ impl Engine {
     pub fn finish(mut self, sink: &mut impl Sink) -> Result<Summary> {
         self.close_group(sink)?;
         if let Slips::Filter(fusion, _) = &mut self.slips {
-            for moment in fusion.finish()? {
-                self.deliver(moment, sink)?;
+            for mut moment in fusion.finish()? {
+                self.deliver(&mut moment, sink)?;
             }
         }
         Ok(self.summary())
@@ -339,27 +341,32 @@ impl Engine {
         } else if time_s < self.span.0 {
             self.ways.wait(&body);
         }
+        let mut moment = std::mem::take(&mut self.moment);
         match &mut self.slips {
             Slips::Filter(fusion, _) => {
-                let moments = fusion.close(now, read, &body)?;
+                fusion.close((now, read), &body, &mut moment);
                 for change in fusion.new_events() {
                     sink.event(change)?;
                 }
-                for moment in moments {
-                    self.deliver(moment, sink)?;
+                if let Some(smoother) = fusion.smoother() {
+                    for mut done in smoother.push(moment)? {
+                        self.deliver(&mut done, sink)?;
+                    }
+                    return Ok(());
                 }
-                Ok(())
             }
             Slips::Window(estimator) => {
                 let wheels = estimator.latest().map_or(&[][..], |output| output.wheels);
-                let moment = Moment::by_window(now, read, wheels, &body);
-                self.deliver(moment, sink)
+                moment.enter_window((now, read), wheels, &body);
             }
         }
+        self.deliver(&mut moment, sink)?;
+        self.moment = moment;
+        Ok(())
     }
 
     /// Counts a moment and hands it to the sink.
-    fn deliver(&mut self, mut moment: Moment, sink: &mut impl Sink) -> Result<()> {
+    fn deliver(&mut self, moment: &mut Moment, sink: &mut impl Sink) -> Result<()> {
         let now = moment.time_ns;
         let (time_s, is_wanted) = self.when(now);
         let robot = self.robot.wheels();
@@ -403,7 +410,7 @@ impl Engine {
             sink.row(&row)?;
         }
         if moment.read != 0 && is_wanted {
-            let odometry = self.reckoning.step(&moment);
+            let odometry = self.reckoning.step(moment);
             self.odometry = odometry.or(self.odometry);
             sink.step(&Step {
                 time_ns: now,

@@ -115,17 +115,18 @@ impl ExchangeWatch {
         }
         let rate = yaw_rate.value;
         self.compare_turns(seconds, rate);
-        let rims: Option<Vec<f64>> = self.wheels.iter().map(|wheel| rim(*wheel)).collect();
-        let Some(rims) = rims.filter(|_| rate.abs() > MIN_BEND_RAD_PER_S && seconds < self.window)
+        let rims = self.wheels.iter().map(|wheel| rim(*wheel));
+        let sum = (rims.clone()).try_fold(0.0, |sum, rim| Some(sum + rim?));
+        let Some(sum) = sum.filter(|_| rate.abs() > MIN_BEND_RAD_PER_S && seconds < self.window)
         else {
             return;
         };
-        let speed = rims.iter().sum::<f64>() / rims.len() as f64;
+        let speed = sum / self.wheels.len() as f64;
         let row = [speed, speed * rate.signum(), rate];
         for (line, x) in self.moments.iter_mut().zip(row) {
             add(line, seconds * x, row);
         }
-        for ((sums, square), rim) in self.sums.iter_mut().zip(rims) {
+        for ((sums, square), rim) in self.sums.iter_mut().zip(rims.flatten()) {
             let beside = rim - speed;
             add(sums, seconds * beside, row);
             *square += seconds * beside * beside;

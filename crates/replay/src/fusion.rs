@@ -144,13 +144,13 @@ impl Fusion {
         }
     }
 
-    /// All samples of one time have been taken; gives the moments that are done.
+    /// All samples of one time have been taken: enters what is known into `moment`.
     pub(crate) fn close(
         &mut self,
-        now_ns: i64,
-        read: u64,
+        (now_ns, read): (i64, u64),
         body: &WindowBody,
-    ) -> Result<Vec<Moment>> {
+        moment: &mut Moment,
+    ) {
         let mut samples = std::mem::take(&mut self.waiting);
         samples.sort_by_key(|sample| rank(&sample.measurement));
         for sample in samples.drain(..) {
@@ -158,7 +158,7 @@ impl Fusion {
         }
         self.waiting = samples;
         let known = self.filter.latest();
-        let mut moment = Moment::by_filter(now_ns, read, known.wheels, &known.body, body);
+        moment.enter_filter((now_ns, read), known.wheels, &known.body, body);
         let start_ns = *self.start_ns.get_or_insert(now_ns);
         self.new_events.clear();
         if read != 0 {
@@ -185,10 +185,11 @@ impl Fusion {
         if let Some(learning) = &mut self.learning {
             learning.step(now_ns, &moment.wheels, (&known.body, &self.torques));
         }
-        match &mut self.smoother {
-            Some(smoother) => smoother.push(moment),
-            None => Ok(vec![moment]),
-        }
+    }
+
+    /// What looks back, where smoothing is wanted.
+    pub(crate) const fn smoother(&mut self) -> Option<&mut Smoother> {
+        self.smoother.as_mut()
     }
 
     /// What was learnt of the soil.

@@ -1,9 +1,10 @@
 //! The output as messages of ROS 2: what `grouser estimate -o OUT.mcap` writes, and a live node publishes.
 
-use grouser_log::message::{Value, build};
+use grouser_log::message::{CdrWriter, Header, MessageError, Value, build};
+use grouser_real::Real;
 use grouser_slip::detect::{Change, Event};
 use grouser_slip::onboard::{SoilEstimate, SoilInterval};
-use grouser_slip::{Health, WheelEstimate};
+use grouser_slip::{Health, Slip, WheelEstimate};
 
 pub use crate::markers::{DrawnWheel, RutMarkers, WayMarkers, robot_markers};
 use crate::odometry::Odometry;
@@ -12,28 +13,25 @@ pub use crate::wheel_points::WheelPoints;
 /// What is not estimated has this variance: so little is known of it that it does not count.
 const UNKNOWN_VARIANCE: f64 = 1e6;
 
-/// `grouser_msgs/WheelSlip`.
-#[must_use]
-pub fn wheel_slip(header: Value, names: &[String], wheels: &[WheelEstimate]) -> Value {
+/// Writes a `grouser_msgs/WheelSlip`.
+///
+/// # Errors
+/// [`MessageError::Unfit`] for a time that a stamp does not hold, as of every message here.
+pub fn write_wheel_slip(
+    bytes: &mut Vec<u8>,
+    header: Header<'_>,
+    names: &[String],
+    wheels: &[WheelEstimate],
+) -> Result<(), MessageError> {
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let slips: Vec<f64> = wheels
-        .iter()
-        .map(|wheel| or_nan(wheel.slip.map(grouser_slip::Slip::value)))
-        .collect();
-    let sigmas: Vec<f64> = wheels.iter().map(|wheel| or_nan(wheel.sigma)).collect();
-    let motions: Vec<&str> = wheels.iter().map(motion).collect();
-    let healths: Vec<String> = wheels
-        .iter()
-        .map(|wheel| wheel.health.to_string())
-        .collect();
-    build::message([
-        ("header", header),
-        ("name", build::texts(names)),
-        ("slip", build::numbers(&slips)),
-        ("slip_sigma", build::numbers(&sigmas)),
-        ("motion", build::texts(&motions)),
-        ("health", build::texts(&healths)),
-    ])
+    let wheels = wheels.iter();
+    let mut out = CdrWriter::new(bytes);
+    out.header(header)?;
+    out.texts(names.iter())?;
+    out.numbers((wheels.clone()).map(|wheel| or_nan(wheel.slip.map(Slip::value))))?;
+    out.numbers(wheels.clone().map(|wheel| or_nan(wheel.sigma)))?;
+    out.texts(wheels.clone().map(motion))?;
+    out.texts(wheels.map(|wheel| wheel.health))
 }
 
 fn motion(wheel: &WheelEstimate) -> &'static str {
@@ -54,38 +52,73 @@ pub fn soil_message(header: Value, soil: &SoilEstimate) -> Value {
     ])
 }
 
-/// `nav_msgs/Odometry` of the robot's frame `child_frame` in the frame of the header, the doubt of slip in its covariance.
-#[must_use]
-pub fn odometry_message(header: Value, child_frame: &str, odometry: &Odometry) -> Value {
+/// Writes a `nav_msgs/Odometry` of the robot's frame `child_frame` in the frame of the header, the doubt of slip in its
+/// covariance.
+///
+/// # Errors
+/// As [`write_wheel_slip`].
+pub fn write_odometry(
+    bytes: &mut Vec<u8>,
+    header: Header<'_>,
+    child_frame: &str,
+    odometry: &Odometry,
+) -> Result<(), MessageError> {
+    let mut out = CdrWriter::new(bytes);
+    out.header(header)?;
+    out.text(child_frame)?;
+    put_pose(&mut out, odometry);
+    out.float64s(covariance(&odometry.pose_covariance));
+    put_twist(&mut out, odometry);
+    Ok(())
+}
+
+/// Writes a `geometry_msgs/TwistWithCovarianceStamped` in the robot's frame, that of the header.
+///
+/// # Errors
+/// As [`write_wheel_slip`].
+pub fn write_twist(
+    bytes: &mut Vec<u8>,
+    header: Header<'_>,
+    odometry: &Odometry,
+) -> Result<(), MessageError> {
+    let mut out = CdrWriter::new(bytes);
+    out.header(header)?;
+    put_twist(&mut out, odometry);
+    Ok(())
+}
+
+/// Writes a `tf2_msgs/TFMessage`: the robot's frame `child_frame` in the frame of the header.
+///
+/// # Errors
+/// As [`write_wheel_slip`].
+pub fn write_transform(
+    bytes: &mut Vec<u8>,
+    header: Header<'_>,
+    child_frame: &str,
+    odometry: &Odometry,
+) -> Result<(), MessageError> {
+    let mut out = CdrWriter::new(bytes);
+    out.length(1)?;
+    out.header(header)?;
+    out.text(child_frame)?;
+    put_pose(&mut out, odometry);
+    Ok(())
+}
+
+/// Position and orientation on the ground.
+fn put_pose(out: &mut CdrWriter<'_>, odometry: &Odometry) {
     let [x, y, yaw] = odometry.pose;
-    let pose = build::message([
-        ("pose", build::pose(x, y, yaw)),
-        ("covariance", covariance(&odometry.pose_covariance)),
-    ]);
-    build::message([
-        ("header", header),
-        ("child_frame_id", Value::Text(child_frame.into())),
-        ("pose", pose),
-        ("twist", twist_with_covariance(odometry)),
-    ])
+    let (sin, cos) = Real::sin_cos(0.5 * yaw);
+    out.float64s([x, y, 0.0]);
+    out.float64s([0.0, 0.0, sin, cos]);
 }
 
-/// `geometry_msgs/TwistWithCovarianceStamped` in the robot's frame, that of the header.
-#[must_use]
-pub fn twist_message(header: Value, odometry: &Odometry) -> Value {
-    build::message([
-        ("header", header),
-        ("twist", twist_with_covariance(odometry)),
-    ])
-}
-
-fn twist_with_covariance(odometry: &Odometry) -> Value {
-    let [forward, left, turn] = odometry.velocity;
-    let linear = [forward, left, 0.0];
-    build::message([
-        ("twist", build::twist(linear, [0.0, 0.0, turn])),
-        ("covariance", covariance(&odometry.velocity_covariance)),
-    ])
+/// Speeds, yaw rate, and their covariance.
+fn put_twist(out: &mut CdrWriter<'_>, odometry: &Odometry) {
+    let [forward, left, yaw_rate] = odometry.velocity;
+    out.float64s([forward, left, 0.0]);
+    out.float64s([0.0, 0.0, yaw_rate]);
+    out.float64s(covariance(&odometry.velocity_covariance));
 }
 
 /// `grouser_msgs/SlipEvent` of an event that begins or ends; `names` are the wheels.
@@ -109,7 +142,7 @@ pub fn slip_event(header: Value, names: &[String], change: &Change) -> Value {
 }
 
 /// The 6 × 6 covariance of x, y, z and the turns about them, by rows, of one of x, y and yaw.
-fn covariance(planar: &[[f64; 3]; 3]) -> Value {
+fn covariance(planar: &[[f64; 3]; 3]) -> [f64; 36] {
     let mut full = [0.0; 36];
     for unknown in [2, 3, 4] {
         full[7 * unknown] = UNKNOWN_VARIANCE;
@@ -120,7 +153,7 @@ fn covariance(planar: &[[f64; 3]; 3]) -> Value {
             full[6 * row + column] = *value;
         }
     }
-    build::numbers(&full)
+    full
 }
 
 /// `diagnostic_msgs/DiagnosticArray`: a status for each wheel.

@@ -7,8 +7,9 @@ use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
 
-/// What is known at one time, on its way to whoever takes it.
-#[derive(Clone, Debug)]
+/// What is known at one time, on its way to whoever takes it. Each time is entered into the moment of the time before, whose
+/// memory is used again.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Moment {
     pub(crate) time_ns: i64,
     /// Which wheels were read, bit by bit.
@@ -29,16 +30,17 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    pub(crate) fn by_window(
-        time_ns: i64,
-        read: u64,
+    /// Enters what means over a window yield.
+    pub(crate) fn enter_window(
+        &mut self,
+        (time_ns, read): (i64, u64),
         wheels: &[WheelEstimate],
         body: &WindowBody,
-    ) -> Self {
-        Self {
+    ) {
+        *self = Self {
             time_ns,
             read,
-            wheels: wheels.to_vec(),
+            wheels: self.with_wheels(wheels),
             motion: body.motion.or(body.wheels_motion),
             wheels_motion: body.wheels_motion,
             reference_motion: body.motion,
@@ -46,21 +48,22 @@ impl Moment {
             odometry: None,
             common_slip: None,
             rim_path: None,
-        }
+        };
     }
 
-    pub(crate) fn by_filter(
-        time_ns: i64,
-        read: u64,
+    /// Enters what the filter knows.
+    pub(crate) fn enter_filter(
+        &mut self,
+        (time_ns, read): (i64, u64),
         wheels: &[WheelEstimate],
         fused: &BodyEstimate,
         body: &WindowBody,
-    ) -> Self {
+    ) {
         let speeds = [fused.forward, fused.left, fused.yaw_rate];
-        Self {
+        *self = Self {
             time_ns,
             read,
-            wheels: wheels.to_vec(),
+            wheels: self.with_wheels(wheels),
             motion: Some(BodyMotion {
                 velocity: speeds.map(|speed| speed.value),
                 covariance: fused.velocity_covariance,
@@ -71,7 +74,15 @@ impl Moment {
             odometry: Some(Odometry::of_filter(fused)),
             common_slip: Some(fused.common_slip),
             rim_path: fused.rim_path,
-        }
+        };
+    }
+
+    /// The wheels in the memory of those before.
+    fn with_wheels(&mut self, wheels: &[WheelEstimate]) -> Vec<WheelEstimate> {
+        let mut own = std::mem::take(&mut self.wheels);
+        own.clear();
+        own.extend_from_slice(wheels);
+        own
     }
 }
 

@@ -193,7 +193,8 @@ pub fn smoothed(
         let known = filter.latest();
         forward.push(known.wheels.to_vec());
         let nothing = WindowBody::default();
-        let moment = Moment::by_filter(sample.time_ns, 0, known.wheels, &known.body, &nothing);
+        let mut moment = Moment::default();
+        moment.enter_filter((sample.time_ns, 0), known.wheels, &known.body, &nothing);
         done.extend(smoother.push(moment)?);
     }
     done.extend(smoother.finish()?);

@@ -128,20 +128,17 @@ impl TurnWatch {
         if !(seconds > 0.0) {
             return;
         }
-        let rims: Vec<f64> = (0..self.shares.len()).map(rim).collect();
-        let turns: Vec<f64> = rims.iter().zip(&self.shares).map(|(u, a)| u * a).collect();
+        let rims = (0..self.shares.len()).map(&rim).zip(&self.shares);
+        let turns = rims.clone().map(|(rim, share)| rim * share);
         let powered = self.shares.iter().filter(|share| **share != 0.0).count();
-        let of_powered = rims
-            .iter()
-            .zip(&self.shares)
-            .filter(|(_, share)| **share != 0.0);
+        let of_powered = rims.filter(|(_, share)| **share != 0.0);
         let speed = of_powered.map(|(rim, _)| rim).sum::<f64>() / powered as f64;
         // a robot that turns on the spot scrubs its wheels
         if !(speed.abs() > self.least) {
             return;
         }
         self.found.first_motion_s.get_or_insert(time_s);
-        let turn: f64 = turns.iter().sum();
+        let turn: f64 = turns.clone().sum();
         let all = turn - gyro.value;
         // Errors of track and radii are constant shares of turn and speed; slip is the difference beyond them.
         let noise = SLACK_M_PER_S / self.track * (self.window / seconds).sqrt();
@@ -159,7 +156,7 @@ impl TurnWatch {
         let weight = seconds / self.window;
         self.windows += weight;
         self.squares += weight * apart * apart;
-        for (fit, x) in self.fits.iter_mut().zip(turns.into_iter().chain([turn])) {
+        for (fit, x) in self.fits.iter_mut().zip(turns.chain([turn])) {
             fit[0] += weight * apart * x;
             fit[1] += weight * x * x;
         }

@@ -26,4 +26,5 @@ mod robotino_free_wheel;
 mod robotino_without_reference;
 mod smoothing;
 mod steered;
+mod written_messages;
 mod wrong_geometry;

@@ -6,11 +6,11 @@ mod motion;
 use std::time::{Duration, Instant};
 
 use grouser_log::container::Channel;
-use grouser_log::message::{Decoder, build, known};
+use grouser_log::message::{Decoder, Header, Value, known};
 use grouser_slip::Robot;
 
 use crate::error::{Error, Result};
-use crate::outputs::{Outputs, Topic, record, send};
+use crate::outputs::{Outputs, Topic, record};
 use crate::senders::Senders;
 use crate::transport::{Arrival, Inbox};
 pub(crate) use limiter::CommandLimits;
@@ -44,6 +44,8 @@ struct OpenTopics {
     input: Channel,
     input_record: Option<u16>,
     decoder: Decoder,
+    /// The last command, into which the next is decoded.
+    value: Value,
     senders: Senders,
     output: Topic,
     is_stamped: bool,
@@ -105,9 +107,9 @@ impl CommandPath {
             arrival.received_ns,
             &arrival.bytes,
         );
-        let decoded = open.decoder.decode(&arrival.bytes);
+        let decoded = open.decoder.decode_into(&arrival.bytes, &mut open.value);
         let read = decoded.map_err(|_| Refusal::Undecoded);
-        match read.and_then(|value| MotionRequest::read(&open.input.type_name, &value)) {
+        match read.and_then(|()| MotionRequest::read(&open.input.type_name, &open.value)) {
             Ok(request) => self.limiter.request(arrival.received, request),
             // a refused command counts as none: if no other comes, the robot stops
             Err(refusal) => {
@@ -189,6 +191,7 @@ impl CommandPath {
             .subscribe(SUBSCRIPTION, publisher, inbox)?;
         Ok(Some(OpenTopics {
             decoder: Decoder::new(&input)?,
+            value: Value::Null,
             senders: Senders::new(&input),
             output: Topic::announce(outputs.transport.as_mut(), &self.output_topic, type_name)?,
             is_stamped: type_name == "geometry_msgs/TwistStamped",
@@ -235,9 +238,15 @@ fn publish(
     (frame, now_ns): (&str, i64),
     motion: MotionRequest,
 ) -> Result<()> {
-    let message = motion.message(open.is_stamped, build::header(now_ns, frame));
-    let (transport, recorder) = (&mut outputs.transport, &mut outputs.recorder);
-    send(&mut open.output, transport, recorder, now_ns, &message)
-        .map_err(grouser_replay::Error::Sink)?;
+    let header = Header {
+        time_ns: now_ns,
+        frame,
+    };
+    let output = &mut open.output;
+    motion
+        .write(&mut output.bytes, open.is_stamped.then_some(header))
+        .map_err(|error| grouser_replay::Error::Sink(std::io::Error::other(error)))?;
+    let (transport, recorder) = (outputs.transport.as_mut(), &mut outputs.recorder);
+    output.send_written(transport, recorder, now_ns);
     Ok(())
 }

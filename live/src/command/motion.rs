@@ -1,6 +1,6 @@
 //! The motion that a `geometry_msgs/Twist` or `TwistStamped` requests.
 
-use grouser_log::message::{Value, View, build};
+use grouser_log::message::{CdrWriter, Header, MessageError, Value, View};
 
 /// Forward speed and yaw rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,14 +68,18 @@ impl MotionRequest {
         })
     }
 
-    /// A message of the same type as the command.
-    pub(crate) fn message(self, is_stamped: bool, header: Value) -> Value {
-        let (linear, angular) = ([self.speed, 0.0, 0.0], [0.0, 0.0, self.yaw_rate]);
-        if is_stamped {
-            build::twist_stamped(header, linear, angular)
-        } else {
-            build::twist(linear, angular)
+    /// Writes a message of the same type as the command; `header` where that has one.
+    pub(crate) fn write(
+        self,
+        bytes: &mut Vec<u8>,
+        header: Option<Header<'_>>,
+    ) -> Result<(), MessageError> {
+        let mut out = CdrWriter::new(bytes);
+        if let Some(header) = header {
+            out.header(header)?;
         }
+        out.float64s([self.speed, 0.0, 0.0, 0.0, 0.0, self.yaw_rate]);
+        Ok(())
     }
 
     pub(crate) fn is_zero(self) -> bool {

@@ -50,7 +50,7 @@ impl Transport for Sent {
         self.has_subscriber
     }
 
-    fn publish(&mut self, _: usize, _: Vec<u8>) -> Result<()> {
+    fn publish(&mut self, _: usize, _: &[u8]) -> Result<()> {
         self.count.set(self.count.get() + 1);
         Ok(())
     }
@@ -190,12 +190,6 @@ fn cost(has_subscriber: bool) -> [f64; 3] {
     .map(|sum| sum / timed.len() as f64)
 }
 
-/// Allocations of decoding and of estimating in 2000 pairs of messages: names and arrays of a view, and a moment's wheels. More
-/// needs a reason; the filter itself allocates nothing (`filter_promises` of its crate).
-const MAX_ALLOCATIONS: [u64; 2] = [26_000, 24_000];
-/// The same of a message with its slip, odometry and twist.
-const MAX_ALLOCATIONS_PUBLISHED: f64 = 87.0;
-
 #[test]
 fn what_nobody_receives_is_not_made() {
     let [received, ignored] = [true, false].map(cost);
@@ -204,37 +198,6 @@ fn what_nobody_receives_is_not_made() {
     }
     // three messages of each joint state
     assert!((received[1] - 1.5).abs() < 1e-9 && ignored[1] == 0.0);
-    assert!(received[0] <= MAX_ALLOCATIONS_PUBLISHED);
-}
-
-#[test]
-fn a_cycle_allocates_no_more_than_views_and_moments() {
-    let driver = Driver::new();
-    let (mut node, _) = node(&driver, false);
-    let mut allocations = [0; 2];
-    for number in 0..8000 {
-        let arrival = driver.arrival(number);
-        let channel = node.numbers[arrival.subscription];
-        let decoded = allocation_counter::measure(|| {
-            node.intake
-                .push(channel, &arrival.bytes, arrival.received_ns);
-        });
-        let estimated = allocation_counter::measure(|| {
-            while let Some(sample) = node.intake.pop() {
-                let sample = node.samples.convert(sample);
-                node.engine.push(sample, &mut node.outputs).unwrap();
-            }
-            node.engine.flush(&mut node.outputs).unwrap();
-        });
-        // the filter is warm
-        if number >= 4000 {
-            allocations[0] += decoded.count_total;
-            allocations[1] += estimated.count_total;
-        }
-    }
-    println!("{allocations:?} allocations of decoding and estimating 4000 messages");
-    assert!(
-        allocations[0] <= MAX_ALLOCATIONS[0] && allocations[1] <= MAX_ALLOCATIONS[1],
-        "{allocations:?}"
-    );
+    // diagnostics aside, which come once a second
+    assert_eq!([received[0], ignored[0]], [0.0; 2]);
 }

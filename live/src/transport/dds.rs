@@ -33,13 +33,15 @@ const DIAGNOSTICS_DEPTH: i32 = 10;
 const MAX_BLOCKING_MS: i64 = 5;
 /// Readers that come and go are noticed this often: a new one waits less than for its discovery.
 const READERS_PERIOD: std::time::Duration = std::time::Duration::from_millis(100);
+/// The bytes before a message's body: how it is encoded.
+const ENCAPSULATION: usize = 4;
 /// What stands before a topic's name.
 const TOPIC: &str = "rt/";
 /// What stands before the hash in a publisher's user data.
 const HASH: &str = "typehash=";
 
 /// A message as it is sent: encapsulation and body.
-struct Raw(Vec<u8>);
+struct Raw(Bytes);
 
 /// Takes and gives messages as they are.
 struct RawAdapter;
@@ -56,10 +58,10 @@ impl Decode<'_, Raw> for RawDecoder {
         encoding: RepresentationIdentifier,
     ) -> std::result::Result<Raw, Infallible> {
         let kind = u8::from(encoding == RepresentationIdentifier::CDR_LE);
-        let mut message = Vec::with_capacity(bytes.len() + 4);
+        let mut message = Vec::with_capacity(bytes.len() + ENCAPSULATION);
         message.extend_from_slice(&[0, kind, 0, 0]);
         message.extend_from_slice(bytes);
-        Ok(Raw(message))
+        Ok(Raw(message.into()))
     }
 }
 
@@ -93,7 +95,7 @@ impl SerializerAdapter<Raw> for RawAdapter {
 
     fn to_bytes(value: &Raw) -> std::result::Result<Bytes, Infallible> {
         // the encapsulation is added by the writer
-        Ok(Bytes::copy_from_slice(value.0.get(4..).unwrap_or_default()))
+        Ok(value.0.slice(ENCAPSULATION.min(value.0.len())..))
     }
 }
 
@@ -227,7 +229,7 @@ impl DdsTransport {
             .collect();
         let participant = self.participant.guid().to_bytes();
         let message = dds_node::message(length, participant, &self.node, [&readers, &writers])?;
-        self.announcer.write(Raw(message), None).map_err(failed)
+        self.announcer.write(Raw(message.into()), None).map_err(failed)
     }
 
     fn topic(&self, topic: &str, type_name: &str, qos: &QosPolicies) -> Result<Topic> {
@@ -317,7 +319,7 @@ impl Transport for DdsTransport {
                 // what the reader cannot take apart is lost, as on a bad network
                 if let Ok(sample) = sample {
                     let writer = sample.sample_info().writer_guid().to_bytes();
-                    inbox.put(subscription, writer, sample.into_value().0);
+                    inbox.put(subscription, writer, sample.into_value().0.into());
                 }
             }
         });
@@ -389,11 +391,12 @@ impl Transport for DdsTransport {
         writer.readers > 0
     }
 
-    fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()> {
+    fn publish(&mut self, publisher: usize, bytes: &[u8]) -> Result<()> {
         let Some(own) = self.writers.get(publisher) else {
             return Ok(());
         };
-        own.data.write(Raw(bytes), None).map_err(failed)
+        let message = Raw(Bytes::copy_from_slice(bytes));
+        own.data.write(message, None).map_err(failed)
     }
 
     fn warnings(&mut self) -> Vec<String> {

@@ -91,7 +91,7 @@ pub trait Transport {
     ///
     /// # Errors
     /// [`Error::Transport`].
-    fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()>;
+    fn publish(&mut self, publisher: usize, bytes: &[u8]) -> Result<()>;
 
     /// What the transport reports since the last call, in words: incompatible qualities of service.
     fn warnings(&mut self) -> Vec<String>;

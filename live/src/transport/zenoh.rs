@@ -322,7 +322,7 @@ impl Transport for ZenohTransport {
         own.is_some_and(|own| own.has_subscriber.load(Ordering::Relaxed))
     }
 
-    fn publish(&mut self, publisher: usize, bytes: Vec<u8>) -> Result<()> {
+    fn publish(&mut self, publisher: usize, bytes: &[u8]) -> Result<()> {
         let Some(own) = self.publishers.get_mut(publisher) else {
             return Ok(());
         };
@@ -331,11 +331,10 @@ impl Transport for ZenohTransport {
         let now_ns = since.map_or(0, |since| {
             i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
         });
-        let mut attachment = Vec::with_capacity(33);
-        attachment.extend(own.sequence.to_le_bytes());
-        attachment.extend(now_ns.to_le_bytes());
-        attachment.push(16);
-        attachment.extend(own.id);
+        let mut attachment = [16; 33];
+        attachment[..8].copy_from_slice(&own.sequence.to_le_bytes());
+        attachment[8..16].copy_from_slice(&now_ns.to_le_bytes());
+        attachment[17..].copy_from_slice(&own.id);
         let put = own.publisher.put(bytes).attachment(attachment).wait();
         put.map_err(failed)
     }

@@ -178,7 +178,7 @@ pub fn pose(x: f64, y: f64, yaw: f64) -> Value {
 /// let Some(View::JointState(joints)) = View::new("sensor_msgs/msg/JointState", &message) else {
 ///     unreachable!("it has all fields of its type");
 /// };
-/// assert_eq!((joints.position[0], joints.velocity[0]), (1.5, 0.2));
+/// assert_eq!((joints.position.get(0), joints.velocity.get(0)), (Some(1.5), Some(0.2)));
 /// ```
 #[must_use]
 pub fn joint_state(

@@ -1,10 +1,7 @@
 //! From fields to bytes: CDR as ROS 2 writes it (XCDR 1, little-endian).
 
 use super::definition::{Definition, Field, Kind, Many};
-use super::{MessageError, Value};
-
-/// The encapsulation: plain CDR, little-endian.
-const HEAD: [u8; 4] = [0, 1, 0, 0];
+use super::{CdrWriter, MessageError, Value};
 
 impl Definition {
     /// A message as CDR. The fields must be those of the definition, in its order.
@@ -22,9 +19,9 @@ impl Definition {
     /// # Ok::<(), MessageError>(())
     /// ```
     pub fn encode(&self, value: &Value) -> Result<Vec<u8>, MessageError> {
-        let mut body = Vec::new();
-        self.put_record(0, "the message", value, &mut body)?;
-        Ok([&HEAD[..], &body].concat())
+        let mut bytes = Vec::new();
+        self.put_record(0, "the message", value, &mut CdrWriter::new(&mut bytes))?;
+        Ok(bytes)
     }
 
     fn put_record(
@@ -32,7 +29,7 @@ impl Definition {
         index: usize,
         name: &str,
         value: &Value,
-        body: &mut Vec<u8>,
+        out: &mut CdrWriter<'_>,
     ) -> Result<(), MessageError> {
         let fields = &self.types[index].fields;
         let Value::Struct(values) = value else {
@@ -49,10 +46,10 @@ impl Definition {
         }
         if fields.is_empty() {
             // ROS 2 puts one byte into an empty message.
-            body.push(0);
+            out.raw(&[0]);
         }
         for ((_, value), field) in values.iter().zip(fields) {
-            self.put_field(field, value, body)?;
+            self.put_field(field, value, out)?;
         }
         Ok(())
     }
@@ -61,10 +58,10 @@ impl Definition {
         &self,
         field: &Field,
         value: &Value,
-        body: &mut Vec<u8>,
+        out: &mut CdrWriter<'_>,
     ) -> Result<(), MessageError> {
         if field.many == Many::One {
-            return self.put_one(field, value, body);
+            return self.put_one(field, value, out);
         }
         let length = match value {
             Value::Array(values) => values.len(),
@@ -77,18 +74,18 @@ impl Definition {
                 return Err(unfit(&field.name, &format!("an array of {count}")));
             }
             Many::Fixed(_) | Many::One => {}
-            Many::Counted => put_length(length, &field.name, body)?,
+            Many::Counted => out.length(length)?,
         }
         match value {
-            Value::Bytes(bytes) => body.extend_from_slice(bytes),
+            Value::Bytes(bytes) => out.raw(bytes),
             Value::Floats(numbers) => {
                 for number in numbers {
-                    put_number(&number.to_le_bytes(), body);
+                    out.number(&number.to_le_bytes());
                 }
             }
             Value::Array(values) => {
                 for value in values {
-                    self.put_one(field, value, body)?;
+                    self.put_one(field, value, out)?;
                 }
             }
             _ => {}
@@ -100,13 +97,13 @@ impl Definition {
         &self,
         field: &Field,
         value: &Value,
-        body: &mut Vec<u8>,
+        out: &mut CdrWriter<'_>,
     ) -> Result<(), MessageError> {
         let name = &*field.name;
         match (field.kind, value) {
-            (Kind::Struct(index), _) => self.put_record(index, name, value, body),
+            (Kind::Struct(index), _) => self.put_record(index, name, value, out),
             (Kind::Bool, Value::Bool(value)) => {
-                body.push(u8::from(*value));
+                out.raw(&[u8::from(*value)]);
                 Ok(())
             }
             (Kind::UInt(size), _) => {
@@ -117,7 +114,7 @@ impl Definition {
                 };
                 let fits = whole.filter(|whole| size == 8 || whole >> (8 * size) == 0);
                 let whole = fits.ok_or_else(|| unfit(name, &format!("{size} bytes")))?;
-                put_number(&whole.to_le_bytes()[..size], body);
+                out.number(&whole.to_le_bytes()[..size]);
                 Ok(())
             }
             (Kind::Int(size), _) => {
@@ -129,7 +126,7 @@ impl Definition {
                 let shift = 64 - 8 * size;
                 let fits = whole.filter(|whole| whole << shift >> shift == *whole);
                 let whole = fits.ok_or_else(|| unfit(name, &format!("{size} bytes, signed")))?;
-                put_number(&whole.to_le_bytes()[..size], body);
+                out.number(&whole.to_le_bytes()[..size]);
                 Ok(())
             }
             (Kind::Float(size), _) => {
@@ -139,18 +136,13 @@ impl Definition {
                         clippy::cast_possible_truncation,
                         reason = "a field of 32 bits holds no more"
                     )]
-                    put_number(&(number as f32).to_le_bytes(), body);
+                    out.number(&(number as f32).to_le_bytes());
                 } else {
-                    put_number(&number.to_le_bytes(), body);
+                    out.number(&number.to_le_bytes());
                 }
                 Ok(())
             }
-            (Kind::Text, Value::Text(text)) => {
-                put_length(text.len() + 1, name, body)?;
-                body.extend_from_slice(text.as_bytes());
-                body.push(0);
-                Ok(())
-            }
+            (Kind::Text, Value::Text(text)) => out.text(text),
             (Kind::WideText | Kind::Time { .. }, _) => Err(MessageError::Layout {
                 found: format!("wide text or a time of ROS 1 in `{name}`"),
             }),
@@ -158,18 +150,6 @@ impl Definition {
             (Kind::Text, _) => Err(unfit(name, "a text")),
         }
     }
-}
-
-/// Aligned to its size.
-fn put_number(bytes: &[u8], body: &mut Vec<u8>) {
-    body.resize(body.len().next_multiple_of(bytes.len()), 0);
-    body.extend_from_slice(bytes);
-}
-
-fn put_length(length: usize, name: &str, body: &mut Vec<u8>) -> Result<(), MessageError> {
-    let length = u32::try_from(length).map_err(|_| unfit(name, "shorter than 4 GiB"))?;
-    put_number(&length.to_le_bytes(), body);
-    Ok(())
 }
 
 fn unfit(field: &str, expected: &str) -> MessageError {

@@ -2,8 +2,10 @@
 
 pub mod build;
 mod cdr;
+mod cdr_writer;
 mod covariance;
 mod definition;
+mod elements;
 mod encode;
 pub mod known;
 mod shared;
@@ -11,9 +13,11 @@ mod spare;
 mod value;
 mod view;
 
+pub use cdr_writer::{CdrWriter, Header};
 pub use covariance::Trust;
 pub use definition::Definition;
 pub(crate) use definition::short;
+pub use elements::Elements;
 pub(crate) use shared::{Decoders, SharedDecoder, decode};
 pub(crate) use spare::{Spare, is_spare};
 pub use value::Value;

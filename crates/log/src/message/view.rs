@@ -4,18 +4,19 @@
 
 use super::covariance::Trust;
 use super::definition::short;
+use super::elements::Elements;
 use super::{Value, known};
 
-/// A view of a well-known message.
-#[derive(Clone, Debug, PartialEq)]
+/// A view of a well-known message. Texts and arrays stay in the message's [`Value`]: a view allocates nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum View {
+pub enum View<'a> {
     /// `sensor_msgs/JointState`.
-    JointState(JointState),
+    JointState(JointState<'a>),
     /// `sensor_msgs/Imu`.
-    Imu(Imu),
+    Imu(Imu<'a>),
     /// `nav_msgs/Odometry`.
-    Odometry(Odometry),
+    Odometry(Odometry<'a>),
     /// `geometry_msgs/Twist` or `TwistStamped`: linear m/s, angular rad/s.
     Twist {
         /// m/s.
@@ -33,20 +34,20 @@ pub enum View {
         orientation: [f64; 4],
     },
     /// `tf2_msgs/TFMessage` or `tf/tfMessage`.
-    Transforms(Vec<Transform>),
+    Transforms(Elements<'a, Transform<'a>>),
     /// `grouser_msgs/WheelTicks`: counters by joint, their bits as 64-bit numbers without sign.
     WheelTicks {
         /// Names.
-        names: Vec<String>,
+        names: Elements<'a, &'a str>,
         /// Counters.
-        ticks: Vec<u64>,
+        ticks: Elements<'a, u64>,
     },
     /// `control_msgs/DynamicJointState` with the state interfaces `sinkage` or `entry_angle`; one without them has no view.
     WheelContacts {
         /// Names.
-        names: Vec<String>,
+        names: Elements<'a, &'a str>,
         /// Sinkage (m) and entry angle (rad) of each.
-        contacts: Vec<[Option<f64>; 2]>,
+        contacts: Elements<'a, [Option<f64>; 2]>,
     },
     /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame.
     Displacement {
@@ -60,24 +61,25 @@ pub enum View {
 }
 
 /// Joints by name; an array that the message leaves empty is empty here.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointState {
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct JointState<'a> {
     /// Names.
-    pub names: Vec<String>,
+    pub names: Elements<'a, &'a str>,
     /// rad.
-    pub position: Vec<f64>,
+    pub position: Elements<'a, f64>,
     /// rad/s.
-    pub velocity: Vec<f64>,
+    pub velocity: Elements<'a, f64>,
     /// N m.
-    pub effort: Vec<f64>,
+    pub effort: Elements<'a, f64>,
 }
 
 /// An inertial reading in its own frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Imu {
+pub struct Imu<'a> {
     /// The frame in which it is given.
-    pub frame: String,
+    pub frame: &'a str,
     /// x, y, z, w; `None` where the covariance begins with -1.
     pub orientation: Option<[f64; 4]>,
     /// rad/s; `None` where the covariance begins with -1.
@@ -109,13 +111,13 @@ pub struct NavSatFix {
 }
 
 /// A pose and a twist; the twist is in the child frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Odometry {
+pub struct Odometry<'a> {
     /// The fixed frame.
-    pub frame: String,
+    pub frame: &'a str,
     /// The frame of the robot.
-    pub child_frame: String,
+    pub child_frame: &'a str,
     /// m.
     pub position: [f64; 3],
     /// x, y, z, w.
@@ -131,13 +133,13 @@ pub struct Odometry {
 }
 
 /// One transform of a tree of frames.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Transform {
+pub struct Transform<'a> {
     /// The parent.
-    pub frame: String,
+    pub frame: &'a str,
     /// The child.
-    pub child_frame: String,
+    pub child_frame: &'a str,
     /// m.
     pub translation: [f64; 3],
     /// x, y, z, w.
@@ -163,20 +165,47 @@ fn trust(value: &Value, path: &str, places: [usize; 3]) -> [Trust; 3] {
     })
 }
 
-fn names(value: &Value) -> Option<Vec<String>> {
-    let names = value.at("name")?.elements()?.iter();
-    names.map(|name| Some(name.text()?.to_owned())).collect()
+fn texts<'a>(value: &'a Value, path: &str) -> Option<Elements<'a, &'a str>> {
+    Elements::new(value.at(path)?, Value::text)
 }
 
-fn text(value: &Value, path: &str) -> String {
-    value
-        .at(path)
-        .and_then(Value::text)
-        .unwrap_or_default()
-        .to_owned()
+fn numbers<'a>(value: &'a Value, path: &str) -> Option<Elements<'a, f64>> {
+    Elements::new(value.at(path)?, Value::number)
 }
 
-impl View {
+fn text<'a>(value: &'a Value, path: &str) -> &'a str {
+    value.at(path).and_then(Value::text).unwrap_or_default()
+}
+
+fn transform(value: &Value) -> Option<Transform<'_>> {
+    Some(Transform {
+        frame: text(value, "header.frame_id"),
+        child_frame: text(value, "child_frame_id"),
+        translation: vector(value, "transform.translation")?,
+        rotation: quaternion(value, "transform.rotation")?,
+    })
+}
+
+/// A counter's bits.
+const fn count(value: &Value) -> Option<u64> {
+    match value {
+        Value::UInt(value) => Some(*value),
+        Value::Int(value) => Some(value.cast_unsigned()),
+        _ => None,
+    }
+}
+
+/// Sinkage and entry angle of one joint's interfaces; `None` where an interface's value is no number.
+fn contact(state: &Value) -> Option<[Option<f64>; 2]> {
+    let interfaces = state.at("interface_names")?.elements()?;
+    let values = numbers(state, "values")?;
+    Some(known::CONTACT_INTERFACES.map(|wanted| {
+        let is_it = |name: &Value| name.text() == Some(wanted);
+        values.get(interfaces.iter().position(is_it)?)
+    }))
+}
+
+impl<'a> View<'a> {
     /// Is there a view for messages of that type?
     ///
     /// ```
@@ -206,22 +235,19 @@ impl View {
     /// The view of a message; `None` for a type without one, or a message that lacks what its type has.
     #[must_use]
     #[allow(clippy::too_many_lines, reason = "one arm a type")]
-    pub fn new(type_name: &str, value: &Value) -> Option<Self> {
-        let twist = |at: &str| {
+    pub fn new(type_name: &str, value: &'a Value) -> Option<Self> {
+        let twist = |value: &Value| {
             Some(Self::Twist {
-                linear: vector(value, &format!("{at}linear"))?,
-                angular: vector(value, &format!("{at}angular"))?,
+                linear: vector(value, "linear")?,
+                angular: vector(value, "angular")?,
             })
         };
         match &*short(type_name) {
             "sensor_msgs/JointState" => Some(Self::JointState(JointState {
-                names: names(value)?,
-                position: value.at("position")?.numbers()?,
-                velocity: value.at("velocity")?.numbers()?,
-                effort: value
-                    .at("effort")
-                    .and_then(Value::numbers)
-                    .unwrap_or_default(),
+                names: texts(value, "name")?,
+                position: numbers(value, "position")?,
+                velocity: numbers(value, "velocity")?,
+                effort: numbers(value, "effort").unwrap_or_default(),
             })),
             "sensor_msgs/Imu" => {
                 let is_there = |name: &str| trust(value, name, [0; 3])[0] != Trust::Absent;
@@ -252,8 +278,8 @@ impl View {
                 pose_trust: trust(value, "pose.covariance", [0, 7, 35]),
                 twist_trust: trust(value, "twist.covariance", [0, 7, 35]),
             })),
-            "geometry_msgs/Twist" => twist(""),
-            "geometry_msgs/TwistStamped" => twist("twist."),
+            "geometry_msgs/Twist" => twist(value),
+            "geometry_msgs/TwistStamped" => twist(value.at("twist")?),
             "sensor_msgs/NavSatFix" => {
                 let at = |name| value.at(name)?.number();
                 let status = at("status.status")?;
@@ -281,45 +307,18 @@ impl View {
                 orientation: quaternion(value, "pose.orientation")?,
             }),
             "tf2_msgs/TFMessage" | "tf/tfMessage" => {
-                let all = value.at("transforms")?.elements()?.iter();
-                let one = |value: &Value| {
-                    Some(Transform {
-                        frame: text(value, "header.frame_id"),
-                        child_frame: text(value, "child_frame_id"),
-                        translation: vector(value, "transform.translation")?,
-                        rotation: quaternion(value, "transform.rotation")?,
-                    })
-                };
-                Some(Self::Transforms(all.map(one).collect::<Option<_>>()?))
+                let all = Elements::new(value.at("transforms")?, transform);
+                all.map(Self::Transforms)
             }
-            known::WHEEL_TICKS => {
-                let ticks = value.at("ticks")?.elements()?.iter();
-                let whole = |value: &Value| match value {
-                    Value::UInt(value) => Some(*value),
-                    Value::Int(value) => Some(value.cast_unsigned()),
-                    _ => None,
-                };
-                Some(Self::WheelTicks {
-                    names: names(value)?,
-                    ticks: ticks.map(whole).collect::<Option<_>>()?,
-                })
-            }
+            known::WHEEL_TICKS => Some(Self::WheelTicks {
+                names: texts(value, "name")?,
+                ticks: Elements::new(value.at("ticks")?, count)?,
+            }),
             known::JOINT_INTERFACES => {
-                let joints = value.at("joint_names")?.elements()?.iter();
-                let names = joints.map(|name| Some(name.text()?.to_owned()));
-                let states = value.at("interface_values")?.elements()?.iter();
-                let contacts = states.map(|state| {
-                    let interfaces = state.at("interface_names")?.elements()?;
-                    let values = state.at("values")?.numbers()?;
-                    Some(known::CONTACT_INTERFACES.map(|wanted| {
-                        let is_it = |name: &Value| name.text() == Some(wanted);
-                        values.get(interfaces.iter().position(is_it)?).copied()
-                    }))
-                });
-                let contacts: Vec<[Option<f64>; 2]> = contacts.collect::<Option<_>>()?;
-                let measures = contacts.iter().flatten().any(Option::is_some);
+                let contacts = Elements::new(value.at("interface_values")?, contact)?;
+                let measures = contacts.iter().flatten().any(|value| value.is_some());
                 measures.then_some(Self::WheelContacts {
-                    names: names.collect::<Option<_>>()?,
+                    names: texts(value, "joint_names")?,
                     contacts,
                 })
             }

@@ -43,7 +43,7 @@ impl Job {
     #[allow(clippy::too_many_lines, reason = "one arm a meaning")]
     pub(crate) fn measurements(
         &self,
-        view: Option<&View>,
+        view: Option<&View<'_>>,
         value: &Value,
         mut push: impl FnMut(Measurement),
     ) {
@@ -51,14 +51,14 @@ impl Job {
         match (self, view) {
             (Job::Joints(joints), Some(view)) => wheel_readings(joints, view, push),
             (Job::Contacts(joints), Some(View::WheelContacts { names, contacts })) => {
-                for (name, [sinkage, entry_angle]) in names.iter().zip(contacts) {
+                for (name, [sinkage, entry_angle]) in names.iter().zip(contacts.iter()) {
                     let Some(&(_, wheel)) = joints.iter().find(|(joint, _)| joint == name) else {
                         continue;
                     };
-                    if let Some(depth) = *sinkage {
+                    if let Some(depth) = sinkage {
                         push(Measurement::Sinkage { wheel, depth });
                     }
-                    if let Some(angle) = *entry_angle {
+                    if let Some(angle) = entry_angle {
                         push(Measurement::EntryAngle { wheel, angle });
                     }
                 }
@@ -177,10 +177,10 @@ fn whole(number: Option<f64>) -> Option<u64> {
         .then(|| (number as i64).cast_unsigned())
 }
 
-fn wheel_readings(joints: &[(String, usize)], view: &View, mut push: impl FnMut(Measurement)) {
+fn wheel_readings(joints: &[(String, usize)], view: &View<'_>, mut push: impl FnMut(Measurement)) {
     let names = match view {
-        View::JointState(state) => &state.names,
-        View::WheelTicks { names, .. } => names,
+        View::JointState(state) => state.names,
+        View::WheelTicks { names, .. } => *names,
         _ => return,
     };
     for (place, name) in names.iter().enumerate() {
@@ -189,19 +189,19 @@ fn wheel_readings(joints: &[(String, usize)], view: &View, mut push: impl FnMut(
         };
         match view {
             View::JointState(state) => {
-                if let Some(&angle) = state.position.get(place) {
+                if let Some(angle) = state.position.get(place) {
                     push(Measurement::WheelAngle { wheel, angle });
                 }
-                if let Some(&rate) = state.velocity.get(place) {
+                if let Some(rate) = state.velocity.get(place) {
                     push(Measurement::WheelRate { wheel, rate });
                 }
                 // drivers that measure none say NaN
-                if let Some(&torque) = state.effort.get(place).filter(|e| e.is_finite()) {
+                if let Some(torque) = state.effort.get(place).filter(|e| e.is_finite()) {
                     push(Measurement::WheelTorque { wheel, torque });
                 }
             }
             View::WheelTicks { ticks, .. } => {
-                if let Some(&raw) = ticks.get(place) {
+                if let Some(raw) = ticks.get(place) {
                     push(Measurement::WheelCount { wheel, raw });
                 }
             }

@@ -29,8 +29,8 @@ pub(super) type Tree = BTreeMap<String, (String, [f64; 4])>;
 /// Enters a transform if its child is new.
 pub(super) fn enter(tree: &mut Tree, transform: &Transform) {
     if tree.len() < 4096 {
-        let frame = plain(&transform.frame).to_owned();
-        tree.entry(plain(&transform.child_frame).to_owned())
+        let frame = plain(transform.frame).to_owned();
+        tree.entry(plain(transform.child_frame).to_owned())
             .or_insert((frame, transform.rotation));
     }
 }
@@ -162,10 +162,10 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    fn transform(frame: &str, child: &str, rotation: [f64; 4]) -> Transform {
+    fn transform<'a>(frame: &'a str, child: &'a str, rotation: [f64; 4]) -> Transform<'a> {
         Transform {
-            frame: frame.into(),
-            child_frame: child.into(),
+            frame,
+            child_frame: child,
             translation: [0.0; 3],
             rotation,
         }

@@ -35,15 +35,13 @@ const MAX_FIXES: u64 = 20_000;
 pub(super) struct TopicPreview {
     pub(super) channel: Channel,
     pub(super) messages: u64,
-    /// The first message that has a view.
-    pub(super) view: Option<View>,
     /// Joints, and whether they have a position, a velocity.
     pub(super) joints: BTreeMap<String, (bool, bool)>,
     /// Joints with a sinkage, an entry angle.
     pub(super) contacts: BTreeMap<String, [bool; 2]>,
     pub(super) accelerations: Accelerations,
     pub(super) fixes: Fixes,
-    /// The first message.
+    /// The first message that has a view, else the first.
     pub(super) sample: Option<Value>,
     /// How far the first stamp is ahead of the recorder's clock, s; `None` without a stamp.
     pub(super) stamp_ahead: Option<f64>,
@@ -187,7 +185,7 @@ impl Preview {
         let Some(Ok(decoder)) = known.decoder.as_deref() else {
             return;
         };
-        let is_enough = match &seen.view {
+        let is_enough = match seen.view() {
             Some(View::Imu(_)) => {
                 seen.accelerations.count() >= MAX_ACCELERATIONS || seen.messages > MAX_IMU_MESSAGES
             }
@@ -208,11 +206,12 @@ impl Preview {
             seen.stamp_ahead = ahead.map(|ns| ns as f64 * 1e-9);
         }
         let view = View::new(&known.channel.type_name, &value);
-        if let Some(view) = view {
-            seen.take(&view, &mut self.transforms);
-            seen.view.get_or_insert(view);
+        if let Some(view) = &view {
+            seen.take(view, &mut self.transforms);
         }
-        seen.sample.get_or_insert(value);
+        if seen.sample.is_none() || (view.is_some() && seen.view().is_none()) {
+            seen.sample = Some(value);
+        }
     }
 
     /// Were all topics met that the robot file names, and one that measures wheels?
@@ -266,7 +265,6 @@ impl Preview {
             self.topics.push(TopicPreview {
                 channel: channel.clone(),
                 messages: 0,
-                view: None,
                 joints: BTreeMap::new(),
                 contacts: BTreeMap::new(),
                 accelerations: Accelerations::default(),
@@ -280,6 +278,11 @@ impl Preview {
 }
 
 impl TopicPreview {
+    /// The view of the first message that has one.
+    pub(super) fn view(&self) -> Option<View<'_>> {
+        View::new(&self.channel.type_name, self.sample.as_ref()?)
+    }
+
     fn take(&mut self, view: &View, transforms: &mut Tree) {
         match view {
             View::JointState(joints) => {
@@ -287,21 +290,21 @@ impl TopicPreview {
                     if self.joints.len() >= MAX_JOINTS && !self.joints.contains_key(name) {
                         continue;
                     }
-                    let has = self.joints.entry(name.clone()).or_default();
+                    let has = self.joints.entry(name.to_owned()).or_default();
                     has.0 |= index < joints.position.len();
                     has.1 |= index < joints.velocity.len();
                 }
             }
             View::WheelTicks { names, .. } => {
-                let names = names.iter().map(|name| (name.clone(), (false, false)));
+                let names = names.iter().map(|name| (name.to_owned(), (false, false)));
                 self.joints.extend(names.take(MAX_JOINTS));
             }
             View::WheelContacts { names, contacts } => {
-                for (name, measured) in names.iter().zip(contacts) {
+                for (name, measured) in names.iter().zip(contacts.iter()) {
                     if self.contacts.len() >= MAX_JOINTS && !self.contacts.contains_key(name) {
                         continue;
                     }
-                    let has = self.contacts.entry(name.clone()).or_default();
+                    let has = self.contacts.entry(name.to_owned()).or_default();
                     for (has, value) in has.iter_mut().zip(measured) {
                         *has |= value.is_some();
                     }
@@ -313,7 +316,7 @@ impl TopicPreview {
                 }
             }
             View::NavSatFix(fix) => self.fixes.add(fix),
-            View::Transforms(all) => all.iter().for_each(|one| enter(transforms, one)),
+            View::Transforms(all) => all.iter().for_each(|one| enter(transforms, &one)),
             _ => {}
         }
     }

@@ -38,12 +38,20 @@ impl<W: Write> McapWriter<W> {
     pub fn send(&mut self, topic: &mut Topic, time_ns: i64, value: &Value) -> io::Result<()> {
         let data = topic.definition.encode(value);
         let data = data.map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+        self.send_encoded(topic, time_ns, &data)
+    }
+
+    /// As [`McapWriter::send`], of a message that a [`CdrWriter`](crate::message::CdrWriter) wrote.
+    ///
+    /// # Errors
+    /// `InvalidInput` for a time before 1970; what the system refuses.
+    pub fn send_encoded(&mut self, topic: &mut Topic, time_ns: i64, data: &[u8]) -> io::Result<()> {
         let time = u64::try_from(time_ns).map_err(|_| invalid("MCAP holds no time before 1970"))?;
         topic.sent = topic.sent.wrapping_add(1);
         let times = Times {
             sequence: topic.sent,
             ..Times::at(time)
         };
-        self.message(topic.id, times, &data)
+        self.message(topic.id, times, data)
     }
 }

@@ -14,11 +14,11 @@
 use std::io;
 use std::path::Path;
 
-use grouser_log::message::{build, known};
+use grouser_log::message::{Header, build, known};
 use grouser_log::write::{McapWriter, Topic};
 use grouser_replay::messages::{
-    DrawnWheel, WayMarkers, WheelPoints, diagnostics, odometry_message, robot_markers,
-    soil_message, wheel_slip,
+    DrawnWheel, WayMarkers, WheelPoints, diagnostics, robot_markers, soil_message, write_odometry,
+    write_wheel_slip,
 };
 use grouser_replay::{Odometry, Step};
 use grouser_slip::{Wheel, WheelEstimate};
@@ -50,6 +50,8 @@ pub(super) struct Recording {
     wheel_points: WheelPoints,
     wheels: Vec<Wheel>,
     names: Vec<String>,
+    /// The message at hand.
+    message: Vec<u8>,
     drawn_ns: Option<i64>,
     reported_ns: Option<i64>,
     path: std::path::PathBuf,
@@ -76,6 +78,7 @@ impl Recording {
             writer,
             wheels: wheels.to_vec(),
             names: wheels.iter().map(|wheel| wheel.name.clone()).collect(),
+            message: Vec::new(),
             drawn_ns: None,
             reported_ns: None,
             path: path.to_owned(),
@@ -87,11 +90,15 @@ impl Recording {
         let time_ns = step.time_ns;
         let wheels = step.wheels;
         let header = |frame| build::header(time_ns, frame);
-        let slip = wheel_slip(header("base_link"), &self.names, wheels);
-        self.writer.send(&mut self.slip, time_ns, &slip)?;
+        let stamped = |frame| Header { time_ns, frame };
+        let message = &mut self.message;
+        write_wheel_slip(message, stamped("base_link"), &self.names, wheels)
+            .map_err(io::Error::other)?;
+        self.writer.send_encoded(&mut self.slip, time_ns, message)?;
         if let Some(odometry) = step.odometry {
-            let message = odometry_message(header("odom"), "base_link", &odometry);
-            self.writer.send(&mut self.odometry, time_ns, &message)?;
+            write_odometry(message, stamped("odom"), "base_link", &odometry)
+                .map_err(io::Error::other)?;
+            (self.writer).send_encoded(&mut self.odometry, time_ns, message)?;
             let marker = self
                 .markers
                 .add(time_ns, &odometry, wheels, || header("odom"));

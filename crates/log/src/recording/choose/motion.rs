@@ -30,7 +30,7 @@ impl Choosing<'_> {
     pub(super) fn motion(&mut self) -> Result<()> {
         if let Some(name) = &self.topics.pose {
             let seen = self.named("pose", name)?;
-            if !matches!(seen.view, Some(View::Odometry(_) | View::Pose { .. })) {
+            if !matches!(seen.view(), Some(View::Odometry(_) | View::Pose { .. })) {
                 let wanted = "nav_msgs/Odometry or geometry_msgs/PoseStamped";
                 return Err(self.unfit("pose", seen, wanted));
             }
@@ -38,7 +38,7 @@ impl Choosing<'_> {
         }
         if let Some(name) = &self.topics.speed {
             let seen = self.named("speed", name)?;
-            if !matches!(seen.view, Some(View::Odometry(_) | View::Twist { .. })) {
+            if !matches!(seen.view(), Some(View::Odometry(_) | View::Twist { .. })) {
                 let wanted = "nav_msgs/Odometry or geometry_msgs/TwistStamped";
                 return Err(self.unfit("speed", seen, wanted));
             }
@@ -46,7 +46,7 @@ impl Choosing<'_> {
         }
         if let Some(name) = &self.topics.fix {
             let seen = self.named("fix", name)?;
-            if !matches!(seen.view, Some(View::NavSatFix(_))) {
+            if !matches!(seen.view(), Some(View::NavSatFix(_))) {
                 return Err(self.unfit("fix", seen, "sensor_msgs/NavSatFix"));
             }
             self.fixes(Some(seen));
@@ -55,8 +55,8 @@ impl Choosing<'_> {
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
             all.find(|seen| {
-                let view = seen.view.as_ref();
-                view.is_some_and(|view| fits(view, &seen.channel.topic))
+                let view = seen.view();
+                view.is_some_and(|view| fits(&view, &seen.channel.topic))
             })
             .copied()
         };
@@ -94,7 +94,7 @@ impl Choosing<'_> {
                     && !words(topic).any(|word| word == "cmd")
             })
         {
-            let is_twist = matches!(seen.view, Some(View::Twist { .. }));
+            let is_twist = matches!(seen.view(), Some(View::Twist { .. }));
             if is_twist && words(&seen.channel.topic).any(|word| ON_EARTH.contains(&word.as_str()))
             {
                 let word = "size of the speed over ground, to the east and north";
@@ -127,7 +127,7 @@ impl Choosing<'_> {
     pub(super) fn command(&mut self) -> Result<()> {
         let seen = if let Some(name) = &self.topics.command {
             let seen = self.named("command", name)?;
-            if !matches!(seen.view, Some(View::Twist { .. })) {
+            if !matches!(seen.view(), Some(View::Twist { .. })) {
                 let wanted = "geometry_msgs/Twist or TwistStamped";
                 return Err(self.unfit("command", seen, wanted));
             }
@@ -136,7 +136,7 @@ impl Choosing<'_> {
             None
         } else {
             self.free().find(|seen| {
-                matches!(seen.view, Some(View::Twist { .. })) && is_command(&seen.channel.topic)
+                matches!(seen.view(), Some(View::Twist { .. })) && is_command(&seen.channel.topic)
             })
         };
         if let Some(seen) = seen {
@@ -149,7 +149,7 @@ impl Choosing<'_> {
     /// made of the wheels, and would show no slip.
     pub(super) fn say_unused(&mut self) {
         let unused = self.free().filter(|seen| {
-            matches!(seen.view, Some(View::Odometry(_)))
+            matches!(seen.view(), Some(View::Odometry(_)))
                 && !self
                     .choice
                     .topics

@@ -134,7 +134,7 @@ impl Choosing<'_> {
 
     fn wheel_odometry(&mut self, odometry: &WheelOdometry) -> Result<()> {
         let seen = self.named("wheel_odometry", &odometry.topic)?;
-        if !matches!(seen.view, Some(View::Odometry(_))) {
+        if !matches!(seen.view(), Some(View::Odometry(_))) {
             return Err(self.unfit("wheel_odometry", seen, "nav_msgs/Odometry"));
         }
         let names = &self.choice.wheels;
@@ -161,7 +161,7 @@ impl Choosing<'_> {
 }
 
 fn is_ticks(seen: &TopicPreview) -> bool {
-    matches!(seen.view, Some(View::WheelTicks { .. }))
+    matches!(seen.view(), Some(View::WheelTicks { .. }))
 }
 
 /// The joints of the robot's wheels among these names.

@@ -12,7 +12,7 @@ impl Choosing<'_> {
     pub(super) fn yaw_rate(&mut self) -> Result<()> {
         let seen = if let Some(name) = &self.topics.yaw_rate {
             let seen = self.named("yaw_rate", name)?;
-            if !matches!(seen.view, Some(View::Imu(_))) {
+            if !matches!(seen.view(), Some(View::Imu(_))) {
                 return Err(self.unfit("yaw_rate", seen, "sensor_msgs/Imu"));
             }
             Some(seen)
@@ -20,16 +20,16 @@ impl Choosing<'_> {
             None
         } else {
             // Filtered data before raw, the first of these.
-            let imus = self.free().filter(|seen| match &seen.view {
+            let imus = self.free().filter(|seen| match seen.view() {
                 Some(View::Imu(imu)) => imu.angular_rate.is_some(),
                 _ => false,
             });
             imus.min_by_key(|seen| words(&seen.channel.topic).any(|word| word == "raw"))
         };
-        let Some((seen, Some(View::Imu(imu)))) = seen.map(|seen| (seen, &seen.view)) else {
+        let Some((seen, Some(View::Imu(imu)))) = seen.map(|seen| (seen, seen.view())) else {
             return Ok(());
         };
-        let (up, by) = self.up(seen, imu);
+        let (up, by) = self.up(seen, &imu);
         let usable = imu
             .angular_rate_trust
             .iter()
@@ -47,16 +47,16 @@ impl Choosing<'_> {
         let align = self.topics.align_clock;
         let chosen = self.take(seen, Job::YawRate(up), word, [(Meaning::YawRate, None)]);
         chosen.align = align;
-        self.acceleration(seen, imu, up);
+        self.acceleration(seen, &imu, up);
         Ok(())
     }
 
     /// The acceleration, where the robot file or transforms give the forward axis and neither gravity nor covariances
     /// contradict it.
-    fn acceleration(&mut self, seen: &TopicPreview, imu: &Imu, up: [f64; 3]) {
+    fn acceleration(&mut self, seen: &TopicPreview, imu: &Imu<'_>, up: [f64; 3]) {
         let axes = match self.topics.imu_forward {
             Some(forward) => axes_by_file(forward, up),
-            None => axes_by_transforms(&self.preview.transforms, &imu.frame)
+            None => axes_by_transforms(&self.preview.transforms, imu.frame)
                 .filter(|axes| agree(axes[2], up)),
         };
         let Some([forward, left, _]) = axes else {
@@ -71,7 +71,7 @@ impl Choosing<'_> {
                 };
                 let tree = &self.preview.transforms;
                 let lost = match self.topics.imu_forward {
-                    None if !tree.is_empty() && !has_frame(tree, &imu.frame) => {
+                    None if !tree.is_empty() && !has_frame(tree, imu.frame) => {
                         format!("no transform holds its frame `{}`; ", imu.frame)
                     }
                     _ => String::new(),
@@ -104,12 +104,12 @@ impl Choosing<'_> {
     }
 
     /// The direction that points up in an IMU's frame, and its source in words.
-    fn up(&mut self, seen: &TopicPreview, imu: &Imu) -> ([f64; 3], &'static str) {
+    fn up(&mut self, seen: &TopicPreview, imu: &Imu<'_>) -> ([f64; 3], &'static str) {
         let topic = &seen.channel.topic;
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
         }
-        let axes = axes_by_transforms(&self.preview.transforms, &imu.frame);
+        let axes = axes_by_transforms(&self.preview.transforms, imu.frame);
         let by_transforms = axes.map(|[_, _, up]| up);
         match (by_transforms, seen.accelerations.up()) {
             (Some(up), None) => (up, "by its transforms"),
@@ -150,7 +150,7 @@ fn direction(up: [f64; 3]) -> String {
 }
 
 /// The axis of a gyro that gives one rate alone, by its covariances: a robot's is its yaw rate.
-fn only_usable(imu: &Imu) -> Option<[f64; 3]> {
+fn only_usable(imu: &Imu<'_>) -> Option<[f64; 3]> {
     let usable = imu
         .angular_rate_trust
         .map(|trust| f64::from(u8::from(trust != Trust::DoNotUse)));
