@@ -176,7 +176,13 @@ impl Node {
         Ok(())
     }
 
-    /// Nothing came for as long as messages are held back.
+    /// Has nothing come for as long as messages are held back?
+    fn has_held(&self, now: Instant) -> bool {
+        let newest = self.last_received.iter().flatten().max();
+        newest.is_some_and(|newest| now.saturating_duration_since(*newest) >= self.hold)
+    }
+
+    /// Estimates with what is still held back.
     fn release(&mut self) -> Result<()> {
         let mut popped = false;
         while let Some(sample) = self.intake.pop_held() {
@@ -208,7 +214,10 @@ impl Node {
                 (self.command.as_ref()).map_or(wait, |path| wait.min(path.wait(Instant::now())));
             match arrivals.recv_timeout(wait) {
                 Ok(arrival) => self.take(&arrival, true)?,
-                Err(RecvTimeoutError::Timeout) => self.release()?,
+                Err(RecvTimeoutError::Timeout) if self.has_held(Instant::now()) => {
+                    self.release()?
+                }
+                Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             let now = Instant::now();
@@ -242,7 +251,9 @@ impl Node {
             .collect();
         let mut is_silent = false;
         for (channel, received) in self.channels.iter().zip(&self.last_received) {
-            if received.is_some_and(|at| now.saturating_duration_since(at) >= SILENCE) {
+            let silent = received.map(|at| now.saturating_duration_since(at));
+            // what is held back is published first
+            if silent.is_some_and(|silent| silent >= SILENCE + self.hold) {
                 is_silent = true;
                 problems.push(format!("`{}` is silent", channel.topic));
             }

@@ -284,11 +284,8 @@ class Script:
         self.sessions[name].subscribe(topic, OUTPUTS[topic], self.take, ":1:,10:,:,:,,")
 
     def play(self, name, log, rate):
-        """Plays an MCAP file, `rate` messages a second, once the node has subscribed to its topics."""
-        from mcap.reader import make_reader
-
-        with open(log, "rb") as file:
-            messages = [(c.topic, s.name, m.data) for s, c, m in make_reader(file).iter_messages()]
+        """Plays an MCAP file or a bag of ROS 1, `rate` messages a second, once the node has subscribed to its topics."""
+        messages = messages_of_bag(log) if log.endswith(".bag") else messages_of_mcap(log)
         session = self.sessions[name]
         topics = {topic: kind for topic, kind, _ in messages}
         for topic, kind in topics.items():
@@ -372,6 +369,21 @@ class Script:
             result = getattr(self, name)(*arguments, **options)
             self.out.flush()
             print(json.dumps(result), flush=True)
+
+
+def messages_of_mcap(log):
+    from mcap.reader import make_reader
+
+    with open(log, "rb") as file:
+        return [(c.topic, s.name, m.data) for s, c, m in make_reader(file).iter_messages()]
+
+
+def messages_of_bag(log):
+    """Topic, type and CDR of each message of a bag of ROS 1."""
+    from rosbags.rosbag1 import Reader
+
+    with Reader(log) as bag:
+        return [(c.topic, c.msgtype, bytes(STORE.ros1_to_cdr(raw, c.msgtype))) for c, _, raw in bag.messages()]
 
 
 def plain(message):

@@ -1,4 +1,4 @@
-//! A bag that is replayed through a transport gives the bits of `grouser estimate`.
+//! A bag that is replayed through a transport gives the bits of `grouser estimate`: the example's, and a measured one.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(dead_code, reason = "the peers are shared by several tests")]
 
@@ -6,6 +6,7 @@ mod peers;
 
 use std::collections::BTreeMap;
 use std::io;
+use std::path::PathBuf;
 
 use grouser_files::robot;
 use grouser_log::Log;
@@ -13,7 +14,7 @@ use grouser_log::container::{Container, Event};
 use grouser_log::message::Header;
 use grouser_replay::messages::{write_odometry, write_wheel_slip};
 use grouser_replay::{Options, Row, Sink, Step, run_into};
-use peers::{Node, Peer, Place, bytes, example, python, read};
+use peers::{Node, Peer, Place, bytes, example, measured_data, python, read};
 use serde_json::json;
 
 /// The messages of `grouser estimate -o OUT.mcap`, as bytes.
@@ -44,12 +45,43 @@ impl Sink for Messages {
     }
 }
 
+/// A log with its robot.
+struct Played {
+    name: &'static str,
+    log: PathBuf,
+    robot: PathBuf,
+    messages: usize,
+    steps: usize,
+}
+
+fn example_log() -> Option<Played> {
+    Some(Played {
+        name: "same-bits",
+        log: example().join("log.mcap"),
+        robot: example().join("robot.toml"),
+        messages: 4002,
+        steps: 2001,
+    })
+}
+
+/// Measured by a Clearpath Jackal: a bag of ROS 1, whose messages the peer converts to those of ROS 2.
+fn jackal_log() -> Option<Played> {
+    Some(Played {
+        name: "measured-bits",
+        log: measured_data("jackal/jackal_61s.bag")?,
+        robot: example().join("../jackal/robot.toml"),
+        messages: 6121,
+        steps: 3060,
+    })
+}
+
 /// `rate`: messages a second. What the first second gave is estimated at once, and a DDS writer keeps 1000 messages.
-fn same_bits(transport: &'static str, rate: f64) {
-    let Some(python) = python() else { return };
-    let (log, file) = (example().join("log.mcap"), example().join("robot.toml"));
-    let robot = robot::read(&file).unwrap();
-    let run = Log::find_any(std::slice::from_ref(&log), None, &robot.topics).unwrap();
+fn same_bits(transport: &'static str, rate: f64, played: Option<Played>) {
+    let (Some(python), Some(played)) = (python(), played) else {
+        return;
+    };
+    let robot = robot::read(&played.robot).unwrap();
+    let run = Log::find_any(std::slice::from_ref(&played.log), None, &robot.topics).unwrap();
     let mut expected = Messages {
         names: robot
             .robot
@@ -61,9 +93,9 @@ fn same_bits(transport: &'static str, rate: f64) {
         odometry: Vec::new(),
     };
     run_into(&run, &robot, &Options::default(), &mut expected).unwrap();
-    assert_eq!(expected.slips.len(), 2001);
+    assert_eq!(expected.slips.len(), played.steps);
 
-    let place = Place::new(transport, "same-bits");
+    let place = Place::new(transport, played.name);
     let mut peer = Peer::start(&python, &place);
     peer.call(&json!(["open", "player"]));
     peer.call(&json!([
@@ -72,22 +104,27 @@ fn same_bits(transport: &'static str, rate: f64) {
         "/grouser/slip",
         "/grouser/odom"
     ]));
-    // the messages of one stamp may arrive this far apart on a loaded machine
+    // on a loaded machine the messages of one stamp arrive apart: these are 200 messages of the measured log
     let record = place.folder.join("run.mcap");
     let kept = ["--record", record.to_str().unwrap()];
-    let arguments = [&["--look-s", "1", "--hold-ms", "300"][..], &kept].concat();
-    let node = Node::start(&place, &file, &arguments);
+    let arguments = [&["--look-s", "1", "--hold-ms", "2000"][..], &kept].concat();
+    let node = Node::start(&place, &played.robot, &arguments);
     assert_eq!(
-        peer.call(&json!(["play", "player", log, rate])),
-        json!(4002)
+        peer.call(&json!(["play", "player", played.log, rate])),
+        json!(played.messages)
     );
     assert_eq!(
-        peer.call(&json!(["until", "/grouser/slip", 1850, 20.0])),
+        peer.call(&json!([
+            "until",
+            "/grouser/slip",
+            played.steps * 9 / 10,
+            20.0
+        ])),
         json!(true)
     );
     // on a loaded machine the last ones arrive seconds later; a peer may have missed some, so that this may time out
-    peer.call(&json!(["until", "/grouser/slip", 2001, 8.0]));
-    peer.call(&json!(["sleep", 1.0]));
+    peer.call(&json!(["until", "/grouser/slip", played.steps, 8.0]));
+    peer.call(&json!(["sleep", 3.0]));
     let ended = node.interrupt(&place);
     assert_eq!(ended.code, Some(0), "{}{}", ended.out, ended.err);
 
@@ -135,11 +172,13 @@ fn same_bits(transport: &'static str, rate: f64) {
 #[cfg(feature = "zenoh")]
 #[test]
 fn over_zenoh() {
-    same_bits("zenoh", 2000.0);
+    same_bits("zenoh", 2000.0, example_log());
+    same_bits("zenoh", 2000.0, jackal_log());
 }
 
 #[cfg(feature = "dds")]
 #[test]
 fn over_dds() {
-    same_bits("dds", 500.0);
+    same_bits("dds", 500.0, example_log());
+    same_bits("dds", 500.0, jackal_log());
 }

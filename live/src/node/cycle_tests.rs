@@ -130,7 +130,7 @@ impl Driver {
 }
 
 /// A node that has chosen both topics, and the count of what it has published.
-fn node(driver: &Driver, has_subscriber: bool) -> (Node, Rc<Cell<u64>>) {
+fn node(driver: &Driver, hold: Duration, has_subscriber: bool) -> (Node, Rc<Cell<u64>>) {
     let robot = robot();
     let channels = vec![
         known::channel("/joint_states", "sensor_msgs/JointState").unwrap(),
@@ -144,7 +144,7 @@ fn node(driver: &Driver, has_subscriber: bool) -> (Node, Rc<Cell<u64>>) {
         let arrival = driver.arrival(number);
         preview.push(arrival.subscription, &arrival.bytes, arrival.received_ns);
     }
-    let intake = preview.into_intake().unwrap().with_hold(Duration::ZERO);
+    let intake = preview.into_intake().unwrap().with_hold(hold);
     let inputs = Inputs::of(&intake, &robot, &Options::default()).unwrap();
     let samples = RobotSamples::new(&intake, &robot).unwrap();
     let engine = Engine::new(&robot, inputs, &Options::default()).unwrap();
@@ -159,14 +159,15 @@ fn node(driver: &Driver, has_subscriber: bool) -> (Node, Rc<Cell<u64>>) {
     });
     let name = |name: &str| Ok(format!("/{name}"));
     let outputs = Outputs::announce(transport, wheel_names(&robot), frames, false, name).unwrap();
-    let node = Node::new(channels, intake, (samples, engine), outputs, inbox().0);
+    let mut node = Node::new(channels, intake, (samples, engine), outputs, inbox().0);
+    node.hold = hold;
     (node, count)
 }
 
 /// Allocations, messages published and time of a message, the filter warm.
 fn cost(has_subscriber: bool) -> [f64; 3] {
     let driver = Driver::new();
-    let (mut node, published) = node(&driver, has_subscriber);
+    let (mut node, published) = node(&driver, Duration::ZERO, has_subscriber);
     let arrivals: Vec<Arrival> = (0..8000).map(|number| driver.arrival(number)).collect();
     let (warm, timed) = arrivals.split_at(4000);
     for arrival in warm {
@@ -200,4 +201,25 @@ fn what_nobody_receives_is_not_made() {
     assert!((received[1] - 1.5).abs() < 1e-9 && ignored[1] == 0.0);
     // diagnostics aside, which come once a second
     assert_eq!([received[0], ignored[0]], [0.0; 2]);
+}
+
+#[test]
+fn what_is_held_back_waits_as_long_as_it_should() {
+    let driver = Driver::new();
+    let hold = Duration::from_millis(500);
+    let (mut node, _) = node(&driver, hold, false);
+    let (inbox, arrivals) = inbox();
+    let sender = std::thread::spawn(move || {
+        // the IMU's message, and much later one of the joints from before it
+        for (number, wait_ms) in [(1, 0), (0, 200)] {
+            std::thread::sleep(Duration::from_millis(wait_ms));
+            let arrival = driver.arrival(number);
+            inbox.put(arrival.subscription, arrival.publisher, arrival.bytes);
+        }
+        std::thread::sleep(Duration::from_millis(200));
+    });
+    // ends with the sender
+    node.turn(&arrivals, &|| false).unwrap();
+    sender.join().unwrap();
+    assert_eq!((node.messages, node.intake.left_out().late), (2, 0));
 }

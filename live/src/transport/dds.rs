@@ -229,7 +229,9 @@ impl DdsTransport {
             .collect();
         let participant = self.participant.guid().to_bytes();
         let message = dds_node::message(length, participant, &self.node, [&readers, &writers])?;
-        self.announcer.write(Raw(message.into()), None).map_err(failed)
+        self.announcer
+            .write(Raw(message.into()), None)
+            .map_err(failed)
     }
 
     fn topic(&self, topic: &str, type_name: &str, qos: &QosPolicies) -> Result<Topic> {
