@@ -215,7 +215,7 @@ impl Node {
             match arrivals.recv_timeout(wait) {
                 Ok(arrival) => self.take(&arrival, true)?,
                 Err(RecvTimeoutError::Timeout) if self.has_held(Instant::now()) => {
-                    self.release()?
+                    self.release()?;
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,

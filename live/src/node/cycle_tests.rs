@@ -211,7 +211,7 @@ fn what_is_held_back_waits_as_long_as_it_should() {
     let (inbox, arrivals) = inbox();
     let sender = std::thread::spawn(move || {
         // the IMU's message, and much later one of the joints from before it
-        for (number, wait_ms) in [(1, 0), (0, 200)] {
+        for (number, wait_ms) in [(3, 0), (2, 200)] {
             std::thread::sleep(Duration::from_millis(wait_ms));
             let arrival = driver.arrival(number);
             inbox.put(arrival.subscription, arrival.publisher, arrival.bytes);
