@@ -1,7 +1,7 @@
 //! The first seconds: which topics there are, and what their first messages say.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use grouser_files::robot::RobotFile;
@@ -11,7 +11,7 @@ use grouser_log::{Intake, Preview};
 
 use crate::error::Result;
 use crate::print::{say, warn};
-use crate::transport::{Arrival, Endpoint, Inbox, Transport};
+use crate::transport::{Arrival, Arrivals, Endpoint, Inbox, Transport};
 use crate::type_hash;
 
 /// The graph is looked at this often.
@@ -154,7 +154,7 @@ pub(crate) fn misfit(endpoint: &Endpoint) -> Option<String> {
 pub(crate) fn look(
     transport: &mut dyn Transport,
     (robot, look): (&RobotFile, Duration),
-    (inbox, arrivals): (&Inbox, &Receiver<Arrival>),
+    (inbox, arrivals): (&Inbox, &mut Arrivals),
     subscriptions: &mut Subscriptions,
     stop: &dyn Fn() -> bool,
 ) -> Result<Option<Looked>> {

@@ -1,7 +1,7 @@
 //! A running node: messages in, slips out, to the summary.
 
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use grouser_log::Intake;
@@ -20,7 +20,7 @@ use crate::recorder::Recorder;
 use crate::screen::{MAX_EVENTS, Screen, Snapshot};
 use crate::senders::Senders;
 use crate::state_file;
-use crate::transport::{Arrival, Inbox};
+use crate::transport::{Arrival, Arrivals, Inbox};
 
 /// The loop looks at least this often whether it is to end.
 const TURN: Duration = Duration::from_millis(50);
@@ -198,11 +198,7 @@ impl Node {
     }
 
     /// The loop.
-    pub(crate) fn turn(
-        &mut self,
-        arrivals: &Receiver<Arrival>,
-        stop: &dyn Fn() -> bool,
-    ) -> Result<()> {
+    pub(crate) fn turn(&mut self, arrivals: &mut Arrivals, stop: &dyn Fn() -> bool) -> Result<()> {
         let mut diagnostics_due = Instant::now() + DIAGNOSTICS_PERIOD;
         while !stop() {
             let wait = if self.hold.is_zero() {
@@ -234,7 +230,7 @@ impl Node {
             path.stop(system_ns(), &mut self.outputs)?;
         }
         // what has arrived by now still counts
-        while let Ok(arrival) = arrivals.try_recv() {
+        while let Some(arrival) = arrivals.try_recv() {
             self.take(&arrival, true)?;
         }
         self.intake.finish();

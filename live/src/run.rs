@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         || interrupted.load(Ordering::Relaxed) || ends.is_some_and(|end| Instant::now() >= end);
 
     let mut transport = transport::open(kind, &environment, &own_name)?;
-    let (inbox, arrivals) = transport::inbox();
+    let (inbox, mut arrivals) = transport::inbox();
     let mut subscriptions = Subscriptions::new(&robot);
     if !arguments.quiet {
         say(&format!(
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
             environment.domain
         ));
     }
-    let queue = (&inbox, &arrivals);
+    let queue = (&inbox, &mut arrivals);
     let looked = look(
         transport.as_mut(),
         (&robot, look_for),
@@ -114,10 +114,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         node.take(&arrival, false)?;
     }
     // what arrived meanwhile waited for these, not for the node's work
-    while let Ok(arrival) = arrivals.try_recv() {
+    while let Some(arrival) = arrivals.try_recv() {
         node.take(&arrival, false)?;
     }
-    node.turn(&arrivals, &stop)?;
+    node.turn(&mut arrivals, &stop)?;
     node.finish(arguments, &robot.robot)
 }
 

@@ -54,14 +54,14 @@ struct Played {
     steps: usize,
 }
 
-fn example_log() -> Option<Played> {
-    Some(Played {
+fn example_log() -> Played {
+    Played {
         name: "same-bits",
         log: example().join("log.mcap"),
         robot: example().join("robot.toml"),
         messages: 4002,
         steps: 2001,
-    })
+    }
 }
 
 /// Measured by a Clearpath Jackal: a bag of ROS 1, whose messages the peer converts to those of ROS 2.
@@ -76,10 +76,8 @@ fn jackal_log() -> Option<Played> {
 }
 
 /// `rate`: messages a second. What the first second gave is estimated at once, and a DDS writer keeps 1000 messages.
-fn same_bits(transport: &'static str, rate: f64, played: Option<Played>) {
-    let (Some(python), Some(played)) = (python(), played) else {
-        return;
-    };
+fn same_bits(transport: &'static str, rate: f64, played: &Played) {
+    let Some(python) = python() else { return };
     let robot = robot::read(&played.robot).unwrap();
     let run = Log::find_any(std::slice::from_ref(&played.log), None, &robot.topics).unwrap();
     let mut expected = Messages {
@@ -172,13 +170,17 @@ fn same_bits(transport: &'static str, rate: f64, played: Option<Played>) {
 #[cfg(feature = "zenoh")]
 #[test]
 fn over_zenoh() {
-    same_bits("zenoh", 2000.0, example_log());
-    same_bits("zenoh", 2000.0, jackal_log());
+    same_bits("zenoh", 2000.0, &example_log());
+    if let Some(played) = jackal_log() {
+        same_bits("zenoh", 2000.0, &played);
+    }
 }
 
 #[cfg(feature = "dds")]
 #[test]
 fn over_dds() {
-    same_bits("dds", 500.0, example_log());
-    same_bits("dds", 500.0, jackal_log());
+    same_bits("dds", 500.0, &example_log());
+    if let Some(played) = jackal_log() {
+        same_bits("dds", 500.0, &played);
+    }
 }

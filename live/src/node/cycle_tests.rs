@@ -208,7 +208,7 @@ fn what_is_held_back_waits_as_long_as_it_should() {
     let driver = Driver::new();
     let hold = Duration::from_millis(500);
     let (mut node, _) = node(&driver, hold, false);
-    let (inbox, arrivals) = inbox();
+    let (inbox, mut arrivals) = inbox();
     let sender = std::thread::spawn(move || {
         // the IMU's message, and much later one of the joints from before it
         for (number, wait_ms) in [(3, 0), (2, 200)] {
@@ -219,7 +219,7 @@ fn what_is_held_back_waits_as_long_as_it_should() {
         std::thread::sleep(Duration::from_millis(200));
     });
     // ends with the sender
-    node.turn(&arrivals, &|| false).unwrap();
+    node.turn(&mut arrivals, &|| false).unwrap();
     sender.join().unwrap();
     assert_eq!((node.messages, node.intake.left_out().late), (2, 0));
 }

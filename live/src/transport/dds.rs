@@ -5,23 +5,27 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
+use std::pin::Pin;
+use std::task::{Context, Poll, Waker};
 use std::time::Instant;
 
-use futures::StreamExt as _;
-use futures::executor::block_on;
-use futures::future::{AbortHandle, abortable};
+use futures_core::Stream as _;
+use grouser_log::message::known;
 use rustdds::bytes::Bytes;
 use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
-use rustdds::no_key::{DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter};
+use rustdds::no_key::{
+    DataReaderStream, DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter,
+};
 use rustdds::policy::{Durability, History};
 use rustdds::{
     DataWriterStatus, DomainParticipant, Duration, GUID, Publisher, QosPolicies, QosPolicyBuilder,
-    RTPSEntity as _, RepresentationIdentifier, StatusEvented as _, Subscriber, Topic, TopicKind,
+    RTPSEntity as _, RepresentationIdentifier, StatusEvented as _, Subscriber, Timestamp, Topic,
+    TopicKind,
 };
 
 use super::dds_node::{self, GidLength, Guid};
 use super::names::{dds_type, ros_type};
-use super::{Endpoint, Graph, Inbox, Transport};
+use super::{Endpoint, Fetched, Graph, Inbox, Source, Transport};
 use crate::environment::Environment;
 use crate::error::{Error, Result};
 
@@ -29,6 +33,8 @@ use crate::error::{Error, Result};
 const DEPTH: i32 = 1000;
 /// A writer of diagnostics, one a second of 2 kB, keeps fewer: a thousand would fill memory for 17 minutes.
 const DIAGNOSTICS_DEPTH: i32 = 10;
+/// Events are rare: a thousand would fill memory for days.
+const EVENTS_DEPTH: i32 = 100;
 /// A writer waits for a slow reader at most so long, ms: less than a period of a control loop.
 const MAX_BLOCKING_MS: i64 = 5;
 /// Readers that come and go are noticed this often: a new one waits less than for its discovery.
@@ -118,9 +124,31 @@ pub(super) struct DdsTransport {
 /// A subscription, with what it takes to make it again.
 struct Reader {
     guid: Guid,
-    receiving: AbortHandle,
     publisher: Endpoint,
     inbox: Inbox,
+}
+
+/// The samples that a reader holds.
+struct Samples(DataReaderStream<Raw, RawAdapter>);
+
+impl Source for Samples {
+    fn fetch(&mut self, waker: &Waker) -> Option<Fetched> {
+        loop {
+            match Pin::new(&mut self.0).poll_next(&mut Context::from_waker(waker)) {
+                Poll::Ready(Some(Ok(sample))) => {
+                    let info = sample.sample_info();
+                    return Some(Fetched {
+                        publisher: info.writer_guid().to_bytes(),
+                        sent: info.source_timestamp().map_or(0, Timestamp::to_ticks),
+                        bytes: sample.into_value().0.into(),
+                    });
+                }
+                // what the reader cannot take apart is lost, as on a bad network
+                Poll::Ready(Some(Err(_))) => {}
+                Poll::Ready(None) | Poll::Pending => return None,
+            }
+        }
+    }
 }
 
 /// A writer of the node's own.
@@ -144,6 +172,7 @@ fn failed(error: impl std::fmt::Display) -> Error {
 fn writer_qos(type_name: &str) -> QosPolicies {
     let depth = match type_name {
         "diagnostic_msgs/DiagnosticArray" => DIAGNOSTICS_DEPTH,
+        known::SLIP_EVENT => EVENTS_DEPTH,
         _ => DEPTH,
     };
     QosPolicyBuilder::new()
@@ -314,23 +343,12 @@ impl Transport for DdsTransport {
             .subscriber
             .create_datareader_no_key::<Raw, RawAdapter>(&topic, Some(qos))
             .map_err(failed)?;
-        let (inbox, kept, guid) = (inbox.clone(), inbox.clone(), reader.guid().to_bytes());
-        let mut samples = reader.async_sample_stream();
-        let (receiving, handle) = abortable(async move {
-            while let Some(sample) = samples.next().await {
-                // what the reader cannot take apart is lost, as on a bad network
-                if let Ok(sample) = sample {
-                    let writer = sample.sample_info().writer_guid().to_bytes();
-                    inbox.put(subscription, writer, sample.into_value().0.into());
-                }
-            }
-        });
-        std::thread::spawn(move || block_on(receiving));
+        let guid = reader.guid().to_bytes();
+        inbox.begin(subscription, Samples(reader.async_sample_stream()));
         let reader = Reader {
             guid,
-            receiving: handle,
             publisher: publisher.clone(),
-            inbox: kept,
+            inbox: inbox.clone(),
         };
         self.readers.insert(subscription, reader);
         self.announce_node()
@@ -338,7 +356,7 @@ impl Transport for DdsTransport {
 
     fn unsubscribe(&mut self, subscription: usize) {
         if let Some(reader) = self.readers.remove(&subscription) {
-            reader.receiving.abort();
+            reader.inbox.end(subscription);
             // a reader too many in the graph is no reason to end
             let _ = self.announce_node();
         }
@@ -425,9 +443,6 @@ impl Transport for DdsTransport {
     }
 
     fn close(mut self: Box<Self>) {
-        for reader in self.readers.values() {
-            reader.receiving.abort();
-        }
         self.readers.clear();
         self.writers.clear();
     }

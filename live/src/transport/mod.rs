@@ -12,7 +12,7 @@ mod zenoh;
 #[cfg(feature = "zenoh")]
 pub(crate) use zenoh::run_on_one_thread as run_zenoh_on_one_thread;
 
-pub use inbox::{Arrival, Inbox, PublisherId, inbox};
+pub use inbox::{Arrival, Arrivals, Fetched, Inbox, PublisherId, Source, inbox};
 
 use crate::environment::Environment;
 use crate::error::{Error, Result};
