@@ -4,6 +4,7 @@
 
 mod peers;
 
+use grouser_log::message::View;
 use peers::{Node, Peer, Place, python, read, wheel_robot};
 use serde_json::{Value, json};
 
@@ -281,6 +282,7 @@ fn state_and_recording(transport: &'static str) {
     ] {
         assert!(topics.contains(&topic), "{topic} of {topics:?}");
     }
+    check_transform(&record);
     let again = Run::begin(transport, "kept-again", &arguments[..2]).unwrap();
     assert_eq!(again.end().code, Some(0));
     std::fs::write(&state, first.replace("five wheels", "another")).unwrap();
@@ -289,6 +291,73 @@ fn state_and_recording(transport: &'static str) {
     std::thread::sleep(std::time::Duration::from_secs(1));
     drop(node);
     assert!(read(&place.folder.join("err")).contains("the state is of the robot `another`"));
+}
+
+/// The wheels' angles in `control_msgs/DynamicJointState`, as the robot file names them.
+fn joint_interfaces(transport: &'static str) {
+    let Some(python) = python() else { return };
+    let place = Place::new(transport, "interfaces");
+    let mut peer = Peer::start(&python, &place);
+    peer.call(&json!(["open", "driver"]));
+    peer.call(&json!(["listen", "driver"]));
+    peer.call(&json!(["drive", "driver", { "interfaces": true }]));
+    let file = wheel_robot(&place);
+    let wheels = [
+        "front_left",
+        "front_right",
+        "rear_left",
+        "rear_right",
+        "fifth",
+    ];
+    let fields = wheels.iter().enumerate().map(|(place, wheel)| {
+        format!(
+            "[[topics.field]]\ntopic = \"/dynamic_joint_states\"\nfield = \"interface_values[{place}].values[0]\"\n\
+             meaning = \"wheel_angle\"\nunit = \"rad\"\nwheel = \"{wheel}\"\n"
+        )
+    });
+    let text = read(&file) + &fields.collect::<String>();
+    std::fs::write(&file, text).unwrap();
+    let node = Node::start(&place, &file, &["--look-s", "1"]);
+    peer.until_slip(20.0, is_right);
+    let ended = node.interrupt(&place);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.out, ended.err);
+    assert!(ended.out.contains("/dynamic_joint_states"), "{}", ended.out);
+}
+
+/// The transform in `/tf` is the pose in `/grouser/odom`.
+fn check_transform(record: &std::path::Path) {
+    use grouser_log::Clock;
+    let mut messages = grouser_log::Messages::open(record, Clock::Recorder, |channel| {
+        ["/tf", "/grouser/odom"].contains(&channel.topic.as_str())
+    })
+    .unwrap();
+    let mut pairs = std::collections::BTreeMap::new();
+    while let Some(message) = messages.next() {
+        let pair: &mut [Option<[f64; 4]>; 2] = pairs.entry(message.time_ns).or_default();
+        match messages.view(&message) {
+            Some(View::Odometry(odometry)) => {
+                let [x, y, _] = odometry.position;
+                pair[0] = Some([x, y, odometry.orientation[2], odometry.orientation[3]]);
+            }
+            Some(View::Transforms(all)) => {
+                let transform = all.get(0).unwrap();
+                assert_eq!(
+                    (transform.frame, transform.child_frame),
+                    ("odom", "base_link")
+                );
+                let ([x, y, _], turn) = (transform.translation, transform.rotation);
+                pair[1] = Some([x, y, turn[2], turn[3]]);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(pairs.len() > 100, "{}", pairs.len());
+    for [pose, transform] in pairs.into_values() {
+        assert!(
+            pose.is_some() && pose == transform,
+            "{pose:?} {transform:?}"
+        );
+    }
 }
 
 /// DDS itself names no nodes: the node announces itself as ROS 2's own do, with readers and writers that exist.
@@ -333,5 +402,5 @@ macro_rules! over {
     };
 }
 
-over!(zenoh, "zenoh": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, state_and_recording);
-over!(dds, "dds": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, name_in_the_graph);
+over!(zenoh, "zenoh": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, joint_interfaces, state_and_recording);
+over!(dds, "dds": killed_and_back, two_publishers, clock_jump, loss, wrong_hash, qos_mismatch, domains, duplicated_node, joint_interfaces, name_in_the_graph);

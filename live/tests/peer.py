@@ -21,6 +21,8 @@ OWN = {
     "grouser_msgs/msg/WheelSlip": "std_msgs/Header header\nstring[] name\nfloat64[] slip\nfloat64[] slip_sigma\nstring[] motion\nstring[] health\n",
     "grouser_msgs/msg/SlipEvent": "std_msgs/Header header\nstring event\nstring wheel\nbool begins\nbuiltin_interfaces/Time since\n",
     "grouser_msgs/msg/WheelTicks": "std_msgs/Header header\nstring[] name\nuint64[] ticks\n",
+    "control_msgs/msg/InterfaceValue": "string[] interface_names\nfloat64[] values\n",
+    "control_msgs/msg/DynamicJointState": "std_msgs/Header header\nstring[] joint_names\nInterfaceValue[] interface_values\n",
 }
 for name, text in OWN.items():
     STORE.register(get_types_from_msg(text, name))
@@ -115,6 +117,15 @@ def joint_state(stamp_ns, names, angles, rates):
     return bytes(STORE.serialize_cdr(message, "sensor_msgs/msg/JointState"))
 
 
+def joint_interfaces(stamp_ns, names, angles):
+    import numpy as np
+
+    Value = STORE.types["control_msgs/msg/InterfaceValue"]
+    values = [Value(["position"], np.array([angle])) for angle in angles]
+    message = STORE.types["control_msgs/msg/DynamicJointState"](header(stamp_ns), list(names), values)
+    return bytes(STORE.serialize_cdr(message, "control_msgs/msg/DynamicJointState"))
+
+
 def imu(stamp_ns, rate):
     import numpy as np
 
@@ -130,8 +141,9 @@ class Drive:
 
     POWERED = ["front_left", "front_right", "rear_left", "rear_right"]
 
-    def __init__(self, transport, rate_hz=100.0, hash=None, joints=None, rims=0.25, imu=True):
+    def __init__(self, transport, rate_hz=100.0, hash=None, joints=None, rims=0.25, imu=True, interfaces=False):
         self.transport, self.period, self.rims = transport, 1.0 / rate_hz, rims
+        self.interfaces = interfaces
         self.joints = joints or self.POWERED + ["fifth"]
         self.has_imu = imu
         self.step = 0
@@ -142,7 +154,10 @@ class Drive:
         self.kept = []
         self.running = True
         self.random = random.Random(2012)
-        transport.advertise("/joint_states", "sensor_msgs/msg/JointState", hash)
+        if interfaces:
+            transport.advertise("/dynamic_joint_states", "control_msgs/msg/DynamicJointState", hash)
+        else:
+            transport.advertise("/joint_states", "sensor_msgs/msg/JointState", hash)
         if imu:
             transport.advertise("/imu", "sensor_msgs/msg/Imu")
         self.thread = threading.Thread(target=self.run, daemon=True)
@@ -162,7 +177,11 @@ class Drive:
             # radius 0.1 m; it stands for the first second, and then drives
             angle = max(at - 1.0, 0.0)
             moves = 1.0 if at > 1.0 else 0.0
-            self.send("/joint_states", joint_state(stamp, self.joints, [10 * v * angle for v in speeds], [10 * v * moves for v in speeds]))
+            angles = [10 * v * angle for v in speeds]
+            if self.interfaces:
+                self.send("/dynamic_joint_states", joint_interfaces(stamp, self.joints, angles))
+            else:
+                self.send("/joint_states", joint_state(stamp, self.joints, angles, [10 * v * moves for v in speeds]))
             if self.has_imu:
                 self.send("/imu", imu(stamp + 1_000_000, 0.0))
 
