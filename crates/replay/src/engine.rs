@@ -84,6 +84,8 @@ pub struct Engine {
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
     moment: Moment,
+    /// The wheels' rim speeds over the window, m/s.
+    rims: Vec<Option<f64>>,
     angles: Vec<Option<f64>>,
     /// Cosine and sine of each wheel's heading.
     headings: Vec<(f64, f64)>,
@@ -199,6 +201,7 @@ impl Engine {
             ways: Ways::new(settings.low_speed, settings.window),
             clock_offset_s: None,
             moment: Moment::default(),
+            rims: Vec::new(),
             angles: Vec::new(),
             headings: robot
                 .wheels()
@@ -320,16 +323,19 @@ impl Engine {
         };
         let (time_s, is_wanted) = self.when(now);
         if is_wanted {
-            let slips = &self.slips;
+            let all = 0..self.robot.wheels().len();
+            self.rims.clear();
+            (self.rims).extend(all.map(|wheel| self.slips.rim_speed(wheel)));
+            let rims = &self.rims;
             if let Some(turns) = &mut self.turns {
-                turns.take(time_s, &body, |wheel| slips.rim_speed(wheel).unwrap_or(0.0));
+                turns.take(time_s, &body, |wheel| rims[wheel].unwrap_or(0.0));
             }
             if let Some(exchange) = &mut self.exchange {
-                exchange.step(&body, |wheel| slips.rim_speed(wheel));
+                exchange.step(&body, |wheel| rims[wheel]);
             }
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
-            let rims = powered.filter_map(|(index, _)| slips.rim_speed(index));
+            let rims = powered.filter_map(|(index, _)| rims[index]);
             let (sum, count) =
                 (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
             if count > 0.0 {
