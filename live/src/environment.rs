@@ -64,6 +64,21 @@ impl Environment {
     }
 }
 
+/// Starts this program again with a variable that only its environment sets; not where the user has set it.
+pub(crate) fn restart_with((name, value): (&str, &str)) {
+    #[cfg(unix)]
+    if std::env::var_os(name).is_none()
+        && let Ok(program) = std::env::current_exe()
+    {
+        use std::os::unix::process::CommandExt as _;
+        // where that fails, it goes on without
+        let _ = std::process::Command::new(program)
+            .args(std::env::args_os().skip(1))
+            .env(name, value)
+            .exec();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

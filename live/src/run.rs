@@ -10,7 +10,7 @@ use grouser_slip::Reference;
 
 use crate::arguments::Arguments;
 use crate::command::CommandPath;
-use crate::environment::Environment;
+use crate::environment::{Environment, restart_with};
 use crate::error::{Error, Result};
 use crate::look::{Subscriptions, look};
 use crate::node::{Node, Outcome};
@@ -29,10 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
     let environment = Environment::read()?;
     let kind = arguments.transport.unwrap_or(environment.transport);
     // before anything is opened
-    #[cfg(feature = "zenoh")]
-    if kind == transport::Kind::Zenoh {
-        transport::run_zenoh_on_one_thread();
-    }
+    restart_with(kind.variable());
     let mut robot = robot::read(&arguments.robot)?;
     let (look_for, hold, duration) = (arguments.look()?, arguments.hold()?, arguments.duration()?);
     let learnt = match &arguments.state {

@@ -96,6 +96,15 @@ fn soak(transport: &'static str) {
         slip.is_some_and(|slip| (slip - 0.2).abs() < 0.02) && message["health"][0] == "Ok"
     };
     peer.until_slip(20.0, is_right);
+    // the program has started itself again with what its transport needs
+    let variables = std::fs::read(format!("/proc/{}/environ", node.id())).unwrap();
+    let variables = String::from_utf8_lossy(&variables);
+    let needed = if transport == "dds" {
+        "MALLOC_ARENA_MAX=1\0"
+    } else {
+        "ZENOH_RUNTIME=(rx"
+    };
+    assert!(variables.contains(needed), "{variables}");
     // what is allocated once is allocated by now
     // the transports keep 1000 messages of each topic: five seconds fill that
     std::thread::sleep(Duration::from_secs(10));

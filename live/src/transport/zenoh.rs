@@ -70,27 +70,6 @@ fn failed(error: impl std::fmt::Display) -> Error {
     }
 }
 
-/// The threads of Zenoh: by default five, of which four wake for each message. Of a node with 400 messages a second they take
-/// 2.9 to 3.6 % of a processor, one alone 1.6 to 1.8 % (RESULTS.md, "The node beside a robot").
-const ONE_THREAD: &str =
-    "(rx: (handover: net), tx: (handover: net), acc: (handover: net), app: (handover: net))";
-const THREADS_VARIABLE: &str = "ZENOH_RUNTIME";
-
-/// Starts this program again with Zenoh on one thread, which only its environment sets; not where the user has set its threads.
-pub(crate) fn run_on_one_thread() {
-    #[cfg(unix)]
-    if std::env::var_os(THREADS_VARIABLE).is_none()
-        && let Ok(program) = std::env::current_exe()
-    {
-        use std::os::unix::process::CommandExt as _;
-        // where that fails, it goes on with five
-        let _ = std::process::Command::new(program)
-            .args(std::env::args_os().skip(1))
-            .env(THREADS_VARIABLE, ONE_THREAD)
-            .exec();
-    }
-}
-
 /// rmw_zenoh's session by default: a peer that knows the router of this machine.
 fn configuration(environment: &Environment) -> Result<zenoh::Config> {
     if let Some(path) = &environment.zenoh_config {
