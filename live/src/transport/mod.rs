@@ -29,8 +29,8 @@ const ONE_ZENOH_THREAD: (&str, &str) = (
     "ZENOH_RUNTIME",
     "(rx: (handover: net), tx: (handover: net), acc: (handover: net), app: (handover: net))",
 );
-/// One heap for all threads of glibc. With one each, messages of DDS, which another thread frees, fragment them: memory grows
-/// by 8 to 17 kB a minute and is 2.4 MB larger (RESULTS.md, same place).
+/// One heap for all threads of glibc: another thread frees a message than the one that received it. With a heap for each thread
+/// memory is 2 MB larger (RESULTS.md, same place).
 const ONE_HEAP: (&str, &str) = ("MALLOC_ARENA_MAX", "1");
 
 impl Kind {
