@@ -59,6 +59,39 @@ fn a_camera_keeps_the_others_ok_beside_a_free_wheel_that_misses_pulses() {
 }
 
 #[test]
+fn a_free_wheel_that_jams_while_the_robot_is_stuck_is_found_when_the_robot_comes_free() {
+    let (runs, _) = silent("the free wheel jams meanwhile", |seed| {
+        let later = 0.04 * seed as f64;
+        Trial::new(seed).event(Event::Immobilised, 7.4, 12.4).fault(
+            Fault::WheelStuck(FREE),
+            8.0 + later,
+            15.0 + later,
+        )
+    });
+    assert_eq!(runs, 0);
+    // a robot that is only stuck is no robot with a jammed wheel
+    let out = Trial::new(0).event(Event::Immobilised, 7.4, 12.4).run();
+    let stuck = out.between(8.5, 11.8);
+    assert!(
+        stuck
+            .flat_map(|m| &m.wheels[..FREE])
+            .all(|w| w.health == Health::Ok)
+    );
+}
+
+/// A wheel in the air beside wheels that brake, without a gyro: their difference is no turn of the robot, and its slip is not
+/// drawn to that of the others. The drive is one that the soak found.
+#[test]
+fn a_wheel_in_the_air_is_known_without_a_gyro() {
+    let (runs, _) = silent("a wheel in the air, the IMU silent", |seed| {
+        let mut trial = crate::soak::random(36_892);
+        trial.sensors.seed ^= seed;
+        trial
+    });
+    assert_eq!(runs, 0);
+}
+
+#[test]
 fn a_wheel_with_a_fast_clock_is_not_ok() {
     for wheel in [1, FREE] {
         let what = format!("wheel {wheel}'s clock is 10 % fast");

@@ -43,26 +43,31 @@ impl Core {
         }
     }
 
-    /// Records how fast a free wheel turns; when it stops, whether the accelerometer explains that.
+    /// Records how fast a free wheel turns; while it does not, whether the accelerometer explains that: a wheel that jams
+    /// stops of itself, and one that jammed while the robot was stuck does not start with it.
     fn watch_stop(&mut self, w: &WheelWindow) {
         let density = self.process_noise_density();
         let bias = self.state.covariance(FORWARD_BIAS, FORWARD_BIAS);
         let accel_integral = self.path.forward_integral();
         let wheel = &mut self.wheels.channels[w.index];
         let variance = self.state.variance_of(&motion_model::along(wheel.row));
+        let now = KnownSpeed {
+            time_ns: w.to_ns,
+            speed: w.forward,
+            variance,
+            accel_integral,
+        };
         if wheel.turns() {
-            wheel.rolling.turns(KnownSpeed {
-                time_ns: w.to_ns,
-                speed: w.forward,
-                variance,
-                accel_integral,
-            });
-        } else if let Some(then) = wheel.rolling.stopped_from() {
-            let passed = seconds_between(then.time_ns, w.to_ns);
-            let expected = then.speed + accel_integral - then.accel_integral;
-            let variance = then.variance + (density * density + bias * passed) * passed;
-            let limit = UNEXPECTED_STOP_SIGMA * Real::sqrt(variance) + self.settings.low_speed;
-            wheel.rolling.stop_expected &= expected.abs() <= limit;
+            wheel.rolling.turns(now);
+        } else {
+            if let Some(then) = wheel.rolling.known_before() {
+                let passed = seconds_between(then.time_ns, w.to_ns);
+                let expected = then.speed + accel_integral - then.accel_integral;
+                let variance = then.variance + (density * density + bias * passed) * passed;
+                let limit = UNEXPECTED_STOP_SIGMA * Real::sqrt(variance) + self.settings.low_speed;
+                wheel.rolling.stop_expected &= expected.abs() <= limit;
+            }
+            wheel.rolling.rests(now);
         }
     }
 

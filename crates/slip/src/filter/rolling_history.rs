@@ -9,7 +9,7 @@ const TURNING_SPEED_M_PER_S: f64 = 0.04;
 const CALM_TIME_S: f64 = 1.0;
 /// And only where the accelerometer's variance is below this multiple of the configured one.
 const CALM_NOISE_SCALE: f64 = 2.0;
-/// The speed of a free wheel is remembered from at least this long before it stops, s.
+/// The speed of a free wheel is remembered from at least this long ago, s.
 const REMEMBERED_TIME_S: f64 = 0.3;
 
 /// A speed along the wheel (m/s) at a time, its variance, and the change of speed by the accelerometer until then.
@@ -33,7 +33,7 @@ pub(super) struct RollingHistory {
     /// It has agreed since; and it had agreed for long before it did not.
     calm_since_ns: Option<i64>,
     pub(super) was_calm: bool,
-    /// Its speed while it turned, the older first.
+    /// Its speed, the older first.
     known: [Option<KnownSpeed>; 2],
 }
 
@@ -75,6 +75,15 @@ impl RollingHistory {
     /// The wheel turns at a known speed.
     pub(super) fn turns(&mut self, now: KnownSpeed) {
         self.stop_expected = true;
+        self.remember(now);
+    }
+
+    /// The wheel shows that the robot stands, as is known.
+    pub(super) fn rests(&mut self, now: KnownSpeed) {
+        self.remember(KnownSpeed { speed: 0.0, ..now });
+    }
+
+    fn remember(&mut self, now: KnownSpeed) {
         let aged = self.known[1]
             .is_none_or(|known| seconds_between(known.time_ns, now.time_ns) >= REMEMBERED_TIME_S);
         if aged {
@@ -82,9 +91,9 @@ impl RollingHistory {
         }
     }
 
-    /// The wheel does not turn: its speed before it stopped, once.
-    pub(super) fn stopped_from(&mut self) -> Option<KnownSpeed> {
-        let [older, newer] = core::mem::take(&mut self.known);
+    /// A speed that was known up to twice the remembered time ago.
+    pub(super) fn known_before(&self) -> Option<KnownSpeed> {
+        let [older, newer] = self.known;
         older.or(newer)
     }
 }
