@@ -128,7 +128,7 @@ fn every_cell() {
 #[test]
 fn all_positions_at_once_halve_the_error_of_the_centred_mean() {
     for (rim_speed, accelerations, limit) in
-        [(0.1, false, 0.35), (1.0, false, 0.75), (1.0, true, 0.4)]
+        [(0.1, false, 0.35), (1.0, false, 0.45), (1.0, true, 0.4)]
     {
         let one = score(&drive(rim_speed, accelerations, Disturbance::Clean, 1));
         println!("{rim_speed} m/s {accelerations}: {one:?}");
@@ -142,13 +142,13 @@ fn all_positions_at_once_halve_the_error_of_the_centred_mean() {
 }
 
 #[test]
-fn a_jump_is_found_within_the_time_between_two_positions() {
+fn a_jump_is_found_within_a_third_of_the_time_between_two_positions() {
     let mut lags: Vec<f64> = (0..5)
         .map(|seed| score(&drive(1.0, false, Disturbance::Clean, seed)).lag_s)
         .collect();
     lags.sort_by(f64::total_cmp);
     println!("lags {lags:?} s");
-    assert!(lags[2].abs() <= 0.2, "{lags:?}");
+    assert!(lags[2].abs() <= 0.06, "{lags:?}");
 }
 
 #[test]
