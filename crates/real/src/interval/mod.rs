@@ -173,25 +173,20 @@ impl Interval {
         }
     }
 
-    /// One step outwards: encloses what two correctly rounded ends stand for.
+    /// One step outwards: encloses what two correctly rounded ends stand for. Corners of products and quotients are
+    /// numbers (0 · ∞ is 0 there).
     fn rounded(low: f64, high: f64) -> Self {
-        if low.is_nan() || high.is_nan() {
-            return Self::ENTIRE;
-        }
         Self {
             low: low.next_down(),
             high: high.next_up(),
         }
     }
 
-    /// Encloses what two ends from the library stand for, within `range`.
+    /// Encloses what two ends from the library stand for, within `range`, whose end replaces one that is NaN.
     fn widened(low: f64, high: f64, range: Self) -> Self {
         let slack = LIBRARY_ULPS * f64::EPSILON;
         let low = (low - low.abs() * slack).next_down().max(range.low);
         let high = (high + high.abs() * slack).next_up().min(range.high);
-        if low.is_nan() || high.is_nan() {
-            return range;
-        }
         Self { low, high }
     }
 }
