@@ -366,19 +366,29 @@ fn a_file_that_shrinks_while_it_is_read_ends() {
     }
 }
 
-/// A disk that fails at its `left`th call, reading or writing.
+/// A disk that fails at its `left`th call, reading or writing: from then on, or `once`.
 struct Failing {
     inner: Cursor<Vec<u8>>,
     left: usize,
+    once: bool,
 }
 
 impl Failing {
     fn call(&mut self) -> io::Result<()> {
-        self.left = self
-            .left
-            .checked_sub(1)
-            .ok_or_else(|| io::Error::from_raw_os_error(5))?;
-        Ok(())
+        if let Some(left) = self.left.checked_sub(1) {
+            self.left = left;
+            return Ok(());
+        }
+        if self.once {
+            self.left = usize::MAX;
+        }
+        Err(io::Error::from_raw_os_error(5))
+    }
+
+    /// The same for what writes.
+    fn call_to_write(&mut self) -> io::Result<()> {
+        let full = |_| io::Error::from(io::ErrorKind::StorageFull);
+        self.call().map_err(full)
     }
 }
 
@@ -393,13 +403,12 @@ impl Read for Failing {
 
 impl Write for Failing {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.call()
-            .map_err(|_| io::Error::from(io::ErrorKind::StorageFull))?;
+        self.call_to_write()?;
         self.inner.write(buffer)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        Ok(())
+        self.call_to_write()
     }
 }
 
@@ -415,7 +424,11 @@ fn a_disk_that_fails_at_the_nth_read_is_reported() {
         let mut failures = 0;
         for left in 0.. {
             let inner = Cursor::new(file.bytes.clone());
-            let source = Failing { inner, left };
+            let source = Failing {
+                inner,
+                left,
+                once: false,
+            };
             let Ok(mut container) = Container::over(Path::new("disk"), source) else {
                 failures += 1;
                 continue;
@@ -445,21 +458,29 @@ fn a_disk_that_is_full_at_the_nth_write_is_an_error_and_what_it_holds_is_read() 
     let folder = Folder::new("full");
     let mcap = written::mcap::write(plan(Packing::Zstd));
     let bag = written::bag::write(plan(Packing::None));
-    for (file, format) in [(mcap, Format::Mcap), (bag, Format::Bag)] {
+    // a disk that recovers does not hide the error: a later write that succeeds would
+    let cases = [(&mcap, Format::Mcap), (&bag, Format::Bag)];
+    for ((file, format), once) in cases
+        .into_iter()
+        .flat_map(|case| [(case, false), (case, true)])
+    {
         let from = &folder.file("log", &file.bytes);
         let mut failures = 0;
         for left in 0.. {
             let mut disk = Failing {
                 inner: Cursor::new(Vec::new()),
                 left,
+                once,
             };
             let done = copy(from, &mut disk, format, |_| ());
+            let failed = disk.left > usize::MAX / 2;
             let held = disk.inner.into_inner();
             // Whatever it holds is a log as far as it goes.
             let rows = read(held).map(|(rows, _)| rows).unwrap_or_default();
             assert!(rows.iter().all(|row| file.rows.contains(row)));
             match done {
                 Ok(copied) => {
+                    assert!(!failed, "{format:?}: call {left} failed and nobody knows");
                     assert_eq!(copied.messages, file.rows.len() as u64);
                     assert_eq!(rows.len(), file.rows.len());
                     break;

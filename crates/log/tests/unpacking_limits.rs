@@ -132,6 +132,57 @@ fn many_great_definitions_and_names_are_reported() {
     assert!(found.damages[0].what.contains("limit"), "{found:?}");
 }
 
+/// All definitions and names of a file together have at most 4 MiB, however many there are and wherever they stand.
+#[test]
+fn definitions_and_names_share_one_limit() {
+    const LIMIT: usize = 4 * MIB;
+    let refused = "more than the limit of 4194304";
+    // definitions of 64 KiB, names of 1 KiB (the greatest of a name): what a schema's name takes counts too
+    let text = vec![b'#'; 64 << 10];
+    let cases = [
+        (LIMIT / text.len() - 1, 60, true),
+        (LIMIT / text.len(), 1, false),
+        (0, LIMIT / 1024 - 1, true),
+        (0, LIMIT / 1024 + 1, false),
+        (LIMIT / text.len() / 2, LIMIT / 2048 + 1, false),
+    ];
+    for (definitions, names, fits) in cases {
+        let mut records = Vec::new();
+        for id in 0..definitions {
+            let mut one = text.clone();
+            one[..8].copy_from_slice(format!("#{id:07}").as_bytes());
+            schema(
+                &mut records,
+                u16::try_from(id + 1).unwrap(),
+                "ros1msg",
+                &one,
+            );
+        }
+        for id in 0..names {
+            let topic = format!("/{id:0>1019}");
+            let id = u16::try_from(id + 1).unwrap();
+            channel(&mut records, id, 0, &topic, "json");
+            message(&mut records, id, 1, b"1");
+        }
+        let found = survey("shared", &packed(&records));
+        let reported = found
+            .damages
+            .iter()
+            .any(|damage| damage.what.contains(refused));
+        assert_eq!(
+            reported,
+            !fits,
+            "{definitions} {names}: {:?}",
+            found.damages.first()
+        );
+        if fits {
+            assert_eq!(found.topics.len(), names);
+        } else {
+            assert!(found.topics.len() < names);
+        }
+    }
+}
+
 #[test]
 fn a_message_of_many_small_values_is_not_unfolded() {
     let mut records = Vec::new();

@@ -152,7 +152,9 @@ struct Search {
 impl WheelOnSoil {
     /// The operating point at which the wheel carries `load` (N).
     ///
-    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions.
+    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions. Only a braked wheel, one with
+    /// lugs and one on soil that springs back have several. They are sought at eleven entry angles: a top or a valley
+    /// between two of them is missed, without a caution (`tests/properties.rs` has the share).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a negative load and for an exponent n(s) outside its range. A load that
