@@ -350,3 +350,85 @@ fn a_family_that_is_none_is_refused() {
     broken[3].pulls[7] = f64::NAN;
     assert!(SoilFamily::from_members(&broken, family.friction()).is_err());
 }
+
+/// Every number that a drive over three soils leaves, as it was when the figures of RESULTS.md were measured: what moves one
+/// moves them. `GROUSER_WRITE_PINNED=1` writes them anew.
+#[test]
+fn a_drive_over_three_soils_ends_in_the_same_numbers() {
+    let mut robot = on_board();
+    let mut course = start();
+    let mut lines = Vec::new();
+    let weak = scaled_soil(&sand(), 0.7, 4.0).unwrap();
+    let soft = scaled_soil(&sand(), 0.9, 0.6).unwrap();
+    for (leg, soil, slip, rows, sensor) in [
+        ("weak", &weak, 0.3, 900, Sensor::Absent),
+        ("sand", &sand(), 0.15, 1500, Sensor::EntryAngle),
+        ("soft", &soft, 0.25, 1000, Sensor::Sinkage),
+    ] {
+        drive_with(&mut robot, &mut course, (soil, slip), rows, sensor);
+        let mut line = |name: &str, values: &[f64]| {
+            let values: Vec<String> = values.iter().map(|x| format!("{x:.9e}")).collect();
+            lines.push(format!("{leg} {name} {}", values.join(" ")));
+        };
+        let learner = robot.soil().unwrap();
+        let of = |x: SoilInterval| [x.mean, x.low, x.high];
+        let learnt = learner.estimate();
+        line("strength", &of(learnt.strength));
+        line("stiffness", &of(learnt.stiffness));
+        line("friction", &of(learnt.friction_angle));
+        let counts = [learnt.readings, learnt.contact_readings, learnt.changes];
+        line("counts", &counts.map(f64::from));
+        line(
+            "scale",
+            &[learnt.error_scale, learner.running_slip().unwrap()],
+        );
+        line("weights", &learner.belief().weights);
+        for slip in [0.02, 0.33, 0.9] {
+            line("pull", &of(learner.predict_pull(slip, 0.03)));
+            line("torque", &[learner.torque_ratio(slip)]);
+        }
+        for slope in [-0.1, 0.0, 0.07, 0.2, 0.4] {
+            for demand in [learner.demand(slope), learner.demand_before(slope)] {
+                let demand = demand.unwrap();
+                let slip = demand.slip.map_or([2.0; 2], |slip| [slip.mean, slip.sigma]);
+                line("demand", &[demand.fails, slip[0], slip[1]]);
+            }
+        }
+        let seen = robot.observations()[1];
+        let firmness = seen.firmness.unwrap_or(-1.0);
+        let speeds = [seen.forward_speed, seen.rim_speed, robot.speed()];
+        line(
+            "wheel",
+            &[seen.slip.unwrap(), seen.sigma.unwrap(), firmness],
+        );
+        line("speeds", &speeds.map(Option::unwrap));
+        let attitude = robot.attitude();
+        line(
+            "attitude",
+            &[attitude.roll(), attitude.pitch(), attitude.heading()],
+        );
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/learnt_soil/drive.txt");
+    if std::env::var_os("GROUSER_WRITE_PINNED").is_some() {
+        std::fs::create_dir_all(std::path::Path::new(path).parent().unwrap()).unwrap();
+        std::fs::write(path, lines.join("\n") + "\n").unwrap();
+    }
+    let pinned = std::fs::read_to_string(path).unwrap();
+    assert_eq!(pinned.lines().count(), lines.len());
+    for (expected, found) in pinned.lines().zip(&lines) {
+        let numbers = |line: &str| -> Vec<f64> {
+            line.split(' ')
+                .filter_map(|word| word.parse().ok())
+                .collect()
+        };
+        let (expected_numbers, found_numbers) = (numbers(expected), numbers(found));
+        assert_eq!(expected_numbers.len(), found_numbers.len(), "{expected}");
+        for (a, b) in expected_numbers.iter().zip(&found_numbers) {
+            // another platform's functions differ in the last bits
+            assert!(
+                (a - b).abs() <= 1e-7 * a.abs() + 1e-12,
+                "{expected} was, {found} is"
+            );
+        }
+    }
+}

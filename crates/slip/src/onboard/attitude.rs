@@ -153,4 +153,107 @@ mod tests {
         let rest = filter.without_gravity(force);
         assert!(rest.iter().all(|part| part.abs() < 1e-9));
     }
+
+    /// Nothing shows the vertical: a force far from gravity's.
+    const FALLING: [f64; 3] = [0.0; 3];
+
+    /// The angles of a body that turns from level at a constant rate about its own axes, by Rodrigues' formula.
+    fn turned(rate: [f64; 3], seconds: f64) -> [f64; 3] {
+        let size = rate.iter().map(|w| w * w).sum::<f64>().sqrt();
+        let [x, y, z] = rate.map(|w| w / size);
+        let (sin, cos) = (size * seconds).sin_cos();
+        let rest = 1.0 - cos;
+        let row = [y * z * rest + x * sin, cos + z * z * rest];
+        let forwards = [
+            cos + x * x * rest,
+            x * y * rest + z * sin,
+            x * z * rest - y * sin,
+        ];
+        [
+            row[0].atan2(row[1]),
+            -forwards[2].asin(),
+            forwards[1].atan2(forwards[0]),
+        ]
+    }
+
+    #[test]
+    fn the_gyro_s_angles_are_those_of_a_turning_body() {
+        for rate in [
+            [0.3, -0.2, 0.5],
+            [-0.4, 0.3, 0.2],
+            [0.1, 0.5, -0.6],
+            [0.5, 0.4, 0.3],
+        ] {
+            let mut filter = AttitudeFilter::new(0.7, EARTH_GRAVITY_M_PER_S2);
+            for step in 0..=2000 {
+                filter.update(step * 1_000_000, FALLING, rate);
+            }
+            let [roll, pitch, yaw] = turned(rate, 2.0);
+            let found = [filter.roll(), filter.pitch(), filter.heading() - 0.7];
+            for (found, exact) in found.into_iter().zip([roll, pitch, yaw]) {
+                // a rectangle rule with steps of 1 ms
+                assert!((found - exact).abs() < 1e-3, "{rate:?}: {found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn gravity_is_a_mean_at_first_and_a_low_pass_from_ten_seconds_on() {
+        let (roll, pitch) = (1.2_f64, -0.9_f64);
+        let tilted = [
+            -pitch.sin(),
+            pitch.cos() * roll.sin(),
+            pitch.cos() * roll.cos(),
+        ];
+        let tilted = tilted.map(|part| EARTH_GRAVITY_M_PER_S2 * part);
+        let level = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+        for (before, after) in [(4, 3), (25, 5)] {
+            let mut filter = AttitudeFilter::new(0.0, EARTH_GRAVITY_M_PER_S2);
+            for step in 0..100 * (before + after) {
+                let force = if step < 100 * before { level } else { tilted };
+                filter.update(step * 10_000_000, force, [0.0; 3]);
+            }
+            let (before, after) = (before as f64, after as f64);
+            let share = if before < GRAVITY_TIME_CONSTANT_S {
+                after / (before + after - 0.01 + MIN_SEEN_S)
+            } else {
+                1.0 - (GRAVITY_TIME_CONSTANT_S / (GRAVITY_TIME_CONSTANT_S + 0.01))
+                    .powf(100.0 * after)
+            };
+            assert!((filter.roll() - share * roll).abs() < 1e-12);
+            assert!((filter.pitch() - share * pitch).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn readings_that_do_not_show_the_vertical_change_no_tilt() {
+        let tilt = |force: [f64; 3], rate: [f64; 3]| {
+            let mut filter = AttitudeFilter::new(0.0, 10.0);
+            filter.update(0, force, rate);
+            filter.roll()
+        };
+        // a share of 0.6 to the left; the size is gravity's, at the edges of its band, and beyond them
+        let force = |size: f64| [0.0, 0.6 * size, 0.8 * size];
+        let roll = 0.6_f64.atan2(0.8);
+        for size in [8.5, 10.0, 11.5] {
+            assert!((tilt(force(size), [0.0; 3]) - roll).abs() < 1e-12, "{size}");
+        }
+        for size in [0.0, 7.5, 12.0, 15.0, 1e4, f64::NAN] {
+            assert_eq!(tilt(force(size), [0.0; 3]), 0.0, "{size}");
+        }
+        for rate in [f64::NAN, 101.0, -101.0] {
+            assert_eq!(tilt(force(10.0), [0.0, 0.0, rate]), 0.0, "{rate}");
+        }
+        let mut filter = AttitudeFilter::new(0.5, 10.0);
+        filter.update(0, [0.0, 6.0, 8.0], [0.0; 3]);
+        let [forward, left] = filter.without_gravity([1.0, 2.0, 3.0]);
+        assert!((forward - 1.0).abs() < 1e-12 && (left + 4.0).abs() < 1e-12);
+        // after a gap the rates are not integrated
+        filter.update(600_000_000, FALLING, [0.0, 0.0, 1.0]);
+        assert_eq!(filter.heading(), 0.5);
+        filter.update(700_000_000, FALLING, [0.0, 0.0, 1.0]);
+        assert!((filter.heading() - 0.5 - 0.1 * 0.8 / 0.06_f64.cos()).abs() < 1e-12);
+        filter.set_heading(-1.0);
+        assert_eq!(filter.heading(), -1.0);
+    }
 }

@@ -31,3 +31,35 @@ impl Clock {
         Some(now_ns.saturating_add(self.sensors_ahead_ns?))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_counted_from_the_first_call_and_whole_milliseconds_exactly() {
+        for begin in [0, -5_000_000_123, i64::MAX - 2_000_000_000] {
+            let mut clock = Clock::default();
+            assert_eq!(clock.seconds(begin), 0.0);
+            for milliseconds in [1_i32, 7, 1500] {
+                let passed = i64::from(milliseconds) * NS_PER_MS;
+                assert_eq!(
+                    clock.seconds(begin + passed),
+                    f64::from(milliseconds) * 1e-3
+                );
+                let found = clock.seconds(begin + passed + 123_457);
+                assert!((found - (passed + 123_457) as f64 * 1e-9).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn the_sensors_clock_runs_on_from_its_newest_stamp() {
+        let mut clock = Clock::default();
+        assert_eq!(clock.sensor_time_ns(5), None);
+        clock.arrived(100, 1_000_040);
+        assert_eq!(clock.sensor_time_ns(107), Some(1_000_047));
+        clock.arrived(200, -3);
+        assert_eq!(clock.sensor_time_ns(i64::MIN), Some(i64::MIN));
+    }
+}

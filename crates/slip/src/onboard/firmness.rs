@@ -117,3 +117,98 @@ impl Wheel {
         self.expected[low] + share * (self.expected[low + 1] - self.expected[low])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps whose sums are exact.
+    const STEP_S: f64 = 1.0 / 128.0;
+
+    /// 1 N m at slip 0 and 5 N m at 1, steeper at first; the motor has 60 N m.
+    fn expected(slip: f64) -> f64 {
+        1.0 + 4.0 * slip.sqrt()
+    }
+
+    fn wheel() -> Firmness {
+        let table = core::array::from_fn(|i| expected(i as f64 / (TORQUE_POINTS - 1) as f64));
+        Firmness::new(&[None, Some(table)], &[Some(60.0), Some(60.0)])
+    }
+
+    #[test]
+    fn torque_over_the_expected_one_is_smoothed() {
+        let mut firmness = wheel();
+        let soil = |multiple| Compared::Soil(multiple);
+        for (multiple, slip) in [(1.0, 0.25), (0.8, 0.65), (1.0, 1.0), (1.0, 3.0)] {
+            let mut firmness = wheel();
+            let torque = Some(-0.5 * expected(f64::min(slip, 1.0)));
+            for count in 1..40 {
+                let found = firmness.update(1, (torque, Some(slip)), soil(multiple), STEP_S);
+                let kept = (TIME_CONSTANT_S / (TIME_CONSTANT_S + STEP_S)).powi(count);
+                let now = 0.5 / multiple;
+                assert!((found.unwrap() - (now + kept * (1.0 - now))).abs() < 1e-12);
+            }
+        }
+        // between two points of the table the torque is linear
+        let between = 0.5 * (expected(0.30) + expected(0.35));
+        let found = firmness.update(1, (Some(between), Some(0.325)), soil(1.0), STEP_S);
+        assert!((found.unwrap() - 1.0).abs() < 1e-12);
+        // the smoothed ratio begins again at 1 where a reading says nothing
+        for (torque, slip, multiple) in [
+            (None, Some(0.3), 1.0),
+            (Some(f64::NAN), Some(0.3), 1.0),
+            (Some(1.0), None, 1.0),
+            (Some(1.0), Some(0.079), 1.0),
+            // 0.02 of 60 N m is 1.2 N m
+            (Some(1.0), Some(0.25), 0.39),
+        ] {
+            assert_eq!(
+                firmness.update(1, (torque, slip), soil(multiple), STEP_S),
+                None
+            );
+        }
+        let found = firmness.update(1, (Some(0.0), Some(0.25)), soil(0.41), STEP_S);
+        let kept = TIME_CONSTANT_S / (TIME_CONSTANT_S + STEP_S);
+        assert!((found.unwrap() - kept).abs() < 1e-12);
+        let at_least = firmness.update(1, (Some(1.0), Some(MIN_SLIP)), soil(1.0), STEP_S);
+        assert!(at_least.is_some());
+        for without in [0, 2] {
+            let found = firmness.update(without, (Some(1.0), Some(0.3)), soil(1.0), STEP_S);
+            assert_eq!(found, None);
+        }
+    }
+
+    #[test]
+    fn before_a_soil_is_learnt_the_ground_before_is_what_it_is_compared_with() {
+        for usual in [0.5, 1.5] {
+            let mut firmness = wheel();
+            let slip = Some(1.0);
+            let mut update = |ratio: f64| {
+                let torque = Some(ratio * expected(1.0));
+                firmness.update(1, (torque, slip), Compared::Before, STEP_S)
+            };
+            for _ in 0..128 {
+                assert_eq!(update(usual), None, "a second is not long enough");
+            }
+            // where the ground took more than the known soil, that is the measure
+            let mut smoothed = 1.0;
+            let mut mean = usual;
+            for count in 128..1200 {
+                let ratio = if count < 512 { usual } else { 0.3 };
+                let now = ratio / f64::min(mean, 1.0);
+                smoothed += STEP_S / (TIME_CONSTANT_S + STEP_S) * (now - smoothed);
+                let found = update(ratio).unwrap();
+                assert!(
+                    (found - smoothed).abs() < 1e-9,
+                    "{count}: {found} {smoothed}"
+                );
+                let measured = f64::min(STEP_S * f64::from(count + 1), USUAL_TIME_S);
+                mean += STEP_S / measured * (ratio - mean);
+            }
+            assert!(
+                mean < 0.5 || usual > 1.0 && mean < 0.8,
+                "soft ground becomes the usual one: {mean}"
+            );
+        }
+    }
+}

@@ -173,4 +173,42 @@ mod tests {
         assert!((one.high - low * ratio.powf(0.95)).abs() < 1e-12);
         assert!((one.mean - 0.7).abs() < 1e-12);
     }
+
+    /// Quantiles of a density that is flat in the logarithm over each level's cell, by sums over small pieces of it.
+    #[test]
+    fn intervals_are_quantiles_of_cells_in_the_logarithm() {
+        let levels = [0.5, 1.0, 3.0];
+        // half-way to the neighbours, and as far outwards as inwards
+        let bounds = [
+            0.5 / 2.0_f64.sqrt(),
+            0.5_f64.sqrt(),
+            3.0_f64.sqrt(),
+            3.0 * 3.0_f64.sqrt(),
+        ];
+        for weights in [
+            [0.2, 0.5, 0.3],
+            [0.0, 0.04, 0.96],
+            [0.7, 0.3, 0.0],
+            [0.05, 0.9, 0.05],
+        ] {
+            let found = interval(&levels, &weights);
+            let mean: f64 = levels.iter().zip(weights).map(|(a, w)| a * w).sum();
+            assert!((found.mean - mean).abs() < 1e-12);
+            let below = |x: f64| -> f64 {
+                let share = |k: usize| {
+                    let (low, high) = (bounds[k].ln(), bounds[k + 1].ln());
+                    ((x.ln() - low) / (high - low)).clamp(0.0, 1.0)
+                };
+                (0..3).map(|k| weights[k] * share(k)).sum()
+            };
+            assert!(
+                (below(found.low) - TAIL_PROBABILITY).abs() < 1e-12,
+                "{weights:?}"
+            );
+            assert!(
+                (below(found.high) - 1.0 + TAIL_PROBABILITY).abs() < 1e-12,
+                "{weights:?}"
+            );
+        }
+    }
 }
