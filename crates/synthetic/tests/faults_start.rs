@@ -1,6 +1,7 @@
 //! What is wrong from the start (C8, C9, C12): units, signs, axes, which way is up. Each is refused with the name of its field,
 //! and a robot that is as described never is.
 
+use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::start::{Progress, StartCheck, check_gravity};
 use grouser_slip::{Fault as Refusal, Measurement, Robot, Sample};
 use grouser_synthetic::{Event, Fault};
@@ -106,39 +107,53 @@ fn a_wrong_unit_is_refused_by_the_name_of_its_field() {
 
 #[test]
 fn wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetres_too() {
-    // the powered wheels' counters as rates
+    // the powered wheels' counters as rates, beside a free wheel and a camera, or beside a camera alone
     let trial = with_camera(4);
     let (course, samples) = trial.samples();
     let rate = f64::from(trial::RATE);
-    let mut filter = trial.filter();
-    let mut check = StartCheck::new(&trial.robot.described(16).unwrap()).unwrap();
-    let mut found = None;
-    for sample in &samples {
-        let row = usize::try_from(sample.time_ns / 10_000_000).unwrap();
-        let measurement = match sample.measurement {
-            Measurement::WheelCount { wheel, .. } if wheel < FREE => {
-                let rad_per_s = course.steps[row.saturating_sub(1)].rim[wheel] / 0.1;
-                let rate_noise = 0.01 * ((row * 7 + wheel) % 13) as f64 / rate;
-                Measurement::WheelRate {
-                    wheel,
-                    rate: 9.549_3 * rad_per_s + rate_noise,
+    let whole = trial.robot.described(16).unwrap();
+    let powered = Robot::new("without".into(), whole.wheels()[..FREE].to_vec()).unwrap();
+    for (what, robot, factor) in [
+        ("rates in revolutions a minute", &whole, 9.549_3),
+        ("the same without a free wheel", &powered, 9.549_3),
+        ("right rates without a free wheel", &powered, 1.0),
+    ] {
+        let mut filter = SlipFilter::new(robot, FilterSettings::default()).unwrap();
+        let mut check = StartCheck::new(robot).unwrap();
+        let mut found = None;
+        for sample in &samples {
+            let row = usize::try_from(sample.time_ns / 10_000_000).unwrap();
+            let measurement = match sample.measurement {
+                Measurement::WheelCount { wheel, .. } if wheel < FREE => {
+                    let rad_per_s = course.steps[row.saturating_sub(1)].rim[wheel] / 0.1;
+                    let rate_noise = 0.01 * ((row * 7 + wheel) % 13) as f64 / rate;
+                    Measurement::WheelRate {
+                        wheel,
+                        rate: factor * rad_per_s + rate_noise,
+                    }
                 }
-            }
-            other => other,
-        };
-        let sample = Sample {
-            measurement,
-            ..*sample
-        };
-        let _ = filter.update(sample);
-        found = check.take(&sample, &filter.latest()).err();
+                // beside an accelerometer that is the one named: its factor in g is nearly the same
+                Measurement::WheelCount { .. } | Measurement::Acceleration { .. }
+                    if robot.wheels().len() == FREE =>
+                {
+                    continue;
+                }
+                other => other,
+            };
+            let sample = Sample {
+                measurement,
+                ..*sample
+            };
+            let _ = filter.update(sample);
+            found = check.take(&sample, &filter.latest()).err();
+        }
+        if factor == 1.0 {
+            assert_eq!(found, None, "{what}");
+        } else {
+            let (name, like) = ("rim speed of a wheel", "revolutions a minute");
+            named(what, (found, 0.0, false), name, like);
+        }
     }
-    named(
-        "rates in revolutions a minute",
-        (found, 0.0, false),
-        "rim speed of a wheel",
-        "revolutions a minute",
-    );
     let mut wheels = trial.robot.described(16).unwrap().wheels().to_vec();
     wheels[1].radius *= 1000.0;
     let refused = Robot::new("in millimetres".into(), wheels).unwrap_err();
