@@ -8,7 +8,7 @@ use super::monitor::Monitor;
 use super::motion_model::{GYRO_BIAS, YAW};
 use super::settings::FilterSettings;
 use super::turn_agreement::TurnAgreement;
-use super::wheel_bank::{WheelBank, shows_turn};
+use super::wheel_bank::WheelBank;
 use crate::fault::Fault;
 use crate::history::seconds_between;
 
@@ -56,7 +56,7 @@ impl GyroMonitor {
             && !self.is_stuck(time_ns, rate, wheels.any_turns());
         let trusted = self.gate.record(time_ns, agreed, settings.failure);
         self.last_ns = Some(time_ns);
-        if let Some(by_wheels) = wheels.yaw_rate().filter(shows_turn) {
+        if let Some(by_wheels) = wheels.yaw_rate() {
             self.compare((time_ns, rate), by_wheels.value, settings, state);
         }
         let same_way = !self.agreement.contradicts();

@@ -14,10 +14,6 @@ use crate::speed::Measured;
 
 /// Wheels whose headings differ by less than this drive one way: the sine of the angle.
 const PARALLEL_SINE: f64 = 0.02;
-/// Wheels that slip unequally show no turn: its standard deviation is above this share of it and this, rad/s. One wheel that spins
-/// makes it as large as the turn.
-const UNEQUAL_TURN_SHARE: f64 = 0.5;
-const UNEQUAL_TURN_RAD_PER_S: f64 = 0.12;
 /// Weight of one wheel's innovation in its mean, where it is the only powered one.
 const MEAN_INNOVATION_WEIGHT: f64 = 0.2;
 /// The common slip has changed when the median of the wheels' mean innovations is beyond this, in sigma.
@@ -176,11 +172,6 @@ impl WheelBank {
         shares.sort_unstable_by(f64::total_cmp);
         shares.get(count / 2).copied().unwrap_or(0.0)
     }
-}
-
-/// Do the wheels show this turn, or do they only slip unequally?
-pub(super) fn shows_turn(turn: &Measured) -> bool {
-    turn.sigma() < UNEQUAL_TURN_SHARE * turn.value.abs() + UNEQUAL_TURN_RAD_PER_S
 }
 
 fn lateral(channels: &[WheelChannel]) -> Option<[f64; 3]> {

@@ -8,7 +8,6 @@ use super::kalman::ScalarMeasurement;
 use super::motion_model::{
     COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW, along, own_slip, radius, remainder,
 };
-use super::wheel_bank::shows_turn;
 use super::{INNOVATION_CLAMP_SIGMA, WRONG_ENCODER_TIME_S};
 use crate::fault::Fault;
 use crate::history::seconds_between;
@@ -204,17 +203,12 @@ impl Core {
     }
 
     /// Updates the state. In a bend the sides slip differently for long: that is no turning and no bias of the gyro, where
-    /// there is a gyro; without one, wheels that slip unequally show no turn.
+    /// there is a gyro.
     fn apply_window(&mut self, w: &WheelWindow, free: bool, measured: &ScalarMeasurement<'_>) {
-        let has_gyro = self.gyro.is_trusted(w.to_ns, &self.settings);
+        let turn = || self.wheels.yaw_rate().map_or(0.0, |turn| turn.value.abs());
         let in_bend = !free
-            && self.wheels.yaw_rate().is_some_and(|turn| {
-                if has_gyro {
-                    turn.value.abs() > BEND_YAW_RATE_RAD_PER_S
-                } else {
-                    !shows_turn(&turn)
-                }
-            });
+            && self.gyro.is_trusted(w.to_ns, &self.settings)
+            && turn() > BEND_YAW_RATE_RAD_PER_S;
         // The motion over the ground is known by the reference: the window shows the wheel's own slip.
         let led = self.is_led;
         // Steered wheels see a sideways drift as unequal slips, as their prior does not have them: it is not learnt from them.
